@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     )
     from flightsim.plant import NotAlignedError, PhysicsDivergedError, Plant, PlantCfg, PlantError
     from flightsim.sensors.cameras import CameraError, Cameras, RgbdFrame, depth_noise
+    from flightsim.sensors.lidars import Lidar, LidarError, LidarScan, lidar_by_name
+    from flightsim.sensors.optical_flow import OpticalFlowCfg
     from flightsim.simulator import Controller, Simulator
     from flightsim.testbench import Testbench, TestbenchCfg, TestbenchError
     from flightsim.vehicles import (
@@ -54,8 +56,12 @@ __all__ = [
     "ControlLevel",
     "Controller",
     "FlatReference",
+    "Lidar",
+    "LidarError",
+    "LidarScan",
     "MavlinkClient",
     "NotAlignedError",
+    "OpticalFlowCfg",
     "PhysicsDivergedError",
     "Plant",
     "PlantCfg",
@@ -77,4 +83,5 @@ __all__ = [
     "airframe_by_name",
     "build_world",
     "depth_noise",
+    "lidar_by_name",
 ]

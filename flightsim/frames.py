@@ -72,6 +72,11 @@ class LocalFrame:
 
     Uses the radii of curvature at the origin: within 1 km of it the error stays below 0.2 m, and
     one conversion costs under a microsecond. The vertical is the altitude difference.
+
+    Attributes:
+        origin: Place of the local origin.
+        metres_per_degree_north: Length of a degree of latitude there.
+        metres_per_degree_east: Length of a degree of longitude there.
     """
 
     def __init__(self, origin: Geodetic) -> None:
@@ -80,8 +85,8 @@ class LocalFrame:
         w = 1.0 - _ECCENTRICITY_SQUARED * math.sin(latitude) ** 2
         meridian_m = _SEMI_MAJOR_AXIS_M * (1.0 - _ECCENTRICITY_SQUARED) / w**1.5
         normal_m = _SEMI_MAJOR_AXIS_M / math.sqrt(w)
-        self._metres_per_degree_north = math.radians(meridian_m + origin.altitude_m)
-        self._metres_per_degree_east = math.radians(
+        self.metres_per_degree_north = math.radians(meridian_m + origin.altitude_m)
+        self.metres_per_degree_east = math.radians(
             (normal_m + origin.altitude_m) * math.cos(latitude)
         )
 
@@ -89,15 +94,15 @@ class LocalFrame:
         """Latitude, longitude and altitude of a local position."""
         east, north, up = position_enu_m
         return Geodetic(
-            self.origin.latitude_deg + north / self._metres_per_degree_north,
-            self.origin.longitude_deg + east / self._metres_per_degree_east,
+            self.origin.latitude_deg + north / self.metres_per_degree_north,
+            self.origin.longitude_deg + east / self.metres_per_degree_east,
             self.origin.altitude_m + up,
         )
 
     def enu_from_geodetic(self, place: Geodetic) -> Vector3:
         """Local position of a latitude, longitude and altitude."""
         return (
-            (place.longitude_deg - self.origin.longitude_deg) * self._metres_per_degree_east,
-            (place.latitude_deg - self.origin.latitude_deg) * self._metres_per_degree_north,
+            (place.longitude_deg - self.origin.longitude_deg) * self.metres_per_degree_east,
+            (place.latitude_deg - self.origin.latitude_deg) * self.metres_per_degree_north,
             place.altitude_m - self.origin.altitude_m,
         )

@@ -8,8 +8,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
-from flightsim.plant import Plant
-
 TICK_US = 20_000
 """Simulated time of one step."""
 
@@ -19,6 +17,19 @@ _LOCKSTEP_WAIT_S = 0.05
 """Time between two looks at what else could end a run while a client keeps the time."""
 
 Observer = Callable[[], None]
+
+
+class Timed(Protocol):
+    """What moves with time: a plant, or all vehicles of a world."""
+
+    @property
+    def time_us(self) -> int:
+        """Simulated time."""
+        ...
+
+    def advance(self) -> None:
+        """Advance by a step."""
+        ...
 
 
 class Controller(Protocol):
@@ -63,7 +74,7 @@ class Simulator:
 
     def __init__(
         self,
-        plant: Plant,
+        plant: Timed,
         autopilot: Controller,
         mavlink_server: Server | None = None,
         *,
@@ -73,7 +84,7 @@ class Simulator:
         """Prepare a loop.
 
         Args:
-            plant: Plant that owns time.
+            plant: Plant, or vehicles, that own time.
             autopilot: Autopilot or other controller, updated after the plant with fresh estimates.
             mavlink_server: Server, updated after the autopilot; None flies without clients.
             observers: Called in this order at the end of each step; a list may grow later.

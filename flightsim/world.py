@@ -1,60 +1,59 @@
-"""A scene and a vehicle compiled into one MuJoCo model, ready to step.
+"""A scene and its vehicles compiled into one MuJoCo model, ready to step.
 
-Integrator: MuJoCo's default, semi-implicit Euler. The only moving body is free, without joint
-damping or springs, and its forces are constant over a step; implicit variants make no difference
-here, and RK4 evaluates everything four times. Contacts use elliptic friction cones with a raised
-`impratio`, which keeps a landed vehicle from creeping down a slope.
+Integrator: MuJoCo's default, semi-implicit Euler. The moving bodies are free, without joint
+damping or springs, and their forces are constant over a step; implicit variants make no difference
+here. Elliptic friction cones with a raised `impratio` keep a landed vehicle from creeping downhill.
 """
 
 from __future__ import annotations
 
-import math
+import copy
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
+from jaxtyping import Bool
 
 from aeroscene.scene import Scene
-from aeroscene.solids.shapes import MATERIALS, Primitive, scene_primitives
+from aeroscene.solids.shapes import Primitive, scene_primitives
 from autonomy.model.quadrotor import GRAVITY_MPS2
 from flightsim.environment.motion import start_poses
 from flightsim.environment.movers import MovingObstacle, mover_name
 from flightsim.environment.traffic import TrafficCfg, plan_traffic
 from flightsim.looks.drawing import add_looks, set_view
-from flightsim.looks.movers import MOVER_CONTACT_BIT, MoverSet
+from flightsim.looks.geom_groups import GeomGroup
+from flightsim.looks.movers import MoverSet
 from flightsim.looks.surfaces import Detail
-from flightsim.looks.surroundings import GROUND_MATERIAL
+from flightsim.starts import (
+    PlacedVehicle,
+    WorldError,
+    add_vehicles,
+    inside_of,
+    place_vehicles,
+    settle,
+)
 from flightsim.vehicles.airframe import Airframe
-from flightsim.vehicles.builder import VEHICLE_BODY, add_vehicle
-from flightsim.world_geometry import STATIC_CONTACT, SurfaceProbe, add_solids, friction
+from flightsim.vehicles.builder import part_name, vehicle_name
+from flightsim.vehicles.touching import let_touch_each_other, let_touch_movers
+from flightsim.world_geometry import SurfaceProbe, add_ground, add_solids
+from flightsim.world_rays import RayTree
 
-VEHICLE_ID = -1
-"""Id of the vehicle's own geoms in `World.geom_object_id`."""
-GROUND_ID = -2
-"""Id of the ground plane in `World.geom_object_id`."""
+VEHICLE_ID, GROUND_ID = -1, -2
+"""Ids of the vehicle's own geoms and of the ground plane in `World.geom_object_id`."""
 FIRST_MOVER_ID = -10
 """Id of the first moving obstacle in `World.geom_object_id`; the next ones count down."""
-
-# The vehicle is lowered from this height, so that the uphill legs clear a sloping surface. A
-# contact up there deeper than the tolerance means that it is inside something.
-_LOWERING_M = 0.05
-_PENETRATION_TOLERANCE_M = 0.01
-_SETTLE_S = 1.0
-_MAX_SETTLE_DRIFT_M = 0.10
-_MAX_START_TILT_RAD = math.radians(20.0)
-
-
-class WorldError(ValueError):
-    """A scene and a vehicle make no valid world, for example by an impossible start."""
+FIRST_MATE_ID = -100
+"""Id of the first vehicle of a world where another one sees it; the next ones count down."""
 
 
 @dataclass(frozen=True, eq=False)
 class World:
-    """A compiled scene with one vehicle in it (or none)."""
+    """A compiled scene as one vehicle has it, alone or among others, or without any."""
 
     model: mujoco.MjModel
     scene: Scene
+    """The scene, with this vehicle's start."""
     airframe: Airframe
     solids: tuple[Primitive, ...]
     """All static solids: geom 0 is the ground, geom 1 + i is solid i."""
@@ -62,22 +61,58 @@ class World:
     """All movers: mocap body i is obstacle i."""
     movers: MoverSet
     """Appearance of the movers."""
+    rays: RayTree
+    """By which rays find its geoms."""
     geom_object_id: np.ndarray
-    """Id (ngeom,) int32 of the scene object, `VEHICLE_ID`, `GROUND_ID`, or id of a mover."""
+    """Id (ngeom,) int32 of a scene object, `VEHICLE_ID`, `GROUND_ID`, or of a mover or mate."""
     vehicle_body_id: int
     """Body of the vehicle, -1 in a world without one."""
     rest_qpos: np.ndarray
-    """Configuration (nq,) of the vehicle standing on its legs at the start."""
+    """Configuration (nq,) of all vehicles standing on their legs at their starts."""
+    vehicles: tuple[PlacedVehicle, ...] = ()
+    """All vehicles in it."""
+    number: int = 0
+    """Number of this one among them."""
+
+    @property
+    def n_vehicles(self) -> int:
+        """Number of vehicles in it."""
+        return len(self.vehicles)
+
+    @property
+    def qpos_address(self) -> int:
+        """Where the pose of the vehicle (7,) begins in a configuration."""
+        return int(self.model.jnt_qposadr[self.model.body_jntadr[self.vehicle_body_id]])
+
+    def camera_name(self, camera: str) -> str:
+        """Name that one of the vehicle's cameras has in the model."""
+        return part_name(self.number, camera)
+
+    def is_of_mate(self, model: mujoco.MjModel) -> Bool[np.ndarray, " ngeom"]:
+        """Which geoms of a model of this world, to fly or to draw, are other vehicles'."""
+        names = [vehicle_name(k) for k in range(self.n_vehicles) if k != self.number]
+        bodies = [mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name) for name in names]
+        return np.isin(model.geom_bodyid, bodies)
+
+    def as_seen(self) -> mujoco.MjModel:
+        """The model as the vehicle's cameras see it: the other vehicles are of what moves."""
+        if self.n_vehicles < 2:
+            return self.model
+        return self._with_visible_mates(copy.copy(self.model))
 
     def new_looks(self, detail: Detail) -> mujoco.MjModel:
         """Build a drawing model of the same world; `qpos` and mocap poses mean the same in it."""
         spec = mujoco.MjSpec()
         set_view(spec, self.scene)
         add_looks(spec, self.scene, self.solids, detail)
-        if self.vehicle_body_id >= 0:
-            add_vehicle_at_start(spec, self.scene, self.airframe)
+        add_vehicles(spec, self.vehicles)
         self.movers.add_looks(spec)
-        return spec.compile()
+        return self._with_visible_mates(spec.compile())
+
+    def _with_visible_mates(self, model: mujoco.MjModel) -> mujoco.MjModel:
+        is_shown = self.is_of_mate(model) & (model.geom_group == GeomGroup.VEHICLE_LOOKS)
+        model.geom_group[is_shown] = GeomGroup.MOVING
+        return model
 
     def mover_body_id(self, index: int) -> int:
         """Body of a moving obstacle."""
@@ -88,12 +123,14 @@ class World:
         """Name of a thing by its id in `geom_object_id`, such as "object 12 (tree)"."""
         if object_id == VEHICLE_ID:
             return "the vehicle"
+        if object_id <= FIRST_MATE_ID:
+            return f"vehicle {FIRST_MATE_ID - object_id + 1}"
         if object_id <= FIRST_MOVER_ID:
             return mover_name(FIRST_MOVER_ID - object_id, self.obstacles)
         return _describe(self.scene, object_id)
 
     def new_data(self) -> mujoco.MjData:
-        """State at time zero: the vehicle at the start, at rest on its legs."""
+        """State at time zero: the vehicles at their starts, at rest on their legs."""
         data = mujoco.MjData(self.model)
         data.qpos[:] = self.rest_qpos
         mujoco.mj_forward(self.model, data)
@@ -124,34 +161,104 @@ def build_world(
         TrafficError: If the scene has no room for the traffic.
     """
     solids = (*scene_primitives(scene), *extra)
+    vehicles = place_vehicles(scene, [airframe], solids) if vehicle else ()
+    worlds = _compile(scene, airframe, vehicles, solids, physics_hz, traffic)
+    return worlds[0]
+
+
+def build_worlds(
+    scene: Scene,
+    airframes: Sequence[Airframe],
+    *,
+    physics_hz: int = 500,
+    traffic: TrafficCfg | Sequence[MovingObstacle] = (),
+) -> tuple[World, ...]:
+    """Compile a scene with several vehicles, the first at its start, the others beside it.
+
+    Args:
+        scene: Objects and the start.
+        airframes: Vehicles with their cameras, at least one.
+        physics_hz: Steps per second.
+        traffic: Movers on their paths, or the number of movers to find paths for.
+
+    Returns:
+        The world as each vehicle has it.
+
+    Raises:
+        WorldError: If the start has not enough room, or a vehicle cannot stand.
+        TrafficError: If the scene has no room for the traffic.
+    """
+    solids = tuple(scene_primitives(scene))
+    vehicles = place_vehicles(scene, airframes, solids)
+    return _compile(scene, airframes[0], vehicles, solids, physics_hz, traffic)
+
+
+def _compile(
+    scene: Scene,
+    airframe: Airframe,
+    vehicles: tuple[PlacedVehicle, ...],
+    solids: tuple[Primitive, ...],
+    physics_hz: int,
+    traffic: TrafficCfg | Sequence[MovingObstacle],
+) -> tuple[World, ...]:
+    """The world as each of its vehicles has it, or as `airframe` would where there is none."""
     spec = new_spec(scene, physics_hz)
     add_ground(spec)
     add_solids(spec, solids)
-    if vehicle:
-        add_vehicle_at_start(spec, scene, airframe)
+    add_vehicles(spec, vehicles)
     if isinstance(traffic, TrafficCfg):
-        traffic = plan_traffic(traffic, scene, solids, SurfaceProbe(solids).height_m)
+        starts = [vehicle.stand_enu_m for vehicle in vehicles]
+        traffic = plan_traffic(traffic, scene, solids, SurfaceProbe(solids).height_m, starts)
     movers = MoverSet(traffic)
+    if len(vehicles) > 1:
+        let_touch_each_other(spec, len(vehicles))
     if len(movers):
-        _let_vehicle_touch_movers(spec)
+        let_touch_movers(spec, len(vehicles))
         movers.add_solids(spec)
     model = spec.compile()
     _enable_sleep(model)
     _put_movers(model, traffic)
-    geom_object_id = np.full(model.ngeom, VEHICLE_ID, dtype=np.int32)
-    geom_object_id[: 1 + len(solids)] = [GROUND_ID, *(solid.object_id for solid in solids)]
     is_mover = model.body_mocapid[model.geom_bodyid] >= 0
-    geom_object_id[is_mover] = FIRST_MOVER_ID - np.arange(len(movers))
-    return World(
+    bodies = [model.body(vehicle_name(k)).id for k in range(len(vehicles))]
+    ids = np.zeros(model.ngeom, dtype=np.int32)
+    ids[: 1 + len(solids)] = [GROUND_ID, *(solid.object_id for solid in solids)]
+    for k, body in enumerate(bodies):
+        ids[model.geom_bodyid == body] = FIRST_MATE_ID - k
+    ids[is_mover] = FIRST_MOVER_ID - np.arange(len(movers))
+    for vehicle, body in zip(vehicles, bodies, strict=True):
+        if (geom := inside_of(model, body)) is not None:
+            raise WorldError(
+                f"start_position_enu_m {vehicle.stand_enu_m} puts the vehicle inside "
+                f"{_describe(scene, int(ids[geom]))}, valid: a free point on a surface"
+            )
+    rest_qpos = settle(model, vehicles, bodies) if vehicles else model.qpos0.copy()
+    world = World(
         model=model,
         solids=solids,
         obstacles=tuple(traffic),
         movers=movers,
         scene=scene,
         airframe=airframe,
-        geom_object_id=geom_object_id,
-        vehicle_body_id=mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, VEHICLE_BODY),
-        rest_qpos=_settle(model, scene, geom_object_id) if vehicle else model.qpos0.copy(),
+        rays=RayTree.of(model),
+        geom_object_id=np.where(ids == FIRST_MATE_ID, VEHICLE_ID, ids),
+        vehicle_body_id=bodies[0] if bodies else -1,
+        rest_qpos=rest_qpos,
+        vehicles=vehicles,
+    )
+    mates = (_as_of(world, k, bodies[k], ids) for k in range(1, len(vehicles)))
+    return (world, *mates)
+
+
+def _as_of(world: World, number: int, body: int, ids: np.ndarray) -> World:
+    """The world as another of its vehicles has it; `ids` are those of nobody's view."""
+    vehicle = world.vehicles[number]
+    return replace(
+        world,
+        scene=replace(world.scene, start_position_enu_m=vehicle.stand_enu_m),
+        airframe=vehicle.airframe,
+        geom_object_id=np.where(ids == FIRST_MATE_ID - number, VEHICLE_ID, ids),
+        vehicle_body_id=body,
+        number=number,
     )
 
 
@@ -167,38 +274,11 @@ def new_spec(scene: Scene, physics_hz: int) -> mujoco.MjSpec:
     return spec
 
 
-def add_vehicle_at_start(spec: mujoco.MjSpec, scene: Scene, airframe: Airframe) -> None:
-    """Add the vehicle just above the scene's start."""
-    x, y, z = scene.start_position_enu_m
-    stand_enu_m = (x, y, z + airframe.leg_length_m + _LOWERING_M)
-    add_vehicle(spec, airframe, stand_enu_m, scene.start_yaw_rad)
-
-
-def _let_vehicle_touch_movers(spec: mujoco.MjSpec) -> None:
-    body = spec.body(VEHICLE_BODY)
-    for geom in () if body is None else body.geoms:
-        if geom.contype:
-            geom.contype |= MOVER_CONTACT_BIT
-
-
 def _put_movers(model: mujoco.MjModel, obstacles: Sequence[MovingObstacle]) -> None:
     """Place the movers at their poses at time zero."""
     if obstacles:
         is_mover = model.body_mocapid >= 0
         model.body_pos[is_mover], model.body_quat[is_mover] = start_poses(obstacles)
-
-
-def add_ground(spec: mujoco.MjSpec) -> None:
-    """Add the plane z = 0, which is geom "ground"."""
-    spec.worldbody.add_geom(
-        name="ground",
-        type=mujoco.mjtGeom.mjGEOM_PLANE,
-        # Zero is infinite. The third number is MuJoCo's grid spacing for drawing.
-        size=(0.0, 0.0, 1.0),
-        rgba=MATERIALS[GROUND_MATERIAL].rgba,
-        friction=friction(GROUND_MATERIAL),
-        **STATIC_CONTACT,
-    )
 
 
 def _enable_sleep(model: mujoco.MjModel) -> None:
@@ -208,36 +288,6 @@ def _enable_sleep(model: mujoco.MjModel) -> None:
     """
     model.opt.enableflags |= mujoco.mjtEnableBit.mjENBL_SLEEP
     model.tree_sleep_policy[:] = mujoco.mjtSleepPolicy.mjSLEEP_NEVER
-
-
-def _settle(model: mujoco.MjModel, scene: Scene, geom_object_id: np.ndarray) -> np.ndarray:
-    """Lower the vehicle onto the start and return its resting configuration, (nq,)."""
-    data = mujoco.MjData(model)
-    mujoco.mj_forward(model, data)
-    _check_not_inside(data, scene, geom_object_id)
-    for _ in range(round(_SETTLE_S / model.opt.timestep)):
-        mujoco.mj_step(model, data)
-    drift_m = float(np.linalg.norm(data.qpos[:3] - model.qpos0[:3] + (0.0, 0.0, _LOWERING_M)))
-    _, x, y, _ = data.qpos[3:7]
-    tilt_rad = math.acos(max(-1.0, min(1.0, 1.0 - 2.0 * (x * x + y * y))))
-    if drift_m > _MAX_SETTLE_DRIFT_M or tilt_rad > _MAX_START_TILT_RAD:
-        raise WorldError(
-            f"start_position_enu_m {scene.start_position_enu_m} is no place to stand (the vehicle "
-            f"moved {drift_m:.2f} m and tilted {math.degrees(tilt_rad):.0f} degrees), "
-            "valid: a point on a flat surface"
-        )
-    return data.qpos.copy()
-
-
-def _check_not_inside(data: mujoco.MjData, scene: Scene, geom_object_id: np.ndarray) -> None:
-    for contact in data.contact[: data.ncon] if data.ncon else ():
-        if contact.dist < -_PENETRATION_TOLERANCE_M:
-            ids = geom_object_id[contact.geom].tolist()
-            object_id = next(i for i in ids if i != VEHICLE_ID)
-            raise WorldError(
-                f"start_position_enu_m {scene.start_position_enu_m} puts the vehicle inside "
-                f"{_describe(scene, object_id)}, valid: a free point on a surface"
-            )
 
 
 def _describe(scene: Scene, object_id: int) -> str:

@@ -7,10 +7,11 @@ from typing import Any
 
 import mujoco
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from aeroscene.solids.shapes import MATERIALS, Primitive
 from flightsim.looks.geom_groups import GeomGroup
+from flightsim.looks.surroundings import GROUND_MATERIAL
 
 STATIC_CONTACT: dict[str, Any] = {
     "contype": 1,
@@ -28,6 +29,19 @@ _SIMPLE_TYPES = {
     "cylinder": mujoco.mjtGeom.mjGEOM_CYLINDER,
     "ellipsoid": mujoco.mjtGeom.mjGEOM_ELLIPSOID,
 }
+
+
+def add_ground(spec: mujoco.MjSpec) -> None:
+    """Add the plane z = 0, which is geom "ground"."""
+    spec.worldbody.add_geom(
+        name="ground",
+        type=mujoco.mjtGeom.mjGEOM_PLANE,
+        # Zero is infinite. The third number is MuJoCo's grid spacing for drawing.
+        size=(0.0, 0.0, 1.0),
+        rgba=MATERIALS[GROUND_MATERIAL].rgba,
+        friction=friction(GROUND_MATERIAL),
+        **STATIC_CONTACT,
+    )
 
 
 def add_solids(spec: mujoco.MjSpec, primitives: Iterable[Primitive]) -> None:
@@ -53,16 +67,36 @@ class SurfaceProbe:
         self._model = spec.compile()
         self._data = mujoco.MjData(self._model)
         mujoco.mj_kinematics(self._model, self._data)
+        self._geom = np.zeros(1, dtype=np.int32)
 
     def height_m(self, points_enu_m: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, " n"]:
         """Height of the first surface below each point; NaN where there is none."""
-        down, geom = np.array([0.0, 0.0, -1.0]), np.zeros(1, dtype=np.int32)
-        heights = np.full(len(points_enu_m), np.nan)
+        return self.surfaces(points_enu_m)[0]
+
+    def surfaces(
+        self, points_enu_m: Float[np.ndarray, "n 3"]
+    ) -> tuple[Float[np.ndarray, " n"], Int[np.ndarray, " n"]]:
+        """Height of the first surface below each point, and what it is of.
+
+        Returns:
+            Heights, NaN where there is none; 0 for the ground, 1 + i for the i-th of the solids
+            that collide, -1 for nothing.
+        """
+        heights, geoms = np.full(len(points_enu_m), np.nan), np.full(len(points_enu_m), -1)
         for i, point in enumerate(np.ascontiguousarray(points_enu_m, dtype=float)):
-            depth_m = mujoco.mj_ray(self._model, self._data, point, down, None, 1, -1, geom)
-            if depth_m >= 0.0:
-                heights[i] = point[2] - depth_m
-        return heights
+            depth_m = self.distance_m(point, np.array([0.0, 0.0, -1.0]))
+            if depth_m < np.inf:
+                heights[i], geoms[i] = point[2] - depth_m, self._geom[0]
+        return heights, geoms
+
+    def distance_m(
+        self, point_enu_m: Float[np.ndarray, 3], direction_enu: Float[np.ndarray, 3]
+    ) -> float:
+        """Distance from a point to the first solid along a unit vector; infinite for none."""
+        hit_m = mujoco.mj_ray(
+            self._model, self._data, point_enu_m, direction_enu, None, 1, -1, self._geom
+        )
+        return hit_m if hit_m >= 0.0 else np.inf
 
 
 def _contact(primitive: Primitive) -> dict[str, Any]:

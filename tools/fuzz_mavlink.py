@@ -5,8 +5,9 @@
 
 Two kinds of traffic: `hover` is all that should not move a vehicle, and its twin that nobody talks
 to says where it would be; `wild` is everything, and the vehicle starts again where it has been
-brought down. Prints a JSON row for each kind and link; a log has one for every twentieth of the way
-besides. The exit status is 1 where one of them breaks a limit.
+brought down. Both start again when a battery runs low. Prints a JSON row for each kind and link; a
+log has one for every twentieth of the way besides. The exit status is 1 where one of them breaks a
+limit.
 """
 
 from __future__ import annotations
@@ -112,7 +113,7 @@ class Siege:
         self._vehicle.require_life()
         if self._twin is not None:
             self._twin.tick()
-        elif not self._vehicle.is_flying:
+        if self._vehicle.is_spent or (self._twin is None and not self._vehicle.is_flying):
             self._restart()
 
     def _restart(self) -> None:
@@ -120,6 +121,9 @@ class Siege:
         self._count_faults()
         self._vehicle.close()
         self._vehicle = Vehicle(self._link, self._n_clients, self._personality)
+        if self._twin is not None:
+            self._twin.close()
+            self._twin = Vehicle(None, personality=self._personality)
 
     def _count_faults(self) -> None:
         faults = self._vehicle.bench.server.faults

@@ -22,7 +22,7 @@ import numpy as np
 from jaxtyping import Float
 
 _WIDTHS = (0.5, 1.0, 2.0)
-_N_NEAREST = 5
+N_NEAREST = 5
 _N_DRAWS = 200
 _FLOOR_QUANTILE = 0.95
 
@@ -59,14 +59,14 @@ def discrepancy(
         TooFewScenesError: If a set has fewer than two scenes.
     """
     n, m = _enough(scenes), _enough(reference)
-    kernel = _kernel(np.concatenate([scenes, reference]), reference)
+    kernel = layout_kernel(np.concatenate([scenes, reference]), reference)
     is_first = np.arange(n + m) < n
     drawn = np.hstack([_resampled(n, rng), _resampled(m, rng)])
     exchanged = rng.permuted(np.tile(is_first, (_N_DRAWS, 1)), axis=1).astype(float)
     return Discrepancy(
-        mmd=float(_mmd(kernel, is_first[None] * 1.0, ~is_first[None] * 1.0)[0]),
-        noise=float(_mmd(kernel, drawn * is_first, drawn * ~is_first).std(ddof=1)),
-        floor=float(np.quantile(_mmd(kernel, exchanged, 1.0 - exchanged), _FLOOR_QUANTILE)),
+        mmd=float(squared_mmd(kernel, is_first[None] * 1.0, ~is_first[None] * 1.0)[0]),
+        noise=float(squared_mmd(kernel, drawn * is_first, drawn * ~is_first).std(ddof=1)),
+        floor=float(np.quantile(squared_mmd(kernel, exchanged, 1.0 - exchanged), _FLOOR_QUANTILE)),
     )
 
 
@@ -83,19 +83,26 @@ def _resampled(count: int, rng: np.random.Generator) -> Float[np.ndarray, "draws
     return np.where((times > 0).sum(axis=1, keepdims=True) > 1, times, 1.0)
 
 
-def _kernel(points: np.ndarray, reference: np.ndarray) -> Float[np.ndarray, "k k"]:
+def layout_kernel(points: np.ndarray, reference: np.ndarray) -> Float[np.ndarray, "k k"]:
+    """Kernel of all points with each other, its widths told by the reference."""
     within = squared_distances(reference, reference)[np.triu_indices(len(reference), 1)]
     median = max(float(np.median(within)), 1e-12)
     apart = squared_distances(points, points)
     return np.mean([np.exp(-apart / (2.0 * width**2 * median)) for width in _WIDTHS], axis=0)
 
 
-def _mmd(
+def squared_mmd(
     kernel: Float[np.ndarray, "k k"],
     first: Float[np.ndarray, "draws k"],
     second: Float[np.ndarray, "draws k"],
 ) -> Float[np.ndarray, " draws"]:
-    """Squared discrepancy, for each draw of how often each scene is in either set."""
+    """Squared discrepancy, for each draw of how often each scene is in either set.
+
+    Args:
+        kernel: Kernel of all scenes of both sets with each other.
+        first: How often each is in the first set, in each draw.
+        second: How often each is in the second set.
+    """
     across = ((first @ kernel) * second).sum(axis=1)
     return (
         _mean_within(kernel, first)
@@ -117,7 +124,7 @@ def coverage(scenes: Float[np.ndarray, "n f"], reference: Float[np.ndarray, "m f
     Raises:
         TooFewScenesError: If a set has fewer than two scenes.
     """
-    n_nearest = min(_N_NEAREST, _enough(reference) - 1)
+    n_nearest = min(N_NEAREST, _enough(reference) - 1)
     _enough(scenes)
     within = squared_distances(reference, reference)
     np.fill_diagonal(within, np.inf)

@@ -101,20 +101,17 @@ def move_traffic(
     traffic: np.record,
     movers: np.ndarray,
     points: np.ndarray,
-    vehicle_enu_m: np.ndarray,
     mocap_pos: np.ndarray,
     mocap_quat: np.ndarray,
     geom_conaffinity: np.ndarray,
     body_conaffinity: np.ndarray,
 ) -> None:
-    """Advance the clock by a tick and place every mover.
+    """Advance the clock by a tick and place every mover, to be touched by nobody (`let_touch`).
 
     Args:
         traffic: Record of `TRAFFIC_DTYPE`, changed.
         movers: Records of `MOVER_DTYPE` (n,), changed.
         points: Control points of all paths (k, 3).
-        vehicle_enu_m: Position of the vehicle: contacts of movers far from it are disabled, since
-            checking them would cost a third of a physics step.
         mocap_pos: MuJoCo's positions (n, 3), written.
         mocap_quat: MuJoCo's attitudes (n, 4), written.
         geom_conaffinity: The model's array, written for the movers' geoms.
@@ -127,16 +124,38 @@ def move_traffic(
     for i in range(len(movers)):
         m = movers[i]
         place_mover(m, points, traffic.clock_s, traffic.rate)
-        gap_squared = 0.0
         for k in range(3):
             mocap_pos[i, k] = m.position_enu_m[k]
+        mocap_quat[i, 0], mocap_quat[i, 3] = math.cos(0.5 * m.yaw_rad), math.sin(0.5 * m.yaw_rad)
+        geom_conaffinity[m.geom] = body_conaffinity[m.body] = 0
+
+
+@kernel
+def let_touch(
+    movers: np.ndarray,
+    vehicle_enu_m: np.ndarray,
+    geom_conaffinity: np.ndarray,
+    body_conaffinity: np.ndarray,
+) -> None:
+    """Enable the contacts of movers near a vehicle.
+
+    Those of movers far from every vehicle stay disabled: checking them would cost a third of a
+    physics step.
+
+    Args:
+        movers: Records of `MOVER_DTYPE` (n,) in their places.
+        vehicle_enu_m: Position of the vehicle (3,).
+        geom_conaffinity: The model's array, written for the movers' geoms.
+        body_conaffinity: The model's array, written for the movers' bodies.
+    """
+    for i in range(len(movers)):
+        m = movers[i]
+        gap_squared = 0.0
+        for k in range(3):
             lift = 0.5 * m.height_m if k == 2 else 0.0
             gap_squared += (m.position_enu_m[k] + lift - vehicle_enu_m[k]) ** 2
-        mocap_quat[i, 0], mocap_quat[i, 3] = math.cos(0.5 * m.yaw_rad), math.sin(0.5 * m.yaw_rad)
-        is_near = gap_squared < (m.radius_m + _CONTACT_MARGIN_M) ** 2
-        bits = m.contact_bits if is_near else 0
-        geom_conaffinity[m.geom] = bits
-        body_conaffinity[m.body] = bits
+        if gap_squared < (m.radius_m + _CONTACT_MARGIN_M) ** 2:
+            geom_conaffinity[m.geom] = body_conaffinity[m.body] = m.contact_bits
 
 
 @kernel

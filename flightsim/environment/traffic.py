@@ -2,7 +2,7 @@
 
 People keep to pavements, squares, lawns and the floors of rooms, cars to roads and car parks,
 drones to one height each; without room there, people and cars use any free ground. Every
-mover has its own stretch, so none ever meets another, and all keep away from the vehicle's
+mover has its own stretch, so none ever meets another, and all keep away from where vehicles
 start.
 """
 
@@ -18,6 +18,7 @@ from jaxtyping import Bool, Float
 
 from aeroscene.scene import Scene
 from aeroscene.solids.shapes import Primitive
+from autonomy.types import Vector3
 from flightsim.draws import seed_sequence
 from flightsim.environment.floor import CELL_M, CLEARANCE_CAP_M, Columns, Floor
 from flightsim.environment.movers import MAX_MOVERS, MOVER_KINDS, MoverName, MovingObstacle
@@ -107,7 +108,11 @@ class TrafficCfg:
 
 
 def plan_traffic(
-    cfg: TrafficCfg, scene: Scene, solids: Sequence[Primitive], surface_height: SurfaceHeight
+    cfg: TrafficCfg,
+    scene: Scene,
+    solids: Sequence[Primitive],
+    surface_height: SurfaceHeight,
+    starts_enu_m: Sequence[Vector3] = (),
 ) -> tuple[MovingObstacle, ...]:
     """Paths for the movers of a scene.
 
@@ -116,6 +121,7 @@ def plan_traffic(
         scene: Scene to move in.
         solids: All static solids of the scene.
         surface_height: Exact height of the first surface below points, (n, 3) to (n,).
+        starts_enu_m: Where vehicles stand at first; none for the scene's start alone.
 
     Raises:
         TrafficError: If there is no room for one of them.
@@ -124,7 +130,7 @@ def plan_traffic(
     kinds: list[MoverName] = [kind for kind, count in counts.items() for _ in range(count)]
     if not kinds:
         return ()
-    streets = _Streets(scene, solids, surface_height)
+    streets = _Streets(scene, solids, surface_height, starts_enu_m or [scene.start_position_enu_m])
     return tuple(
         streets.place(
             kind, np.random.default_rng(seed_sequence(cfg.seed, scene.scene_id, "traffic", number))
@@ -137,9 +143,14 @@ class _Streets:
     """Room for movers, and the part already taken."""
 
     def __init__(
-        self, scene: Scene, solids: Sequence[Primitive], surface_height: SurfaceHeight
+        self,
+        scene: Scene,
+        solids: Sequence[Primitive],
+        surface_height: SurfaceHeight,
+        starts_enu_m: Sequence[Vector3],
     ) -> None:
         self._scene = scene
+        self._starts = np.array(starts_enu_m)[:, :2]
         self._surface_height = surface_height
         self._columns = Columns.of(scene, solids, _SEEN_HEIGHT_M)
         self._taken: dict[bool, list[tuple[np.ndarray, float]]] = {True: [], False: []}
@@ -206,8 +217,7 @@ class _Streets:
         free = floor.clearance_m >= half_m + _SIDE_MARGIN_M
         if kind != "drone":
             free &= self._zone(kind, is_choosy=is_choosy)
-        start = np.array([self._scene.start_position_enu_m[:2]])
-        free &= distance_to_points(floor, start) > _START_KEPT_FREE_M + half_m
+        free &= distance_to_points(floor, self._starts) > _START_KEPT_FREE_M + half_m
         for path, other_half_m in self._taken[kind == "drone"]:
             apart_m = half_m + other_half_m + _BETWEEN_MOVERS_M
             free &= distance_to_points(floor, path[:, :2]) > apart_m

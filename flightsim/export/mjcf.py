@@ -20,8 +20,9 @@ from flightsim.export.files import staged, write_png
 from flightsim.export.meshes import AREA_RGB, EXPORT_DETAIL, area_name, object_name
 from flightsim.looks.drawing import add_looks
 from flightsim.looks.geom_groups import GeomGroup
-from flightsim.world import World, add_ground, add_vehicle_at_start, new_spec
-from flightsim.world_geometry import add_solids
+from flightsim.starts import add_vehicles
+from flightsim.world import World, new_spec
+from flightsim.world_geometry import add_ground, add_solids
 
 _AREA_GROUP = 4
 _AREA_ALPHA = 0.5
@@ -64,7 +65,7 @@ def _spec(world: World) -> mujoco.MjSpec:
     for area in world.scene.interaction_areas:
         _add_area(spec, area)
     if world.vehicle_body_id >= 0:
-        add_vehicle_at_start(spec, world.scene, world.airframe)
+        add_vehicles(spec, world.vehicles)
         spec.add_key(name="start", qpos=world.rest_qpos)
     return spec
 

@@ -70,3 +70,20 @@ class RayScene:
         triangle = result["primID"]
         distance = np.where(triangle == NOTHING, np.float32(np.inf), result["tfar"])
         return RayHits(triangle, distance, result["u"], result["v"])
+
+    def distances(
+        self, origin_m: Float[np.ndarray, 3], directions: np.ndarray, far: float
+    ) -> Float[np.ndarray, " n"]:
+        """Distance along each ray from one point, in lengths of its direction, at most `far`.
+
+        The interpreter's lock is free meanwhile, and several threads may ask at once.
+        """
+        far_each = np.full(len(directions), far, dtype=np.float32)
+        if self._is_empty:
+            return far_each
+        return self._scene.run(
+            np.broadcast_to(origin_m.astype(np.float32), directions.shape).copy(),
+            np.ascontiguousarray(directions, dtype=np.float32),
+            dists=far_each,
+            query="DISTANCE",
+        )

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from flightsim.mavlink.dialect import LAYOUTS, MARKER_V2, SIGNED_FLAG, Layout
-from flightsim.mavlink.framing import OVERHEAD_BYTES, Framer
 from flightsim.mavlink.parsing import FrameParser, Message
 from flightsim.mavlink.signing import Signing
+from flightsim.mavlink.streaming import OVERHEAD_BYTES
 from flightsim.mavlink.streams import Profile
 
 Write = Callable[[Sequence[bytes]], None]
@@ -28,15 +28,16 @@ DATAGRAM_BYTES = 1400
 class _Outbox:
     """Frames for a partner that wait to be sent, from whichever component."""
 
-    __slots__ = ("can_wait", "frames", "n_bytes")
+    __slots__ = ("can_wait", "frames", "is_crowded", "n_bytes", "n_waits")
 
     def __init__(self) -> None:
+        self.is_crowded = False
         self.clear()
 
     def clear(self) -> None:
         """Begin anew."""
         self.frames: list[bytes] = []
-        self.n_bytes = 0
+        self.n_bytes = self.n_waits = 0
         self.can_wait = True
         """Whether all of them are of streams."""
 
@@ -76,8 +77,6 @@ class Channel:
         self.clock = clock
         self.is_open = True
         self.is_local = is_local
-        self.is_crowded = False
-        """Whether the transport lags behind: what nobody waits for is held until it does not."""
         self.system_id = 1
         self.component_id = 1
         """Component id in outgoing frames."""
@@ -87,7 +86,8 @@ class Channel:
         self._link_id = link_id
         self._write = write
         self._is_datagram = is_datagram
-        self._sequence = 0
+        self.sequence = 0
+        """Number of the next frame, 0 to 255."""
         self._budget = _BURST
         self._inbox: list[Message] = []
         self._outbox = _Outbox()
@@ -141,6 +141,20 @@ class Channel:
         return other
 
     @property
+    def is_crowded(self) -> bool:
+        """Whether the transport lags behind: what nobody waits for is held until it does not."""
+        return self._outbox.is_crowded
+
+    @is_crowded.setter
+    def is_crowded(self, is_crowded: bool) -> None:
+        self._outbox.is_crowded = is_crowded
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether frames for the partner are of MAVLink 2 and without a signature."""
+        return not (self._parser.is_version_1 or self._signs)
+
+    @property
     def has_room(self) -> bool:
         """Whether the channel accepts more bytes; the excess of a stream stays in the kernel."""
         return self._parser.n_buffered < _STREAM_BACKLOG_BYTES
@@ -177,27 +191,25 @@ class Channel:
         self.stream_one(layout, payload)
         self._outbox.can_wait = False
 
-    def stream(self, framer: Framer, indexes: Sequence[int], payloads: Sequence[bytes]) -> None:
-        """Queue messages that may wait to share a datagram with others.
+    def stream(self, frames: bytes, n_frames: int) -> None:
+        """Queue frames that may wait to share a datagram with others.
 
         Args:
-            framer: Knows their types.
-            indexes: Index of each message's type in `framer.layouts`, each at most once.
-            payloads: Payload of each.
+            frames: Plain frames one after the other, numbered from `sequence` on.
+            n_frames: Number of them.
         """
-        if self._parser.is_version_1 or self._signs:
-            for index, payload in zip(indexes, payloads, strict=True):
-                self.stream_one(framer.layouts[index], payload)
-            return
-        joined = b"".join(payloads)
-        if len(joined) + OVERHEAD_BYTES * len(indexes) > DATAGRAM_BYTES and len(indexes) > 1:
-            half = len(indexes) // 2
-            self.stream(framer, indexes[:half], payloads[:half])
-            self.stream(framer, indexes[half:], payloads[half:])
-            return
-        ids = (self._sequence, self.system_id, self.component_id)
-        self._count(len(indexes))
-        self._queue(framer.frames_v2(bytes(indexes), joined, *ids))
+        self._count(n_frames)
+        if self._is_datagram and len(frames) > DATAGRAM_BYTES:
+            start, end = 0, 0
+            while start < len(frames):
+                while end < len(frames) and (
+                    (after := end + OVERHEAD_BYTES + frames[end + 1]) - start <= DATAGRAM_BYTES
+                ):
+                    end = after
+                self._queue(frames[start:end])
+                start = end
+        else:
+            self._queue(frames)
 
     @property
     def _signs(self) -> bool:
@@ -205,7 +217,7 @@ class Channel:
 
     def stream_one(self, layout: Layout, payload: bytes) -> None:
         """Queue a message like `send`, but one that may wait to share a datagram with others."""
-        numbers = (self._sequence, self.system_id, self.component_id)
+        numbers = (self.sequence, self.system_id, self.component_id)
         if self._signs:
             frame = self._signed(layout, payload, numbers)
         else:
@@ -216,7 +228,7 @@ class Channel:
             self._queue(frame)
 
     def _count(self, n_frames: int) -> None:
-        self._sequence = (self._sequence + n_frames) & 0xFF
+        self.sequence = (self.sequence + n_frames) & 0xFF
 
     def _queue(self, frames: bytes) -> None:
         if self._is_datagram and self._outbox.n_bytes + len(frames) > DATAGRAM_BYTES:
@@ -244,14 +256,17 @@ class Channel:
         assert self._signing is not None
         return self._signing.sign(layout.frame_v2(payload, *numbers, SIGNED_FLAG), self._link_id)
 
-    def flush(self, *, is_due: bool = True) -> None:
-        """Send the queued frames; those of streams wait for a full datagram, or until it is due.
+    def flush(self, patience_ticks: int = 1) -> None:
+        """Send the queued frames; those of streams wait for a full datagram, or for so many calls.
 
         Frames stay in their order, so that what cannot wait takes with it what is queued before.
         """
         outbox = self._outbox
         frames = outbox.frames
-        if not frames or (self._is_datagram and outbox.can_wait and not is_due):
+        if not frames:
+            return
+        outbox.n_waits += 1
+        if self._is_datagram and outbox.can_wait and outbox.n_waits < patience_ticks:
             return
         self._write(frames)
         outbox.clear()

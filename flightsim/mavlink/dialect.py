@@ -54,6 +54,7 @@ class Layout:
 
     Attributes:
         fields: Field names in wire order (larger types first, extensions last).
+        letters: Letter of `struct` for each value as packed, arrays spread out; "s" is a text.
         size: Bytes of a payload as packed, before zeros at its end are cut.
         base_size: Bytes without the extension fields, all that MAVLink 1 carries.
     """
@@ -78,7 +79,7 @@ class Layout:
         self._places = dict(zip(self.fields, _places(self._defaults, lengths), strict=True))
         self.size = self._struct.size
         self.base_size = _size_without_last(wire_format, n_extensions)
-        self._limits = _limits(wire_format)
+        self.letters = _letters(wire_format)
         self.pack: Callable[..., bytes] = self._struct.pack
         """Pack a payload from all values in wire order, arrays spread out.
 
@@ -102,7 +103,13 @@ class Layout:
         try:
             return self._struct.pack(*flat)
         except (struct.error, OverflowError):
-            return self._struct.pack(*map(_clamped, flat, self._limits))
+            return self._struct.pack(*map(_clamped, flat, self.letters))
+
+    @property
+    def counts(self) -> Mapping[str, int]:
+        """Number of values of each field in wire order; a text is one."""
+        places = self._places.items()
+        return {name: 1 if isinstance(p, int) else p.stop - p.start for name, p in places}
 
     def frame_v2(
         self, payload: bytes, sequence: int, system_id: int, component_id: int, flags: int = 0
@@ -123,18 +130,22 @@ class Layout:
         return b"\xfe" + body + _crc16(body + self.crc_seed).to_bytes(2, "little")
 
 
-def _limits(wire_format: str) -> tuple[_Range | None, ...]:
-    """Range of each number of a struct format; None for text."""
-    limits: list[_Range | None] = []
-    for count, letter in re.findall(r"(\d*)(\D)", wire_format[1:]):
-        limits += [None] if letter == "s" else [_RANGES[letter]] * int(count or 1)
-    return tuple(limits)
+def number_range(letter: str) -> tuple[float, float]:
+    """Least and greatest number of a letter of a struct format."""
+    return _RANGES[letter]
 
 
-def _clamped(value: Any, limit: _Range | None) -> Any:
-    if limit is None or value != value or abs(value) == math.inf:  # noqa: PLR0124 - NaN
+def _letters(wire_format: str) -> str:
+    """Letter of each value of a struct format."""
+    found = re.findall(r"(\d*)(\D)", wire_format[1:])
+    return "".join(letter if letter == "s" else letter * int(count or 1) for count, letter in found)
+
+
+def _clamped(value: Any, letter: str) -> Any:
+    if letter == "s" or value != value or abs(value) == math.inf:  # noqa: PLR0124 - NaN
         return value
-    return max(limit[0], min(limit[1], value))
+    least, most = _RANGES[letter]
+    return max(least, min(most, value))
 
 
 def _size_without_last(wire_format: str, n_fields: int) -> int:

@@ -15,6 +15,7 @@ from flightsim.mavlink.statustext import StatustextSender
 from flightsim.mavlink.view import VehicleView
 from flightsim.plant.failures import ROTOR_FAILURES
 from flightsim.sensors.failure import Failure
+from flightsim.sensors.optical_flow import OPTICAL_FLOW
 
 _SENSORS = {
     mav.FAILURE_UNIT_SENSOR_GYRO: "gyroscope",
@@ -25,6 +26,7 @@ _SENSORS = {
     mav.FAILURE_UNIT_SENSOR_VIO: "vio",
     mav.FAILURE_UNIT_SENSOR_DISTANCE_SENSOR: "range",
     mav.FAILURE_UNIT_SENSOR_AIRSPEED: "airspeed",
+    mav.FAILURE_UNIT_SENSOR_OPTICAL_FLOW: "optical_flow",
 }
 _LINK_FAILURES = frozenset({Failure.NONE, Failure.OFF})
 _ANY = frozenset(Failure)
@@ -50,6 +52,7 @@ class FailureCommands:
             **{
                 unit: (name, ((_ANY, partial(plant.failures.fail_sensor, name)),))
                 for unit, name in _SENSORS.items()
+                if name != OPTICAL_FLOW.name or plant.cfg.has(name)
             },
             mav.FAILURE_UNIT_SYSTEM_MOTOR: (
                 "motor",

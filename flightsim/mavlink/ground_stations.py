@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 
 from flightsim.autopilot.autopilot import Autopilot
 from flightsim.mavlink.channel import Channel
@@ -26,20 +26,13 @@ class GroundStationService:
         self._last_heard_s: dict[Channel, float] = {}
         self.handlers: Mapping[str, Handler] = {"HEARTBEAT": self._on_heartbeat}
 
-    @property
-    def busy(self) -> Collection[Channel]:
-        """Ground stations that were heard of late."""
-        return self._last_heard_s
-
-    def update(self, channel: Channel) -> None:
-        """Report a ground station that is present to the autopilot."""
-        heard_s = self._last_heard_s.get(channel)
-        if heard_s is None:
-            return
-        if channel.clock() - heard_s <= _PRESENCE_S:
-            self._autopilot.on_link_heartbeat(channel.name)
-        else:
-            del self._last_heard_s[channel]
+    def update(self) -> None:
+        """Report to the autopilot whether a ground station is present."""
+        for channel, heard_s in self._last_heard_s.items():
+            if channel.clock() - heard_s <= _PRESENCE_S:
+                self._autopilot.on_link_heartbeat()
+                return
+        self._last_heard_s.clear()
 
     def forget(self, channel: Channel) -> None:
         """Drop a partner that left."""

@@ -104,7 +104,7 @@ class MissionService:
     @property
     def busy(self) -> Collection[Channel]:
         """Partners that upload."""
-        return {upload.channel for upload in self._uploads.values()}
+        return {upload.channel for upload in self._uploads.values()} if self._uploads else ()
 
     def update(self, channel: Channel) -> None:
         """Repeat requests to a partner; abandon its uploads if it is silent."""

@@ -22,7 +22,7 @@ from flightsim.mavlink.parsing import Message
 from flightsim.mavlink.payload import PayloadComponents
 from flightsim.mavlink.personalities import PX4, Personality
 from flightsim.mavlink.routing import Router
-from flightsim.mavlink.service import Partners
+from flightsim.mavlink.service import Partners, StatefulService
 from flightsim.mavlink.services import Services, Setting
 from flightsim.mavlink.signing import Signing
 from flightsim.mavlink.statustext import StatustextSender
@@ -77,14 +77,14 @@ class MavlinkServer:
         self._router = Router(self._partners, self._own)
         self._identified: set[Channel] = set()
         self._selector = selectors.DefaultSelector()
-        self._ticks_per_datagram, self._n_ticks = ticks_per_datagram, 0
+        self._ticks_per_datagram = ticks_per_datagram
         origin = local_origin_enu_m or plant.truth.position_enu_m
         self._view = VehicleView(plant, autopilot, frame, origin)
         self.lockstep = Lockstep() if has_lockstep else None
         self.statustext = StatustextSender(self._partners)
         self.faults = Faults(lambda line: self.statustext.say(Severity.ERROR, line))
         self._payload = payload and PayloadComponents(
-            payload, self._view, self._partners, self.statustext, self._own
+            payload, self._view, self._partners, self.statustext, self.faults, self._own
         )
         services = Services(
             Setting(
@@ -95,6 +95,7 @@ class MavlinkServer:
                 system_id=system_id,
                 signing=signing,
                 lockstep=self.lockstep,
+                faults=self.faults,
                 payload=self._payload,
             )
         )
@@ -102,6 +103,7 @@ class MavlinkServer:
         self._missions, self._watching = services.missions, services.watching
         self._n_home_items = personality.n_home_items
         self._stateful, self._handlers = services.stateful, services.handlers
+        self._common = services.common
         self._open_links()
 
     def _open_links(self) -> None:
@@ -119,7 +121,6 @@ class MavlinkServer:
     def update(self) -> None:
         """Read, answer, stream and send; call once every 20 ms of simulated time."""
         faults = self.faults
-        self._view.refresh()
         self._receive(0.0)
         self._tell_events()
         self.statustext.end_tick()
@@ -127,18 +128,26 @@ class MavlinkServer:
             with faults:
                 watching.update()
         for service in self._stateful:
-            for channel in [channel for channel in service.busy if not channel.is_crowded]:
-                with faults:
-                    service.update(channel)
-                if faults.has_failed:
-                    service.forget(channel)  # Else it would fail again at every tick.
+            if service.busy:
+                self._work(service)
+        for common in self._common:
+            with faults:
+                common.update()
         if self.lockstep is not None:
             self.lockstep.end_tick()
-        self._n_ticks += 1
-        self._flush(is_due=self._n_ticks % self._ticks_per_datagram == 0)
+        self._flush(self._ticks_per_datagram)
         if self._payload is not None:
             with faults:
                 self._payload.work()  # Pictures take their time: answers do not wait for it.
+
+    def _work(self, service: StatefulService) -> None:
+        """Perform a service's due work, for all whose transport does not lag behind."""
+        faults = self.faults
+        for channel in [channel for channel in service.busy if not channel.is_crowded]:
+            with faults:
+                service.update(channel)
+            if faults.has_failed:
+                service.forget(channel)  # Else it would fail again at every tick.
 
     def wait_for_tick(self, timeout_s: float) -> bool:
         """Answer clients until one that keeps the time grants a tick; at once without lockstep.
@@ -170,10 +179,10 @@ class MavlinkServer:
                 channel.put_back(messages[number:])
                 return
 
-    def _flush(self, *, is_due: bool = True) -> None:
+    def _flush(self, patience_ticks: int = 1) -> None:
         for channel in self._partners.channels:
             with self.faults:
-                channel.flush(is_due=is_due)
+                channel.flush(patience_ticks)
 
     def close(self) -> None:
         """Send what still waits and release all ports. Closing twice is fine."""
@@ -187,7 +196,7 @@ class MavlinkServer:
         if channels == self._partners.channels:
             return
         for gone in self._identified.difference(channels):
-            for service in self._stateful:
+            for service in (*self._stateful, *self._common):
                 service.forget(gone)
             self._router.forget(gone)
             if self.lockstep is not None:

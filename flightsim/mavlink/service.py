@@ -38,6 +38,18 @@ class StatefulService(Service, Protocol):
         ...
 
 
+class CommonService(Service, Protocol):
+    """A microservice that acts for all partners together."""
+
+    def update(self) -> None:
+        """Perform due work; called once per tick."""
+        ...
+
+    def forget(self, channel: Channel) -> None:
+        """Drop the state of a partner that left."""
+        ...
+
+
 class Watching(Protocol):
     """What looks at the vehicle in each tick."""
 

@@ -9,6 +9,7 @@ from flightsim.mavlink.absent import AbsentService
 from flightsim.mavlink.commands import CommandService, Executor
 from flightsim.mavlink.dialect import LAYOUTS
 from flightsim.mavlink.failure_commands import FailureCommands
+from flightsim.mavlink.faults import Faults
 from flightsim.mavlink.files import FileService
 from flightsim.mavlink.flight_commands import FlightCommands
 from flightsim.mavlink.follow_target import FollowTargetService
@@ -32,13 +33,20 @@ from flightsim.mavlink.parameter_names import AliasedParameters
 from flightsim.mavlink.parameters import NamedParameters, ParameterService
 from flightsim.mavlink.payload import PayloadComponents
 from flightsim.mavlink.personalities import Personality
-from flightsim.mavlink.service import Handler, Partners, Service, StatefulService, Watching
+from flightsim.mavlink.service import (
+    CommonService,
+    Handler,
+    Partners,
+    Service,
+    StatefulService,
+    Watching,
+)
 from flightsim.mavlink.shell import ShellService
 from flightsim.mavlink.signing import Signing
 from flightsim.mavlink.signing.setup import SigningSetup
 from flightsim.mavlink.statustext import StatustextSender
+from flightsim.mavlink.streaming import Told
 from flightsim.mavlink.telemetry import Producer, TelemetryService
-from flightsim.mavlink.telemetry_motion import MotionTelemetry
 from flightsim.mavlink.telemetry_motors import MotorTelemetry
 from flightsim.mavlink.telemetry_sensors import SensorTelemetry
 from flightsim.mavlink.telemetry_status import StatusTelemetry
@@ -65,6 +73,8 @@ class Setting:
     """What the links sign with; None if they do not."""
     lockstep: Lockstep | None
     """Lets a client keep the time; None if none may."""
+    faults: Faults
+    """Guards work for clients."""
     payload: PayloadComponents | None
     """Camera and gimbal; None carries neither."""
 
@@ -77,6 +87,7 @@ class Services:
         missions: Missions, fences and rally points.
         watching: What looks at each tick, for nobody in particular.
         stateful: Services that act by themselves.
+        common: Services that act for all partners together.
         handlers: What answers each message, by its id.
     """
 
@@ -97,19 +108,23 @@ class Services:
         self.missions = _missions(setting, guided)
         self.watching: Sequence[Watching] = (recorder, *((metadata,) if metadata else ()))
         self.stateful: Sequence[StatefulService] = (
-            GroundStationService(view.autopilot),
             self.missions,
             _parameters(setting, parameters),
             ShellService(view, has_shell=personality.has_shell),
             LogService(recorder),
             FileService(files),
+        )
+        self.common: Sequence[CommonService] = (
+            GroundStationService(view.autopilot),
             self.telemetry,
             *((payload,) if payload else ()),
         )
         stateless = _answering(setting, modes, guided, self.telemetry)
+        watched = (metadata,) if metadata else ()
+        answering = (*stateless, *watched, *self.stateful, *self.common)
         self.handlers: dict[int, Handler] = {
             LAYOUTS[name].message_id: handler
-            for service in (*stateless, *((metadata,) if metadata else ()), *self.stateful)
+            for service in answering
             for name, handler in service.handlers.items()
         }
 
@@ -187,7 +202,6 @@ def _telemetry(
     return TelemetryService(
         {
             **StatusTelemetry(view, personality, modes, setting.system_id).producers,
-            **MotionTelemetry(view).producers,
             **SensorTelemetry(view).producers,
             **MotorTelemetry(view).producers,
             **SurroundingsTelemetry(view).producers,
@@ -196,4 +210,6 @@ def _telemetry(
         },
         setting.partners,
         lambda: view.plant.time_us,
+        setting.faults,
+        Told(view),
     )

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Mapping, Sequence
 
 from flightsim.mavlink.channel import Channel
-from flightsim.mavlink.dialect import LAYOUTS, MESSAGE_NAMES, Layout
-from flightsim.mavlink.framing import Framer
+from flightsim.mavlink.dialect import LAYOUTS, MESSAGE_NAMES
+from flightsim.mavlink.faults import Faults
 from flightsim.mavlink.parsing import Message
 from flightsim.mavlink.service import Handler, Partners, send
+from flightsim.mavlink.streaming import FRAMED, ONE_BY_ONE, TOLD, WAITS, Streamed, Streamer, Told
 from flightsim.mavlink.streams import StreamTable
 
 Producer = Callable[[], bytes | tuple[bytes, ...] | None]
@@ -26,50 +27,56 @@ class TelemetryService:
     """Streams to each partner at its own rates; a payload is packed once for all of them."""
 
     def __init__(
-        self, producers: Mapping[str, Producer], partners: Partners, now_us: Callable[[], int]
+        self,
+        producers: Mapping[str, Producer],
+        partners: Partners,
+        now_us: Callable[[], int],
+        faults: Faults,
+        told: Told | None = None,
     ) -> None:
-        self._producers: dict[int, tuple[Layout, Producer]] = {
-            LAYOUTS[name].message_id: (LAYOUTS[name], producer)
-            for name, producer in producers.items()
-        }
-        self._streamed = [
-            LAYOUTS[name].message_id for name in producers if name not in _ON_REQUEST_ONLY
-        ]
-        self._partners = partners
-        self._now_us = now_us
-        self._tables: dict[Channel, StreamTable] = {}
-        self._framer = Framer([LAYOUTS[MESSAGE_NAMES[i]] for i in self._streamed])
+        """Prepare to send messages.
+
+        Args:
+            producers: What packs each message by its name.
+            partners: To whom they are streamed.
+            now_us: Simulated time.
+            faults: Guards the packing of each message.
+            told: The vehicle, of which compiled messages tell; None sends those of `producers`.
+        """
+        names = (*producers, *(TOLD if told else ()))
+        self._ids = frozenset(LAYOUTS[name].message_id for name in names)
+        self._producers = {LAYOUTS[name].message_id: made for name, made in producers.items()}
+        self._layouts = [LAYOUTS[name] for name in names if name not in _ON_REQUEST_ONLY]
+        self._streamed = [layout.message_id for layout in self._layouts]
         self._indexes = {message_id: index for index, message_id in enumerate(self._streamed)}
-        self._packed: dict[int, tuple[bytes, ...]] = {}
-        self._packed_us = -1
+        self._partners, self._now_us, self._faults = partners, now_us, faults
+        self._streamer = Streamer(self._layouts, told)
+        self._tables: dict[Channel, tuple[StreamTable, Streamed]] = {}
+        self._served: Sequence[Channel] | None = None
+        self._in_turn: Sequence[tuple[Channel, Streamed]] = ()
         self.handlers: Mapping[str, Handler] = {"REQUEST_DATA_STREAM": self._on_data_stream}
 
-    @property
-    def busy(self) -> Collection[Channel]:
-        """All partners: each has streams."""
-        return self._partners.channels
-
-    def update(self, channel: Channel) -> None:
-        """Send a partner all messages due at this tick."""
-        now_us = self._now_us()
-        if now_us != self._packed_us:
-            self._packed_us = now_us
-            self._packed.clear()
-        packed = self._packed
-        indexes: list[int] = []
-        payloads: list[bytes] = []
-        for message_id in self._table(channel).due(now_us):
-            if message_id not in packed:
-                packed[message_id] = self._pack(message_id)
-            for payload in packed[message_id]:
-                indexes.append(self._indexes[message_id])
-                payloads.append(payload)
-        if indexes:
-            channel.stream(self._framer, indexes, payloads)
+    def update(self) -> None:
+        """Send all partners what is due at this tick."""
+        channels = self._partners.channels
+        if not channels:
+            return
+        if channels is not self._served:
+            self._meet(channels)
+        for channel, streamed in self._in_turn:
+            way = WAITS if channel.is_crowded else FRAMED if channel.is_plain else ONE_BY_ONE
+            streamed.serve(way, channel.sequence)
+        self._streamer.stream(self._now_us(), self._pack_streamed)
+        for channel, streamed in self._in_turn:
+            if streamed.n_frames:
+                channel.stream(streamed.frames, streamed.n_frames)
+            elif not channel.is_plain:
+                self._send_one_by_one(channel, streamed)
 
     def forget(self, channel: Channel) -> None:
         """Drop the rates of a partner that left."""
         self._tables.pop(channel, None)
+        self._served = None
 
     def send_now(self, channel: Channel, message_id: int) -> bool:
         """Send one message.
@@ -77,51 +84,74 @@ class TelemetryService:
         Returns:
             False if the message is unknown or has no data yet.
         """
-        if message_id not in self._producers:
+        if message_id not in self._ids:
             return False
         payloads = self._pack(message_id)
         for payload in payloads:
-            channel.send(self._producers[message_id][0], payload)
+            channel.send(LAYOUTS[MESSAGE_NAMES[message_id]], payload)
         return len(payloads) > 0
 
     def is_known(self, message_id: int) -> bool:
         """Whether the message can be requested."""
-        return message_id in self._producers
+        return message_id in self._ids
 
     def set_interval(self, channel: Channel, message_id: int, interval_us: float) -> bool:
         """Change one stream of one partner; False if the message is never streamed."""
-        return self._table(channel).set_interval(message_id, interval_us)
+        return self._table(channel)[0].set_interval(message_id, interval_us)
 
     def send_interval(self, channel: Channel, message_id: int) -> bool:
         """Answer with MESSAGE_INTERVAL; False if there is no such message."""
         if message_id not in MESSAGE_NAMES:
             return False
-        interval_us = self._table(channel).interval_us(message_id)
-        if message_id not in self._streamed:
+        interval_us = self._table(channel)[0].interval_us(message_id)
+        if message_id not in self._indexes:
             interval_us = 0  # "not available"
         send(channel, "MESSAGE_INTERVAL", message_id=message_id, interval_us=interval_us)
         return True
 
     def broadcast(self, name: str) -> None:
         """Send one message to all partners, for a change that should reach them at once."""
-        message_id = LAYOUTS[name].message_id
-        for payload in self._pack(message_id):
+        for payload in self._pack(LAYOUTS[name].message_id):
             self._partners.broadcast(LAYOUTS[name], payload)
 
     def _on_data_stream(self, channel: Channel, message: Message) -> None:
-        is_on = message.start_stop == 1
-        self._table(channel).set_group(message.req_stream_id, message.req_message_rate, is_on=is_on)
+        is_on, table = message.start_stop == 1, self._table(channel)[0]
+        table.set_group(message.req_stream_id, message.req_message_rate, is_on=is_on)
 
-    def _table(self, channel: Channel) -> StreamTable:
-        table = self._tables.get(channel)
-        if table is None:
+    def _meet(self, channels: Sequence[Channel]) -> None:
+        """Serve these partners from now on."""
+        self._served = channels
+        self._in_turn = [(channel, self._table(channel)[1]) for channel in channels]
+        self._streamer.serve([streamed for _, streamed in self._in_turn])
+
+    def _table(self, channel: Channel) -> tuple[StreamTable, Streamed]:
+        known = self._tables.get(channel)
+        if known is None:
             table = StreamTable(channel.profile, self._streamed, self._now_us())
-            self._tables[channel] = table
-        return table
+            ids = (channel.system_id, channel.component_id)
+            streamed = self._streamer.new_partner(table.partner, table.is_due, *ids)
+            known = self._tables[channel] = (table, streamed)
+        return known
+
+    def _send_one_by_one(self, channel: Channel, streamed: Streamed) -> None:
+        """Send what is due to a partner of MAVLink 1, or one whose frames are signed."""
+        for index in streamed.take_due():
+            for payload in self._streamer.payloads(index):
+                channel.stream_one(self._layouts[index], payload)
+
+    def _pack_streamed(self, index: int) -> tuple[bytes, ...]:
+        with self._faults:
+            return self._packed(self._streamed[index])
+        return ()
 
     def _pack(self, message_id: int) -> tuple[bytes, ...]:
+        if message_id not in self._producers:
+            return self._streamer.fill(self._indexes[message_id], self._now_us())
+        return self._packed(message_id)
+
+    def _packed(self, message_id: int) -> tuple[bytes, ...]:
         try:
-            payload = self._producers[message_id][1]()
+            payload = self._producers[message_id]()
         except (struct.error, ValueError, OverflowError):
             # A number that its field cannot hold (a diverged estimate) is not sent.
             return ()

@@ -1,4 +1,4 @@
-"""Motor telemetry: what the motors are commanded, and what their speed controllers report."""
+"""Motor telemetry: what the speed controllers report."""
 
 from __future__ import annotations
 
@@ -10,18 +10,8 @@ from flightsim.mavlink.telemetry import Producer
 from flightsim.mavlink.view import VehicleView
 from flightsim.vehicles.battery import watts_per_cubed_speed
 
-_SERVO_OUTPUT_RAW = layout(
-    "SERVO_OUTPUT_RAW",
-    "time_usec",
-    *(f"servo{number}_raw" for number in range(1, 9)),
-    "port",
-    *(f"servo{number}_raw" for number in range(9, 17)),
-)
-
 _ESC_STATUS, _ESC_INFO = layout("ESC_STATUS"), layout("ESC_INFO")
 
-_PWM_STOPPED, _PWM_IDLE, _PWM_SPAN = 900, 1000, 1000
-_N_SERVOS, _BEFORE_PORT = 16, 8
 _ESCS = 4
 """Speed controllers in a message; more are told in several."""
 _INFO_BITS = 8
@@ -39,25 +29,11 @@ class MotorTelemetry:
         airframe = view.plant.world.airframe
         self._motors = airframe.motors
         self._first_escs = range(0, len(self._motors), _ESCS)
-        self._most_radps = max(rotor.max_speed_radps for rotor in airframe.quadrotor.rotors)
         self._watts_per_cubed_speed = watts_per_cubed_speed(airframe.battery)
         self.producers: Mapping[str, Producer] = {
-            "SERVO_OUTPUT_RAW": self._servo_output,
             "ESC_STATUS": self._esc_status,
             "ESC_INFO": self._esc_info,
         }
-
-    def _servo_output(self) -> bytes:
-        v = self._view
-        speeds_radps = v.plant.rotor_speed_commands_radps
-        pulses = []
-        for rotor in self._motors:
-            is_driven = v.autopilot.is_armed or speeds_radps[rotor] > 0.0
-            share = speeds_radps[rotor] / self._most_radps
-            pulses.append(_PWM_IDLE + round(_PWM_SPAN * share) if is_driven else _PWM_STOPPED)
-        pulses += [0] * (_N_SERVOS - len(pulses))
-        pulses.insert(_BEFORE_PORT, 0)
-        return _SERVO_OUTPUT_RAW.pack(v.time_us & 0xFFFFFFFF, *pulses)
 
     def _esc_status(self) -> tuple[bytes, ...]:
         v = self._view

@@ -6,34 +6,23 @@ import math
 from collections.abc import Callable, Mapping
 
 from flightsim.autopilot.modes import BatteryWarning
-from flightsim.frames import swap_enu_ned, swap_flu_frd
+from flightsim.frames import swap_enu_ned
 from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.dialect import layout
 from flightsim.mavlink.view import VehicleView
+from flightsim.sensors.optical_flow import OPTICAL_FLOW
 
-_HIGHRES_IMU = layout(
-    "HIGHRES_IMU",
-    *("time_usec", "xacc", "yacc", "zacc", "xgyro", "ygyro", "zgyro", "xmag", "ymag", "zmag"),
-    *("abs_pressure", "diff_pressure", "pressure_alt", "temperature", "fields_updated", "id"),
-)
 _GPS_RAW_INT = layout(
     "GPS_RAW_INT",
     *("time_usec", "lat", "lon", "alt", "eph", "epv", "vel", "cog", "fix_type"),
     *("satellites_visible", "alt_ellipsoid", "h_acc", "v_acc", "vel_acc", "hdg_acc", "yaw"),
 )
-_DISTANCE_SENSOR = layout(
-    "DISTANCE_SENSOR",
-    *("time_boot_ms", "min_distance", "max_distance", "current_distance", "type", "id"),
-    *("orientation", "covariance", "horizontal_fov", "vertical_fov", "quaternion"),
-    "signal_quality",
-)
+_OPTICAL_FLOW_RAD = layout("OPTICAL_FLOW_RAD")
 _SCALED_PRESSURE = layout("SCALED_PRESSURE")
 _BATTERY_STATUS = layout("BATTERY_STATUS")
 _ESTIMATOR_STATUS = layout("ESTIMATOR_STATUS")
 _VIBRATION = layout("VIBRATION")
 
-_ALL_IMU_FIELDS = 0x1FFF
-_MIN_RANGE_CM, _MAX_RANGE_CM = 10, 3000
 _UNKNOWN_U16 = 0xFFFF
 _CHARGE_STATES = {
     BatteryWarning.NONE: mav.MAV_BATTERY_CHARGE_STATE_OK,
@@ -57,34 +46,14 @@ class SensorTelemetry:
     def __init__(self, view: VehicleView) -> None:
         self._view = view
         self.producers: Mapping[str, Callable[[], bytes | None]] = {
-            "HIGHRES_IMU": self._highres_imu,
             "GPS_RAW_INT": self._gps_raw,
-            "DISTANCE_SENSOR": self._distance,
             "SCALED_PRESSURE": self._pressure,
             "BATTERY_STATUS": self._battery,
             "ESTIMATOR_STATUS": self._estimator,
             "VIBRATION": self._vibration,
         }
-
-    def _highres_imu(self) -> bytes:
-        v = self._view
-        sensors = v.plant.sensors
-        mx, my, mz = swap_flu_frd(sensors.mag.field_flu_ut)
-        baro = sensors.baro
-        return _HIGHRES_IMU.pack(
-            v.time_us,
-            *swap_flu_frd(sensors.imu.accel_flu_mps2),
-            *swap_flu_frd(sensors.imu.gyro_flu_radps),
-            mx * 0.01,
-            my * 0.01,
-            mz * 0.01,
-            baro.pressure_pa * 0.01,
-            sensors.airspeed.differential_pa * 0.01,
-            baro.altitude_m,
-            baro.temperature_degc,
-            _ALL_IMU_FIELDS,
-            0,
-        )
+        if view.plant.cfg.has(OPTICAL_FLOW.name):
+            self.producers = {**self.producers, "OPTICAL_FLOW_RAD": self._flow}
 
     def _gps_raw(self) -> bytes:
         v = self._view
@@ -112,24 +81,25 @@ class SensorTelemetry:
             0,
         )
 
-    def _distance(self) -> bytes:
-        v = self._view
-        range_m = v.plant.sensors.range_m
-        is_valid = math.isfinite(range_m)
-        distance_cm = round(100.0 * range_m) if is_valid else _MAX_RANGE_CM + 1
-        return _DISTANCE_SENSOR.pack(
-            v.time_boot_ms,
-            _MIN_RANGE_CM,
-            _MAX_RANGE_CM,
-            max(0, min(_MAX_RANGE_CM + 1, distance_cm)),
-            mav.MAV_DISTANCE_SENSOR_LASER,
-            0,
-            mav.MAV_SENSOR_ROTATION_PITCH_270,
-            _UNKNOWN_U16 & 0xFF,
-            0.0,
-            0.0,
-            *(0.0,) * 4,
-            100 if is_valid else 1,
+    def _flow(self) -> bytes | None:
+        """Report the flow of what passes below; none before the first sample."""
+        flow = self._view.plant.sensors.optical_flow
+        if flow.integration_us == 0:
+            return None
+        x, y = flow.flow_frd_rad
+        about_x, about_y, about_z = flow.gyro_frd_rad
+        return _OPTICAL_FLOW_RAD.encode(
+            time_usec=flow.time_us,
+            sensor_id=0,
+            integration_time_us=flow.integration_us,
+            integrated_x=x,
+            integrated_y=y,
+            integrated_xgyro=about_x,
+            integrated_ygyro=about_y,
+            integrated_zgyro=about_z,
+            quality=flow.quality,
+            time_delta_distance_us=0,
+            distance=flow.distance_m if math.isfinite(flow.distance_m) else -1.0,
         )
 
     def _pressure(self) -> bytes:

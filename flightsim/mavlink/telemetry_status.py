@@ -16,8 +16,16 @@ from flightsim.mavlink.vehicle_type import vehicle_type
 from flightsim.mavlink.view import VehicleView
 
 _HEARTBEAT = layout("HEARTBEAT")
-_SYS_STATUS = layout("SYS_STATUS")
-_EXTENDED_SYS_STATE = layout("EXTENDED_SYS_STATE")
+_SYS_STATUS = layout(
+    "SYS_STATUS",
+    *("onboard_control_sensors_present", "onboard_control_sensors_enabled"),
+    *("onboard_control_sensors_health", "load", "voltage_battery", "current_battery"),
+    *("drop_rate_comm", "errors_comm", "errors_count1", "errors_count2", "errors_count3"),
+    *("errors_count4", "battery_remaining", "onboard_control_sensors_present_extended"),
+    "onboard_control_sensors_enabled_extended",
+    "onboard_control_sensors_health_extended",
+)
+_EXTENDED_SYS_STATE = layout("EXTENDED_SYS_STATE", "vtol_state", "landed_state")
 _HOME_POSITION = layout("HOME_POSITION")
 _GPS_GLOBAL_ORIGIN = layout("GPS_GLOBAL_ORIGIN")
 _MISSION_CURRENT = layout("MISSION_CURRENT")
@@ -106,18 +114,17 @@ class StatusTelemetry:
             | (_PREARM_CHECK if health.is_armable else 0)
             | _CONTROLLERS
         )
-        return _SYS_STATUS.encode(
-            onboard_control_sensors_present=_PRESENT,
-            onboard_control_sensors_enabled=_PRESENT,
-            onboard_control_sensors_health=bits,
-            voltage_battery=max(0, min(0xFFFE, round(1e3 * battery.voltage_v))),
-            current_battery=max(-1, min(0x7FFF, round(100.0 * battery.current_a))),
-            battery_remaining=max(0, min(100, round(100.0 * battery.remaining))),
+        return _SYS_STATUS.pack(
+            *(_PRESENT, _PRESENT, bits, 0),
+            max(0, min(0xFFFE, round(1e3 * battery.voltage_v))),
+            max(-1, min(0x7FFF, round(100.0 * battery.current_a))),
+            *(0,) * 6,
+            max(0, min(100, round(100.0 * battery.remaining))),
+            *(0, 0, 0),
         )
 
     def _extended_sys_state(self) -> bytes:
-        landed_state = _LANDED_STATES[self._view.autopilot.landed_state]
-        return _EXTENDED_SYS_STATE.encode(landed_state=landed_state)
+        return _EXTENDED_SYS_STATE.pack(0, _LANDED_STATES[self._view.autopilot.landed_state])
 
     def _home_position(self) -> bytes | None:
         v = self._view

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 
-from autonomy.types import State, Vector3
+from autonomy.types import Quaternion, Vector3
 from flightsim.autopilot.autopilot import Autopilot
 from flightsim.frames import (
+    Geodetic,
     LocalFrame,
     euler_rpy_rad,
     swap_enu_ned,
@@ -17,7 +18,9 @@ from flightsim.plant import Plant
 
 
 class VehicleView:
-    """State of one tick that many messages share, converted once.
+    """State of the vehicle now, converted where it is asked for.
+
+    What is streamed many times a second is converted by `flightsim.mavlink.streaming` instead.
 
     MAVLink's local frame has its origin at the vehicle's start, as in PX4's estimator: scripts fly
     to (0, 0, -5) right after arming and mean five metres straight up.
@@ -31,22 +34,46 @@ class VehicleView:
         self.frame = frame
         self.origin_enu_m = local_origin_enu_m
         self.origin = frame.geodetic_from_enu(local_origin_enu_m)
-        self.has_estimate = False
-        """Whether the estimator has ever been aligned; before that, its numbers mean nothing."""
-        self.refresh()
 
-    def refresh(self) -> None:
-        """Convert the estimate of the present tick."""
-        state: State = self.plant.estimate
-        self.has_estimate = self.has_estimate or self.plant.estimator.is_attitude_valid
-        self.time_us = self.plant.time_us
-        self.time_boot_ms = self.time_us // 1000 & 0xFFFFFFFF
-        self.position_ned_m = self.ned_from_enu(state.position_enu_m)
-        self.velocity_ned_mps = swap_enu_ned(state.velocity_enu_mps)
-        self.quat_ned_frd = swap_quat_enu_flu_ned_frd(state.quat_wxyz)
-        self.rpy_rad = euler_rpy_rad(self.quat_ned_frd)
-        self.rates_frd_radps = swap_flu_frd(state.angular_rate_flu_radps)
-        self.place = self.frame.geodetic_from_enu(state.position_enu_m)
+    @property
+    def time_us(self) -> int:
+        """Simulated time."""
+        return self.plant.time_us
+
+    @property
+    def time_boot_ms(self) -> int:
+        """Simulated time as MAVLink tells it, which begins again after 49 days."""
+        return self.plant.time_us // 1000 & 0xFFFFFFFF
+
+    @property
+    def position_ned_m(self) -> Vector3:
+        """Estimated position in MAVLink's local frame."""
+        return self.ned_from_enu(self.plant.estimate.position_enu_m)
+
+    @property
+    def velocity_ned_mps(self) -> Vector3:
+        """Estimated velocity."""
+        return swap_enu_ned(self.plant.estimate.velocity_enu_mps)
+
+    @property
+    def quat_ned_frd(self) -> Quaternion:
+        """Estimated attitude, FRD to NED."""
+        return swap_quat_enu_flu_ned_frd(self.plant.estimate.quat_wxyz)
+
+    @property
+    def rpy_rad(self) -> Vector3:
+        """Estimated roll, pitch and yaw."""
+        return euler_rpy_rad(self.quat_ned_frd)
+
+    @property
+    def rates_frd_radps(self) -> Vector3:
+        """Estimated angular rate."""
+        return swap_flu_frd(self.plant.estimate.angular_rate_flu_radps)
+
+    @property
+    def place(self) -> Geodetic:
+        """Estimated latitude, longitude and altitude."""
+        return self.frame.geodetic_from_enu(self.plant.estimate.position_enu_m)
 
     def ned_from_enu(self, position_enu_m: Vector3) -> Vector3:
         """Convert a position from the scene's frame to MAVLink's local frame."""

@@ -1,8 +1,10 @@
 """The plant: everything that runs faster than 50 Hz, compiled, behind a call every 20 ms."""
 
 from flightsim.plant.cfg import NotAlignedError, PhysicsDivergedError, PlantCfg, PlantError
+from flightsim.plant.compiling import compile_kernels
 from flightsim.plant.fleet import Fleet
-from flightsim.plant.plant import Plant, compile_kernels
+from flightsim.plant.group import VehicleGroup
+from flightsim.plant.plant import Plant
 
 __all__ = [
     "Fleet",
@@ -11,5 +13,6 @@ __all__ = [
     "Plant",
     "PlantCfg",
     "PlantError",
+    "VehicleGroup",
     "compile_kernels",
 ]

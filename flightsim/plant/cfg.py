@@ -19,6 +19,7 @@ from flightsim.sensors.gnss import GRADES
 from flightsim.sensors.imu import IMUS
 from flightsim.sensors.magnetometer import MagnetometerCfg
 from flightsim.sensors.mocap import MocapCfg
+from flightsim.sensors.optical_flow import OPTICAL_FLOW, OpticalFlowCfg
 from flightsim.sensors.rangefinder import RangefinderCfg
 from flightsim.sensors.vio import VioCfg
 
@@ -81,6 +82,7 @@ class PlantCfg:
     vio: VioCfg = field(default_factory=VioCfg)
     mocap: MocapCfg = field(default_factory=MocapCfg)
     airspeed: AirspeedCfg = field(default_factory=AirspeedCfg)
+    optical_flow: OpticalFlowCfg = field(default_factory=OpticalFlowCfg)
     estimator: EstimatorCfg | None = None
     """Tuning of the estimator; None tunes it to the sensors by `estimator_cfg_for`."""
     controller: ControllerCfg | None = None
@@ -88,6 +90,8 @@ class PlantCfg:
 
     def has(self, sensor: str) -> bool:
         """Whether a sensor, by its name, is switched on at the start."""
+        if sensor == OPTICAL_FLOW.name:
+            return self.optical_flow.is_fitted
         return self.aiding in _AIDED_BY.get(sensor, (self.aiding,))
 
     def check(self, timestep_s: float) -> None:

@@ -1,7 +1,7 @@
-"""Many plants at once: each vehicle alone in its own world, all advanced by one compiled call.
+"""Many plants at once, in worlds of their own or several to a world, advanced by one compiled call.
 
-What a vehicle does depends on its own world, configuration and setpoints only, bit for bit: not on
-how many others there are, nor on the number of threads.
+What a vehicle does depends on its own world, its configuration and the setpoints there only, bit
+for bit: not on how many other worlds there are, nor on the number of threads.
 """
 
 from __future__ import annotations
@@ -21,9 +21,10 @@ from autonomy.control.record import setpoint_row
 from autonomy.types import OFF, Quaternion, Vector3
 from flightsim.environment.effects import Effects
 from flightsim.plant.cfg import NotAlignedError, PhysicsDivergedError, PlantCfg, PlantError
+from flightsim.plant.checks import check_fleet
+from flightsim.plant.compiling import compile_kernels
 from flightsim.plant.kernel import advance
-from flightsim.plant.memory import PlantMemory, Surroundings
-from flightsim.plant.plant import compile_kernels
+from flightsim.plant.memory import PlantMemory, Surroundings, with_own_models
 from flightsim.plant.record import HISTORY_DTYPE, PLANT_DTYPE, with_rotors
 from flightsim.world import World
 
@@ -33,7 +34,7 @@ _MOST_LATE_S = 1e-3
 
 
 class Fleet:
-    """Vehicles, each alone in its own world, that advance together.
+    """Vehicles, each alone in its own world or with its mates, that advance together.
 
     The battery of a fleet's vehicle is always full.
 
@@ -53,7 +54,8 @@ class Fleet:
 
         Args:
             worlds: A world for each vehicle, with as many rotors each; vehicles that share one do
-                not meet.
+                not meet. Where several do, all that `build_worlds` gives, one world after another,
+                of as many vehicles each.
             cfgs: A configuration for each; their rates are the same.
             n_threads: Threads that advance them; None takes one for each core.
 
@@ -61,10 +63,10 @@ class Fleet:
             PlantError: If there is no world, one has no vehicle, or rates or numbers of rotors
                 differ or do not fit.
         """
-        _check(worlds, cfgs, n_threads)
+        check_fleet(worlds, cfgs, n_threads)
         compile_kernels()
         # The kernel writes into the model what may touch a mover just now.
-        self.worlds = [_with_own_model(world) if world.obstacles else world for world in worlds]
+        self.worlds = with_own_models(worlds)
         n, rate = len(worlds), cfgs[0]
         self.records = np.zeros(n, PLANT_DTYPE)
         n_rotors = _n_rotors(self.worlds[0])
@@ -77,11 +79,14 @@ class Fleet:
         self._tick_s, self._tick_hz = 1.0 / rate.control_hz, rate.control_hz
         self._counter = np.zeros(1, np.int64)
         self._surroundings: dict[tuple[int, Effects], Surroundings] = {}
-        self._datas = [world.new_data() for world in self.worlds]
-        self._memories = [self._new_memory(i, cfg) for i, cfg in enumerate(cfgs)]
+        self._n_mates = self.worlds[0].n_vehicles
+        self._by_world = self.records.reshape(-1, self._n_mates)
+        datas = [world.new_data() for world in self.worlds[:: self._n_mates]]
+        self._datas = [data for data in datas for _ in range(self._n_mates)]
+        self._memories: dict[int, PlantMemory] = {}
         for i, cfg in enumerate(cfgs):
             self._begin(i, cfg)
-        n_helpers = min(n_threads or os.cpu_count() or 1, n) - 1
+        n_helpers = min(n_threads or os.cpu_count() or 1, len(datas)) - 1
         self._pool = ThreadPoolExecutor(n_helpers, "fleet") if n_helpers else None
         self._n_helpers = n_helpers
         self._clock = ctypes.c_void_p.from_address(int(self._engine["clock_address"][0]))
@@ -104,23 +109,24 @@ class Fleet:
         self._engine["has_new_setpoint"] = 1
         self._counter[0] = 0
         if self._pool is None:
-            advance(self.records, self._counter)
+            advance(self._by_world, self._counter)
         else:
             self._advance_on_threads(self._pool)
         self._check_physics(range(len(self)))
 
     def advance_one(self, index: int) -> None:
-        """Advance one vehicle alone.
+        """Advance the world of one vehicle alone.
 
         Raises:
             PhysicsDivergedError: If the physics engine had to give its state up.
         """
+        mates = self._mates(index)
         if self._ticks[index] % self._tick_hz == 0:
-            self._draw([index])
-        self._engine["has_new_setpoint"][index] = 1
+            self._draw(mates)
+        self._engine["has_new_setpoint"][mates] = 1
         self._counter[0] = 0
-        advance(self.records[index : index + 1], self._counter)
-        self._check_physics([index])
+        advance(self.records[mates.start : mates.stop].reshape(1, -1), self._counter)
+        self._check_physics(mates)
 
     def restart(
         self,
@@ -139,23 +145,45 @@ class Fleet:
                 at the start.
             mass_share: Its mass and inertia over those that its controller believes.
         """
-        world, data = self._laden(index, mass_share), self._datas[index]
+        held = None if held_at is None else [held_at]
+        self.restart_world(index, [cfg], held_at=held, mass_shares=[mass_share])
+
+    def restart_world(
+        self,
+        index: int,
+        cfgs: Sequence[PlantCfg],
+        *,
+        held_at: Sequence[tuple[Vector3, Quaternion]] | None = None,
+        mass_shares: Sequence[float] | None = None,
+    ) -> None:
+        """Begin anew with all vehicles of the world of one; the arguments are those of `restart`.
+
+        Raises:
+            PlantError: If there are not as many configurations as vehicles in that world.
+        """
+        mates = self._mates(index)
+        if len(cfgs) != len(mates):
+            raise PlantError(f"cfgs: {len(cfgs)}; one for each of {len(mates)} vehicles is valid")
+        for i, share in zip(mates, mass_shares or (), strict=False):
+            self._load(i, share)
+        world, data = self.worlds[index], self._datas[index]
         mujoco.mj_resetData(world.model, data)
         data.qpos[:] = world.rest_qpos
-        if held_at is not None:
-            data.qpos[:7] = [*held_at[0], *held_at[1]]
+        for i, pose in zip(mates, held_at or (), strict=False):
+            first = self.worlds[i].qpos_address
+            data.qpos[first : first + 7] = [*pose[0], *pose[1]]
         mujoco.mj_forward(world.model, data)
-        self.records[index : index + 1].view(np.uint8).fill(0)
-        self._memories[index] = self._new_memory(index, cfg)
-        self._engine["is_held"][index] = held_at is not None
-        self._begin(index, cfg)
+        self.records[mates.start : mates.stop].view(np.uint8).fill(0)
+        for i, cfg in zip(mates, cfgs, strict=True):
+            self._begin(i, cfg)
+            self._engine["is_held"][i] = held_at is not None
 
     def is_touching(self, index: int) -> bool:
         """Whether a vehicle that was just put somewhere touches or is inside something there."""
         return self._datas[index].ncon > 0
 
     def align(self, index: int) -> None:
-        """Let one vehicle rest, or be held, until its estimator is aligned.
+        """Let one vehicle, and its mates, rest or be held until its estimator is aligned.
 
         Raises:
             NotAlignedError: If it is not within ten seconds.
@@ -169,7 +197,10 @@ class Fleet:
         raise NotAlignedError(f"vehicle {index}: its estimator is not aligned after ten seconds")
 
     def release(self, index: int) -> None:
-        """Let go of one vehicle that is held, with its rotors at the speed of hover."""
+        """Let go of one vehicle that is held, with its rotors at the speed of hover.
+
+        Mates fall or fly only after each has been let go of.
+        """
         speed_radps = self.worlds[index].airframe.quadrotor.hover_speed_radps
         n_rotors = _n_rotors(self.worlds[index])
         self.records["rotors"]["speed_radps"][index, :n_rotors] = speed_radps
@@ -194,9 +225,9 @@ class Fleet:
         stage_clock, self._clock.value = self._clock.value, None
         try:
             waiting = [
-                pool.submit(advance, self.records, self._counter) for _ in range(self._n_helpers)
+                pool.submit(advance, self._by_world, self._counter) for _ in range(self._n_helpers)
             ]
-            advance(self.records, self._counter)
+            advance(self._by_world, self._counter)
             for helper in waiting:
                 helper.result()
         finally:
@@ -217,66 +248,47 @@ class Fleet:
                 "infinite or not a number"
             )
 
-    def _new_memory(self, index: int, cfg: PlantCfg) -> PlantMemory:
+    def _mates(self, index: int) -> range:
+        """All vehicles in the world of one."""
+        first = index - index % self._n_mates
+        return range(first, first + self._n_mates)
+
+    def _begin(self, index: int, cfg: PlantCfg) -> None:
+        """Fill the record, set wind and setpoint, and write the start into the log."""
         world = self.worlds[index]
         key = id(world.scene), cfg.effects
         if key not in self._surroundings:
             self._surroundings[key] = Surroundings.of(world.scene, cfg.effects)
-        return PlantMemory(
+        first = index - index % self._n_mates
+        memory = self._memories[index] = PlantMemory(
             world,
             cfg,
             self._datas[index],
             plants=self.records[index : index + 1],
             history=self._log[index],
             surroundings=self._surroundings[key],
+            lead=None if index == first else self._memories[first],
         )
-
-    def _begin(self, index: int, cfg: PlantCfg) -> None:
-        """Set wind and setpoint, and write the start into the last column of the log."""
-        memory = self._memories[index]
         memory.set_wind(cfg.wind)
         memory.setpoint_flat[:] = setpoint_row(OFF)
         self._log[index : index + 1].view(np.uint8).fill(0)
         row: np.void = self.history[index, -1]
         row["position_true_enu_m"], row["quat_true_wxyz"] = memory.qpos[:3], memory.qpos[3:]
 
-    def _laden(self, index: int, mass_share: float) -> World:
-        """World of a vehicle, with a share of the mass in a model of its own."""
+    def _load(self, index: int, mass_share: float) -> None:
+        """Give a vehicle a share of its mass, in a model of its world's own."""
         world = self.worlds[index]
         quadrotor, body = world.airframe.quadrotor, world.vehicle_body_id
         mass_kg = mass_share * quadrotor.mass_kg
         if world.model.body_mass[body] == mass_kg:
-            return world
-        world = _with_own_model(world)
-        world.model.body_mass[body] = mass_kg
-        world.model.body_inertia[body] = mass_share * np.array(quadrotor.inertia_flu_kgm2)
-        mujoco.mj_setConst(world.model, self._datas[index])
-        self.worlds[index] = world
-        return world
+            return
+        model = copy.copy(world.model)
+        model.body_mass[body] = mass_kg
+        model.body_inertia[body] = mass_share * np.array(quadrotor.inertia_flu_kgm2)
+        mujoco.mj_setConst(model, self._datas[index])
+        for i in self._mates(index):
+            self.worlds[i] = replace(self.worlds[i], model=model)
 
 
 def _n_rotors(world: World) -> int:
     return len(world.airframe.quadrotor.rotors)
-
-
-def _with_own_model(world: World) -> World:
-    return replace(world, model=copy.copy(world.model))
-
-
-def _check(worlds: Sequence[World], cfgs: Sequence[PlantCfg], n_threads: int | None) -> None:
-    if not worlds or len(worlds) != len(cfgs):
-        raise PlantError(
-            f"cfgs: {len(cfgs)} for {len(worlds)} worlds: as many as worlds are valid, at least one"
-        )
-    if n_threads is not None and n_threads < 1:
-        raise PlantError(f"n_threads = {n_threads}: 1 or more are valid")
-    rates = {(cfg.physics_hz, cfg.control_hz, cfg.advance_hz) for cfg in cfgs}
-    if len(rates) > 1:
-        raise PlantError(f"cfgs: rates {sorted(rates)}: the same for all are valid")
-    numbers = sorted({_n_rotors(world) for world in worlds})
-    if len(numbers) > 1:
-        raise PlantError(f"worlds: vehicles with {numbers} rotors: the same number is valid")
-    for i, (world, cfg) in enumerate(zip(worlds, cfgs, strict=True)):
-        if world.vehicle_body_id < 0:
-            raise PlantError(f"world {i}: it has no vehicle, build it with vehicle=True")
-        cfg.check(world.model.opt.timestep)

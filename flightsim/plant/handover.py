@@ -49,7 +49,7 @@ class Handover:
             self._drive()
             self._engine["history_address"] = history[i:].ctypes.data
             self._counter[0] = 0
-            _advance(self._memory.plants, self._counter)
+            _advance(self._memory.plants.reshape(1, 1), self._counter)
             n_touching += int(self._engine["contact_ticks"])
             end_tick()
         return n_touching

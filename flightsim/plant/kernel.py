@@ -1,6 +1,7 @@
 """One advance of the plant: the hot loop of the simulator, compiled as a whole.
 
-Each control tick: controller, physics steps with the rotors' wrench, sensors, estimator, log.
+Each control tick: controller, physics steps with the rotors' wrench, sensors, estimator, log; of
+several vehicles in a world each does its part in turn, and one step of the engine moves them all.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ import numpy as np
 from autonomy.control.controller import control
 from autonomy.estimation.alignment import align_when_ready
 from autonomy.jit import kernel, kernel_without_lock
-from flightsim.environment.motion import MOVER_DTYPE, move_traffic
+from flightsim.environment.motion import MOVER_DTYPE, let_touch, move_traffic
 from flightsim.environment.rooms import ROOM_COLUMNS
 from flightsim.environment.steel import STEEL_COLUMNS
 from flightsim.environment.wind import AIR_NORMALS, move_air
@@ -33,17 +34,19 @@ _N_ROOM_COLUMNS, _N_STEEL_COLUMNS = len(ROOM_COLUMNS), len(STEEL_COLUMNS)
 
 @kernel_without_lock
 def advance(plants: np.ndarray, counter: np.ndarray) -> None:
-    """Advance every plant in its own world by the control ticks of one call.
+    """Advance the plants of every world by the control ticks of one call.
 
-    Several threads may call this with the same arrays at the same time: each plant is advanced by
+    Several threads may call this with the same arrays at the same time: each world is advanced by
     the first thread that is free, and none waits for another. Who it was changes no bit.
 
     Args:
-        plants: `PLANT_DTYPE` (n,), at least one.
-        counter: Number of plants that are taken (1,), int64; 0 before the call.
+        plants: `PLANT_DTYPE` (w, v), the v vehicles of each of w worlds, at least one. Those of a
+            world have one engine's model and data, and the rates of the first, which has the
+            movers of all.
+        counter: Number of worlds that are taken (1,), int64; 0 before the call.
     """
     # MuJoCo reads its clock before and after each stage, a fifth of a step's time for us.
-    clock = pointers(plants[0].engine.clock_address, 1)
+    clock = pointers(plants[0, 0].engine.clock_address, 1)
     stage_clock, clock[0] = clock[0], 0
     while True:
         i = take_number(counter)
@@ -54,34 +57,57 @@ def advance(plants: np.ndarray, counter: np.ndarray) -> None:
 
 
 @kernel
-def _advance(p: np.record) -> None:
-    e = p.engine
+def _advance(plants: np.ndarray) -> None:
+    """Advance the vehicles of one world, `PLANT_DTYPE` (v,)."""
+    lead = plants[0].engine
+    for k in range(len(plants)):
+        e = plants[k].engine
+        e.contact_ticks = 0
+        feel_surfaces(plants[k].surfaces, e, plants[k].rotors, doubles(e.qpos_address, 7))
+    for i in range(lead.ticks_per_advance):
+        for k in range(len(plants)):
+            _command(plants[k])
+        if lead.n_movers > 0:
+            _move_traffic(plants)
+        if lead.is_held == 0:
+            _step_physics(plants)
+        for k in range(len(plants)):
+            _measure(plants[k], i)
+
+
+@kernel
+def _command(p: np.record) -> None:
+    """Let the controller command the rotors for a control tick, and move the air by it."""
+    e, air = p.engine, p.air
     qpos, qvel = doubles(e.qpos_address, 7), doubles(e.qvel_address, 6)
-    movers = rows(e.movers_address, e.n_movers, MOVER_DTYPE)
-    mover_points = table(e.mover_points_address, e.n_mover_points, 3)
+    _tell_state(p.state, e, p.filter, p.rotors, qpos, qvel)
+    control(p.controller, p.setpoint, p.state, e.has_new_setpoint == 1)
+    e.has_new_setpoint = 0
+    e.is_touching = 0
     rooms = table(e.rooms_address, e.n_rooms, _N_ROOM_COLUMNS)
-    steel = table(e.steel_address, e.n_steel, _N_STEEL_COLUMNS)
     nx, ny, nz = e.shelter_shape[0], e.shelter_shape[1], e.shelter_shape[2]
     shelter = doubles(e.shelter_address, 3 * nx * ny * nz).reshape(nx, ny, nz, 3)
     normals = doubles(e.normals_address, e.n_normals)
+    first = air.first_normal + e.tick % e.tick_hz * AIR_NORMALS
+    gusts = normals[first : first + AIR_NORMALS]
+    move_air(air, qpos[0:3], qvel[0:3], rooms, shelter, gusts, p.rotors.wind_enu_mps)
+
+
+@kernel
+def _measure(p: np.record, row: int) -> None:
+    """Let the sensors measure and the filter estimate after the physics; write a row of the log."""
+    e = p.engine
+    qpos, qvel = doubles(e.qpos_address, 7), doubles(e.qvel_address, 6)
+    e.contact_ticks += e.is_touching
+    e.tick += 1
+    if e.has_sensors == 1:
+        rooms = table(e.rooms_address, e.n_rooms, _N_ROOM_COLUMNS)
+        steel = table(e.steel_address, e.n_steel, _N_STEEL_COLUMNS)
+        sense(p, qpos, qvel, rooms, steel, doubles(e.normals_address, e.n_normals))
+        if p.filter.is_aligned == 0:
+            align_when_ready(p.filter)
     history = rows(e.history_address, e.ticks_per_advance, HISTORY_DTYPE)
-    e.contact_ticks = 0
-    feel_surfaces(p.surfaces, e, p.rotors, qpos)
-    for i in range(e.ticks_per_advance):
-        _tell_state(p.state, e, p.filter, p.rotors, qpos, qvel)
-        control(p.controller, p.setpoint, p.state, e.has_new_setpoint == 1)
-        e.has_new_setpoint = 0
-        _move_world(p, movers, mover_points, rooms, shelter, normals, qpos, qvel)
-        is_touching = 0
-        if e.is_held == 0:
-            is_touching = _step_physics(e, p.rotors, p.controller, qpos, qvel)
-        e.contact_ticks += is_touching
-        e.tick += 1
-        if e.has_sensors == 1:
-            sense(p, qpos, qvel, rooms, steel, normals)
-            if p.filter.is_aligned == 0:
-                align_when_ready(p.filter)
-        _log(history[i], p, qpos, qvel, is_touching)
+    _log(history[row], p, qpos, qvel)
 
 
 @kernel
@@ -108,60 +134,51 @@ def _tell_state(
 
 
 @kernel
-def _move_world(
-    p: np.record,
-    movers: np.ndarray,
-    mover_points: np.ndarray,
-    rooms: np.ndarray,
-    shelter: np.ndarray,
-    normals: np.ndarray,
-    qpos: np.ndarray,
-    qvel: np.ndarray,
-) -> None:
-    """Advance the air and the movers by a control tick."""
-    e, air, n = p.engine, p.air, len(movers)
-    first = air.first_normal + e.tick % e.tick_hz * AIR_NORMALS
-    gusts = normals[first : first + AIR_NORMALS]
-    move_air(air, qpos[0:3], qvel[0:3], rooms, shelter, gusts, p.rotors.wind_enu_mps)
-    if n > 0:
-        move_traffic(
-            p.traffic,
-            movers,
-            mover_points,
-            qpos[0:3],
-            table(e.mocap_pos_address, n, 3),
-            table(e.mocap_quat_address, n, 4),
-            integers(e.geom_bits_address, e.n_geoms),
-            integers(e.body_bits_address, e.n_bodies),
-        )
+def _move_traffic(plants: np.ndarray) -> None:
+    """Advance the movers of a world by a control tick; those near any vehicle can be touched."""
+    e = plants[0].engine
+    movers = rows(e.movers_address, e.n_movers, MOVER_DTYPE)
+    geom_bits = integers(e.geom_bits_address, e.n_geoms)
+    body_bits = integers(e.body_bits_address, e.n_bodies)
+    move_traffic(
+        plants[0].traffic,
+        movers,
+        table(e.mover_points_address, e.n_mover_points, 3),
+        table(e.mocap_pos_address, e.n_movers, 3),
+        table(e.mocap_quat_address, e.n_movers, 4),
+        geom_bits,
+        body_bits,
+    )
+    for k in range(len(plants)):
+        let_touch(movers, doubles(plants[k].engine.qpos_address, 3), geom_bits, body_bits)
 
 
 @kernel
-def _step_physics(
-    e: np.record, r: np.record, c: np.record, qpos: np.ndarray, qvel: np.ndarray
-) -> int:
-    """Step to the next control tick; 1 if the vehicle touched something on the way."""
-    command = c.rotor_command_radps if e.has_power == 1 else e.no_command
-    applied = doubles(e.applied_address, 6)
-    constraint = doubles(e.constraint_address, e.n_constraints)
-    is_touching = 0
-    for _ in range(e.steps_per_tick):
-        step_rotors(r, command, qpos[3:7], qvel[0:3], qvel[3:6], applied)
-        call_mj_step(e.step_address, e.model_address, e.data_address)
-        for k in range(len(constraint)):
-            if constraint[k] != 0.0:
-                is_touching = 1
-    return is_touching
+def _step_physics(plants: np.ndarray) -> None:
+    """Step to the next control tick, and note which vehicle touched something on the way."""
+    lead = plants[0].engine
+    for _ in range(lead.steps_per_tick):
+        for k in range(len(plants)):
+            e, r, c = plants[k].engine, plants[k].rotors, plants[k].controller
+            command = c.rotor_command_radps if e.has_power == 1 else e.no_command
+            qpos, qvel = doubles(e.qpos_address, 7), doubles(e.qvel_address, 6)
+            applied = doubles(e.applied_address, 6)
+            step_rotors(r, command, qpos[3:7], qvel[0:3], qvel[3:6], applied)
+        call_mj_step(lead.step_address, lead.model_address, lead.data_address)
+        for k in range(len(plants)):
+            e = plants[k].engine
+            constraint = doubles(e.constraint_address, 6)
+            for n in range(6):
+                if constraint[n] != 0.0:
+                    e.is_touching = 1
 
 
 @kernel
-def _log(
-    row: np.record, p: np.record, qpos: np.ndarray, qvel: np.ndarray, is_touching: int
-) -> None:
+def _log(row: np.record, p: np.record, qpos: np.ndarray, qvel: np.ndarray) -> None:
     e, r, imu, f, c, s = p.engine, p.rotors, p.imu, p.filter, p.controller, p.setpoint
     row.time_us = e.tick * e.tick_us
     row.setpoint_level = s.level
-    row.is_touching = is_touching
+    row.is_touching = e.is_touching
     for i in range(3):
         row.position_true_enu_m[i] = qpos[i]
         row.velocity_true_enu_mps[i] = qvel[i]

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import copy
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
@@ -23,7 +25,8 @@ from flightsim.environment.steel import steel_dipoles
 from flightsim.environment.wind import AIR_NORMALS, WindCfg, new_air, set_wind
 from flightsim.looks.movers import MOVER_CONTACT_BIT
 from flightsim.plant.cfg import PlantCfg, estimator_cfg_for
-from flightsim.plant.mujoco_calls import addresses
+from flightsim.plant.mujoco_calls import functions
+from flightsim.plant.rays import new_rays
 from flightsim.plant.record import HISTORY_DTYPE, PLANT_DTYPE
 from flightsim.plant.sensing import SENSORS
 from flightsim.plant.sky import new_sky
@@ -38,11 +41,6 @@ from flightsim.world import World
 # Numbers of the streams besides those in `SENSORS`; a number in use never changes.
 _AIR_STREAM, _FIRST_AIR_STREAM, _START_STREAM, _VIBRATION_STREAM = 9, 10, 11, 13
 _SKY_STREAM = 14
-
-
-def example_arguments() -> tuple[np.ndarray, ...]:
-    """Arrays of the types that the kernel takes, for compiling it without a world."""
-    return np.zeros(1, PLANT_DTYPE), np.zeros(1, np.int64)
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,6 +72,7 @@ class PlantMemory:
     """All that the kernel reads and writes.
 
     Attributes:
+        data: State of the physics.
         plants: `PLANT_DTYPE` (1,).
         plant: Its only record, as a view.
         qpos: True pose of the vehicle (7,) in MuJoCo's memory.
@@ -81,6 +80,7 @@ class PlantMemory:
         history: `HISTORY_DTYPE`, one row per control tick of an advance.
         setpoint_flat: The setpoint as doubles.
         movers: `MOVER_DTYPE`, a row for each moving obstacle.
+        traffic: `TRAFFIC_DTYPE`, their clock, as a view.
     """
 
     def __init__(
@@ -92,6 +92,7 @@ class PlantMemory:
         plants: np.ndarray | None = None,
         history: np.ndarray | None = None,
         surroundings: Surroundings | None = None,
+        lead: PlantMemory | None = None,
     ) -> None:
         """Fill the record of a vehicle as it stands in `data`.
 
@@ -102,13 +103,22 @@ class PlantMemory:
             plants: The record itself, where it is one of many; zeros else.
             history: The log, where it is a row of many.
             surroundings: Of the same scene and effects, where they are known already.
+            lead: Memory of the first vehicle in the same world, whose movers are everyone's; None
+                for the first.
         """
+        self.data = data
         self.plants = np.zeros(1, PLANT_DTYPE) if plants is None else plants
         self.plant: np.void = self.plants[0]
         self.setpoint_flat = self.plants["setpoint"].view("f8")
         n_rows = cfg.control_hz // cfg.advance_hz
         self.history = np.zeros(n_rows, HISTORY_DTYPE) if history is None else history
-        self.movers, self._mover_points = new_movers(world.obstacles)
+        self._stream = ("plant",) if world.number == 0 else ("plant", "vehicle", world.number)
+        if lead is None:
+            self.movers, self._mover_points = new_movers(world.obstacles)
+            self.traffic: np.void = self.plant["traffic"]
+        else:
+            self.movers, self._mover_points = lead.movers, lead._mover_points
+            self.traffic = lead.traffic
         self._around = surroundings or Surroundings.of(world.scene, cfg.effects)
         self._shelter = np.zeros((*self._around.grid.shape, 3))
         self._name_movers(world)
@@ -154,30 +164,32 @@ class PlantMemory:
         e["ticks_per_advance"] = cfg.control_hz // cfg.advance_hz
         e["has_power"], e["has_sensors"] = 1, cfg.has_sensors
         e["knows_truth"] = cfg.state == "truth"
-        e["step_address"], e["ray_address"], e["clock_address"] = addresses()
+        e["step_address"], e["clock_address"] = functions().step, functions().clock
+        e["rays"] = new_rays(world, data)[0]
         e["model_address"], e["data_address"] = model._address, data._address
         joint = model.body_jntadr[body]
         self.qpos = data.qpos[model.jnt_qposadr[joint] :][:7]
-        self.qvel = data.qvel[model.jnt_dofadr[joint] :][:6]
+        dof = model.jnt_dofadr[joint]
+        self.qvel = data.qvel[dof:][:6]
         for name, array in (
             ("qpos", self.qpos),
             ("qvel", self.qvel),
             ("applied", data.xfrc_applied[body]),
-            ("constraint", data.qfrc_constraint),
+            ("constraint", data.qfrc_constraint[dof:]),
             ("mocap_pos", data.mocap_pos),
             ("mocap_quat", data.mocap_quat),
             ("geom_bits", model.geom_conaffinity),
             ("body_bits", model.body_conaffinity),
         ):
             e[f"{name}_address"] = array.ctypes.data
-        e["n_constraints"], e["n_geoms"], e["n_bodies"] = model.nv, model.ngeom, model.nbody
+        e["n_geoms"], e["n_bodies"] = model.ngeom, model.nbody
         e["vehicle_body"] = body
 
     def _build_vehicle(self, world: World, cfg: PlantCfg) -> None:
         """Fill the records of the air, the rotors and the controller."""
         quadrotor, dt_s = world.airframe.quadrotor, 1.0 / cfg.control_hz
         scene_id = world.scene.scene_id
-        first_air = generator(cfg.seed, scene_id, "plant", _FIRST_AIR_STREAM)
+        first_air = generator(cfg.seed, scene_id, *self._stream, _FIRST_AIR_STREAM)
         self.plant["air"] = new_air(first_air, dt_s=dt_s)[0]
         self.plant["air"]["shelter_cell_m"] = self._around.grid.cell_m
         self.plant["air"]["shelter_origin_enu_m"] = self._around.grid.origin_enu_m
@@ -191,14 +203,14 @@ class PlantMemory:
         self.plant["surfaces"] = new_surfaces(cfg.effects)[0]
         self.plant["vibration"] = new_vibration(
             world.airframe,
-            generator(cfg.seed, scene_id, "plant", _VIBRATION_STREAM),
+            generator(cfg.seed, scene_id, *self._stream, _VIBRATION_STREAM),
             dt_s=dt_s,
             is_on=cfg.effects.vibration,
         )[0]
         gains = cfg.controller or controller_cfg_for(quadrotor)
         self.plant["controller"] = new_controller(quadrotor, gains, dt_s=dt_s)[0]
         estimator = cfg.estimator or estimator_cfg_for(cfg)
-        believed = generator(cfg.seed, scene_id, "plant", _START_STREAM)
+        believed = generator(cfg.seed, scene_id, *self._stream, _START_STREAM)
         start = believed.normal(self.qpos[:3], estimator.start_sigma_m)
         self.plant["filter"] = new_filter(
             estimator,
@@ -211,10 +223,12 @@ class PlantMemory:
 
     def _switch_on(self, world: World, cfg: PlantCfg) -> None:
         """Fill the records of the sky and the sensors, and give each its noise."""
+        scene_id = world.scene.scene_id
         self.plant["sky"] = new_sky(
             GRADES[cfg.gnss].constellations,
             world.scene.latitude_deg,
-            generator(cfg.seed, world.scene.scene_id, "plant", _SKY_STREAM),
+            # One sky stands over all vehicles of a world.
+            generator(cfg.seed, scene_id, "plant", _SKY_STREAM),
             cfg.effects,
         )[0]
         bounds, amperes = [0], amperes_per_cubed_speed(world.airframe.battery)
@@ -222,7 +236,7 @@ class PlantMemory:
         for sensor in sensors:
             start = SensorStart(
                 tick_hz=cfg.control_hz,
-                rng=generator(cfg.seed, world.scene.scene_id, "plant", *sensor.start_streams),
+                rng=generator(cfg.seed, scene_id, *self._stream, *sensor.start_streams),
                 position_enu_m=self.qpos[:3],
                 velocity_enu_mps=self.qvel[:3],
                 quat_wxyz=self.qpos[3:7],
@@ -239,7 +253,7 @@ class PlantMemory:
         blocks = np.split(self._normals, bounds[1:])
         numbers = [*(sensor.stream for sensor in sensors), _AIR_STREAM]
         *self._streams, self._air_stream = (
-            NormalStream(seed_sequence(cfg.seed, world.scene.scene_id, "plant", number), block)
+            NormalStream(seed_sequence(cfg.seed, scene_id, *self._stream, number), block)
             for number, block in zip(numbers, blocks, strict=True)
         )
 
@@ -259,3 +273,15 @@ class PlantMemory:
             self._around.grid.shape,
         )
         e["history_address"] = self.history.ctypes.data
+
+
+def with_own_models(worlds: Sequence[World]) -> list[World]:
+    """The same worlds; those in which something moves have models of their own to note it in."""
+    own: list[World] = []
+    for world in worlds:
+        if not world.obstacles:
+            own.append(world)
+            continue
+        model = copy.copy(world.model) if world.number == 0 else own[-1].model
+        own.append(replace(world, model=model))
+    return own

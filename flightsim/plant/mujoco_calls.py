@@ -1,4 +1,4 @@
-"""MuJoCo's step, ray and arrays from inside a kernel, through their C pointers.
+"""MuJoCo's step, rays and arrays from inside a kernel, through their C pointers.
 
 A kernel that steps ten times in one call saves nine trips through Python. Addresses travel as
 integers; a cached kernel holds none of its own.
@@ -9,7 +9,7 @@ from __future__ import annotations
 import ctypes
 import functools
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import mujoco
 import numpy as np
@@ -23,16 +23,30 @@ from autonomy.jit import kernel
 _POINTER = ir.IntType(8).as_pointer()
 
 
-@functools.cache
-def addresses() -> tuple[int, int, int]:
-    """Addresses in the library that `mujoco` has loaded: of `mj_step`, `mj_ray` and `mjcb_time`.
+class Functions(NamedTuple):
+    """Addresses in the library that `mujoco` has loaded."""
 
-    The third is a variable with the clock by which MuJoCo times its stages; 0 in it is no clock.
-    """
+    step: int
+    """`mj_step`."""
+    ray_geom: int
+    """`mju_rayGeom`."""
+    ray_mesh: int
+    """`mj_rayMesh`."""
+    clock: int
+    """The variable `mjcb_time` with the clock by which MuJoCo times its stages; 0 is no clock."""
+
+
+@functools.cache
+def functions() -> Functions:
+    """Where the functions that kernels call are."""
     folder = Path(mujoco.__file__).parent
     library = ctypes.CDLL(str(next(folder.glob("libmujoco.*"))))
-    clock = ctypes.addressof(ctypes.c_void_p.in_dll(library, "mjcb_time"))
-    return _address(library.mj_step), _address(library.mj_ray), clock
+    return Functions(
+        step=_address(library.mj_step),
+        ray_geom=_address(library.mju_rayGeom),
+        ray_mesh=_address(library.mj_rayMesh),
+        clock=ctypes.addressof(ctypes.c_void_p.in_dll(library, "mjcb_time")),
+    )
 
 
 def _address(function: Any) -> int:
@@ -60,34 +74,54 @@ def call_mj_step(_typing: Any, _function: Any, _model: Any, _data: Any) -> Any:
 
 
 @_in_kernel
-def call_mj_ray(
+def call_mju_ray_geom(
+    _typing: Any,
+    _function: Any,
+    _position: Any,
+    _rotation: Any,
+    _size: Any,
+    _origin: Any,
+    _direction: Any,
+    _kind: Any,
+) -> Any:
+    """`mjtNum mju_rayGeom(pos, mat, size, pnt, vec, geomtype, normal)`, without a normal.
+
+    Pointers are integers.
+    """
+    signature = types.float64(*[types.intp] * 6, types.intc)
+
+    def codegen(_context: Any, builder: Any, _signature: Any, args: Any) -> Any:
+        parameters = [_POINTER] * 5 + [ir.IntType(32), _POINTER]
+        ray = ir.FunctionType(ir.DoubleType(), parameters)
+        target = builder.inttoptr(args[0], ray.as_pointer())
+        places = [builder.inttoptr(arg, _POINTER) for arg in args[1:6]]
+        return builder.call(target, [*places, args[6], ir.Constant(_POINTER, None)])
+
+    return signature, codegen
+
+
+@_in_kernel
+def call_mj_ray_mesh(
     _typing: Any,
     _function: Any,
     _model: Any,
     _data: Any,
+    _geom: Any,
     _origin: Any,
     _direction: Any,
-    _excluded_body: Any,
-    _geom: Any,
 ) -> Any:
-    """`mjtNum mj_ray(m, d, pnt, vec, geomgroup, flg_static, bodyexclude, geomid, normal)`.
+    """`mjtNum mj_rayMesh(m, d, geomid, pnt, vec, normal)`, without a normal.
 
-    All groups, static geoms too, no normal. Pointers are integers; `_geom` is the address of an
-    int32 to write to.
+    Pointers are integers.
     """
-    signature = types.float64(*[types.intp] * 5, types.intc, types.intp)
+    signature = types.float64(*[types.intp] * 3, types.intc, *[types.intp] * 2)
 
     def codegen(_context: Any, builder: Any, _signature: Any, args: Any) -> Any:
-        byte, integer = ir.IntType(8), ir.IntType(32)
-        parameters = [_POINTER] * 5 + [byte, integer, _POINTER, _POINTER]
+        parameters = [_POINTER, _POINTER, ir.IntType(32), *[_POINTER] * 3]
         ray = ir.FunctionType(ir.DoubleType(), parameters)
         target = builder.inttoptr(args[0], ray.as_pointer())
-        m, d, pnt, vec = (builder.inttoptr(arg, _POINTER) for arg in args[1:5])
-        null = ir.Constant(_POINTER, None)
-        geomid = builder.inttoptr(args[6], _POINTER)
-        return builder.call(
-            target, [m, d, pnt, vec, null, ir.Constant(byte, 1), args[5], geomid, null]
-        )
+        m, d, pnt, vec = (builder.inttoptr(args[k], _POINTER) for k in (1, 2, 4, 5))
+        return builder.call(target, [m, d, args[3], pnt, vec, ir.Constant(_POINTER, None)])
 
     return signature, codegen
 
@@ -144,3 +178,15 @@ def integers(address: int, n: int) -> np.ndarray:
 def pointers(address: int, n: int) -> np.ndarray:
     """The n pointers at an address, as integers."""
     return carray(_pointer(address), (n,), np.intp)
+
+
+@kernel
+def long_integers(address: int, n: int) -> np.ndarray:
+    """The n integers of 64 bits at an address."""
+    return carray(_pointer(address), (n,), np.int64)
+
+
+@kernel
+def bytes_at(address: int, n: int) -> np.ndarray:
+    """The n bytes at an address."""
+    return carray(_pointer(address), (n,), np.uint8)

@@ -1,29 +1,27 @@
 """The plant: everything that runs faster than 50 Hz, behind a call every 20 ms.
 
 Physics, rotors, sensors, estimator and controller run in one kernel (`flightsim.plant.kernel`).
-Its memory is a few records; objects for Python are built from it on request.
 """
 
 from __future__ import annotations
 
 import logging
-import math
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 
 from autonomy.control.record import setpoint_row
-from autonomy.jit import compile_ahead
 from autonomy.types import OFF, ControlLevel, Setpoint, State, Vector3, vector3
 from flightsim.environment.motion import MAX_RATE, obstacle_states
 from flightsim.environment.movers import ObstacleStates
 from flightsim.environment.wind import WindCfg
 from flightsim.plant.cfg import NotAlignedError, PhysicsDivergedError, PlantCfg, PlantError
+from flightsim.plant.checks import check_alone, normalised
+from flightsim.plant.compiling import compile_kernels
 from flightsim.plant.failures import Failures
 from flightsim.plant.handover import Handover
 from flightsim.plant.kernel import advance
-from flightsim.plant.memory import PlantMemory, example_arguments
+from flightsim.plant.memory import PlantMemory
 from flightsim.plant.readings import EstimatorStatus, estimator_status
 from flightsim.plant.record import with_rotors
 from flightsim.plant.sensing import SensorReadings
@@ -31,7 +29,6 @@ from flightsim.vehicles.battery import Battery
 from flightsim.world import World
 
 _LOG = logging.getLogger(__name__)
-_COMPILE_SECONDS = 12.0
 _ESTIMATE = ("position_enu_m", "velocity_enu_mps", "quat_wxyz", "angular_rate_flu_radps")
 
 
@@ -41,38 +38,43 @@ class Plant:
     Deterministic: the same world, configuration and setpoints give the same history, bit for bit.
     """
 
-    def __init__(self, world: World, cfg: PlantCfg) -> None:
+    def __init__(self, world: World, cfg: PlantCfg, *, memory: PlantMemory | None = None) -> None:
         """Put a vehicle at rest at the world's start.
 
+        Args:
+            world: World of this vehicle alone, unless `VehicleGroup` has made its memory.
+            cfg: Configuration.
+            memory: Its memory among others.
+
         Raises:
-            PlantError: If the world has no vehicle or the configured rates do not fit.
+            PlantError: If the world has no vehicle, or several, or the configured rates do not fit.
         """
-        if world.vehicle_body_id < 0:
-            raise PlantError("world: it has no vehicle, build it with vehicle=True")
-        cfg.check(world.model.opt.timestep)
-        compile_kernels()
+        if memory is None:
+            check_alone(world)
+            cfg.check(world.model.opt.timestep)
+            compile_kernels()
+            memory = PlantMemory(world, cfg, world.new_data())
         self.world, self.cfg = world, cfg
-        self.data = world.new_data()
+        self.data = memory.data
         self.battery = Battery(world.airframe.battery)
         self.time_us = 0
         """Simulated time."""
         self.contact_ticks = 0
         """Control ticks of the last advance in which the vehicle touched something."""
-        self.total_contact_ticks = 0
-        self.n_refused_setpoints = 0
+        self.total_contact_ticks = self.n_refused_setpoints = 0
         self._n_advances = 0
         self._handover: Handover | None = None
-        self._memory = PlantMemory(world, cfg, self.data)
-        self._counter = np.zeros(1, np.int64)
+        self._memory = memory
+        self._plants, self._counter = memory.plants.reshape(1, 1), np.zeros(1, np.int64)
         self._advance_us = 1_000_000 // cfg.advance_hz
-        self._record = self._memory.plant
+        self._record = memory.plant
         self._engine: np.void = self._record["engine"]
         self._controller: np.void = self._record["controller"]
         self._filter: np.void = self._record["filter"]
         n = len(world.airframe.quadrotor.rotors)
         self._rotor_speeds: np.ndarray = self._record["rotors"]["speed_radps"][:n]
         self._rotor_commands: np.ndarray = self._controller["rotor_command_radps"][:n]
-        qpos, qvel = self._memory.qpos, self._memory.qvel
+        qpos, qvel = memory.qpos, memory.qvel
         self._true_views = (qpos[:3], qvel[:3], qpos[3:7], qvel[3:6])
         self._estimate_views = tuple(self._filter[name] for name in _ESTIMATE)
         self.sensors = SensorReadings(self._record, self._memory.tick_us)
@@ -86,16 +88,26 @@ class Plant:
         self.apply(OFF)
 
     def advance(self) -> None:
-        """Advance by 20 ms, or what `PlantCfg.advance_hz` says.
+        """Advance by 20 ms, or what `PlantCfg.advance_hz` says; raises what `end_advance` does."""
+        check_alone(self.world)
+        self.begin_advance()
+        if self._handover is None:
+            self._counter[0] = 0
+            advance(self._plants, self._counter)
+        self.end_advance()
+
+    def begin_advance(self) -> None:
+        """Draw what the next advance needs."""
+        if self._n_advances % self.cfg.advance_hz == 0:
+            self._memory.draw_normals()
+
+    def end_advance(self) -> None:
+        """Take note of what the kernel has done.
 
         Raises:
             PhysicsDivergedError: If the physics engine had to give the state up.
         """
-        if self._n_advances % self.cfg.advance_hz == 0:
-            self._memory.draw_normals()
         if self._handover is None:
-            self._counter[0] = 0
-            advance(self._memory.plants, self._counter)
             self.time_us += self._advance_us
             self.contact_ticks = int(self._engine["contact_ticks"])
         else:
@@ -172,7 +184,7 @@ class Plant:
                 "estimator is not aligned yet; valid: OFF and IDLE, or call align() before"
             )
         if setpoint.level >= ControlLevel.ATTITUDE:
-            setpoint_or_none = _normalised(setpoint)
+            setpoint_or_none = normalised(setpoint)
             if setpoint_or_none is None:
                 self.n_refused_setpoints += 1
                 if self.n_refused_setpoints == 1:
@@ -236,6 +248,11 @@ class Plant:
         return tuple(self._filter["wind_enu_mps"].tolist())
 
     @property
+    def record_address(self) -> int:
+        """Where the plant's record (`PLANT_DTYPE`) is, for kernels that read it."""
+        return self._memory.plants.ctypes.data
+
+    @property
     def filter(self) -> np.void:
         """Record of the filter (`autonomy.estimation.error_state`), for judging it."""
         return self._filter
@@ -270,29 +287,14 @@ class Plant:
     @property
     def traffic_speed(self) -> float:
         """Rate of the movers' time, 1 for real and 0 for a standstill; it changes gradually."""
-        return float(self._record["traffic"]["rate_cmd"])
+        return float(self._memory.traffic["rate_cmd"])
 
     @traffic_speed.setter
     def traffic_speed(self, rate: float) -> None:
         if not 0.0 <= rate <= MAX_RATE:
             raise PlantError(f"traffic_speed = {rate}: 0 to {MAX_RATE:g} are valid")
-        self._record["traffic"]["rate_cmd"] = rate
+        self._memory.traffic["rate_cmd"] = rate
 
     def spin_rotors(self, speeds_radps: tuple[float, ...]) -> None:
         """Turn the rotors at these speeds while the setpoint is `OFF`, as a test of the motors."""
         self._controller["given_speed_radps"][: len(speeds_radps)] = speeds_radps
-
-
-def compile_kernels() -> None:
-    """Compile the flight kernels now, or load them from the cache; says so if it takes long."""
-    compile_ahead(advance, example_arguments(), "flight kernels", _COMPILE_SECONDS)
-
-
-def _normalised(setpoint: Setpoint) -> Setpoint | None:
-    """The same attitude or rate setpoint with a unit quaternion, None if it is not finite."""
-    w, x, y, z = setpoint.quat_wxyz
-    norm = math.sqrt(w * w + x * x + y * y + z * z)
-    total = setpoint.thrust + norm + sum(setpoint.angular_rate_flu_radps)
-    if not math.isfinite(total) or norm < 1e-3:
-        return None
-    return replace(setpoint, quat_wxyz=(w / norm, x / norm, y / norm, z / norm))

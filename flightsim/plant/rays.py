@@ -1,11 +1,90 @@
-"""Rays in MuJoCo's world, cast from compiled code."""
+"""Rays in MuJoCo's world from compiled code: by a tree at what stands, one by one at what moves.
+
+The distance is MuJoCo's own, to the bit: the tree only says which geoms the ray cannot meet. A
+cast so costs the same in a scene of 700 geoms and of 2,500, where `mj_ray` looks at each.
+
+Source of the walk through the tree without a stack: Hapala et al. 2011, Efficient stack-less BVH
+traversal for ray tracing.
+"""
 
 from __future__ import annotations
 
+import math
+
+import mujoco
 import numpy as np
 
-from autonomy.jit import kernel
-from flightsim.plant.mujoco_calls import call_mj_ray
+from autonomy.jit import fields, kernel, kernel_without_lock
+from flightsim.plant.mujoco_calls import (
+    call_mj_ray_mesh,
+    call_mju_ray_geom,
+    doubles,
+    functions,
+    integers,
+    table,
+)
+from flightsim.world import World
+
+_MESH = int(mujoco.mjtGeom.mjGEOM_MESH)
+_MARGIN_M = 1e-6
+_NEARLY_INFINITE = 1e300
+"""One over a direction of zero; an infinite one times zero would be no number."""
+
+RAYS_DTYPE = np.dtype(
+    [
+        *fields("ray_geom_address", "ray_mesh_address", kind="i8"),  # functions of MuJoCo
+        *fields("model_address", "data_address", kind="i8"),
+        *fields("type_address", "size_address", "rbound_address", "body_address", kind="i8"),
+        *fields("xpos_address", "xmat_address", "n_geoms", kind="i8"),
+        *fields("boxes_address", "axes_address", "leaves_address", "n_leaves", kind="i8"),
+        *fields("endless_address", "n_endless", "moving_address", "n_moving", kind="i8"),
+    ],
+    align=True,
+)
+"""Where the geoms of a world and their index (`flightsim.world_rays.RayTree`) are in memory."""
+
+
+def new_rays(world: World, data: mujoco.MjData) -> np.ndarray:
+    """What rays need of a world in the state of `data`, (1,) of `RAYS_DTYPE`; both must live on."""
+    model, tree = world.model, world.rays
+    records = np.zeros(1, RAYS_DTYPE)
+    r = records[0]
+    r["ray_geom_address"], r["ray_mesh_address"] = functions().ray_geom, functions().ray_mesh
+    r["model_address"], r["data_address"] = model._address, data._address
+    for name, array in (
+        ("type", model.geom_type),
+        ("size", model.geom_size),
+        ("rbound", model.geom_rbound),
+        ("body", model.geom_bodyid),
+        ("xpos", data.geom_xpos),
+        ("xmat", data.geom_xmat),
+        ("boxes", tree.boxes_enu_m),
+        ("axes", tree.axes),
+        ("leaves", tree.leaf_geoms),
+        ("endless", tree.endless_geoms),
+        ("moving", tree.moving_geoms),
+    ):
+        r[f"{name}_address"] = array.ctypes.data
+    r["n_geoms"], r["n_leaves"] = model.ngeom, len(tree.leaf_geoms)
+    r["n_endless"], r["n_moving"] = len(tree.endless_geoms), len(tree.moving_geoms)
+    return records
+
+
+@kernel_without_lock
+def cast_rays(
+    rays: np.ndarray, ray_enu_m: np.ndarray, excluded_body: int, distance_m: np.ndarray
+) -> None:
+    """Distances to what many rays meet first, in lengths of their directions.
+
+    Args:
+        rays: `RAYS_DTYPE` (1,).
+        ray_enu_m: Origin and direction of each ray (n, 6).
+        excluded_body: Body that no ray meets, -1 for none.
+        distance_m: Written (n,): infinite where a ray meets nothing.
+    """
+    for i in range(len(ray_enu_m)):
+        hit_m = _first_hit_m(rays[0], ray_enu_m[i], excluded_body)
+        distance_m[i] = hit_m
 
 
 @kernel
@@ -14,14 +93,99 @@ def cast_ray_m(e: np.record, s: np.record) -> float:
 
     Args:
         e: Engine of the plant.
-        s: Record with `ray`, origin and direction ENU (6,), m, and `ray_geom`, which is written.
+        s: Record with `ray`, origin and direction ENU (6,), m.
     """
-    return call_mj_ray(
-        e.ray_address,
-        e.model_address,
-        e.data_address,
-        s.ray.ctypes.data,
-        s.ray[3:].ctypes.data,
-        e.vehicle_body,
-        s.ray_geom.ctypes.data,
+    distance_m = _first_hit_m(e.rays, s.ray, e.vehicle_body)
+    return -1.0 if math.isinf(distance_m) else distance_m
+
+
+@kernel
+def _first_hit_m(r: np.record, ray: np.ndarray, excluded_body: int) -> float:
+    """Distance to what a ray (6,) meets first; infinite for nothing."""
+    best_m = math.inf
+    for geom in integers(r.endless_address, r.n_endless):
+        best_m = _nearer(best_m, _geom_m(r, geom, ray))
+    best_m = _first_standing_m(r, ray, best_m)
+    body = integers(r.body_address, r.n_geoms)
+    for geom in integers(r.moving_address, r.n_moving):
+        if body[geom] != excluded_body and _is_near_line(r, geom, ray):
+            best_m = _nearer(best_m, _geom_m(r, geom, ray))
+    return best_m
+
+
+@kernel
+def _first_standing_m(r: np.record, ray: np.ndarray, best_m: float) -> float:
+    """The lesser one of a distance and that to the first geom of the tree."""
+    n = r.n_leaves
+    boxes, axes = table(r.boxes_address, 2 * n, 6), integers(r.axes_address, n)
+    leaves = integers(r.leaves_address, n)
+    x, y, z = ray[0], ray[1], ray[2]
+    over_x, over_y, over_z = _over(ray[3]), _over(ray[4]), _over(ray[5])
+    # Of each pair of faces the one that the ray meets first: a column of the boxes.
+    first_x, first_y, first_z = 3 * (over_x < 0), 1 + 3 * (over_y < 0), 2 + 3 * (over_z < 0)
+    last_x, last_y, last_z = 3 - first_x, 5 - first_y, 7 - first_z
+    node = 1
+    while True:
+        box = boxes[node]
+        enter_m = max((box[first_x] - x) * over_x, (box[first_y] - y) * over_y)
+        enter_m = max(enter_m, (box[first_z] - z) * over_z)
+        leave_m = min((box[last_x] - x) * over_x, (box[last_y] - y) * over_y)
+        leave_m = min(leave_m, (box[last_z] - z) * over_z)
+        if enter_m <= leave_m and leave_m >= 0.0 and enter_m <= best_m:
+            if node < n:
+                node = 2 * node + (ray[3 + axes[node]] < 0.0)
+                continue
+            best_m = _nearer(best_m, _geom_m(r, int(leaves[node - n]), ray))
+        while node > 1 and (node & 1) != (ray[3 + axes[node >> 1]] < 0.0):
+            node >>= 1
+        if node == 1:
+            return best_m
+        node ^= 1
+
+
+@kernel
+def _over(direction: float) -> float:
+    return 1.0 / direction if direction != 0.0 else _NEARLY_INFINITE
+
+
+@kernel
+def _nearer(best_m: float, distance_m: float) -> float:
+    """The lesser one, where a negative distance is none."""
+    return distance_m if 0.0 <= distance_m < best_m else best_m
+
+
+@kernel
+def _is_near_line(r: np.record, geom: int, ray: np.ndarray) -> bool:
+    """Whether a ray may meet the sphere around a geom."""
+    radius_m = doubles(r.rbound_address, r.n_geoms)[geom]
+    centre = doubles(r.xpos_address + 24 * geom, 3)
+    away_2 = along = length_2 = 0.0
+    for k in range(3):
+        away = centre[k] - ray[k]
+        away_2 += away * away
+        along += away * ray[3 + k]
+        length_2 += ray[3 + k] * ray[3 + k]
+    reach_m = radius_m + _MARGIN_M * (1.0 + math.sqrt(away_2))
+    if away_2 <= reach_m * reach_m:
+        return True
+    return along > 0.0 and away_2 - along * along / length_2 <= reach_m * reach_m
+
+
+@kernel
+def _geom_m(r: np.record, geom: int, ray: np.ndarray) -> float:
+    """MuJoCo's distance to one geom along a ray; negative if it does not meet it."""
+    origin, direction = ray.ctypes.data, ray[3:].ctypes.data
+    kind = integers(r.type_address, r.n_geoms)[geom]
+    if kind == _MESH:
+        return call_mj_ray_mesh(
+            r.ray_mesh_address, r.model_address, r.data_address, geom, origin, direction
+        )
+    return call_mju_ray_geom(
+        r.ray_geom_address,
+        r.xpos_address + 24 * geom,
+        r.xmat_address + 72 * geom,
+        r.size_address + 24 * geom,
+        origin,
+        direction,
+        kind,
     )

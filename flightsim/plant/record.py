@@ -12,6 +12,7 @@ from autonomy.jit import fields
 from autonomy.model.quadrotor import MAX_ROTORS
 from flightsim.environment.motion import TRAFFIC_DTYPE
 from flightsim.environment.wind import AIR_DTYPE
+from flightsim.plant.rays import RAYS_DTYPE
 from flightsim.plant.sensing import SENSORS
 from flightsim.plant.sky import SKY_DTYPE
 from flightsim.plant.surfaces import SURFACES_DTYPE
@@ -22,18 +23,20 @@ ENGINE_DTYPE = np.dtype(
     [
         ("tick", "i8"),  # control ticks since the start
         *fields("tick_us", "tick_hz", "steps_per_tick", "ticks_per_advance", kind="i8"),
-        *fields("has_new_setpoint", "has_power", "contact_ticks", kind="i8"),
+        *fields("has_new_setpoint", "has_power", "contact_ticks", "is_touching", kind="i8"),
         ("knows_truth", "i8"),  # the controller, instead of the estimate
         ("has_sensors", "i8"),  # or nothing is measured and estimated
         ("is_held", "i8"),  # by a hand: the vehicle stays where it is
-        *fields("step_address", "ray_address", "clock_address", kind="i8"),  # of MuJoCo
+        *fields("step_address", "clock_address", kind="i8"),  # of MuJoCo
+        ("rays", RAYS_DTYPE),
         *fields("model_address", "data_address", kind="i8"),
         # of the vehicle, in MuJoCo's memory: pose (7,), velocity (6,), wrench to apply (6,)
         *fields("qpos_address", "qvel_address", "applied_address", kind="i8"),
-        # of the world: constraint forces, poses of movers, what geoms and bodies may touch
-        *fields("constraint_address", "mocap_pos_address", "mocap_quat_address", kind="i8"),
+        ("constraint_address", "i8"),  # of its constraint forces (6,)
+        # of the world: poses of movers, what geoms and bodies may touch
+        *fields("mocap_pos_address", "mocap_quat_address", kind="i8"),
         *fields("geom_bits_address", "body_bits_address", kind="i8"),
-        *fields("n_constraints", "n_geoms", "n_bodies", kind="i8"),
+        *fields("n_geoms", "n_bodies", kind="i8"),
         # of what has no fixed size, and its rows (`flightsim.plant.memory.Surroundings`)
         *fields("movers_address", "mover_points_address", "rooms_address", kind="i8"),
         *fields("shelter_address", "steel_address", "normals_address", kind="i8"),

@@ -18,6 +18,12 @@ from flightsim.sensors.gnss_reading import GnssReading
 from flightsim.sensors.imu import IMU, ImuReading, sense_imu
 from flightsim.sensors.magnetometer import MAGNETOMETER, MagReading, sense_magnetometer
 from flightsim.sensors.mocap import MOCAP, sense_mocap
+from flightsim.sensors.optical_flow import (
+    OPTICAL_FLOW,
+    OpticalFlowReading,
+    follow_flow,
+    sample_optical_flow,
+)
 from flightsim.sensors.rangefinder import RANGEFINDER, aim_ray, sample_rangefinder
 from flightsim.sensors.sensor import Sensor, is_due, noise
 from flightsim.sensors.vibration import shake
@@ -32,6 +38,7 @@ SENSORS: tuple[Sensor, ...] = (
     MAGNETOMETER,
     RANGEFINDER,
     AIRSPEED,
+    OPTICAL_FLOW,
 )
 
 
@@ -66,6 +73,7 @@ def sense(
     sense_barometer(p.baro, f, tick, qpos, normals)
     sense_magnetometer(p.mag, f, tick, qpos, speeds, steel, normals)
     _sense_range(p.range, f, p.engine, qpos, normals)
+    _sense_flow(p.optical_flow, p.engine, qpos, qvel, p.imu.gyro_flu_radps, normals)
     sense_airspeed(p.airspeed, tick, qpos, qvel, p.rotors.wind_enu_mps, normals)
 
 
@@ -81,6 +89,28 @@ def _sense_range(
     sample_rangefinder(r, e.tick, distance_m, noise(r, e.tick, normals))
     if f.is_aligned == 1 and not is_stuck(r, 0, r.range_m):
         fuse_range(f, r.range_m, r.period_ticks * f.dt_s)
+
+
+@kernel
+def _sense_flow(
+    r: np.record,
+    e: np.record,
+    qpos: np.ndarray,
+    qvel: np.ndarray,
+    gyro_flu_radps: np.ndarray,
+    normals: np.ndarray,
+) -> None:
+    """See what passes below, if there is an eye for it."""
+    if r.is_enabled == 0:
+        return
+    dt_s = 1.0 / e.tick_hz
+    is_time = is_due(r, e.tick)
+    if is_time:
+        aim_ray(r, qpos[0:3], qpos[3:7])
+        r.seen_m = cast_ray_m(e, r)
+    follow_flow(r, qpos[3:7], qvel[0:3], qvel[3:6], gyro_flu_radps, dt_s)
+    if is_time:
+        sample_optical_flow(r, e.tick, r.period_ticks * dt_s, noise(r, e.tick, normals))
 
 
 class SensorReadings:
@@ -139,3 +169,8 @@ class SensorReadings:
     def airspeed(self) -> AirspeedReading:
         """Pitot tube along body x."""
         return self.read(AIRSPEED)
+
+    @property
+    def optical_flow(self) -> OpticalFlowReading:
+        """Flow of what passes below, where `PlantCfg.optical_flow` has the vehicle carry an eye."""
+        return self.read(OPTICAL_FLOW)

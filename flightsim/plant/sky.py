@@ -44,7 +44,6 @@ SKY_DTYPE = np.dtype(
         *fields("is_heard", "is_near", kind="i8", shape=(_MOST_SATELLITES,)),
         ("Q", "f8", (4, 8)),  # normal matrix and its inverse
         ("ray", "f8", 6),
-        ("ray_geom", "i4", 1),
     ],
     align=True,
 )

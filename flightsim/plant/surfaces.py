@@ -28,7 +28,6 @@ SURFACES_DTYPE = np.dtype(
         *fields("has_ground", "has_ceiling", kind="i8"),
         *fields("next_ground_tick", "next_ceiling_tick", kind="i8"),
         ("ray", "f8", 6),  # origin and direction in the world
-        ("ray_geom", "i4", 1),  # what it meets
     ],
     align=True,
 )

@@ -56,7 +56,6 @@ RANGEFINDER = Sensor(
     fields=(
         *fields("range_m", "max_range_m", "noise_m", "relative_noise"),
         ("ray", "f8", 6),  # origin and direction in the world
-        ("ray_geom", "i4", 1),  # what it meets
     ),
     n_normals=1,
     stream=6,

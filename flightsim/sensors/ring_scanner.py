@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 
 from autonomy.types import Vector3
+from flightsim.plant.rays import cast_rays, new_rays
 from flightsim.world import World
 
 N_BEAMS = 72
@@ -16,10 +17,9 @@ class RingScanner:
     """Scans the true world: all that the vehicle can collide with, and not the vehicle itself."""
 
     def __init__(self, world: World, data: mujoco.MjData) -> None:
-        self._model, self._data = world.model, data
+        self._rays = new_rays(world, data)
         self._vehicle_body = world.vehicle_body_id
-        self._directions = np.zeros((N_BEAMS, 3))
-        self._geom_ids = np.zeros(N_BEAMS, np.int32)
+        self._beams_enu_m = np.zeros((N_BEAMS, 6))
         self._ranges_m = np.zeros(N_BEAMS)
 
     def scan_m(self, position_enu_m: Vector3, yaw_rad: float) -> list[float]:
@@ -30,20 +30,10 @@ class RingScanner:
             yaw_rad: Heading of the nose, counterclockwise from east.
         """
         bearings_rad = yaw_rad - np.arange(N_BEAMS) * (2.0 * np.pi / N_BEAMS)
-        self._directions[:, 0], self._directions[:, 1] = np.cos(bearings_rad), np.sin(bearings_rad)
-        mujoco.mj_multiRay(
-            self._model,
-            self._data,
-            np.array(position_enu_m),
-            self._directions.ravel(),
-            None,
-            True,
-            self._vehicle_body,
-            self._geom_ids,
-            self._ranges_m,
-            None,
-            N_BEAMS,
-            MAX_RANGE_M,
+        self._beams_enu_m[:, :3] = position_enu_m
+        self._beams_enu_m[:, 3], self._beams_enu_m[:, 4] = (
+            np.cos(bearings_rad),
+            np.sin(bearings_rad),
         )
-        is_met = (self._ranges_m >= 0.0) & (self._ranges_m <= MAX_RANGE_M)
-        return np.where(is_met, self._ranges_m, np.inf).tolist()
+        cast_rays(self._rays, self._beams_enu_m, self._vehicle_body, self._ranges_m)
+        return np.where(self._ranges_m <= MAX_RANGE_M, self._ranges_m, np.inf).tolist()

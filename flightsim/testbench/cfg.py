@@ -15,9 +15,13 @@ from flightsim.mavlink.links import LinkError, SerialLine
 from flightsim.mavlink.personalities import PERSONALITIES
 from flightsim.mavlink.signing import Signing, SigningKeyError, read_key
 from flightsim.plant import PlantCfg
+from flightsim.sensors.lidars import lidar_by_name
+from flightsim.sensors.optical_flow import OpticalFlowCfg
 from flightsim.vehicles import airframe_by_name
+from flightsim.vehicles.camera_options import with_cameras
 
 MAX_INSTANCES = 100
+_LEAST_PX, _MOST_PX = 16, 4096
 _TICKS_PER_DATAGRAM = 5
 """Most ticks whose telemetry shares a datagram at full speed, where they take less than a
 millisecond. A companion's datagram is full before; sending one costs as much as packing three."""
@@ -54,6 +58,17 @@ class TestbenchCfg:
     """Movers besides the vehicle, such as people=3,cars=2,drones=1."""
     depth_camera: Literal["exact", "d435", "d455"] = "exact"
     """Depth of the cameras: exact, or with the errors of a RealSense D435 or D455."""
+    camera_size: str = "320x240"
+    """Width and height of the images of the vehicle's cameras in pixels, 16 to 4096 each."""
+    camera: tuple[str, ...] = ()
+    """Cameras to change or to add, such as forward,fov=90,pitch=10 or left,yaw=90,x=0.1,y=0.05,z=0;
+    degrees, and metres from the centre of mass. See docs/sensors.md."""
+    segmentation: bool = False
+    """Give frames of the cameras the object and the class of each pixel."""
+    lidar: str = ""
+    """Lidar to carry: vlp16, mid40, or a file FILE.toml or FILE.csv; see docs/sensors.md."""
+    optical_flow: bool = False
+    """Carry a sensor of optical flow that looks down, and tell of it by MAVLink."""
     without: str = ""
     """Effects of the physics to leave out, such as ground,ceiling; docs/physics.md names them."""
     speed: float | Literal["max"] = 1.0
@@ -81,7 +96,10 @@ class TestbenchCfg:
 
     def __post_init__(self) -> None:
         """Refuse invalid settings before anything is built."""
-        airframe_by_name(self.vehicle)
+        with_cameras(airframe_by_name(self.vehicle), self.camera)
+        if self.lidar:
+            lidar_by_name(self.lidar)
+        _ = self.camera_size_px
         _ = self.wind_cfg, self.traffic_cfg, self.effects, self.serial_line, self.signing
         if self.speed != "max" and not 0.0 < self.speed < float("inf"):
             raise TestbenchError(f"speed {self.speed} is not positive; valid: 1, a factor, or max")
@@ -146,6 +164,23 @@ class TestbenchCfg:
         return Effects.without(self.without)
 
     @property
+    def camera_size_px(self) -> tuple[int, int]:
+        """Width and height of the cameras' images.
+
+        Raises:
+            TestbenchError: If they are no size, or out of range.
+        """
+        parts = self.camera_size.split("x")
+        is_size = len(parts) == 2 and all(part.isdecimal() for part in parts)
+        sizes = [int(part) for part in parts] if is_size else []
+        if not is_size or not all(_LEAST_PX <= px <= _MOST_PX for px in sizes):
+            raise TestbenchError(
+                f"camera-size {self.camera_size!r} is not valid; valid: WIDTHxHEIGHT of "
+                f"{_LEAST_PX} to {_MOST_PX} pixels, such as 640x480"
+            )
+        return sizes[0], sizes[1]
+
+    @property
     def serial_line(self) -> SerialLine | None:
         """Serial device of these settings, if there is one.
 
@@ -192,6 +227,7 @@ class TestbenchCfg:
             aiding=self.aiding,
             wind=self.wind_cfg,
             effects=self.effects,
+            optical_flow=OpticalFlowCfg(is_fitted=self.optical_flow),
         )
         stack = STACKS.get(self.autopilot)
         return cfg if stack is None else replace(cfg, control_hz=stack.rate_hz)

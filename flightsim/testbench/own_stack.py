@@ -69,6 +69,7 @@ class OwnStack:
             links += network_links(
                 cfg.instance,
                 cfg.bind,
+                first_instance=cfg.instance - plant.world.number,
                 serial_line=cfg.serial_line,
                 is_lockstep=cfg.lockstep,
                 signing=signing,

@@ -16,10 +16,12 @@ from flightsim.mavlink.links import InProcessLink, Link, LinkError
 from flightsim.mavlink.server import MavlinkServer
 from flightsim.payload import Payload, VideoError
 from flightsim.plant import Plant
-from flightsim.simulator import Simulator
+from flightsim.sensors.lidars import Lidar, lidar_by_name
+from flightsim.simulator import Controller, Server, Simulator
 from flightsim.testbench.cfg import TestbenchCfg, TestbenchError
 from flightsim.testbench.own_stack import OwnStack
 from flightsim.vehicles import Airframe, airframe_by_name
+from flightsim.vehicles.camera_options import with_cameras
 from flightsim.world import World, build_world
 
 
@@ -29,6 +31,7 @@ class Testbench:
     Attributes:
         simulator: Simulation loop; its `run` and `step` advance time.
         stack: Whoever flies: our own flight stack, or an external one.
+        lidar: Lidar that the vehicle carries; None without one.
         observers: Called in this order at the end of each tick; append functions to watch.
     """
 
@@ -43,6 +46,7 @@ class Testbench:
         extra_links: Sequence[Link] = (),
         captures: Path | None = None,
         has_video: bool = False,
+        plant: Plant | None = None,
     ) -> None:
         """Build the world of a scene and open the links.
 
@@ -55,6 +59,8 @@ class Testbench:
             extra_links: MAVLink links besides the in-process one and the network's.
             captures: Folder for photographs and films of the gimbal's camera; None keeps none.
             has_video: Whether that camera's picture is streamed to a port of this machine.
+            plant: The vehicle, where it is one of several in a world; `SharedTestbench` has the
+                loop then, and there are no other vehicle and no other movers to choose.
 
         Raises:
             WorldError: If the vehicle cannot start there.
@@ -64,21 +70,28 @@ class Testbench:
                 the external flight stack cannot be had.
         """
         self.cfg, self.scene = cfg, scene
-        self.airframe = airframe or airframe_by_name(cfg.vehicle)
-        self.world: World = build_world(
-            self.scene, self.airframe, traffic=cfg.traffic_cfg if traffic is None else traffic
-        )
-        self.plant = Plant(self.world, cfg.plant_cfg)
+        if plant is None:
+            airframe = with_cameras(airframe or airframe_by_name(cfg.vehicle), cfg.camera)
+            movers = cfg.traffic_cfg if traffic is None else traffic
+            plant = Plant(build_world(scene, airframe, traffic=movers), cfg.plant_cfg)
+        self.plant = plant
+        self.world: World = plant.world
+        self.airframe = plant.world.airframe
         self.frame = LocalFrame(
             Geodetic(self.scene.latitude_deg, self.scene.longitude_deg, self.scene.altitude_m)
         )
         self.observers: list[Callable[[], None]] = []
+        self.lidar = Lidar(self.plant, lidar_by_name(cfg.lidar)) if cfg.lidar else None
+        if self.lidar is not None:
+            self.observers.append(self._scan)
         self._own: OwnStack | None = None
         self.stack: OwnStack | ExternalStack
         """Whoever flies."""
+        self.parts: tuple[Controller, Server]
+        """Who commands the plant, and who speaks for it."""
         if cfg.autopilot == "builtin":
             self._own = self._build_own(has_network, extra_links, captures, has_video)
-            self.stack, parts = self._own, (self._own.autopilot, self._own.server)
+            self.stack, self.parts = self._own, (self._own.autopilot, self._own.server)
         else:
             if captures is not None or has_video:
                 raise TestbenchError(
@@ -86,8 +99,15 @@ class Testbench:
                     f"{cfg.autopilot} flies; valid: --autopilot builtin"
                 )
             self.stack = self._open_external()
-            parts = self.stack.monitor, self.stack
-        self.simulator = Simulator(self.plant, *parts, observers=self.observers, speed=cfg.speed)
+            self.parts = self.stack.monitor, self.stack
+        self.simulator = Simulator(
+            self.plant, *self.parts, observers=self.observers, speed=cfg.speed
+        )
+
+    def _scan(self) -> None:
+        """Let the lidar fire what is due."""
+        if self.lidar is not None:
+            self.lidar.update()
 
     def _build_own(
         self, has_network: bool, links: Sequence[Link], captures: Path | None, has_video: bool

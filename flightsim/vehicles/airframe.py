@@ -6,6 +6,9 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
+import numpy as np
+from jaxtyping import Float
+
 from autonomy.model import QuadrotorParams
 from autonomy.types import Vector3
 
@@ -32,13 +35,25 @@ class BatteryParams:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class CameraMount:
-    """An RGB-D camera fixed to the body."""
+    """A camera fixed to the body: RGB-D, or of depth alone."""
 
     name: str
     position_flu_m: Vector3
     pitch_down_rad: float
     """Pitch: 0 looks along body x, pi/2 straight down with the image's top towards body x."""
     vertical_fov_rad: float
+    yaw_rad: float = 0.0
+    """Turn of the view about body z, before which it is pitched: pi/2 looks to the left."""
+    has_colour: bool = True
+    """Without colours it serves the pilot alone: it is neither recorded nor filmed."""
+
+    @property
+    def rotation_flu_from_optical(self) -> Float[np.ndarray, "3 3"]:
+        """Camera axes (x right, y down, z forward) in the body frame, as columns."""
+        sin, cos = math.sin(self.pitch_down_rad), math.cos(self.pitch_down_rad)
+        pitched = np.array([[0.0, -sin, cos], [-1.0, 0.0, 0.0], [0.0, -cos, -sin]])
+        sin, cos = math.sin(self.yaw_rad), math.cos(self.yaw_rad)
+        return np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]]) @ pitched
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -98,6 +113,11 @@ class Airframe:
     """What it looks like instead of a fuselage of simple shapes."""
     handle: str = ""
     """What `--vehicle` takes to name it, where that is not its name: the path of its file."""
+
+    @property
+    def rgbd_cameras(self) -> tuple[CameraMount, ...]:
+        """Cameras with colours: what is recorded, filmed and shown."""
+        return tuple(mount for mount in self.cameras if mount.has_colour)
 
     @property
     def vehicle(self) -> str:

@@ -58,15 +58,38 @@ _DISC_FRONT = (0.95, 0.40, 0.10, 0.28)
 _DISC_REAR = (0.20, 0.22, 0.26, 0.25)
 
 
-def add_vehicle(
-    spec: mujoco.MjSpec, airframe: Airframe, position_enu_m: Vector3, yaw_rad: float
-) -> None:
-    """Add body "vehicle" with a free joint, its origin (the centre of mass) at a position.
+def vehicle_name(number: int) -> str:
+    """Name of the body of a vehicle by its number in its world, 0 for the first."""
+    return VEHICLE_BODY if number == 0 else f"{VEHICLE_BODY}_{number + 1}"
 
-    Its cameras have the names of `airframe.cameras`.
+
+def part_name(number: int, part: str) -> str:
+    """Name of a part or a camera of such a vehicle; those of the first have no prefix."""
+    return part if number == 0 else f"{vehicle_name(number)}/{part}"
+
+
+def add_vehicle(
+    spec: mujoco.MjSpec,
+    airframe: Airframe,
+    position_enu_m: Vector3,
+    yaw_rad: float,
+    *,
+    number: int = 0,
+) -> None:
+    """Add a body with a free joint, its origin (the centre of mass) at a position.
+
+    Its cameras have the names of `airframe.cameras`, as `part_name` says them.
+
+    Args:
+        spec: World to add it to.
+        airframe: The vehicle.
+        position_enu_m: Where it is.
+        yaw_rad: Its heading, counter-clockwise from east.
+        number: Number among several vehicles, 0 for the first, whose body is "vehicle".
     """
+    name = vehicle_name(number)
     body = spec.worldbody.add_body(
-        name=VEHICLE_BODY,
+        name=name,
         pos=position_enu_m,
         quat=quat_about_up(yaw_rad),
         explicitinertial=True,
@@ -75,18 +98,18 @@ def add_vehicle(
         iquat=(1.0, 0.0, 0.0, 0.0),
         inertia=airframe.quadrotor.inertia_flu_kgm2,
     )
-    body.add_freejoint(name=VEHICLE_BODY)
-    _add_collision_shape(body, airframe)
+    body.add_freejoint(name=name)
+    _add_collision_shape(body, airframe, number)
     if airframe.mesh is None:
         _add_fuselage_looks(body, airframe)
     else:
-        _add_mesh(spec, body, airframe.mesh)
+        _add_mesh(spec, body, airframe.mesh, name)
     _add_gear_looks(body, airframe)
     for rotor in airframe.quadrotor.rotors:
         _add_rotor_looks(body, airframe, rotor)
     for mount in airframe.cameras:
         body.add_camera(
-            name=mount.name,
+            name=part_name(number, mount.name),
             pos=mount.position_flu_m,
             quat=camera_quat_wxyz(mount),
             fovy=math.degrees(mount.vertical_fov_rad),
@@ -95,8 +118,7 @@ def add_vehicle(
 
 def camera_quat_wxyz(mount: CameraMount) -> tuple[float, float, float, float]:
     """Attitude of MuJoCo's camera axes (x right, y up, z backwards) in the body frame."""
-    s, c = math.sin(mount.pitch_down_rad), math.cos(mount.pitch_down_rad)
-    rotation_flu_from_camera = np.array([[0.0, s, -c], [-1.0, 0.0, 0.0], [0.0, c, s]])
+    rotation_flu_from_camera = mount.rotation_flu_from_optical * np.array([1.0, -1.0, -1.0])
     quat = np.empty(4)
     mujoco.mju_mat2Quat(quat, rotation_flu_from_camera.ravel())
     w, x, y, z = quat.tolist()
@@ -119,22 +141,25 @@ def skid_axes_flu_m(airframe: Airframe) -> list[tuple[Vector3, Vector3]]:
     return [(a, b), (c, d)]
 
 
-def _add_collision_shape(body: Any, airframe: Airframe) -> None:
+def _add_collision_shape(body: Any, airframe: Airframe, number: int) -> None:
     length, width, height = airframe.body_size_m
-    body.add_geom(name="fuselage", type=_BOX, size=(length / 2, width / 2, height / 2), **_CONTACT)
+    name = part_name(number, "fuselage")
+    body.add_geom(name=name, type=_BOX, size=(length / 2, width / 2, height / 2), **_CONTACT)
     legs = leg_axes_flu_m(airframe)
     for i, rotor in enumerate(airframe.quadrotor.rotors):
         hub = rotor.position_flu_m
         disc = (airframe.rotor_radius_m, _disc_half_thickness_m(airframe), 0.0)
         turn = _tilt(rotor.axis_flu)
-        body.add_geom(name=f"disc{i}", type=_CYLINDER, pos=hub, size=disc, quat=turn, **_CONTACT)
-        _add_bar(body, f"arm{i}", (0.0, 0.0, 0.0), (hub[0], hub[1], 0.0), airframe.arm_radius_m)
+        name = part_name(number, f"disc{i}")
+        body.add_geom(name=name, type=_CYLINDER, pos=hub, size=disc, quat=turn, **_CONTACT)
+        arm = ((0.0, 0.0, 0.0), (hub[0], hub[1], 0.0))
+        _add_bar(body, part_name(number, f"arm{i}"), *arm, airframe.arm_radius_m)
         if i < len(legs):
-            _add_bar(body, f"leg{i}", *legs[i], airframe.leg_radius_m)
+            _add_bar(body, part_name(number, f"leg{i}"), *legs[i], airframe.leg_radius_m)
     for i in range(len(airframe.quadrotor.rotors), len(legs)):
-        _add_bar(body, f"leg{i}", *legs[i], airframe.leg_radius_m)
+        _add_bar(body, part_name(number, f"leg{i}"), *legs[i], airframe.leg_radius_m)
     for i, ends in enumerate(skid_axes_flu_m(airframe)):
-        _add_bar(body, f"skid{i}", *ends, airframe.leg_radius_m)
+        _add_bar(body, part_name(number, f"skid{i}"), *ends, airframe.leg_radius_m)
 
 
 def _add_bar(
@@ -189,17 +214,17 @@ def _add_rotor_looks(body: Any, airframe: Airframe, rotor: RotorParams) -> None:
     _show(body, _CYLINDER, disc_m, disc_rgba, rotor.position_flu_m, quat=turn)
 
 
-def _add_mesh(spec: mujoco.MjSpec, body: Any, mesh: BodyMesh) -> None:
+def _add_mesh(spec: mujoco.MjSpec, body: Any, mesh: BodyMesh, name: str) -> None:
     # Only its surface is looked at: it need not be closed, and its mass is not asked for.
     spec.add_mesh(
-        name=VEHICLE_BODY,
+        name=name,
         file=mesh.path,
         scale=(mesh.scale, mesh.scale, mesh.scale),
         inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
     )
     body.add_geom(
         type=mujoco.mjtGeom.mjGEOM_MESH,
-        meshname=VEHICLE_BODY,
+        meshname=name,
         pos=mesh.position_flu_m,
         rgba=_SHELL,
         **_LOOKS,

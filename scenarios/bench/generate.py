@@ -20,7 +20,7 @@ from aeroscene.learning.generation.loading import SHIPPED
 from aeroscene.learning.generation.request import Request
 from aeroscene.learning.training.checkpoint import read_checkpoint
 from aeroscene.scene import Scene
-from scenarios.bench.configs import GenerateBenchCfg
+from scenarios.bench.generate_cfg import GenerateBenchCfg
 from scenarios.bench.quality import (
     FEASIBLE,
     RAW,

@@ -36,6 +36,7 @@ from scenarios.bench.plan_pairs import scene_numbers
 from scenarios.bench.row import OnProgress, Row, higher, lower
 from scenarios.mission.mission import rank_areas
 from scenarios.mission.surroundings import MissionError, Surroundings, survey
+from scenarios.pilot.eyes import camera_mount
 from scenarios.pilot.landing_watch import PERCHING_SCATTER_M, SCATTER_M, landing_needs
 from scenarios.trials.result import TrialResult
 
@@ -154,7 +155,7 @@ def _judge(
 def _update_ms(cfg: LandBenchCfg) -> float:
     """Time to fuse and judge a frame of level ground 4 m below, on a map of 6 x 6 m."""
     airframe = airframe_by_name(VEHICLES[0])
-    focal = HEIGHT_PX / 2 / math.tan(airframe.cameras[-1].vertical_fov_rad / 2)
+    focal = HEIGHT_PX / 2 / math.tan(camera_mount(airframe, "down").vertical_fov_rad / 2)
     eye, rotation = camera_pose((0.0, 0.0, 4.0), (1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0), math.pi / 2)
     rng, noise = np.random.default_rng(cfg.seed), DEPTH_CAMERAS.get(cfg.camera)
     elevation, needs = ElevationMap((0.0, 0.0, 0.0)), landing_needs(airframe)
@@ -225,7 +226,7 @@ def _site_rows(prefix: str, tally: _Tally, target: float | None) -> Iterator[Row
     yield higher(f"{prefix}areas with a site to land on", found, "%")
     for title, sites, promised in (
         ("unsafe sites, as first chosen", tally.chosen, target),
-        ("unsafe sites, committed to 1 m above", tally.committed, target),
+        ("unsafe sites, committed to at the last look", tally.committed, target),
         ("committed to, unsafe within the scatter", tally.without_margin, None),
     ):
         yield lower(f"{prefix}{title}", _percent(sites), f"% of {len(sites)}", promised)

@@ -15,6 +15,8 @@ from collections.abc import Mapping
 from scenarios.doctor.network import is_free
 
 LOOPBACK = "127.0.0.1"
+_COMMAND = "import sys; from scenarios.cli.entry import aeroscene_sitl; sys.exit(aeroscene_sitl())"
+"""What the console script does, wherever it is installed."""
 _TIMEOUT_S = 60.0
 _HEARTBEAT_ID = b"\x00\x00\x00"
 _GCS_PORT, _SDK_PORT, _TCP_PORT = 14550, 14540, 5760
@@ -49,7 +51,7 @@ def _cpu_seconds_of_children() -> float:
 def _launch(scene: str, vehicle: str, environment: Mapping[str, str]) -> None:
     """Launch it, listen as a ground station does, and end it at its first heartbeat."""
     instance = _free_instance()
-    command = [sys.executable, "-m", "scenarios.cli.sitl", "--scene", scene, "--vehicle", vehicle]
+    command = [sys.executable, "-c", _COMMAND, "--scene", scene, "--vehicle", vehicle]
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as station:
         station.bind((LOOPBACK, _GCS_PORT + instance))
         station.settimeout(_TIMEOUT_S)

@@ -28,6 +28,7 @@ from scenarios.bench.configs import BenchError, SimBenchCfg
 from scenarios.bench.figure_eight import hold
 from scenarios.bench.launch import cpu_seconds_to_first_heartbeat
 from scenarios.bench.row import OnProgress, Row, higher, lower
+from scenarios.bench.scene_size import scene_size_rows
 from scenarios.bench.square_flight import fly_square, take_off
 
 LEAST_SPEED = 30.0
@@ -71,6 +72,7 @@ def rows(cfg: SimBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
     on_progress("plant alone", 0.25)
     world = build_world(scene, airframe)
     yield _plant_alone(world, cfg.seconds)
+    yield from scene_size_rows(scene, airframe, cfg.seconds)
     on_progress("physics alone", 0.35)
     yield _physics_alone(world)
     on_progress("recording", 0.4)

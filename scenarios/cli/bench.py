@@ -17,14 +17,15 @@ from scenarios.bench.configs import (
     BenchError,
     ControlBenchCfg,
     DifficultyBenchCfg,
+    EncountersBenchCfg,
     EstimateBenchCfg,
-    GenerateBenchCfg,
     LandBenchCfg,
     PlanBenchCfg,
     SceneBenchCfg,
     SimBenchCfg,
-    WorldsBenchCfg,
 )
+from scenarios.bench.generate_cfg import GenerateBenchCfg
+from scenarios.bench.many_configs import VehiclesBenchCfg, WorldsBenchCfg
 from scenarios.bench.row import Row
 from scenarios.cli.command_line import EXIT_DONE, EXIT_NEGATIVE, fail, print_json
 from scenarios.cli.progress import share_bar
@@ -40,7 +41,9 @@ Bench = (
     | Annotated[DifficultyBenchCfg, tyro.conf.subcommand("difficulty", prefix_name=False)]
     | Annotated[ControlBenchCfg, tyro.conf.subcommand("control", prefix_name=False)]
     | Annotated[LandBenchCfg, tyro.conf.subcommand("land", prefix_name=False)]
+    | Annotated[EncountersBenchCfg, tyro.conf.subcommand("encounters", prefix_name=False)]
     | Annotated[WorldsBenchCfg, tyro.conf.subcommand("worlds", prefix_name=False)]
+    | Annotated[VehiclesBenchCfg, tyro.conf.subcommand("vehicles", prefix_name=False)]
 )
 
 _NAMES: Mapping[type, str] = {
@@ -51,7 +54,9 @@ _NAMES: Mapping[type, str] = {
     DifficultyBenchCfg: "difficulty",
     ControlBenchCfg: "control",
     LandBenchCfg: "land",
+    EncountersBenchCfg: "encounters",
     WorldsBenchCfg: "worlds",
+    VehiclesBenchCfg: "vehicles",
     EstimateBenchCfg: "estimate",
 }
 

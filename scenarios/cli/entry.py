@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import gc
 import importlib
 import os
 import signal
 import sys
 from types import FrameType
+from typing import Any
 
 EXIT_INTERRUPTED = 130
 
@@ -30,11 +32,25 @@ def _start(module: str) -> int:
     # KeyboardInterrupt during an import is unsafe: libraries turn it into exceptions of their own.
     signal.signal(signal.SIGINT, _leave)
     try:
-        return importlib.import_module(f"scenarios.cli.{module}").main()
+        return _import(f"scenarios.cli.{module}").main()
     except BrokenPipeError:
         os._exit(0)  # The reader of our output has closed the pipe.
     finally:
         signal.signal(signal.SIGINT, _leave)
+
+
+def _import(module: str) -> Any:
+    """Import a module with all that it imports, none of which is ever garbage.
+
+    The collector would look through a million objects of numba's again and again: a tenth of a
+    launch, and as much of every later collection.
+    """
+    gc.disable()
+    try:
+        return importlib.import_module(module)
+    finally:
+        gc.freeze()
+        gc.enable()
 
 
 def _leave(_number: int, _frame: FrameType | None) -> None:

@@ -30,6 +30,7 @@ _COMMANDS: Mapping[str, str] = {
     "layouts": "LayoutsCfg",
     "generate": "GenerateCfg",
     "train": "TrainCfg",
+    "evaluate": "EvaluateCfg",
 }
 """Name of the options' class in the module of each command, which is imported on demand."""
 

@@ -6,7 +6,7 @@ import contextlib
 import os
 import signal
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 from types import FrameType
@@ -24,10 +24,11 @@ from scenarios.cli.command_line import (
     handling_signals,
     print_json,
 )
+from scenarios.cli.sitl_words import announce, print_results
 from scenarios.cli.status_line import StatusLine
 from scenarios.run.cfg import SitlCfg
+from scenarios.run.shared import SharedSitl
 from scenarios.run.sitl import Sitl
-from scenarios.trials.result import TrialResult
 
 if TYPE_CHECKING:
     from scenarios.recording.viewer import Viewer
@@ -85,21 +86,26 @@ def run(command: SitlCommand) -> int:
     cfg = command.cfg
     _refuse_output_over_output(cfg)
     made = [path for path in _folders(cfg) if not path.exists()]
-    with Sitl(cfg) as sitl:
-        _announce(console, sitl)
+    with SharedSitl(cfg) if len(cfg.airframes) > 1 else Sitl(cfg) as sitl:
+        flights = sitl.flights if isinstance(sitl, SharedSitl) else (sitl,)
+        announce(console, flights)
         for folder in made:
             console.print(f"Folder {folder} was missing and is made.", soft_wrap=True)
-        with _stop_on_signals() as should_stop, StatusLine(console, sitl) as status:
-            result = sitl.run(lambda: status.refresh() or should_stop())
+        with _stop_on_signals() as should_stop, contextlib.ExitStack() as stack:
+            n = len(flights)
+            lines = [StatusLine(console, flight, number=i, n=n) for i, flight in enumerate(flights)]
+            for line in lines:
+                stack.enter_context(line)
+            result = sitl.run(lambda: _refresh(lines) or should_stop())
         if command.json:
             print_json(result.to_plain())
         else:
-            _print_result(Console(), result)
+            print_results(Console(), result)
             for picture in sitl.pictures:
                 print(f"Picture: {picture}")
         if sitl.viewer is not None and not should_stop():
             _keep_open(console, sitl.viewer)
-        external = sitl.bench.external
+        external = flights[0].bench.external
     if external is not None and external.fault:
         line = f"{PROG}: error: the run was ended by {external.fault}"
         console.print(line, markup=False, highlight=False, soft_wrap=True)
@@ -107,6 +113,11 @@ def run(command: SitlCommand) -> int:
     if sitl.missing:
         return EXIT_BAD_INPUT  # Not the vehicle failed but the disk.
     return EXIT_NEGATIVE if result.success is False else EXIT_DONE
+
+
+def _refresh(lines: Sequence[StatusLine]) -> None:
+    for line in lines:
+        line.refresh()
 
 
 def _refuse_output_over_output(cfg: SitlCfg) -> None:
@@ -129,71 +140,6 @@ def _folders(cfg: SitlCfg) -> list[Path]:
     """Folders that the run writes to."""
     folders = (cfg.record and cfg.record.parent, cfg.pictures, cfg.captures)
     return [folder for folder in folders if folder is not None]
-
-
-def _announce(console: Console, sitl: Sitl) -> None:
-    scene, cfg = sitl.bench.scene, sitl.cfg.bench
-    console.print(
-        f"[bold]Scene {scene.scene_id}[/]: {scene.domain}, {len(scene.objects)} objects, "
-        f"{len(scene.landing_areas)} landing areas, "
-        f"{len(scene.perching_areas)} to perch on. [bold]{sitl.bench.airframe.title}[/], "
-        f"system {1 + cfg.instance}, seed {cfg.seed}, speed {cfg.speed}.",
-        soft_wrap=True,
-    )
-    external = sitl.bench.external
-    if external is not None and not cfg.autopilot_binary:
-        console.print(
-            f"Waiting for {external.kind.title}, with the physics at {external.address}. Start it "
-            f"in a folder of its own:\n{external.start_line}",
-            highlight=False,
-            soft_wrap=True,
-        )
-    clients = (
-        f"UDP {14550 + cfg.instance} (ground stations), "
-        f"UDP {14540 + cfg.instance} (SDKs), TCP {cfg.bind}:{5760 + 10 * cfg.instance}"
-        f"{cfg.serial and f', serial {cfg.serial}'}{cfg.signing_key and ', signed'}"
-    )
-    if external is not None:
-        clients = external.kind.clients(cfg.instance)
-    console.print(f"MAVLink: {clients}. Ctrl-C ends.", soft_wrap=True)
-    if external is None and (video := sitl.bench.payload.video) is not None:
-        console.print(f"Video: H.264 by RTP to {video.uri}", soft_wrap=True)
-    if sitl.viewer is not None and sitl.viewer.url is not None:
-        console.print(f"Watch at {sitl.viewer.url}", soft_wrap=True)
-
-
-def _print_result(console: Console, result: TrialResult) -> None:
-    if result.success is not None:
-        word = "[bold green]Done[/]" if result.success else f"[bold red]Failed, {result.code}[/]"
-        console.print(f"{word}: {result.reason}")
-        for name, figure, unit in _figures(result):
-            if figure is not None:
-                console.print(f"  {name:<29} {figure}{unit}")
-    if result.position_rmse_m is not None:
-        console.print(
-            f"  estimate against truth, RMS   {result.position_rmse_m:.2f} m, "
-            f"{result.attitude_rmse_deg:.2f} degrees"
-        )
-    console.print(
-        f"  simulated                     {result.sim_seconds:.1f} s in "
-        f"{result.wall_seconds:.1f} s: {result.real_time_factor:.1f} times real time"
-    )
-    if result.recording is not None:
-        console.print(f"  recording                     {result.recording}")
-        console.print(f"Replay it with: aeroscene replay {result.recording}", soft_wrap=True)
-
-
-def _figures(result: TrialResult) -> Iterator[tuple[str, float | int | str | None, str]]:
-    """Name, value and unit of what the verdict rests on."""
-    yield "area, assigned", result.area, ""
-    yield "area, landed on", result.landed_area, ""
-    yield "contacts before touchdown", result.contacts_before_touchdown, ""
-    yield "touchdown error", result.touchdown_error_m, " m"
-    yield "touchdown speed", result.touchdown_speed_mps, " m/s"
-    yield "slide after touchdown", result.slide_m, " m"
-    yield "rotors still after", result.stopped_after_s, " s"
-    yield "least clearance", result.least_clearance_m, " m"
-    yield "nearest mover", result.nearest_mover_m, " m"
 
 
 def _keep_open(console: Console, viewer: Viewer) -> None:

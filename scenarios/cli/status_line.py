@@ -17,12 +17,15 @@ PERIOD_S = 0.25
 class StatusLine:
     """Prints messages of autopilot and pilot, and on a terminal the state of the flight below."""
 
-    def __init__(self, console: Console, sitl: Sitl) -> None:
+    def __init__(self, console: Console, sitl: Sitl, *, number: int = 0, n: int = 1) -> None:
+        """Follow a run, that of vehicle `number` of `n`; the first one has the line."""
         self._console = console
+        self._who = f"vehicle {number + 1}: " if n > 1 else ""
         self._sitl = sitl
         self._n_transitions = 0
         sitl.bench.stack.listen(lambda _, text: self._say(text))
-        self._status = Status("starting", console=console) if console.is_terminal else None
+        has_line = console.is_terminal and number == 0
+        self._status = Status("starting", console=console) if has_line else None
         self._due_s = 0.0
         self._last: tuple[float, float] | None = None
 
@@ -42,7 +45,7 @@ class StatusLine:
     def _say(self, text: str) -> None:
         sim_s = self._sitl.bench.plant.time_us * 1e-6
         self._console.print(
-            f"{sim_s:8.2f} s  {text}", markup=False, highlight=False, soft_wrap=True
+            f"{sim_s:8.2f} s  {self._who}{text}", markup=False, highlight=False, soft_wrap=True
         )
 
     def _text(self, now_s: float) -> str:

@@ -90,7 +90,7 @@ class Batch:
         worlds = [place.world for place in self._places]
         n = len(worlds)
         self._fleet = Fleet(worlds, [cfg.plant_cfg(0)] * n, n_threads=n_threads)
-        self.observer = Observer(self._fleet, cfg.observation)
+        self.observer = Observer(self._fleet, cfg.observation, n_threads)
         self._actuation = Actuation(self._fleet, cfg.action)
         self._queue = ActionQueue(n, cfg.longest_latency)
         self._step_s = 1.0 / cfg.action_hz
@@ -197,6 +197,7 @@ class Batch:
 
     def close(self) -> None:
         """End the threads."""
+        self.observer.close()
         self._fleet.close()
 
     def _look(self) -> None:

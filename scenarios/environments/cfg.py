@@ -13,6 +13,7 @@ from flightsim.plant import PlantCfg
 ActionLevel = Literal["motors", "rates", "velocity", "position"]
 StateKind = Literal["true", "estimated", "none"]
 CameraName = Literal["forward", "down"]
+Segment = Literal["classes", "objects"]
 
 CONTROL_HZ = 250
 _LEAST_PX, _MOST_PX = 8, 320
@@ -40,8 +41,11 @@ class ObservationCfg:
     """Distance that the downward rangefinder measures."""
     depth: tuple[int, int] | None = None
     """Width and height of a depth image in pixels."""
+    segments: tuple[Segment, ...] = ()
+    """Images beside the depth: the class of each pixel, a key of
+    `flightsim.sensors.cameras.CLASS_NAMES`, and the object, by its id in the scene."""
     camera: CameraName = "forward"
-    """Camera of the depth image."""
+    """Camera of the images."""
 
     def __post_init__(self) -> None:
         """Refuse invalid values.
@@ -57,6 +61,13 @@ class ObservationCfg:
             raise EnvironmentInputError(
                 f"observation.depth = {self.depth!r}: None, or width and height of {_LEAST_PX} to "
                 f"{_MOST_PX} pixels, are valid"
+            )
+        for segment in self.segments:
+            _check_choice("observation.segments", segment, get_args(Segment))
+        if self.segments and self.depth is None:
+            raise EnvironmentInputError(
+                f"observation.segments = {self.segments!r} without observation.depth, whose size "
+                "they have; valid: a depth such as (64, 64) beside"
             )
         if not self.has_numbers and self.depth is None:
             raise EnvironmentInputError(

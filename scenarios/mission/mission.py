@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -72,6 +73,7 @@ def plan_mission(
     target: Target = "landing",
     map_source: MapSource = "truth",
     method: Method = "optimise",
+    is_free: Callable[[InteractionArea], bool] = lambda _: True,
 ) -> Mission:
     """Draw an area that can be flown to (unless one is given) and plan the way to it.
 
@@ -84,13 +86,15 @@ def plan_mission(
         map_source: Whether the map is given or grows with what the vehicle sees; a growing map is
             planned in from above the start, and its areas are those of the brief.
         method: What makes trajectories of ways, now and in flight.
+        is_free: Whether an area is nobody else's; asked of those that are drawn, and of alternates.
 
     Raises:
         MissionError: If no area suits the vehicle, or none can be flown to.
     """
     surroundings = survey(scene, airframe, map_source=map_source, method=method)
     takeoff = takeoff_point(surroundings)
-    candidates = [area] if area is not None else draw_goals(scene, airframe, seed, target)
+    drawn = draw_goals(scene, airframe, seed, target) if area is None else []
+    candidates = [each for each in drawn if is_free(each)] if area is None else [area]
     # Whoever gives the task knows the place, though the pilot may not.
     given = surroundings if surroundings.is_known else survey(scene, airframe)
     reason = f"no {_WANTED[target]} suits class {airframe.drone_class}"
@@ -104,7 +108,8 @@ def plan_mission(
         except PlanningError as error:
             reason = f"area {candidate.id}: {error}"
             continue
-        others = [each for each in rank_areas(scene, airframe, seed, target) if each != candidate]
+        ranked = rank_areas(scene, airframe, seed, target)
+        others = [each for each in ranked if each != candidate and is_free(each)]
         return Mission(
             surroundings=surroundings,
             area=candidate,

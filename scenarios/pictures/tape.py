@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flightsim.environment.movers import mover_name
+from flightsim.vehicles.builder import vehicle_name
 from scenarios.pictures.story import (
     FlightStory,
     LandingLayers,
@@ -33,8 +35,23 @@ _FIELDS = ("position_true_enu_m", "position_est_enu_m", "reference_position_enu_
 class FlightTape:
     """Samples a run after every tick; call `story` when it is over."""
 
-    def __init__(self, plant: Plant, autopilot: FlightReports, pilot: Pilot | None) -> None:
+    def __init__(
+        self,
+        plant: Plant,
+        autopilot: FlightReports,
+        pilot: Pilot | None,
+        mates: Sequence[Plant] = (),
+    ) -> None:
+        """Follow a vehicle.
+
+        Args:
+            plant: The vehicle.
+            autopilot: Who says whether it is armed.
+            pilot: Our own pilot, if it flies.
+            mates: Other vehicles in the same world, whose ways are shown too.
+        """
         self._plant = plant
+        self._mates = mates
         self._autopilot = autopilot
         self._pilot = pilot
         self._times_us: list[int] = []
@@ -57,8 +74,11 @@ class FlightTape:
         self._times_us.append(plant.time_us)
         self._rows.append(tuple(last[field].copy() for field in _FIELDS))
         self._is_armed.append(self._autopilot.is_armed)
-        if plant.world.obstacles and len(self._times_us) % _MOVER_TICKS == 0:
-            self._movers.append(plant.obstacles_true.position_enu_m.copy())
+        has_movers = plant.world.obstacles or self._mates
+        if has_movers and len(self._times_us) % _MOVER_TICKS == 0:
+            mates_enu_m = [mate.truth.position_enu_m for mate in self._mates]
+            movers_enu_m = plant.obstacles_true.position_enu_m
+            self._movers.append(np.concatenate([movers_enu_m, np.reshape(mates_enu_m, (-1, 3))]))
         # A plan from before the rotors turn is not flown.
         pilot = self._pilot
         if pilot is not None and self._is_armed[-1] and pilot.trajectory is not self._plan:
@@ -108,10 +128,12 @@ class FlightTape:
 
     def _mover_paths(self) -> tuple[MoverPath, ...]:
         obstacles = self._plant.world.obstacles
-        positions = np.array(self._movers).reshape(len(self._movers), len(obstacles), 3)
+        names = [mover_name(index, obstacles) for index in range(len(obstacles))]
+        names += [vehicle_name(mate.world.number) for mate in self._mates]
+        positions = np.array(self._movers).reshape(len(self._movers), len(names), 3)
         paths = [
-            MoverPath(name=mover_name(index, obstacles), points_enu_m=positions[:, index])
-            for index in range(len(obstacles))
+            MoverPath(name=name, points_enu_m=positions[:, index])
+            for index, name in enumerate(names)
         ]
         return tuple(sorted(paths, key=lambda path: path.name))
 

@@ -69,7 +69,11 @@ def posed_image(frame: DepthFrame, mount: CameraMount, telemetry: Telemetry) -> 
             "within its range, lens and light as it needs them"
         )
     position_enu_m, rotation = camera_pose(
-        telemetry.position_enu_m, telemetry.quat_wxyz, mount.position_flu_m, mount.pitch_down_rad
+        telemetry.position_enu_m,
+        telemetry.quat_wxyz,
+        mount.position_flu_m,
+        mount.pitch_down_rad,
+        mount.yaw_rad,
     )
     return DepthImage(
         depth_m=depth_m,

@@ -6,6 +6,7 @@ import math
 
 from autonomy.planning import PlanningError, prepare
 from scenarios.pilot.flight_state import FlightState
+from scenarios.pilot.movers import room_in_column_m
 from scenarios.pilot.phases import Phase, PilotVerdict, Step
 
 MAX_ARMING_TRIES = 10
@@ -13,6 +14,11 @@ LIFT_OFF_M = 1.0
 """Height above the resting place up to which the map is not checked: the vehicle stood there."""
 LIFTED_OFF_M = 0.8
 """Height above the resting place from which an autopilot that took off by itself is steered."""
+WATCH_S = 1.0
+"""Time for which the air above the start is watched before the rotors turn, where movers may come:
+five images of each camera, of which three confirm a mover."""
+CLEAR_M = 0.5
+"""Least room that movers leave to the climb."""
 _STREAM_BEFORE_ARMING_S = 0.2
 
 
@@ -63,10 +69,27 @@ class GroundPhases:
             return Phase.FAILED, f"mode or arming: {outcome}{flight.last_words()}"
         if telemetry.custom_mode != offboard:
             flight.commands.append(flight.client.set_mode(offboard))
+        elif not self._is_clear_above():
+            return None
         else:
             flight.commands.append(flight.client.arm())
         self._patience_s = flight.elapsed_s + flight.client.habits.report_delay_s
         return None
+
+    def _is_clear_above(self) -> bool:
+        """Whether nothing that moves would come into the climb; a growing map cannot tell yet."""
+        flight = self._flight
+        if flight.gaze is None or not flight.mission.surroundings.is_known:
+            return True
+        flight.senses.look_about()
+        if flight.elapsed_s < WATCH_S or len(flight.senses.in_question()):
+            return False
+        here, top_m = flight.telemetry.position_enu_m, flight.hover_enu_m[2]
+        moving, radius_m = (
+            flight.senses.moving(flight.time_us),
+            flight.mission.surroundings.radius_m,
+        )
+        return room_in_column_m(here, top_m, moving, radius_m) > CLEAR_M
 
     def _lift_off(self) -> Step:
         """Let the autopilot take off by itself, and rise from there."""

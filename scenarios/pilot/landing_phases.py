@@ -12,6 +12,7 @@ from flightsim.mavlink.client.telemetry import LANDED_ON_GROUND
 from scenarios.pilot.eyes import NoDepthError
 from scenarios.pilot.flight_state import FlightState
 from scenarios.pilot.landing_watch import CAMERA, LandingWatch
+from scenarios.pilot.look_again import DESCENT_SPEED_MPS, look_from_below, look_nearer
 from scenarios.pilot.phases import Phase, Step
 
 _LOG = logging.getLogger(__name__)
@@ -19,14 +20,11 @@ _LOG = logging.getLogger(__name__)
 COMMIT_HEIGHTS_M = (0.7, 1.0)
 """Heights of the soles above the surface below which the landing is no longer aborted, the first of
 them where the way down to it can be certified."""
-DESCENT_SPEED_MPS = 1.5
 SEARCH_FRAMES = 6
 """Number of depth images fused before a place is chosen."""
 HOVERING_FRAMES = 3
 """Number of these that are taken while it hovers, for as long as gusts need to show."""
 MAX_SEARCH_FRAMES = 20
-LEAST_LOOK_M = 1.2
-"""Least height from which an area is looked at again."""
 STEEP = 1.0
 """Least descent over level way of a straight line down to a place, so that it stays in view."""
 MAX_LOOKS = 4
@@ -118,7 +116,8 @@ class LandingPhases:
             return None
         if flight.site is None:
             reason = f"no safe place seen on area {flight.area.id}"
-            return self._look_nearer(reason) or self.give_up(reason)
+            again = look_nearer(flight, reason) or look_from_below(flight, reason)
+            return again or self.give_up(reason)
         x, y, _ = flight.site.position_enu_m
         chose = (
             f"chose ({x:.2f}, {y:.2f}): slope {math.degrees(flight.site.slope_rad):.1f} deg, "
@@ -132,20 +131,6 @@ class LandingPhases:
         except PlanningError as error:
             return self.give_up(f"no certified way above ({x:.2f}, {y:.2f}): {error}")
         return Phase.ALIGN, chose
-
-    def _look_nearer(self, reason: str) -> Step:
-        """Look again from half the height: the errors of depth grow with the square of it."""
-        flight = self._flight
-        (x, y, z), surface_m = flight.hover_enu_m, flight.area.centroid[2]
-        nearer = (x, y, (z + surface_m) / 2)
-        if nearer[2] - surface_m < LEAST_LOOK_M:
-            return None
-        try:
-            flight.begin_with(flight.leg(nearer, DESCENT_SPEED_MPS))
-        except PlanningError:
-            return None
-        flight.hover_enu_m = nearer
-        return Phase.NAVIGATE, f"{reason}; looks from {nearer[2] - surface_m:.1f} m"
 
     def _goes_straight_down(self) -> bool:
         """Begin a straight line to above the chosen place, if it is steep and free."""

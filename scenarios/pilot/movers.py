@@ -35,6 +35,26 @@ def room_to_movers_m(
     return float(_predicted_m(trajectory, since_s, moving).min()) - radius_m
 
 
+def room_in_column_m(
+    foot_enu_m: Vector3, height_m: float, moving: MovingObstacles, radius_m: float
+) -> float:
+    """Least predicted distance of movers to a vehicle anywhere in a column, infinite without any.
+
+    Args:
+        foot_enu_m: Lower end of the column that the vehicle's centre is in.
+        height_m: Height of the upper end, ENU.
+        moving: Movers.
+        radius_m: Radius of the vehicle's sphere.
+    """
+    if not len(moving):
+        return math.inf
+    x, y, z = foot_enu_m
+    times = np.arange(0.0, moving.horizon_s + _STEP_S / 2, _STEP_S)
+    heights = np.linspace(z, max(height_m, z), 2 + math.ceil(max(height_m - z, 0.0) / radius_m))
+    places = [np.broadcast_to((x, y, height), (len(times), 3)) for height in heights]
+    return min(float(moving.distances(place, times)[0].min()) for place in places) - radius_m
+
+
 def first_to_come(
     trajectory: Trajectory, since_s: float, moving: MovingObstacles, within_m: float
 ) -> Vector3 | None:

@@ -69,7 +69,7 @@ TIME_LIMIT_S: Mapping[Phase, float] = MappingProxyType(
     {
         _P.CONNECT: 10.0,
         _P.PREPARE: 60.0,
-        _P.ARM: 20.0,
+        _P.ARM: 60.0,
         _P.TAKEOFF: 45.0,
         _P.NAVIGATE: 120.0,
         _P.SEARCH: 20.0,

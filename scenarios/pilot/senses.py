@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from autonomy.perception.map_anchor import MapAnchor
     from autonomy.perception.mover_tracker import MoverTracker
 
+WATCHING = ("forward", "up", "rear")
+"""Cameras that look out for movers."""
 LOOK_PERIOD_US = 200_000
 """Time between two looks ahead for what the map lacks."""
 LOOK_AGAIN_US = 100_000
@@ -106,7 +108,8 @@ class Senses:
         if self._time_us < self._due_us:
             return False
         if self.looks_ahead:
-            self._glance("forward")
+            for camera in ("forward",) if self._tracker is None else WATCHING:
+                self._glance(camera)
             is_sure = not len(self.in_question())
             self._due_us = self._time_us + (LOOK_PERIOD_US if is_sure else LOOK_AGAIN_US)
             return True

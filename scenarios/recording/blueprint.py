@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from types import MappingProxyType
 
 import numpy as np
 import rerun.blueprint as rrb
@@ -24,12 +26,21 @@ _VIEW_ASPECT = 1.6
 _ROOM_M = 4.0
 """Margin shown around start and goal, and above them."""
 _MARGIN = 1.05
+_FLAT = (layout.camera_depth, layout.camera_classes, layout.camera_instances)
+"""Images of a camera that the view of the scene leaves out."""
+_KEPT = (layout.EXECUTED, layout.EARLIER_PLANS, layout.CHOICES, layout.CONTACTS)
+"""What is shown from the beginning on."""
 SWITCHED_OFF = (layout.LANDING_SLOPE, layout.LANDING_ROUGHNESS, layout.LANDING_CLEARANCE)
 """Layers of the landing map that lie where its safety is shown; the viewer switches them on."""
 
 
 def recording_blueprint(
-    scene: Scene, airframe: Airframe, goal_enu_m: Vector3 | None = None
+    scene: Scene,
+    airframe: Airframe,
+    goal_enu_m: Vector3 | None = None,
+    *,
+    has_segments: bool = False,
+    mates: Mapping[str, Airframe] = MappingProxyType({}),
 ) -> rrb.Blueprint:
     """Blueprint of a recording of a run.
 
@@ -37,12 +48,20 @@ def recording_blueprint(
         scene: Scene of the flight.
         airframe: Vehicle that flies.
         goal_enu_m: Goal, framed together with the start; None frames the whole scene.
+        has_segments: Whether camera frames have objects and classes.
+        mates: Other vehicles in the same world, by their names.
     """
-    cameras = [mount.name for mount in airframe.cameras]
+    cameras = [mount.name for mount in airframe.rgbd_cameras]
+    shown = _Shown(tuple(cameras), mates)
     return rrb.Blueprint(
         rrb.Horizontal(
-            rrb.Vertical(_scene_views(scene, cameras, goal_enu_m), _plots(), row_shares=[5, 3]),
-            rrb.Vertical(_camera_views(cameras), *_states(), _texts(), row_shares=[10, 2.6, 5, 5]),
+            rrb.Vertical(_scene_views(scene, shown, goal_enu_m), _plots(), row_shares=[5, 3]),
+            rrb.Vertical(
+                _camera_views(cameras, has_segments=has_segments),
+                *_states(),
+                _texts(),
+                row_shares=[10, 2.6, 5, 5],
+            ),
             column_shares=[3, 2],
         ),
         rrb.BlueprintPanel(state="collapsed"),
@@ -54,24 +73,48 @@ def recording_blueprint(
 def scene_blueprint(scene: Scene) -> rrb.Blueprint:
     """Blueprint of a scene without a flight."""
     return rrb.Blueprint(
-        _scene_view("Scene", (), _overview(scene, None)),
+        _scene_view("Scene", _Shown(), _overview(scene, None)),
         rrb.BlueprintPanel(state="collapsed"),
         rrb.SelectionPanel(state="collapsed"),
         rrb.TimePanel(state="hidden"),
     )
 
 
-def _scene_views(scene: Scene, cameras: Sequence[str], goal_enu_m: Vector3 | None) -> rrb.Container:
+@dataclass(frozen=True)
+class _Shown:
+    """Entities of all vehicles that a view of the world treats in their own way."""
+
+    cameras: tuple[str, ...] = ()
+    mates: Mapping[str, Airframe] = field(default_factory=dict)
+
+    @property
+    def images(self) -> list[str]:
+        """Images of depth and segments, which belong into views of their own."""
+        own = [image(camera) for camera in self.cameras for image in _FLAT]
+        return own + [
+            layout.of_vehicle(name, image(mount.name))
+            for name, airframe in self.mates.items()
+            for mount in airframe.rgbd_cameras
+            for image in _FLAT
+        ]
+
+    def of_all(self, *entities: str) -> list[str]:
+        """Entities of the first vehicle, and the same of the others."""
+        others = (layout.of_vehicle(name, each) for name in self.mates for each in entities)
+        return [*entities, *others]
+
+
+def _scene_views(scene: Scene, shown: _Shown, goal_enu_m: Vector3 | None) -> rrb.Container:
     # The eye looks through the camera that follows the vehicle.
     chase = rrb.EyeControls3D(tracking_entity=layout.CHASE)
     return rrb.Tabs(
-        _scene_view("Scene", cameras, _overview(scene, goal_enu_m)),
-        _scene_view("Chase", cameras, chase),
+        _scene_view("Scene", shown, _overview(scene, goal_enu_m)),
+        _scene_view("Chase", shown, chase),
         active_tab=0,
     )
 
 
-def _scene_view(name: str, cameras: Sequence[str], eye: rrb.EyeControls3D) -> rrb.Spatial3DView:
+def _scene_view(name: str, shown: _Shown, eye: rrb.EyeControls3D) -> rrb.Spatial3DView:
     until_now = rrb.VisibleTimeRanges(
         rrb.VisibleTimeRange(
             layout.TIMELINE,
@@ -82,16 +125,13 @@ def _scene_view(name: str, cameras: Sequence[str], eye: rrb.EyeControls3D) -> rr
     return rrb.Spatial3DView(
         name=name,
         origin=layout.WORLD,
-        contents=["+ $origin/**", *(f"- {layout.camera_depth(camera)}" for camera in cameras)],
+        contents=["+ $origin/**", *(f"- {image}" for image in shown.images)],
         background=_SKY_RGB,
         line_grid=False,
         eye_controls=eye,
         overrides={
-            layout.EXECUTED: until_now,
-            layout.EARLIER_PLANS: until_now,
-            layout.CHOICES: until_now,
-            layout.CONTACTS: until_now,
-            **dict.fromkeys(SWITCHED_OFF, rrb.EntityBehavior(visible=False)),
+            **dict.fromkeys(shown.of_all(*_KEPT), until_now),
+            **dict.fromkeys(shown.of_all(*SWITCHED_OFF), rrb.EntityBehavior(visible=False)),
         },
     )
 
@@ -119,7 +159,10 @@ def _overview(scene: Scene, goal_enu_m: Vector3 | None) -> rrb.EyeControls3D:
     return rrb.EyeControls3D(position=eye, look_target=target, eye_up=(0.0, 0.0, 1.0))
 
 
-def _camera_views(cameras: Sequence[str]) -> rrb.Container:
+def _camera_views(cameras: Sequence[str], *, has_segments: bool) -> rrb.Container:
+    kinds = [("colour", layout.camera_rgb), ("depth", layout.camera_depth)]
+    if has_segments:
+        kinds += [("classes", layout.camera_classes), ("objects", layout.camera_instances)]
     views = [
         rrb.Spatial2DView(
             name=f"{camera} {what}",
@@ -127,7 +170,7 @@ def _camera_views(cameras: Sequence[str]) -> rrb.Container:
             contents=[layout.camera(camera), images(camera)],
         )
         for camera in cameras
-        for what, images in (("colour", layout.camera_rgb), ("depth", layout.camera_depth))
+        for what, images in kinds
     ]
     return rrb.Grid(*views, grid_columns=2)
 

@@ -11,6 +11,7 @@ import rerun as rr
 from autonomy.rotation import yaw_from_quat
 from scenarios.recording import layout
 from scenarios.recording.columns import send_pose, sim_time
+from scenarios.recording.entity_stream import EntityStream
 
 if TYPE_CHECKING:
     # Reading a recording should not load the simulator.
@@ -26,7 +27,7 @@ _PLANE_M = 0.05
 class ChaseLog:
     """Follows the flown trajectory by an eye, and writes where that is."""
 
-    def __init__(self, stream: rr.RecordingStream) -> None:
+    def __init__(self, stream: EntityStream) -> None:
         self._stream = stream
         self._eye: ChaseEye | None = None
 

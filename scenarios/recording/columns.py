@@ -13,6 +13,7 @@ import rerun as rr
 from jaxtyping import Bool, Float, Int
 
 from scenarios.recording import layout
+from scenarios.recording.entity_stream import EntityStream
 from scenarios.recording.series import (
     ESTIMATE_FIELD,
     REFERENCE_FIELD,
@@ -37,12 +38,12 @@ def sim_time(time_us: Int[np.ndarray, " n"]) -> rr.TimeColumn:
     return rr.TimeColumn(layout.TIMELINE, duration=time_us.astype("timedelta64[us]"))
 
 
-def set_sim_time(stream: rr.RecordingStream, time_us: int) -> None:
+def set_sim_time(stream: EntityStream, time_us: int) -> None:
     """Set the simulated time of the rows that are logged next."""
     stream.set_time(layout.TIMELINE, duration=np.timedelta64(time_us, "us"))
 
 
-def send_history(stream: rr.RecordingStream, history: np.ndarray) -> None:
+def send_history(stream: EntityStream, history: np.ndarray) -> None:
     """Write a stretch of `Plant.history` rows, oldest first."""
     slow = history[SLOW_STEP - 1 :: SLOW_STEP]
     fast_time, slow_time = sim_time(history["time_us"]), sim_time(slow["time_us"])
@@ -71,7 +72,7 @@ def _values(
 
 
 def _send_errors(
-    stream: rr.RecordingStream, rows: np.ndarray, is_aligned: Bool[np.ndarray, " n"]
+    stream: EntityStream, rows: np.ndarray, is_aligned: Bool[np.ndarray, " n"]
 ) -> None:
     """Estimate and errors, from the estimator's alignment on."""
     from scenarios.trials.measures.estimation import rotation_angle_rad  # noqa: PLC0415 - loads the simulator
@@ -89,7 +90,7 @@ def _send_errors(
 
 
 def send_scalars(
-    stream: rr.RecordingStream, entity: str, time: rr.TimeColumn, values: Float[np.ndarray, "n k"]
+    stream: EntityStream, entity: str, time: rr.TimeColumn, values: Float[np.ndarray, "n k"]
 ) -> None:
     """Write rows of an entity with one or more series; cheaper than `Scalars.columns`."""
     offsets = np.arange(0, values.size + 1, values.shape[1], dtype=np.int32)
@@ -99,7 +100,7 @@ def send_scalars(
 
 
 def send_pose(
-    stream: rr.RecordingStream,
+    stream: EntityStream,
     entity: str,
     time: rr.TimeColumn,
     position_enu_m: Float[np.ndarray, "n 3"],
@@ -121,7 +122,7 @@ class ExecutedPath:
     def __init__(self) -> None:
         self._last_enu_m: np.ndarray | None = None
 
-    def send(self, stream: rr.RecordingStream, history: np.ndarray) -> None:
+    def send(self, stream: EntityStream, history: np.ndarray) -> None:
         """Write the pieces of a stretch of history, joined to those before."""
         position_m = history["position_true_enu_m"][SLOW_STEP - 1 :: SLOW_STEP].astype(np.float32)
         time_us = history["time_us"][SLOW_STEP - 1 :: SLOW_STEP]

@@ -9,11 +9,12 @@ import rerun as rr
 
 from scenarios.recording import layout
 from scenarios.recording.columns import set_sim_time
+from scenarios.recording.entity_stream import EntityStream
 
 _RGB, _RADIUS_M = (230, 60, 60), 0.06
 
 
-def log_contacts(stream: rr.RecordingStream, contacts: Iterable[Mapping[str, Any]]) -> None:
+def log_contacts(stream: EntityStream, contacts: Iterable[Mapping[str, Any]]) -> None:
     """Write contacts at their times, as text and as a point.
 
     Args:

@@ -1,4 +1,4 @@
-"""Camera frames in a recording: JPEG colour and 16-bit PNG depth under a pinhole."""
+"""Camera frames in a recording: JPEG colour, 16-bit PNG depth and segments under a pinhole."""
 
 from __future__ import annotations
 
@@ -9,7 +9,9 @@ import numpy as np
 import rerun as rr
 from jaxtyping import Float, Integer
 
+from aeroscene.scene import Scene
 from scenarios.recording import layout
+from scenarios.recording.entity_stream import EntityStream
 
 if TYPE_CHECKING:
     from flightsim.sensors.cameras import RgbdFrame
@@ -27,9 +29,10 @@ _FRUSTUM_M = 0.6
 class FrameLog:
     """Writes camera frames, and each camera's pinhole before its first frame."""
 
-    def __init__(self, stream: rr.RecordingStream) -> None:
-        self._stream = stream
+    def __init__(self, stream: EntityStream, scene: Scene) -> None:
+        self._stream, self._scene = stream, scene
         self._intrinsics: dict[str, tuple[float, ...]] = {}
+        self._segmented: set[str] = set()
 
     def log(self, frame: RgbdFrame, *, has_colour: bool) -> None:
         """Write a frame at the stream's present time, with its colours or depth alone."""
@@ -46,6 +49,24 @@ class FrameLog:
                 colormap=rr.components.Colormap.Turbo,
                 depth_range=(0.0, DEPTH_UNITS_PER_M * shown_depth_m(frame.depth_m)),
             ),
+        )
+
+        if has_colour and frame.instance_ids is not None and frame.class_ids is not None:
+            self._log_segments(frame.camera, frame.instance_ids, frame.class_ids)
+
+    def _log_segments(self, camera: str, instances: np.ndarray, classes: np.ndarray) -> None:
+        """Write what is at each pixel, and before the first image what the numbers mean."""
+        if camera not in self._segmented:
+            self._segmented.add(camera)
+            for entity, names in (
+                (layout.camera_classes(camera), _class_names()),
+                (layout.camera_instances(camera), _instance_names(self._scene)),
+            ):
+                self._stream.log(entity, rr.AnnotationContext(sorted(names.items())), static=True)
+        self._stream.log(layout.camera_classes(camera), rr.SegmentationImage(classes))
+        # Ids below zero take the numbers from the top down.
+        self._stream.log(
+            layout.camera_instances(camera), rr.SegmentationImage(instances.astype(np.uint16))
         )
 
     def _log_pinhole(self, frame: RgbdFrame) -> None:
@@ -92,3 +113,23 @@ def depth_to_uint16(depth_m: Float[np.ndarray, "h w"]) -> Integer[np.ndarray, "h
     millimetres = np.nan_to_num(depth_m, nan=0.0, posinf=0.0, neginf=0.0) * DEPTH_UNITS_PER_M
     is_storable = (millimetres >= 0) & (millimetres <= _DEPTH_LIMIT)
     return np.where(is_storable, np.rint(millimetres), 0).astype(np.uint16)
+
+
+def _class_names() -> dict[int, str]:
+    """Names of the numbers in images of classes."""
+    from flightsim.sensors.cameras.segmentation import CLASS_NAMES  # noqa: PLC0415 - the simulator
+
+    return dict(CLASS_NAMES)
+
+
+def _instance_names(scene: Scene) -> dict[int, str]:
+    """Names of the numbers in images of objects."""
+    from flightsim.environment.movers import MAX_MOVERS  # noqa: PLC0415 - the simulator
+    from flightsim.sensors.cameras.view import NO_OBJECT_ID  # noqa: PLC0415
+    from flightsim.world import FIRST_MOVER_ID, GROUND_ID, VEHICLE_ID  # noqa: PLC0415
+
+    others = {NO_OBJECT_ID: "sky", GROUND_ID: "bare ground", VEHICLE_ID: "own vehicle"}
+    others |= {FIRST_MOVER_ID - index: f"mover {index}" for index in range(MAX_MOVERS)}
+    return {obj.id: f"{obj.category} {obj.id}" for obj in scene.objects} | {
+        number % (1 << 16): name for number, name in others.items()
+    }

@@ -12,6 +12,7 @@ from jaxtyping import Float, UInt8
 from autonomy.types import Vector3
 from scenarios.recording import layout
 from scenarios.recording.columns import set_sim_time
+from scenarios.recording.entity_stream import EntityStream
 
 if TYPE_CHECKING:
     # Reading a recording should not load perception.
@@ -34,7 +35,7 @@ _SAME_PLACE_M = 0.01
 class LandingLog:
     """Writes the pilot's map of the ground where it wants to land."""
 
-    def __init__(self, stream: rr.RecordingStream) -> None:
+    def __init__(self, stream: EntityStream) -> None:
         self._stream = stream
         self._layers_due_us = 0
         self._chosen_enu_m: Vector3 | None = None

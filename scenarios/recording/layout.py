@@ -26,6 +26,7 @@ FUSELAGE = "world/vehicle/fuselage"
 ROTORS = "world/vehicle/rotors"
 FRAME = "world/vehicle/frame"
 MARKER = "world/vehicle/marker"
+LIDAR = "world/vehicle/lidar"
 CHASE = "world/chase"
 ESTIMATE = "world/estimate"
 PLANNED = "world/trajectory/planned"
@@ -61,10 +62,17 @@ FAILSAFE = "autopilot/failsafe"
 STATUSTEXT = "autopilot/statustext"
 PHASE = "pilot/phase"
 RUN = "run"
+VERDICT = "run/verdict"
 SCENE_DOCUMENT = "run/scene"
 
 RUN_PROPERTY = "run"
 VERDICT_PROPERTY = "verdict"
+
+
+def of_vehicle(name: str, entity: str) -> str:
+    """Entity that a vehicle after the first, such as `vehicle_2`, has in place of the first's."""
+    root, _, rest = entity.partition("/")
+    return f"{WORLD}/{name}/{rest}" if root == WORLD else f"{name}/{entity}"
 
 
 def sensor(name: str) -> str:
@@ -95,3 +103,13 @@ def camera_rgb(name: str) -> str:
 def camera_depth(name: str) -> str:
     """Entity of the depth images of a camera."""
     return f"{camera(name)}/depth"
+
+
+def camera_classes(name: str) -> str:
+    """Entity of the images of classes of a camera."""
+    return f"{camera(name)}/classes"
+
+
+def camera_instances(name: str) -> str:
+    """Entity of the images of objects of a camera."""
+    return f"{camera(name)}/instances"

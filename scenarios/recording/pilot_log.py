@@ -9,6 +9,7 @@ from flightsim.autopilot.events import Severity
 from scenarios.pilot import Phase, Pilot
 from scenarios.recording.recorder import Recorder
 from scenarios.recording.state_log import StateLog
+from scenarios.recording.vehicle_recorder import VehicleRecorder
 
 _SAMPLE_S = 0.1
 _TRACK_PERIOD_US = 200_000
@@ -18,7 +19,7 @@ _TRACK_PERIOD_US = 200_000
 class PilotLog:
     """Samples the pilot after every tick and records what is new."""
 
-    def __init__(self, pilot: Pilot, recorder: Recorder) -> None:
+    def __init__(self, pilot: Pilot, recorder: Recorder | VehicleRecorder) -> None:
         self._pilot = pilot
         self._recorder = recorder
         self._plan: Trajectory | None = None

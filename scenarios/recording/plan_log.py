@@ -8,6 +8,7 @@ from jaxtyping import Float
 
 from scenarios.recording import layout
 from scenarios.recording.columns import set_sim_time
+from scenarios.recording.entity_stream import EntityStream
 
 _PLANNED_RGB, _FLOWN_RGB, _REPLACED_RGB = (255, 80, 200), (150, 70, 125), (120, 120, 130)
 _ON_TIME_S = 0.05
@@ -20,7 +21,7 @@ class PlanLog:
     is grey from the place where it was left.
     """
 
-    def __init__(self, stream: rr.RecordingStream) -> None:
+    def __init__(self, stream: EntityStream) -> None:
         self._stream = stream
         self._last: tuple[int, np.ndarray, float] | None = None
         self._n_plans = 0

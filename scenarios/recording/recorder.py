@@ -5,10 +5,10 @@ from __future__ import annotations
 import socket
 from collections.abc import Iterable, Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Self
 from uuid import uuid4
 
-import numpy as np
 import rerun as rr
 
 from aeroscene.scene import Scene
@@ -18,40 +18,26 @@ from flightsim.autopilot.events import Severity
 from flightsim.vehicles.airframe import Airframe
 from scenarios.recording import layout
 from scenarios.recording.blueprint import recording_blueprint
-from scenarios.recording.columns import ExecutedPath, set_sim_time
-from scenarios.recording.contact_log import log_contacts
-from scenarios.recording.metadata import RunInfo, log_run, log_verdict
+from scenarios.recording.entity_stream import VehicleStream
+from scenarios.recording.metadata import RunInfo, log_document, log_run, log_verdict
 from scenarios.recording.plan_log import PlanLog
+from scenarios.recording.scene import log_scene
 from scenarios.recording.state_log import StateLog
+from scenarios.recording.vehicle_recorder import VehicleRecorder
 
 if TYPE_CHECKING:
     # Reading a recording should not load the simulator.
     from flightsim.autopilot.reports import FlightReports
     from flightsim.plant import Plant
     from flightsim.sensors.cameras import RgbdFrame
+    from flightsim.sensors.lidars import LidarScan
 
-FLUSH_PERIOD_US = 1_000_000
-"""Simulated time between two writes of the fast data."""
-SUMMARY_FLUSH_PERIOD_US = 60_000_000
-"""The same in a summary, which each write makes larger by several times what it holds."""
 _LOOPBACK = "127.0.0.1"
 _CLOSING_TIMEOUT_S = 30.0
 _SERVER_MEMORY = "512MiB"
 # A process that is killed while it writes a chunk leaves a file that needs mending: small chunks
 # make that rare. One camera image is about this large.
 _CHUNK_BYTES = 64 * 1024
-_EXECUTED_RGB = (255, 235, 60)
-
-_LEVELS: Mapping[Severity, rr.TextLogLevel] = {
-    Severity.EMERGENCY: rr.TextLogLevel.CRITICAL,
-    Severity.ALERT: rr.TextLogLevel.CRITICAL,
-    Severity.CRITICAL: rr.TextLogLevel.CRITICAL,
-    Severity.ERROR: rr.TextLogLevel.ERROR,
-    Severity.WARNING: rr.TextLogLevel.WARN,
-    Severity.NOTICE: rr.TextLogLevel.INFO,
-    Severity.INFO: rr.TextLogLevel.INFO,
-    Severity.DEBUG: rr.TextLogLevel.DEBUG,
-}
 
 
 class RecordingError(OSError):
@@ -68,8 +54,7 @@ class Recorder:
         path: File of the recording; None where only a live viewer listens.
         url: Address at which a viewer can watch live; None unless a port was given.
         fault: Reason for which the file may lack its end, such as a full disk; None if it is whole.
-        plans: Log of the plans.
-        states: Log of scene, vehicle and states; None in a summary.
+        first: Recorder of the vehicle, or of the first of several.
     """
 
     def __init__(
@@ -83,6 +68,8 @@ class Recorder:
         goal_enu_m: Vector3 | None = None,
         serve_port: int | None = None,
         is_summary: bool = False,
+        has_segments: bool = False,
+        mates: Mapping[str, Airframe] = MappingProxyType({}),
     ) -> None:
         """Open the file, the live port or both, and write the scene.
 
@@ -96,6 +83,8 @@ class Recorder:
             serve_port: Loopback port on which viewers can watch live.
             is_summary: Whether to keep only the verdict, the configuration, the planned and the
                 flown trajectory, the pilot's phases, texts and contacts.
+            has_segments: Whether camera frames will have objects and classes, to be in view.
+            mates: Other vehicles in the same world, by their names.
 
         Raises:
             RecordingError: If the file cannot be written or the port is taken.
@@ -110,25 +99,33 @@ class Recorder:
                 *self._open_sinks(serve_port),
                 default_blueprint=None
                 if is_summary
-                else recording_blueprint(scene, airframe, goal_enu_m),
+                else recording_blueprint(
+                    scene, airframe, goal_enu_m, has_segments=has_segments, mates=mates
+                ),
             )
         except RuntimeError as error:
             raise RecordingError(
                 f"recording {str(path)!r} cannot be written ({error}); valid: a file with room"
             ) from None
         self._is_open = True
-        self._plant: Plant | None = None
-        self._history: list[bytes] = []
-        self._flush_period_us = SUMMARY_FLUSH_PERIOD_US if is_summary else FLUSH_PERIOD_US
-        self._flush_due_us = self._flush_period_us
-        self._executed = ExecutedPath()
         log_run(self._stream, info, airframe)
-        style = rr.LineStrips3D.from_fields(colors=_EXECUTED_RGB, radii=rr.Radius.ui_points(1.5))
-        self._stream.log(layout.EXECUTED, style, static=True)
-        self.plans = PlanLog(self._stream)
-        self.states: StateLog | None = None
         if not is_summary:
-            self.states = StateLog(self._stream, scene, primitives, airframe)
+            log_document(self._stream, scene)
+            log_scene(self._stream, scene, primitives)
+        self.first = VehicleRecorder(
+            self._stream, scene, airframe, is_summary=is_summary, has_traffic=True
+        )
+        self.mates = {
+            name: VehicleRecorder(
+                VehicleStream(self._stream, name),
+                scene,
+                mate,
+                is_summary=is_summary,
+                has_traffic=False,
+            )
+            for name, mate in mates.items()
+        }
+        """Recorder of each of the other vehicles, by their names."""
 
     def _open_sinks(self, serve_port: int | None) -> list[rr.FileSink | rr.GrpcServerSink]:
         sinks: list[rr.FileSink | rr.GrpcServerSink] = []
@@ -144,48 +141,45 @@ class Recorder:
             sinks.append(server)
         return sinks
 
+    @property
+    def plans(self) -> PlanLog:
+        """Log of the first vehicle's plans."""
+        return self.first.plans
+
+    @property
+    def states(self) -> StateLog | None:
+        """Log of the first vehicle and its states; None in a summary."""
+        return self.first.states
+
     def on_tick(self, plant: Plant, autopilot: FlightReports | None = None) -> None:
-        """Record the last 20 ms; without an autopilot there are no modes to show."""
-        # Bytes: numpy copies and joins records of many fields one field at a time.
-        self._history.append(plant.history.tobytes())
-        self._plant = plant
-        if self.states is not None:
-            self.states.on_tick(plant, autopilot)
-        if plant.time_us >= self._flush_due_us:
-            self._flush_due_us = plant.time_us + self._flush_period_us
-            self.flush()
+        """Record the last 20 ms of the first vehicle; see `VehicleRecorder`."""
+        self.first.on_tick(plant, autopilot)
 
     def flush(self) -> None:
         """Write all buffered data."""
-        if self._plant is not None and self._history:
-            history = np.frombuffer(b"".join(self._history), self._plant.history.dtype)
-            self._history.clear()
-            self._executed.send(self._stream, history)
-            if self.states is not None:
-                self.states.send(self._plant, history)
-        if self.states is not None:
-            self.states.flush()
+        for vehicle in (self.first, *self.mates.values()):
+            vehicle.flush()
 
     def log_frame(self, frame: RgbdFrame, *, has_colour: bool = True) -> None:
-        """Write a camera frame, or its depth alone; a summary takes none."""
-        if self.states is not None:
-            set_sim_time(self._stream, frame.time_us)
-            self.states.frames.log(frame, has_colour=has_colour)
+        """Write a camera frame of the first vehicle; see `VehicleRecorder`."""
+        self.first.log_frame(frame, has_colour=has_colour)
+
+    def log_scan(self, scan: LidarScan) -> None:
+        """Write a scan of the first vehicle's lidar; see `VehicleRecorder`."""
+        self.first.log_scan(scan)
 
     def log_phase(self, time_us: int, phase: str) -> None:
-        """Write the phase of the pilot from this time on."""
-        set_sim_time(self._stream, time_us)
-        self._stream.log(layout.PHASE, rr.StateChange(state=phase))
+        """Write the phase of its pilot from this time on."""
+        self.first.log_phase(time_us, phase)
 
     def log_statustext(self, time_us: int, severity: Severity, text: str) -> None:
-        """Write a message of the autopilot or the pilot."""
-        set_sim_time(self._stream, time_us)
-        self._stream.log(layout.STATUSTEXT, rr.TextLog(text, level=_LEVELS[severity]))
+        """Write a message of its autopilot or pilot."""
+        self.first.log_statustext(time_us, severity, text)
 
     def conclude(self, verdict: Mapping[str, Any]) -> None:
         """Write buffered data and the run's figures; without live viewers finish the file too."""
         self.flush()
-        log_contacts(self._stream, verdict.get("contacts", ()))
+        self.first.conclude(verdict)
         log_verdict(self._stream, self._info, verdict)
         self._write_out()
         if self.url is None:

@@ -9,6 +9,7 @@ import rerun as rr
 
 from autonomy.model.quadrotor import MAX_ROTORS
 from scenarios.recording import layout
+from scenarios.recording.entity_stream import EntityStream
 
 ESTIMATE_FIELD, REFERENCE_FIELD = "position_est_enu_m", "reference_position_enu_m"
 """Zero until the estimator is aligned, and until something is to be flown."""
@@ -98,7 +99,7 @@ DERIVED: tuple[ScalarSeries, ...] = (
 """Series that are computed of several fields."""
 
 
-def log_legends(stream: rr.RecordingStream, n_rotors: int) -> None:
+def log_legends(stream: EntityStream, n_rotors: int) -> None:
     """Write names and colours of all series of a vehicle with so many rotors."""
     for series in (*SERIES, *DERIVED):
         n = n_rotors if series.colours is _ROTORS else len(series.legend)

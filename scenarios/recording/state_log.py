@@ -1,23 +1,20 @@
-"""All that a recording holds besides its summary: the scene, the vehicle, and their states."""
+"""All that a recording holds of a vehicle besides its summary: its shape and its states."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 import numpy as np
 import rerun as rr
 
 from aeroscene.scene import Scene
-from aeroscene.solids.shapes import Primitive
 from flightsim.vehicles.airframe import Airframe
 from scenarios.recording import layout
 from scenarios.recording.chase_log import ChaseLog
 from scenarios.recording.columns import send_history
+from scenarios.recording.entity_stream import EntityStream
 from scenarios.recording.frames import FrameLog
 from scenarios.recording.landing_log import LandingLog
-from scenarios.recording.metadata import log_document
-from scenarios.recording.scene import log_scene
 from scenarios.recording.series import log_legends
 from scenarios.recording.status import StatusLog
 from scenarios.recording.track_log import TrackLog
@@ -31,7 +28,7 @@ if TYPE_CHECKING:
 
 
 class StateLog:
-    """Writes scene and vehicle at once, and what changes in stretches of simulated time.
+    """Writes the vehicle at once, and what changes in stretches of simulated time.
 
     Attributes:
         frames: Log of the camera frames.
@@ -41,28 +38,28 @@ class StateLog:
 
     def __init__(
         self,
-        stream: rr.RecordingStream,
+        stream: EntityStream,
         scene: Scene,
-        primitives: Iterable[Primitive],
         airframe: Airframe,
+        *,
+        has_traffic: bool,
     ) -> None:
         self._stream = stream
-        log_document(stream, scene)
-        log_scene(stream, scene, primitives)
         log_vehicle(stream, airframe)
         log_legends(stream, len(airframe.quadrotor.rotors))
         stream.log(layout.ESTIMATE, rr.TransformAxes3D(0.5), static=True)
         self._status = StatusLog(stream)
-        self._traffic = TrafficLog(stream)
+        self._traffic = TrafficLog(stream) if has_traffic else None
         self._chase = ChaseLog(stream)
-        self.frames = FrameLog(stream)
+        self.frames = FrameLog(stream, scene)
         self.landing = LandingLog(stream)
         self.tracks = TrackLog(stream)
 
     def on_tick(self, plant: Plant, autopilot: FlightReports | None) -> None:
         """Sample what is no part of `Plant.history`."""
         self._status.on_tick(plant, autopilot)
-        self._traffic.on_tick(plant)
+        if self._traffic is not None:
+            self._traffic.on_tick(plant)
 
     def send(self, plant: Plant, history: np.ndarray) -> None:
         """Write a stretch of `Plant.history`, which goes on the last."""
@@ -72,4 +69,5 @@ class StateLog:
     def flush(self) -> None:
         """Write the samples."""
         self._status.flush()
-        self._traffic.flush()
+        if self._traffic is not None:
+            self._traffic.flush()

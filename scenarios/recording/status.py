@@ -12,6 +12,7 @@ import rerun as rr
 
 from scenarios.recording import layout
 from scenarios.recording.columns import send_scalars, set_sim_time, sim_time
+from scenarios.recording.entity_stream import EntityStream
 
 if TYPE_CHECKING:
     from flightsim.autopilot.reports import FlightReports
@@ -53,7 +54,7 @@ _ARMED_RGB = {"disarmed": (90, 96, 105), "armed": (220, 70, 70)}
 class StatusLog:
     """Samples gauges into columns and writes states when they change."""
 
-    def __init__(self, stream: rr.RecordingStream) -> None:
+    def __init__(self, stream: EntityStream) -> None:
         self._stream = stream
         self._ticks = 0
         self._times_us: list[int] = []

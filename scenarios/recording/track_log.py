@@ -9,6 +9,7 @@ import rerun as rr
 
 from scenarios.recording import layout
 from scenarios.recording.columns import set_sim_time
+from scenarios.recording.entity_stream import EntityStream
 
 if TYPE_CHECKING:
     # Reading a recording should not load the planner.
@@ -20,7 +21,7 @@ _TRACK_RGB = (255, 140, 30)
 class TrackLog:
     """Writes predictions of movers as they change."""
 
-    def __init__(self, stream: rr.RecordingStream) -> None:
+    def __init__(self, stream: EntityStream) -> None:
         self._stream = stream
         self._is_empty = True
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-import rerun as rr
 from jaxtyping import Float
 
 from scenarios.recording import layout
 from scenarios.recording.columns import send_pose, sim_time
+from scenarios.recording.entity_stream import EntityStream
 from scenarios.recording.scene import flat_mesh
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 class TrafficLog:
     """Gathers the poses of movers, and writes them now and then."""
 
-    def __init__(self, stream: rr.RecordingStream) -> None:
+    def __init__(self, stream: EntityStream) -> None:
         self._stream = stream
         self._entities: list[str] = []
         self._times_us: list[int] = []

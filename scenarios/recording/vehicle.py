@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import rerun as rr
 from jaxtyping import Float
 
-from flightsim.vehicles.airframe import Airframe, CameraMount
+from flightsim.vehicles.airframe import Airframe
 from flightsim.vehicles.builder import leg_axes_flu_m, skid_axes_flu_m
 from scenarios.recording import layout
+from scenarios.recording.entity_stream import EntityStream
 
 _BODY_RGB = (45, 48, 55)
 _ARM_RGB = (70, 74, 82)
@@ -19,7 +18,7 @@ _FRONT_RGBA = (255, 120, 40, 150)
 _REAR_RGBA = (70, 160, 255, 150)
 
 
-def log_vehicle(stream: rr.RecordingStream, airframe: Airframe) -> None:
+def log_vehicle(stream: EntityStream, airframe: Airframe) -> None:
     """Write fuselage, arms, rotor discs, legs and camera mounts; the pose comes with the flight."""
     hubs = np.array([r.position_flu_m for r in airframe.quadrotor.rotors])
     body = rr.Boxes3D(sizes=[airframe.body_size_m], colors=[_BODY_RGB], fill_mode="solid")
@@ -38,17 +37,10 @@ def log_vehicle(stream: rr.RecordingStream, airframe: Airframe) -> None:
     # A dot of constant size on the screen: the vehicle is small in a whole scene.
     marker = rr.Points3D([(0.0, 0.0, 0.0)], colors=_MARKER_RGB, radii=rr.Radius.ui_points(3.0))
     stream.log(layout.MARKER, marker, static=True)
-    for mount in airframe.cameras:
-        turn = rotation_flu_from_optical(mount)
+    for mount in airframe.rgbd_cameras:
+        turn = mount.rotation_flu_from_optical
         pose = rr.Transform3D(translation=mount.position_flu_m, mat3x3=turn)
         stream.log(layout.camera(mount.name), pose, static=True)
-
-
-def rotation_flu_from_optical(mount: CameraMount) -> Float[np.ndarray, "3 3"]:
-    """Camera axes (x right, y down, z forward) in the body frame, as columns."""
-    sin, cos = math.sin(mount.pitch_down_rad), math.cos(mount.pitch_down_rad)
-    right, down, forward = (0.0, -1.0, 0.0), (-sin, 0.0, -cos), (cos, 0.0, -sin)
-    return np.array([right, down, forward]).T
 
 
 def _frame_strips(

@@ -10,7 +10,8 @@ from typing import Annotated, Any, Literal
 
 import tyro
 
-from flightsim.testbench import TestbenchCfg, TestbenchError
+from flightsim.testbench import MAX_INSTANCES, TestbenchCfg, TestbenchError
+from flightsim.vehicles import Airframe, airframe_by_name
 from scenarios.run.levels import RecordLevel
 
 MAX_CAMERA_HZ = 50.0
@@ -26,6 +27,9 @@ class SitlCfg:
     """Scene of the dataset by number, corpus:N, gen:SEED, field (open, flat), a scene file (.json,
     .json.gz), or one of a file of layouts (.jsonl, .jsonl.gz) as FILE#ID or FILE#N."""
     bench: TestbenchCfg = field(default_factory=TestbenchCfg)
+    vehicles: Annotated[str, _UNSET] = ""
+    """Fly several vehicles in one world: their number, or airframes such as iris,hummingbird. The
+    first stands on the start, the others beside it; vehicle i is instance i. One by default."""
     demo: bool = False
     """Fly our own mission: plan to a landing area, navigate, choose the touchdown point from
     depth, land, disarm; then print the verdict and end."""
@@ -73,6 +77,7 @@ class SitlCfg:
 
     def __post_init__(self) -> None:
         """Refuse invalid settings before anything starts."""
+        _ = self.airframes
         if not 0 <= self.camera_hz <= MAX_CAMERA_HZ:
             raise TestbenchError(
                 f"camera-hz {self.camera_hz} is out of range; valid: 0 to {MAX_CAMERA_HZ:.0f} Hz"
@@ -91,6 +96,24 @@ class SitlCfg:
             _require_folder("captures", self.captures)
         if not self.formats:
             raise TestbenchError("format has no value; valid: png, svg, pdf")
+
+    @property
+    def airframes(self) -> tuple[Airframe, ...]:
+        """Airframe of each vehicle.
+
+        Raises:
+            TestbenchError: If there is no such number of vehicles.
+            AirframeError: If there is no such airframe.
+        """
+        names = self.vehicles.split(",") if self.vehicles else [self.bench.vehicle]
+        if self.vehicles.lstrip("-").isdecimal():
+            names = [self.bench.vehicle] * min(max(int(self.vehicles), 0), MAX_INSTANCES + 1)
+        if not 1 <= len(names) <= MAX_INSTANCES or not all(names):
+            raise TestbenchError(
+                f"vehicles {self.vehicles!r} is not valid; valid: 1 to {MAX_INSTANCES}, or "
+                "airframes with commas between them, such as iris,hummingbird"
+            )
+        return tuple(airframe_by_name(name.strip()) for name in names)
 
     def to_plain(self) -> dict[str, Any]:
         """The resolved configuration as plain data."""

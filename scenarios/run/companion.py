@@ -10,6 +10,7 @@ import numpy as np
 
 from aeroscene.scene import InteractionArea, Scene
 from flightsim.mavlink.client import BytePipe, MavlinkClient
+from flightsim.sensors.lidars import LidarScan
 from flightsim.vehicles import Airframe
 from scenarios.pilot.eyes import DepthFrame
 from scenarios.trials.verdict import Word
@@ -39,6 +40,8 @@ class Aboard:
     airframe: Airframe
     area: InteractionArea | None = None
     """Assigned area; None leaves the choice to the companion."""
+    scan: Callable[[], LidarScan | None] = lambda: None
+    """Function that gives the lidar's last complete scan; None without a lidar."""
 
 
 class Companion(Protocol):

@@ -14,8 +14,6 @@ from typing import Self
 from aeroscene.scene import Scene
 from aeroscene.sources import open_scene
 from flightsim.sensors.cameras import (
-    HEIGHT_PX,
-    WIDTH_PX,
     CameraRenderer,
     Cameras,
     depth_noise,
@@ -25,6 +23,8 @@ from flightsim.testbench import Testbench
 from flightsim.vehicles import Airframe
 from flightsim.world import World
 
+_View = tuple[Scene, Airframe, tuple[int, int]]
+"""What a renderer draws: scene, vehicle, size of the images."""
 _KEPT = 2
 """Scenes, and renderers, that are kept: whoever flies a campaign goes from scene to scene."""
 
@@ -37,7 +37,7 @@ class Hangar:
 
     def __init__(self) -> None:
         self._scenes: OrderedDict[str, Scene] = OrderedDict()
-        self._renderers: OrderedDict[tuple[Scene, Airframe], CameraRenderer] = OrderedDict()
+        self._renderers: OrderedDict[_View, CameraRenderer] = OrderedDict()
 
     def scene(self, name: str) -> Scene:
         """Scene of a name, see `open_scene`; a file is not read again.
@@ -58,17 +58,28 @@ class Hangar:
         Where something moves, the cameras have a renderer of their own.
         """
         plant, cfg = bench.plant, bench.cfg
-        noise = depth_noise(cfg.depth_camera, cfg.seed, bench.scene.scene_id)
-        renderer = None if plant.world.obstacles else self._renderer(plant.world)
-        return Cameras(plant, depth_noise=noise, renderer=renderer)
+        number, scene_id = plant.world.number, bench.scene.scene_id
+        name = f"{scene_id}, vehicle {number + 1}" if number else scene_id
+        noise = depth_noise(cfg.depth_camera, cfg.seed, name)
+        is_alone = plant.world.n_vehicles == 1 and not plant.world.obstacles
+        size_px = width_px, height_px = cfg.camera_size_px
+        renderer = self._renderer(plant.world, size_px) if is_alone else None
+        return Cameras(
+            plant,
+            width_px=width_px,
+            height_px=height_px,
+            depth_noise=noise,
+            segments=cfg.segmentation,
+            renderer=renderer,
+        )
 
-    def _renderer(self, world: World) -> CameraRenderer:
+    def _renderer(self, world: World, size_px: tuple[int, int]) -> CameraRenderer:
         scene = world.scene
         corner = replace(scene, start_position_enu_m=scene.extent_min_enu_m, start_yaw_rad=0.0)
-        key = (corner, world.airframe)
+        key = (corner, world.airframe, size_px)
         renderer = self._renderers.pop(key, None)
         if renderer is None:
-            renderer = open_camera_renderer(world, WIDTH_PX, HEIGHT_PX)
+            renderer = open_camera_renderer(world, *size_px)
         self._renderers[key] = renderer
         if len(self._renderers) > _KEPT:
             self._renderers.popitem(last=False)[1].close()

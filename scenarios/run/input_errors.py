@@ -8,6 +8,7 @@ from flightsim.environment.traffic import TrafficError
 from flightsim.environment.wind import WindError
 from flightsim.mavlink.links import LinkError
 from flightsim.sensors.cameras import CameraError
+from flightsim.sensors.lidars import LidarError
 from flightsim.testbench import TestbenchError
 from flightsim.vehicles import AirframeError
 from flightsim.world import WorldError
@@ -21,6 +22,7 @@ INPUT_ERRORS = (
     TrafficError,
     LinkError,
     CameraError,
+    LidarError,
     TestbenchError,
 )
 """Errors of a run whose input or machine does not allow it; each has a message of one line."""

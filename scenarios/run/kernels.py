@@ -15,9 +15,9 @@ from autonomy.planning import Craft, FlightLimits, PlannerCfg
 from autonomy.planning.openings import narrow_cells
 from autonomy.types import FlatReference
 from flightsim.mavlink.client.telemetry import Telemetry
-from flightsim.mavlink.dialect import LAYOUTS
-from flightsim.mavlink.framing import Framer
+from flightsim.mavlink.streaming import compile_streaming
 from flightsim.plant import compile_kernels
+from flightsim.plant.rays import RAYS_DTYPE, cast_rays
 from flightsim.sensors.cameras.depth_noise import DEPTH_CAMERAS, measured_depth
 from flightsim.vehicles.catalogue import airframe_by_name
 from scenarios.mission.mission import Mission, plan_mission
@@ -100,17 +100,12 @@ def explore_once() -> None:
         plan_towards(seen, start, goal_enu_m, Craft(FlightLimits(), airframe.quadrotor, cfg))
 
 
-def frame_once() -> None:
-    """Build the frame of a MAVLink message."""
-    ping = LAYOUTS["PING"]
-    Framer((ping,)).frames_v2(b"\0", bytes(ping.size), 0, 1, 1)
-
-
 def measure_once() -> None:
-    """Do what only some runs ask for: see by a depth camera that errs, look for openings."""
+    """Do what only some runs ask for: see by a depth camera that errs, look for openings, scan."""
     flat_m = np.full((240, 320), 6.0, dtype=np.float32)
     measured_depth(flat_m, _Frame.fx, DEPTH_CAMERAS["d435"], np.random.default_rng(0))
     narrow_cells(np.ones((3, 3, 3), dtype=np.bool_), 0.2)
+    cast_rays(np.zeros(1, RAYS_DTYPE), np.zeros((0, 6)), -1, np.zeros(0))
 
 
 def arrange_once() -> None:
@@ -139,7 +134,7 @@ def compile_everything(progress: Callable[[str, float], None]) -> None:
     """
     progress("flight kernels", 0.0)
     compile_kernels()
-    frame_once()
+    compile_streaming()
     measure_once()
     progress("planning kernels", 0.35)
     mission = plan_mission(open_scene(SCENE), airframe_by_name(VEHICLE))

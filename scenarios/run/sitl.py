@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import logging
-import math
-import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
@@ -12,16 +10,20 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 from aeroscene.scene import Scene
+from flightsim.environment.movers import MovingObstacle
 from flightsim.mavlink.links import Link
+from flightsim.plant import Plant
 from flightsim.sensors.cameras import Cameras
-from flightsim.testbench import Testbench, TestbenchError
+from flightsim.testbench import Testbench
 from flightsim.vehicles import Airframe, airframe_by_name
 from scenarios.mission.goals import find_area, with_start
+from scenarios.run.among import Among
 from scenarios.run.cfg import SitlCfg
 from scenarios.run.hangar import Hangar
+from scenarios.run.missions import new_pilot, plan_missions
+from scenarios.run.schedule import RunClock, Schedule, run_until_over
 from scenarios.run.summary import write_summary
 from scenarios.trials.flight_log import FlightLog
-from scenarios.trials.limits import LIMITS
 from scenarios.trials.result import TrialResult, figures
 from scenarios.trials.score import FlightScore, Goal
 from scenarios.trials.verdict import Code, Ending, Judgement, judge
@@ -30,6 +32,7 @@ if TYPE_CHECKING:
     from scenarios.pictures.tape import FlightTape
     from scenarios.pilot import Pilot
     from scenarios.recording import Recorder
+    from scenarios.recording.vehicle_recorder import VehicleRecorder
     from scenarios.recording.viewer import Viewer
     from scenarios.run.companion import Aboard, Companion
 
@@ -60,6 +63,8 @@ class Sitl:
         has_network: bool = True,
         links: Sequence[Link] = (),
         hangar: Hangar | None = None,
+        movers: Sequence[MovingObstacle] | None = None,
+        among: Among | None = None,
     ) -> None:
         """Open every part of the run, or none.
 
@@ -71,12 +76,15 @@ class Sitl:
             has_network: Whether clients outside this process can connect.
             links: MAVLink links of one's own besides.
             hangar: Keeps what runs of this process share; None keeps it for this run alone.
+            movers: Traffic on paths of one's own instead of the configured one.
+            among: One of several vehicles, which `SharedSitl` opens and runs; None for one alone.
 
         Raises:
             INPUT_ERRORS: If the run cannot be opened; one line says why, and what would be valid.
         """
         self.cfg = cfg if scene is None else replace(cfg, scene=scene.scene_id)
         self.recorder: Recorder | None = None
+        self._part: VehicleRecorder | None = None
         self.viewer: Viewer | None = None
         self.pictures: list[Path] = []
         self.missing: list[str] = []
@@ -84,25 +92,24 @@ class Sitl:
         with ExitStack() as stack:
             self._stack = stack
             self._hangar = stack.enter_context(Hangar()) if hangar is None else hangar
-            airframe = airframe or airframe_by_name(cfg.bench.vehicle)
-            scene = scene or self._hangar.scene(cfg.scene)
-            if cfg.start is not None:
-                scene = with_start(scene, airframe, cfg.start)
+            if among is None:
+                bench = stack.enter_context(
+                    self._open_bench(scene, airframe, has_network, links, movers)
+                )
+            else:
+                bench = among.bench
+            self.bench = bench
             name = cfg.area
-            self.area = None if name is None else find_area(scene, airframe, name, "area")
-            bench = Testbench(
-                scene,
-                cfg.bench,
-                airframe=airframe,
-                has_network=has_network,
-                extra_links=links,
-                captures=cfg.captures,
-                has_video=cfg.video,
+            self.area = (
+                None if name is None else find_area(bench.scene, bench.airframe, name, "area")
             )
-            self.bench = stack.enter_context(bench)
             self.log = FlightLog(bench.plant, is_judged=cfg.demo or pilot is not None)
             bench.observers.append(self.log.on_tick)
-            self.pilot = self._our_pilot() if cfg.demo and pilot is None else None
+            self.pilot: Pilot | None = None
+            if cfg.demo and pilot is None:
+                mission = among.mission if among is not None else None
+                mission = mission or plan_missions(cfg, [bench], self.area)[0]
+                self.pilot = new_pilot(bench, mission, self.cameras.render_depth)
             self.companion = self.pilot if pilot is None else pilot(self._aboard())
             if (companion := self.companion) is not None:
                 self.bench.observers.append(lambda: companion.update(bench.plant.time_us))
@@ -110,8 +117,34 @@ class Sitl:
                 from scenarios.run.watching import watch  # noqa: PLC0415 - imports rerun
 
                 self.recorder, self.viewer = watch(self, stack)
-            self._tape = None if cfg.pictures is None else self._open_tape()
+            self._tape = None
+            if cfg.pictures is not None:
+                self._tape = self._open_tape(() if among is None else among.mates)
             self._stack = stack.pop_all()
+
+    def _open_bench(
+        self,
+        scene: Scene | None,
+        airframe: Airframe | None,
+        has_network: bool,
+        links: Sequence[Link],
+        movers: Sequence[MovingObstacle] | None,
+    ) -> Testbench:
+        cfg = self.cfg
+        airframe = airframe or airframe_by_name(cfg.bench.vehicle)
+        scene = scene or self._hangar.scene(cfg.scene)
+        if cfg.start is not None:
+            scene = with_start(scene, airframe, cfg.start)
+        return Testbench(
+            scene,
+            cfg.bench,
+            airframe=airframe,
+            traffic=movers,
+            has_network=has_network,
+            extra_links=links,
+            captures=cfg.captures,
+            has_video=cfg.video,
+        )
 
     @property
     def cameras(self) -> Cameras:
@@ -132,36 +165,13 @@ class Sitl:
             scene=bench.scene,
             airframe=bench.airframe,
             area=self.area,
+            scan=lambda: None if bench.lidar is None else bench.lidar.latest,
         )
 
-    def _our_pilot(self) -> Pilot:
-        # casadi and the kernels of planning and perception: only where our pilot flies.
-        from scenarios.mission.mission import plan_mission  # noqa: PLC0415
-        from scenarios.mission.surroundings import MissionError  # noqa: PLC0415
-        from scenarios.pilot import Pilot, PilotCfg  # noqa: PLC0415
-        from scenarios.run.kernels import announce_pilot_kernels  # noqa: PLC0415
-
-        announce_pilot_kernels(self.cfg.map)
-        bench = self.bench
-        try:
-            mission = plan_mission(
-                bench.scene,
-                bench.airframe,
-                seed=bench.cfg.seed,
-                area=self.area,
-                target=self.cfg.target,
-                map_source=self.cfg.map,
-                method=self.cfg.planner,
-            )
-        except MissionError as error:
-            raise TestbenchError(str(error)) from error
-        brief = PilotCfg(expects_traffic=bench.cfg.traffic_cfg.has_any)
-        return Pilot(bench.connect(), mission, self.cameras.render_depth, brief)
-
-    def _open_tape(self) -> FlightTape:
+    def _open_tape(self, mates: Sequence[Plant]) -> FlightTape:
         from scenarios.pictures.tape import FlightTape  # noqa: PLC0415 - only for pictures
 
-        tape = FlightTape(self.bench.plant, self.bench.stack.reports, self.pilot)
+        tape = FlightTape(self.bench.plant, self.bench.stack.reports, self.pilot, mates)
         self.bench.observers.append(tape.on_tick)
         return tape
 
@@ -187,53 +197,49 @@ class Sitl:
         Returns:
             The verdict and the figures; without a pilot there is no verdict.
         """
-        wall_s, cpu_s = time.perf_counter(), time.process_time()
-        stopped_by = self._simulate(should_stop)
-        wall_s, cpu_s = time.perf_counter() - wall_s, time.process_time() - cpu_s
+        clock = RunClock()
+        stopped_by = run_until_over(
+            self.bench.simulator, [self.schedule()], lambda: should_stop() or self.bench.stack.fault
+        )
+        result = self.conclude(stopped_by, clock)
+        self.write(result)
+        return result
+
+    def schedule(self) -> Schedule:
+        """What of the run is still to come, from now on."""
+        return Schedule(self.bench.plant, self.log, self.companion, self.cfg.headless_seconds)
+
+    def conclude(self, stopped_by: str | None, clock: RunClock) -> TrialResult:
+        """Judge what was flown; `stopped_by` is what ended it before its end, if anything did."""
+        wall_s, cpu_s = clock.spent_s()
         goal = self._goal()
         score = self.log.score(goal)
         measured = figures(score, None if goal is None else goal.area, self.companion)
-        result = self._result(measured, self._judge(score, goal, stopped_by), wall_s, cpu_s)
-        self._write(result)
-        return result
+        return self._result(measured, self._judge(score, goal, stopped_by), wall_s, cpu_s)
 
-    def _simulate(self, should_stop: Callable[[], bool | str]) -> str | None:
-        """Simulate to the end, and return what stopped the run before it, if anything did."""
-        simulator, plant, companion = self.bench.simulator, self.bench.plant, self.companion
-        word: bool | str = False
+    def join(self, part: VehicleRecorder) -> None:
+        """Record into the recording that another vehicle's run has opened."""
+        from scenarios.run.watching import follow  # noqa: PLC0415 - imports rerun
 
-        def is_stopped() -> bool:
-            nonlocal word
-            word = word or should_stop() or self.bench.stack.fault
-            return bool(word)
+        self._part = part
+        follow(self, part)
 
-        end_us = math.inf
-        if self.cfg.headless_seconds is not None:
-            end_us = plant.time_us + round(self.cfg.headless_seconds * 1e6)
-        parts = [(math.inf, lambda: False)]
-        if companion is not None:
-            rest_s = LIMITS.longest_settle_s - LIMITS.settle_s
-            parts = [
-                (LIMITS.trial_s, lambda: companion.is_done),
-                (LIMITS.settle_s, lambda: False),
-                (rest_s, lambda: companion.area is None or self.log.is_still()),
-            ]
-        for seconds, is_done in parts:
-            until_us = min(plant.time_us + seconds * 1e6, end_us)
-            simulator.run(
-                until_us=round(until_us) if until_us < math.inf else None,
-                stop=lambda is_done=is_done: is_done() or is_stopped(),
-            )
-        return (word if isinstance(word, str) else "the caller") if word else None
+    def write(self, result: TrialResult, mates: Sequence[TrialResult] = ()) -> None:
+        """Write all files; one that cannot be written costs neither the verdict nor the others.
 
-    def _write(self, result: TrialResult) -> None:
-        """Write all files; one that cannot be written costs neither the verdict nor the others."""
+        Args:
+            result: Verdict and figures.
+            mates: Those of the other vehicles in the same recording.
+        """
+        if self._part is not None:
+            self._part.conclude(result.to_plain())
+            self._part.log_verdict(result.to_plain())
         if self.recorder is not None:
             self.recorder.conclude(result.to_plain())
             if (fault := self.recorder.fault) is not None:
                 self._miss(f"recording {self.recorder.path} lacks its end: {fault}")
         path, cfg = self.cfg.record, self.cfg
-        if path is not None and (fault := write_summary(path, cfg, result, self.pilot)):
+        if path is not None and (fault := write_summary(path, cfg, result, self.pilot, mates)):
             self._miss(fault)
         self.pictures = self._draw(result.reason)
 

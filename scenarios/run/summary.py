@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from aeroscene.files import replacing
 from scenarios.run.cfg import SitlCfg
@@ -16,7 +17,11 @@ if TYPE_CHECKING:
 
 
 def write_summary(
-    recording: Path, cfg: SitlCfg, result: TrialResult, pilot: Pilot | None
+    recording: Path,
+    cfg: SitlCfg,
+    result: TrialResult,
+    pilot: Pilot | None,
+    mates: Sequence[TrialResult] = (),
 ) -> str | None:
     """Write what a run was and how it ended, whole or not at all.
 
@@ -25,15 +30,18 @@ def write_summary(
         cfg: Configuration of the run.
         result: Verdict and figures.
         pilot: Our own pilot, in a demo: its decisions are told too.
+        mates: Verdict and figures of other vehicles in the same world.
 
     Returns:
         A line that says why there is no summary; None if there is one.
     """
-    summary = {
+    summary: dict[str, Any] = {
         "config": cfg.to_plain(),
         "limits": LIMITS.to_plain(),
         "result": result.to_plain(),
     }
+    if mates:
+        summary["mates"] = [mate.to_plain() for mate in mates]
     if pilot is not None:
         summary |= decisions(pilot)
     path = recording.with_suffix(".json")

@@ -13,7 +13,9 @@ from aeroscene.solids.shapes import scene_primitives
 from flightsim.sensors.cameras import Cameras, RgbdFrame
 from flightsim.simulator import TICK_US
 from flightsim.testbench import Testbench, TestbenchError
+from flightsim.vehicles.builder import vehicle_name
 from scenarios.recording import Recorder, RecordingError, RunInfo
+from scenarios.recording.vehicle_recorder import VehicleRecorder
 from scenarios.recording.viewer import DATA_PORT, Viewer, ViewerError, free_port
 from scenarios.run.cfg import SitlCfg
 from scenarios.trials.limits import LIMITS
@@ -34,17 +36,25 @@ def watch(sitl: Sitl, stack: ExitStack) -> tuple[Recorder, Viewer | None]:
     Raises:
         TestbenchError: If the file or the viewer cannot be had.
     """
-    bench, cfg, pilot = sitl.bench, sitl.cfg, sitl.pilot
+    bench, cfg = sitl.bench, sitl.cfg
     viewer = None
     try:
-        recorder = stack.enter_context(_recorder(bench, cfg, pilot))
+        recorder = stack.enter_context(_recorder(bench, cfg, sitl.pilot))
         if cfg.viewer != "off" and recorder.url is not None:
             viewer = stack.enter_context(Viewer(cfg.viewer, recorder.url))
     except (RecordingError, ViewerError) as error:
         raise TestbenchError(str(error)) from error
-    plant = bench.plant
+    follow(sitl, recorder.first)
+    return recorder, viewer
+
+
+def follow(sitl: Sitl, recorder: VehicleRecorder) -> None:
+    """Record the vehicle of a run from now on, with its cameras and its pilot."""
+    bench, cfg, pilot, plant = sitl.bench, sitl.cfg, sitl.pilot, sitl.bench.plant
     if cfg.camera_hz > 0 and cfg.record_level in {"interaction", "full"}:
         _watch_cameras(sitl, recorder)
+    if bench.lidar is not None and cfg.record_level == "full":
+        bench.lidar.listeners.append(recorder.log_scan)
     if pilot is not None:
         from scenarios.recording.pilot_log import PilotLog  # noqa: PLC0415 - imports the pilot
 
@@ -54,10 +64,9 @@ def watch(sitl: Sitl, stack: ExitStack) -> tuple[Recorder, Viewer | None]:
         lambda severity, text: recorder.log_statustext(plant.time_us, severity, text)
     )
     bench.observers.append(lambda: recorder.on_tick(plant, bench.stack.reports))
-    return recorder, viewer
 
 
-def _watch_cameras(sitl: Sitl, recorder: Recorder) -> None:
+def _watch_cameras(sitl: Sitl, recorder: VehicleRecorder) -> None:
     """Record what the cameras see: all the way, or depth alone from the area on."""
     look = shutter(sitl.bench, sitl.cameras, sitl.cfg.camera_hz)
     if sitl.cfg.record_level == "full":
@@ -97,12 +106,18 @@ def _recorder(bench: Testbench, cfg: SitlCfg, pilot: Pilot | None) -> Recorder:
         goal_enu_m=None if pilot is None else pilot.area.centroid,
         serve_port=None if cfg.viewer == "off" else free_port(DATA_PORT),
         is_summary=cfg.record_level == "summary",
+        has_segments=cfg.bench.segmentation,
+        mates={
+            vehicle_name(number): vehicle.airframe
+            for number, vehicle in enumerate(bench.world.vehicles)
+            if number > 0
+        },
     )
 
 
 def shutter(bench: Testbench, cameras: Cameras, rate_hz: float) -> Callable[[], None]:
     """Renders every camera of the vehicle at a rate; call it after each tick."""
-    names = [mount.name for mount in bench.airframe.cameras]
+    names = [mount.name for mount in bench.airframe.rgbd_cameras]
     period_us = round(1e6 / rate_hz)
 
     def on_tick() -> None:

@@ -8,6 +8,7 @@ contact may begin and end within a tick.
 from __future__ import annotations
 
 import copy
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -17,6 +18,7 @@ from jaxtyping import Bool, Float
 
 from autonomy.types import Vector3, vector3
 from flightsim.looks.movers import MOVER_CONTACT_BIT
+from flightsim.vehicles.builder import vehicle_name
 from flightsim.world import World
 from scenarios.trials.limits import LIMITS
 
@@ -61,13 +63,19 @@ class ContactFinder:
         model.geom_margin[_hull(world)] = _FELT_M
         is_mover = model.body_mocapid >= 0
         model.geom_conaffinity[is_mover[model.geom_bodyid]] = MOVER_CONTACT_BIT
+        bodies = [model.body(vehicle_name(k)).id for k in range(world.n_vehicles)]
+        self._poses = [model.jnt_qposadr[model.body_jntadr[body]] for body in bodies]
         self._data = mujoco.MjData(model)
         # Bounds and masks of bodies follow from those of their geoms.
         mujoco.mj_setConst(model, self._data)
         mujoco.mj_forward(model, self._data)
 
     def find(
-        self, history: np.ndarray, movers: MoverPoses, counts: Bool[np.ndarray, " n"]
+        self,
+        history: np.ndarray,
+        movers: MoverPoses,
+        counts: Bool[np.ndarray, " n"],
+        mates: Sequence[np.ndarray] = (),
     ) -> tuple[Contact, ...]:
         """Contacts of a flight in the order of time.
 
@@ -75,14 +83,20 @@ class ContactFinder:
             history: Rows of control ticks (`flightsim.plant.record`), n of them.
             movers: Poses of the movers at the same rows.
             counts: Rows at which contacts count.
+            mates: The same rows of the other vehicles, in their order.
         """
+        flights = list(mates)
+        flights.insert(self._world.number, history)
         found: list[Contact] = []
         latest: dict[int, int] = {}
         for row in np.flatnonzero(counts & (history["is_touching"] > 0)).tolist():
             time_s = float(history["time_us"][row]) * 1e-6
             self._data.mocap_pos[:] = movers.position_enu_m[row]
             self._data.mocap_quat[:] = movers.quat_wxyz[row]
-            for thing, point_enu_m in self._touched(history[row]).items():
+            for at, flight in zip(self._poses, flights, strict=True):
+                self._data.qpos[at : at + 3] = flight["position_true_enu_m"][row]
+                self._data.qpos[at + 3 : at + 7] = flight["quat_true_wxyz"][row]
+            for thing, point_enu_m in self._touched().items():
                 last = latest.get(thing)
                 if last is not None and time_s - found[last].until_s <= LIMITS.contact_gap_s:
                     found[last] = replace(found[last], until_s=time_s)
@@ -98,17 +112,17 @@ class ContactFinder:
                 found.append(contact)
         return tuple(found)
 
-    def _touched(self, row: np.void) -> dict[int, Vector3]:
+    def _touched(self) -> dict[int, Vector3]:
         """Points of contact by the id of what is touched; the nearest thing if none quite is."""
         data, world = self._data, self._world
-        joint = self._model.body_jntadr[world.vehicle_body_id]
-        pose = data.qpos[self._model.jnt_qposadr[joint] :][:7]
-        pose[:3], pose[3:] = row["position_true_enu_m"], row["quat_true_wxyz"]
         mujoco.mj_fwdPosition(self._model, data)
-        if not data.ncon:
+        bodies = self._model.geom_bodyid[data.contact.geom].reshape(-1, 2)
+        own = np.flatnonzero(np.any(bodies == world.vehicle_body_id, axis=1))
+        if not len(own):
             return {}
         # Whole arrays: an object for each contact costs more than the physics.
-        geoms, dist_m, points_enu_m = data.contact.geom, data.contact.dist, data.contact.pos
+        contact = data.contact
+        geoms, dist_m, points_enu_m = contact.geom[own], contact.dist[own], contact.pos[own]
         is_vehicle = self._model.geom_bodyid[geoms[:, 0]] == world.vehicle_body_id
         things = world.geom_object_id[np.where(is_vehicle, geoms[:, 1], geoms[:, 0])]
         touched = np.flatnonzero(dist_m <= max(float(dist_m.min()), 0.0))

@@ -4,20 +4,19 @@ from __future__ import annotations
 
 import hashlib
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from jaxtyping import Float
 
-from flightsim.environment.movers import ObstacleStates
 from flightsim.plant import Plant
 from flightsim.plant.cfg import ADVANCE_HZ
 from flightsim.plant.record import without_gaps
-from flightsim.vehicles.airframe import Airframe
 from scenarios.trials.contacts import Contact, ContactFinder, MoverPoses
 from scenarios.trials.limits import LIMITS
 from scenarios.trials.measures.effort import measure_effort
 from scenarios.trials.measures.estimation import EstimationErrors
+from scenarios.trials.measures.room import room_to_movers_m, room_to_vehicle_m
 from scenarios.trials.measures.track import TRACK_STEP_S, Track, track_of
 from scenarios.trials.score import FlightScore, Goal, is_at_rest, rotors_turn, score_flight
 
@@ -50,6 +49,11 @@ class FlightLog:
         self._errors = EstimationErrors()
         self._mover_poses: list[tuple[np.ndarray, np.ndarray]] = []
         self._room_to_movers_m: list[float] = []
+        self._mates: tuple[FlightLog, ...] = ()
+
+    def fly_with(self, mates: Sequence[FlightLog]) -> None:
+        """Take the flights of the other vehicles in the world, in their order, for what moves."""
+        self._mates = tuple(mates)
 
     def on_tick(self) -> None:
         """Take the last 20 ms."""
@@ -140,7 +144,8 @@ class FlightLog:
             position_enu_m=positions_m.repeat(n_rows, axis=0),
             quat_wxyz=quats_wxyz.repeat(n_rows, axis=0),
         )
-        return ContactFinder(self._plant.world).find(history, movers, counts)
+        mates = [mate._rows(0) for mate in self._mates]
+        return ContactFinder(self._plant.world).find(history, movers, counts, mates)
 
     def _least_clearance_m(self, history: np.ndarray) -> float | None:
         # Loads the planner's obstacles, which a run of a pilot of one's own may not need before.
@@ -151,35 +156,18 @@ class FlightLog:
         return flown_clearance_m(world.scene, world.airframe, way_enu_m, _AWAY_M)
 
     def _nearest_mover_m(self, history: np.ndarray, score: FlightScore) -> float | None:
-        """Least room in flight; none where nothing moves."""
-        if not self._room_to_movers_m or score.lift_off_s is None:
+        """Least room in flight to movers and other vehicles; none where nothing moves."""
+        if score.lift_off_s is None or not (self._room_to_movers_m or self._mates):
             return None
         n_rows = len(self._plant.history)
-        time_s = history["time_us"][n_rows - 1 :: n_rows] * 1e-6
+        rows = history[n_rows - 1 :: n_rows]
+        time_s, way_enu_m = rows["time_us"] * 1e-6, rows["position_true_enu_m"]
         until_s = time_s[-1] if score.touchdown_s is None else score.touchdown_s
         flown = (time_s >= score.lift_off_s) & (time_s <= until_s)
-        return float(np.array(self._room_to_movers_m)[flown].min(initial=np.inf))
-
-
-def room_to_movers_m(
-    vehicle_enu_m: Float[np.ndarray, 3], airframe: Airframe, movers: ObstacleStates
-) -> float:
-    """Distance between an upright cylinder around the vehicle and the nearest mover's box.
-
-    Args:
-        vehicle_enu_m: Centre of mass of the vehicle.
-        airframe: Vehicle: its collision radius, its legs, and its fuselage above them.
-        movers: At least one.
-    """
-    away_m = vehicle_enu_m - movers.position_enu_m
-    c, s = np.cos(movers.yaw_rad), np.sin(movers.yaw_rad)
-    x_m, y_m = c * away_m[:, 0] + s * away_m[:, 1], c * away_m[:, 1] - s * away_m[:, 0]
-    half_m = movers.size_m / 2
-    beside_m = np.hypot(
-        np.maximum(np.abs(x_m) - half_m[:, 0], 0.0), np.maximum(np.abs(y_m) - half_m[:, 1], 0.0)
-    )
-    beside_m = np.maximum(beside_m - airframe.collision_radius_m, 0.0)
-    above_m = away_m[:, 2] - airframe.leg_length_m - half_m[:, 2]
-    below_m = -away_m[:, 2] - airframe.body_size_m[2] / 2 - half_m[:, 2]
-    gap_m = np.hypot(beside_m, np.maximum(np.maximum(above_m, below_m), 0.0))
-    return float(gap_m.min())
+        airframe = self._plant.world.airframe
+        rooms_m = [np.array(self._room_to_movers_m)] if self._room_to_movers_m else []
+        for mate in self._mates:
+            theirs_enu_m = mate._rows(0)["position_true_enu_m"][n_rows - 1 :: n_rows]
+            other = mate._plant.world.airframe
+            rooms_m.append(room_to_vehicle_m(way_enu_m, airframe, theirs_enu_m, other))
+        return float(np.min(rooms_m, axis=0)[flown].min(initial=np.inf))

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 from flightsim.mavlink.dialect import MESSAGE_NAMES
 from flightsim.mavlink.dialect import dialect as mav
-from fuzzing.values import FLOATS, TYPES, chance, frame
+from fuzzing.values import FLOATS, TYPES, chance, frame, pick
 
 COMMANDS = sorted({*mav.enums["MAV_CMD"], 0, 32000, 65535})
 OBEYED_COMMANDS = frozenset(
@@ -108,10 +108,10 @@ class Traffic:
             if chance(rng, _PAUSES):
                 yield from (b"",) * _PAUSE_FRAMES
             acts = self._acts if chance(rng, 0.7) else self._conversations
-            yield from rng.choice(acts)(rng)
+            yield from pick(rng, acts)(rng)
 
     def _message(self, rng: random.Random, names: Sequence[str]) -> Sequence[bytes]:
-        name = rng.choice(names)
+        name = pick(rng, names)
         if name in {"COMMAND_LONG", "COMMAND_INT"}:
             return self._command(rng)
         if name in OBEYED_MESSAGES and not self._is_obeyed:
@@ -131,36 +131,36 @@ class Traffic:
         return self._message(rng, _ADDRESSED)
 
     def _command(self, rng: random.Random) -> Sequence[bytes]:
-        number = rng.choice(COMMANDS)
+        number = pick(rng, COMMANDS)
         if number in OBEYED_COMMANDS and not self._is_obeyed:
             return ()
         return (_command(rng, number),)
 
     def _interval(self, rng: random.Random) -> Sequence[bytes]:
         """An interval is set and asked for, of the same message."""
-        message_id = float(rng.choice(_IDS))
+        message_id = float(pick(rng, _IDS))
         return (
             _command(rng, mav.MAV_CMD_SET_MESSAGE_INTERVAL, param1=message_id),
             _command(rng, mav.MAV_CMD_GET_MESSAGE_INTERVAL, param1=message_id),
         )
 
     def _request(self, rng: random.Random) -> Sequence[bytes]:
-        message_id = float(rng.choice(_IDS))
+        message_id = float(pick(rng, _IDS))
         return (_command(rng, mav.MAV_CMD_REQUEST_MESSAGE, param1=message_id),)
 
     def _streams(self, rng: random.Random) -> Sequence[bytes]:
-        group = rng.choice((0, 1, 2, 3, 6, 10, 11, 12, 255))
+        group = pick(rng, (0, 1, 2, 3, 6, 10, 11, 12, 255))
         asked = frame(rng, "REQUEST_DATA_STREAM", req_stream_id=group, start_stop=rng.randrange(3))
         return (asked, *self._interval(rng))
 
     def _upload(self, rng: random.Random) -> Sequence[bytes]:
         """A list is begun, some of its items come, out of order or not, and it is left or read."""
-        kind = rng.choice((0, 1, 2, 255))
-        count = rng.choice((0, 1, 2, 5, 65535))
+        kind = pick(rng, (0, 1, 2, 255))
+        count = pick(rng, (0, 1, 2, 5, 65535))
         begin = frame(rng, "MISSION_COUNT", count=count, mission_type=kind)
         if chance(rng, 0.2):
             begin = frame(rng, "MISSION_WRITE_PARTIAL_LIST", start_index=0, mission_type=kind)
-        item = rng.choice(_ITEM_MESSAGES)
+        item = pick(rng, _ITEM_MESSAGES)
         items = [
             frame(
                 rng,
@@ -175,13 +175,13 @@ class Traffic:
         return (begin, *items, *self._download(rng))
 
     def _download(self, rng: random.Random) -> Sequence[bytes]:
-        kind = rng.choice((0, 1, 2, 255))
-        ask = rng.choice(("MISSION_REQUEST_INT", "MISSION_REQUEST"))
+        kind = pick(rng, (0, 1, 2, 255))
+        ask = pick(rng, ("MISSION_REQUEST_INT", "MISSION_REQUEST"))
         items = [frame(rng, ask, seq=seq, mission_type=kind) for seq in range(3)]
         return (frame(rng, "MISSION_REQUEST_LIST", mission_type=kind), *items)
 
     def _parameters(self, rng: random.Random) -> Sequence[bytes]:
-        name, ask = rng.choice(_PARAMETERS), frame(rng, "PARAM_REQUEST_LIST")
+        name, ask = pick(rng, _PARAMETERS), frame(rng, "PARAM_REQUEST_LIST")
         read = frame(rng, "PARAM_REQUEST_READ", param_id=name, param_index=-1)
         if not self._is_obeyed:
             return (read, ask) if chance(rng, 0.1) else (read,)
@@ -197,22 +197,22 @@ class Traffic:
 
     def _fleeting(self, rng: random.Random) -> Sequence[bytes]:
         """What is answered at once, with what it held."""
-        name = rng.choice(("PING", "TIMESYNC", "FILE_TRANSFER_PROTOCOL", "LOG_REQUEST_DATA"))
+        name = pick(rng, ("PING", "TIMESYNC", "FILE_TRANSFER_PROTOCOL", "LOG_REQUEST_DATA"))
         return (frame(rng, name), frame(rng, "FILE_TRANSFER_PROTOCOL", target_network=0))
 
     def _log(self, rng: random.Random) -> Sequence[bytes]:
         """Logs are listed, read from anywhere, and erased while they are read."""
         log_id = rng.randrange(3)
-        read = frame(rng, "LOG_REQUEST_DATA", id=log_id, ofs=rng.choice(_OFFSETS))
-        after = rng.choice(("LOG_ERASE", "LOG_REQUEST_END", "LOG_REQUEST_LIST"))
+        read = frame(rng, "LOG_REQUEST_DATA", id=log_id, ofs=pick(rng, _OFFSETS))
+        after = pick(rng, ("LOG_ERASE", "LOG_REQUEST_END", "LOG_REQUEST_LIST"))
         return (frame(rng, "LOG_REQUEST_LIST", start=0), read, frame(rng, after))
 
     def _file(self, rng: random.Random) -> Sequence[bytes]:
         """A file or folder is opened, and read at once or in a burst, from anywhere."""
-        path, offset = rng.choice(_PATHS), rng.choice(_OFFSETS)
+        path, offset = pick(rng, _PATHS), pick(rng, _OFFSETS)
         asked = [
-            (rng.choice((3, 4, 14)), path),
-            (rng.choice((5, 15)), b""),
+            (pick(rng, (3, 4, 14)), path),
+            (pick(rng, (5, 15)), b""),
             (rng.randrange(17), path),
         ]
         return [
@@ -226,10 +226,10 @@ class Traffic:
         ]
 
     def _shell(self, rng: random.Random) -> Sequence[bytes]:
-        line = rng.choice(_LINES if self._is_obeyed else _LINES[:_N_HARMLESS])
+        line = pick(rng, _LINES if self._is_obeyed else _LINES[:_N_HARMLESS])
         data = [*line.ljust(70, b"\0")[:70]]
         said = frame(
-            rng, "SERIAL_CONTROL", device=10, flags=rng.choice((2, 6)), count=len(line), data=data
+            rng, "SERIAL_CONTROL", device=10, flags=pick(rng, (2, 6)), count=len(line), data=data
         )
         return (said,)
 
@@ -237,22 +237,22 @@ class Traffic:
 def _file_request(rng: random.Random, opcode: int, data: bytes, offset: int) -> bytes:
     size = len(data) if chance(rng, 0.8) else rng.randrange(256)
     head = struct.pack(
-        "<HBBBBBxI", rng.randrange(1 << 16), rng.choice((0, 0, 1)), opcode, size, 0, 0, offset
+        "<HBBBBBxI", rng.randrange(1 << 16), pick(rng, (0, 0, 1)), opcode, size, 0, 0, offset
     )
     return head + data
 
 
 def _command(rng: random.Random, number: int, **given: float) -> bytes:
-    name = rng.choice(("COMMAND_LONG", "COMMAND_INT"))
+    name = pick(rng, ("COMMAND_LONG", "COMMAND_INT"))
     for index in range(1, 5):
         if chance(rng, 0.3):
-            given.setdefault(f"param{index}", rng.choice(FLOATS[:8]))
+            given.setdefault(f"param{index}", pick(rng, FLOATS[:8]))
     if name == "COMMAND_INT":
-        given.setdefault("frame", rng.choice((0, 1, 3, 5, 6, 8, 10, 11, 12, 255)))
+        given.setdefault("frame", pick(rng, (0, 1, 3, 5, 6, 8, 10, 11, 12, 255)))
     return frame(rng, name, command=number, **given)
 
 
 def _item_command(rng: random.Random, kind: int) -> int:
     if chance(rng, 0.2):
-        return rng.choice(COMMANDS)
-    return rng.choice(_ITEMS[kind])
+        return pick(rng, COMMANDS)
+    return pick(rng, _ITEMS[kind])

@@ -19,6 +19,8 @@ HEIGHT_M = 10.0
 _LOWEST_M, _FARTHEST_M = 1.0, 1e3
 """Beyond these a vehicle starts again, so that hostile traffic meets a flight."""
 _SETTLE_S = 30.0
+_LEAST_CHARGE = 0.3
+"""Below that an autopilot soon flies home."""
 _TICK_S = 0.02
 _SILENCE: Iterator[bytes] = iter(())
 _PING = LAYOUTS["PING"]
@@ -71,6 +73,11 @@ class Vehicle:
         """Whether it is armed, up and near."""
         x, y, z = self.bench.plant.truth.position_enu_m
         return self.bench.autopilot.is_armed and z > _LOWEST_M and math.hypot(x, y) < _FARTHEST_M
+
+    @property
+    def is_spent(self) -> bool:
+        """Whether its battery has to be changed."""
+        return self.bench.plant.battery.remaining < _LEAST_CHARGE
 
     def tick(self, traffic: Iterator[bytes] = _SILENCE) -> None:
         """Let each hostile client send, and step by 20 ms."""

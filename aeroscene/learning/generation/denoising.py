@@ -15,7 +15,7 @@ from aeroscene.learning.diffusion.sampling import Fixed, Moment, SamplerCfg, sam
 from aeroscene.learning.diffusion.schedule import Schedule
 from aeroscene.learning.generation.given import PlacedPart
 from aeroscene.learning.generation.proposal import OnStep
-from aeroscene.learning.program import Program, decode
+from aeroscene.learning.program import DecodingCfg, Program, decode
 from aeroscene.learning.program.batch import channels_in, program_batch, slots_of
 from aeroscene.learning.program.program import COS, N_CHANNELS, SIN, SIZE, U, V
 from aeroscene.learning.program.statistics import ProgramExample, from_example
@@ -48,6 +48,7 @@ class ProgramProposal:
     example: ProgramExample
     language: Language
     draft: Draft
+    decoding: DecodingCfg
 
     @property
     def program(self) -> Program:
@@ -69,7 +70,7 @@ class ProgramProposal:
         given = self.draft.given
         if given is not None:
             return given.furnished(program, scene_id, seed)
-        return decode(program, scene_id, seed).scene
+        return decode(program, scene_id, seed, self.decoding).scene
 
 
 class Denoising:
@@ -82,7 +83,9 @@ class Denoising:
         schedule: Schedule,
         sampler: SamplerCfg,
         device: torch.device,
+        decoding: DecodingCfg | None = None,
     ) -> None:
+        self._decoding = decoding or DecodingCfg()
         self._language = language
         self._denoiser = denoiser
         self._schedule = schedule
@@ -107,7 +110,10 @@ class Denoising:
                 channels_in(x, each, row, batch.n_coarse_slots) for row, each in enumerate(examples)
             )
             pairs = zip(placed, drafts, strict=True)
-            return [ProgramProposal(each, self._language, draft) for each, draft in pairs]
+            return [
+                ProgramProposal(each, self._language, draft, self._decoding)
+                for each, draft in pairs
+            ]
 
         watch: Callable[[Moment, Tensor, Tensor], None] | None = None
         if on_step is not None:

@@ -5,10 +5,12 @@ The same request gives the same scene on the same device with the same batch siz
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
@@ -18,6 +20,7 @@ from aeroscene.feasibility import FeasibilityReport
 from aeroscene.learning.generation.loading import load_proposer
 from aeroscene.learning.generation.proposal import OnStep, Proposal, Proposer
 from aeroscene.learning.generation.request import Request
+from aeroscene.learning.program import DecodingCfg
 from aeroscene.learning.tokens.skeleton import Wish
 from aeroscene.learning.training.devices import choose_device, naming_memory
 from aeroscene.scene import Scene
@@ -75,6 +78,8 @@ class Generator:
         preset: str = "default",
         device: str = "auto",
         n_steps: int | None = None,
+        changes: Mapping[str, Mapping[str, Any]] = MappingProxyType({}),
+        decoding: DecodingCfg | None = None,
     ) -> Generator:
         """Read a trained model.
 
@@ -83,12 +88,16 @@ class Generator:
             preset: Which of those that ship.
             device: As `aeroscene.learning.training.devices.choose_device` takes it.
             n_steps: Denoising steps; None are the preset's.
+            changes: Fields of its configuration that sampling reads, by section, set anew.
+            decoding: What is done with programs beyond reading them; None does all.
 
         Raises:
             SceneError: If checkpoint or device cannot be used.
         """
         where = choose_device(device)
-        proposer, data = load_proposer(checkpoint, preset, where, n_steps)
+        proposer, data = load_proposer(
+            checkpoint, preset, where, n_steps, changes=changes, decoding=decoding
+        )
         return Generator(proposer, str(where), data.wishes, is_corpus=data.is_corpus)
 
     def check(self, request: Request) -> None:
@@ -121,20 +130,40 @@ class Generator:
         """
         for start in range(0, len(requests), batch_size):
             chunk = requests[start : start + batch_size]
-            streams = [_streams(request.seed, attempt) for request in chunk]
-            themes = self._proposer.themes
-            drawn = [
-                r.drawn(rngs[0], self._seen, themes, is_corpus=self._is_corpus)
-                for r, rngs in zip(chunk, streams, strict=True)
-            ]
-            with naming_memory(choose_device(self.device), f"fewer than {len(chunk)} at once"):
-                proposals = self._proposer.propose(
-                    chunk, [wish for wish, _ in drawn], [rngs[1] for rngs in streams], on_step
-                )
-            for request, (_, limits), rngs, proposal in zip(
-                chunk, drawn, streams, proposals, strict=True
+            for request, (proposal, limits, rng) in zip(
+                chunk, self._proposed(chunk, attempt, on_step), strict=True
             ):
-                yield self._finish(request, attempt, proposal, limits, rngs[2])
+                yield self._finish(request, attempt, proposal, limits, rng)
+
+    def sampled(self, request: Request, *, attempt: int = 0) -> Scene:
+        """The scene of a request as sampled, before feasibility: `Generated.raw`, in less time.
+
+        Raises:
+            DeviceError: If memory runs out.
+            RequestError: If the request cannot be met.
+            SceneError: If a number is not finite.
+        """
+        ((proposal, _, rng),) = self._proposed([request], attempt, None)
+        return _raw(proposal, request, rng)
+
+    def _proposed(
+        self, requests: Sequence[Request], attempt: int, on_step: OnStep | None
+    ) -> list[tuple[Proposal, AreaLimits | None, np.random.Generator]]:
+        """For each request what is proposed, how many areas at most, and what draws the looks."""
+        streams = [_streams(request.seed, attempt) for request in requests]
+        themes = self._proposer.themes
+        drawn = [
+            r.drawn(rngs[0], self._seen, themes, is_corpus=self._is_corpus)
+            for r, rngs in zip(requests, streams, strict=True)
+        ]
+        with naming_memory(choose_device(self.device), f"fewer than {len(requests)} at once"):
+            proposals = self._proposer.propose(
+                requests, [wish for wish, _ in drawn], [rngs[1] for rngs in streams], on_step
+            )
+        return [
+            (proposal, limits, rngs[2])
+            for proposal, (_, limits), rngs in zip(proposals, drawn, streams, strict=True)
+        ]
 
     def sound_scene(self, request: Request, on_step: OnStep | None = None) -> Generated:
         """Draw until a scene is feasible.
@@ -161,9 +190,13 @@ class Generator:
         limits: AreaLimits | None,
         rng: np.random.Generator,
     ) -> Generated:
-        raw = proposal.scene(f"aeroscene-{request.seed:04d}", request.seed, rng)
+        raw = _raw(proposal, request, rng)
         feasible = request.projected(raw, rng, limits)
         return Generated(request, attempt, proposal, raw, feasible.scene, feasible.report)
+
+
+def _raw(proposal: Proposal, request: Request, rng: np.random.Generator) -> Scene:
+    return proposal.scene(f"aeroscene-{request.seed:04d}", request.seed, rng)
 
 
 def generate_scene(seed: int) -> Scene:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TypeVar
+from types import MappingProxyType
+from typing import Any, TypeVar
 
 import torch
 from torch import nn
@@ -21,6 +23,7 @@ from aeroscene.learning.paper.guidance.semantic import SemanticPrior
 from aeroscene.learning.paper.preset import PAPER_SAMPLER
 from aeroscene.learning.paper.proposer import FlatProposer
 from aeroscene.learning.paper.tokens import FlatStatistics
+from aeroscene.learning.program import DecodingCfg
 from aeroscene.learning.tokens.kinds import Vocabulary
 from aeroscene.learning.training.checkpoint import (
     Checkpoint,
@@ -30,6 +33,7 @@ from aeroscene.learning.training.checkpoint import (
     read_checkpoint,
 )
 from aeroscene.learning.training.presets import sections_from_plain
+from aeroscene.learning.training.settings import changed
 from aeroscene.learning.writer.language import Language
 from aeroscene.learning.writer.model import new_writer
 
@@ -42,9 +46,23 @@ DEFAULT_SAMPLER = SamplerCfg(kind="ddim", n_steps=10)
 
 
 def load_proposer(
-    checkpoint: Path | None, preset: str, device: torch.device, n_steps: int | None
+    checkpoint: Path | None,
+    preset: str,
+    device: torch.device,
+    n_steps: int | None,
+    *,
+    changes: Mapping[str, Mapping[str, Any]] = MappingProxyType({}),
+    decoding: DecodingCfg | None = None,
 ) -> tuple[Proposer, DataSource]:
     """The model in a checkpoint, or the one that ships with a preset.
+
+    Args:
+        checkpoint: File of the checkpoint; None for the one that ships.
+        preset: Which ships.
+        device: Where the model computes.
+        n_steps: Denoising steps; None are the preset's.
+        changes: Fields of its configuration that sampling reads, by section, set anew.
+        decoding: What is done with programs beyond reading them.
 
     Returns:
         The model, and what it was trained on.
@@ -52,22 +70,32 @@ def load_proposer(
     Raises:
         CheckpointError: If it cannot be used.
         DiffusionError: If the number of steps is out of range.
+        TrainingError: If a section or field of `changes` is not there.
     """
     if checkpoint is None:
         if preset not in SHIPPED:
             raise CheckpointError(f"preset is {preset!r}, valid: {', '.join(SHIPPED)}")
         checkpoint = SHIPPED[preset]
     found = read_checkpoint(checkpoint)
-    return _Loader(found, device, n_steps).proposer(), found.facts.data
+    sections = changed(sections_from_plain(found.facts.configs), changes)
+    return _Loader(found, sections, device, n_steps, decoding).proposer(), found.facts.data
 
 
 class _Loader:
     """The parts of a checkpoint on a device."""
 
-    def __init__(self, checkpoint: Checkpoint, device: torch.device, n_steps: int | None) -> None:
+    def __init__(
+        self,
+        checkpoint: Checkpoint,
+        sections: Mapping[str, Any],
+        device: torch.device,
+        n_steps: int | None,
+        decoding: DecodingCfg | None,
+    ) -> None:
         self._checkpoint = checkpoint
         self._device = device
-        self._sections = sections_from_plain(checkpoint.facts.configs)
+        self._sections = sections
+        self._decoding = decoding
         self._schedule = Schedule(self._sections["schedule"])
         self._n_steps = n_steps
 
@@ -87,6 +115,7 @@ class _Loader:
                 self._schedule,
                 self._sampler(DEFAULT_SAMPLER),
                 self._device,
+                self._decoding,
             ),
         )
 

@@ -16,7 +16,7 @@ from aeroscene.learning.training.batches.stream import StreamedBatches
 from aeroscene.learning.training.checkpoint import Part
 from aeroscene.learning.training.config import TrainingError
 from aeroscene.learning.training.data import Set
-from aeroscene.learning.training.held_out import held_out_loss
+from aeroscene.learning.training.held_out import HeldOutSet, held_out_loss
 from aeroscene.learning.training.journal import append_line
 from aeroscene.learning.training.loop import TOTAL, LossFunction, PartTraining, StepReport
 from aeroscene.learning.writer.training_set import LessonSet, ProgramSet
@@ -41,7 +41,7 @@ class Course:
     part: Part
     training: PartTraining
     loss: LossFunction
-    held_out: Set | LessonSet
+    held_out: HeldOutSet
     stream: StreamedBatches | None
     folder: Path
     log_steps: int

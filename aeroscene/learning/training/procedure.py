@@ -8,7 +8,7 @@ FOLDER/log.jsonl, curves.png    how it went
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -79,6 +79,8 @@ class Plan:
     """Parts that another training has made."""
     n_workers: int = 1
     """Processes that make the scenes of a stream."""
+    clock: Callable[[], float] = time.perf_counter
+    """What the seconds of the budgets are told by."""
 
 
 @dataclass
@@ -133,13 +135,14 @@ class Training:
             return self._train_prior()
         if part not in self.trainings:
             self.trainings[part] = self._begun(part)
-        training, budget = self.trainings[part], self.plan.budgets[part]
+        plan, training = self.plan, self.trainings[part]
+        budget = plan.budgets[part]
         self._saved_s = time.perf_counter()
         stop, device = self.watcher.wants_stop, self.plan.device
         with open_batches(self._supply(part), training.cfg, device, training.step, stop) as opened:
             course = self._course(part, opened.stream)
             train_steps(
-                training, opened.batches, course.loss, budget, course.after_step, time.perf_counter
+                training, opened.batches, course.loss, budget, course.after_step, plan.clock
             )
             course.log()
         return budget.share(training.step, training.seconds) >= 1.0

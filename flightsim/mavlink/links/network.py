@@ -15,6 +15,7 @@ def network_links(
     instance: int,
     bind: str,
     *,
+    first_instance: int | None = None,
     serial_line: SerialLine | None = None,
     is_lockstep: bool = False,
     signing: Signing | None = None,
@@ -22,18 +23,21 @@ def network_links(
     """MAVLink ports of both flight stacks' simulators, and a serial device if there is one.
 
     UDP to 14550 and 14540 as PX4 has it, TCP servers on 5760, 5762 and 5763 as ArduPilot has them.
+    Vehicles of one world speak to one ground station, as PX4's do, that of the first.
 
     Args:
         instance: Number of the vehicle, which shifts all ports.
         bind: Address that the ports listen on.
+        first_instance: Number of the first vehicle of the same world; None if it is this one.
         serial_line: Serial device; None for none.
         is_lockstep: Whether protocol timeouts run in simulated time.
         signing: Key and timestamps that the links share; None never signs.
     """
     udp = partial(UdpLink, bind_address=bind, is_lockstep=is_lockstep, signing=signing)
     tcp = partial(TcpServerLink, bind_address=bind, is_lockstep=is_lockstep, signing=signing)
+    ground_station = 14550 + (instance if first_instance is None else first_instance)
     links: list[Link] = [
-        udp(local_port=18570 + instance, remote_port=14550 + instance),
+        udp(local_port=18570 + instance, remote_port=ground_station),
         udp(local_port=14580 + instance, remote_port=14540 + instance, profile="onboard"),
         *(tcp(port=port + 10 * instance) for port in (5760, 5762, 5763)),
     ]

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 
 from flightsim.mavlink.channel import Channel
 from flightsim.mavlink.commands import CommandService, Executor
 from flightsim.mavlink.dialect import LAYOUTS, layout
 from flightsim.mavlink.dialect import dialect as mav
+from flightsim.mavlink.faults import Faults
 from flightsim.mavlink.message_commands import MessageCommands
 from flightsim.mavlink.parsing import Message
 from flightsim.mavlink.service import Handler, Partners
@@ -36,6 +37,7 @@ class Component:
         view: VehicleView,
         everybody: Partners,
         statustext: StatustextSender,
+        faults: Faults,
         producers: Mapping[str, Producer],
         handlers: Mapping[str, Handler],
     ) -> None:
@@ -47,6 +49,7 @@ class Component:
             view: State of the vehicle.
             everybody: All partners of the vehicle.
             statustext: Texts for people.
+            faults: Guards work for clients.
             producers: Its messages besides the heartbeat.
             handlers: What it answers besides commands.
         """
@@ -60,10 +63,12 @@ class Component:
             mavlink_version=3,
         )
         self._own: dict[Channel, Channel] = {}
+        self._partners = Partners()  # Those that have addressed it; the rest hear by `tell`.
         self.telemetry = TelemetryService(
             {"HEARTBEAT": lambda: self._heartbeat, **producers},
-            Partners(),  # Broadcasts go by `tell`.
+            self._partners,
             lambda: view.plant.time_us,
+            faults,
         )
         self._own_handlers = handlers
         self._handlers: dict[int, Handler] = {}
@@ -75,16 +80,12 @@ class Component:
         handlers = {**self._own_handlers, **commands.handlers}
         self._handlers = {LAYOUTS[name].message_id: handler for name, handler in handlers.items()}
 
-    @property
-    def partners(self) -> Collection[Channel]:
-        """Partners that have addressed this component."""
-        return self._own.keys()
-
     def of(self, channel: Channel) -> Channel:
         """A partner's channel as this component's, which streams to it from now on."""
         own = channel.as_component(self._id)
-        if own is not channel:
+        if own is not channel and channel not in self._own:
             self._own[channel] = own
+            self._partners.channels = tuple(self._own.values())
         return own
 
     def hear(self, channel: Channel, message: Message) -> None:
@@ -105,14 +106,9 @@ class Component:
             if channel.knows_components and channel not in self._own:
                 channel.as_component(self._id).stream_one(_HEARTBEAT, self._heartbeat)
 
-    def update(self, channel: Channel) -> None:
-        """Send a partner what is due at this tick."""
-        own = self._own.get(channel)
-        if own is not None:
-            self.telemetry.update(own)
-
     def forget(self, channel: Channel) -> None:
         """Drop a partner that left."""
         own = self._own.pop(channel, None)
         if own is not None:
+            self._partners.channels = tuple(self._own.values())
             self.telemetry.forget(own)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 
 from flightsim.autopilot.events import Severity
 from flightsim.autopilot.mission_item import MissionItem
@@ -10,6 +10,7 @@ from flightsim.autopilot.results import CommandResult
 from flightsim.mavlink.channel import Channel
 from flightsim.mavlink.commands import Executor, Order
 from flightsim.mavlink.dialect import dialect as mav
+from flightsim.mavlink.faults import Faults
 from flightsim.mavlink.mission_items import scale_of
 from flightsim.mavlink.parsing import Message
 from flightsim.mavlink.payload.camera_commands import CameraCommands
@@ -41,6 +42,7 @@ class PayloadComponents:
         view: VehicleView,
         everybody: Partners,
         statustext: StatustextSender,
+        faults: Faults,
         autopilot_address: tuple[int, int],
     ) -> None:
         """Put a payload on the wire.
@@ -50,6 +52,7 @@ class PayloadComponents:
             view: State of the vehicle.
             everybody: All partners of the vehicle.
             statustext: Texts for people.
+            faults: Guards work for clients.
             autopilot_address: System and component id of who flies missions.
         """
         self._payload = payload
@@ -71,6 +74,7 @@ class PayloadComponents:
             view=view,
             everybody=everybody,
             statustext=statustext,
+            faults=faults,
             producers=self._camera_messages.producers,
             handlers={},
         )
@@ -80,6 +84,7 @@ class PayloadComponents:
             view=view,
             everybody=everybody,
             statustext=statustext,
+            faults=faults,
             producers=gimbal.producers,
             handlers=turning.handlers,
         )
@@ -130,15 +135,10 @@ class PayloadComponents:
             for component in self._components.values():
                 component.introduce()
 
-    @property
-    def busy(self) -> Collection[Channel]:
-        """Partners that have addressed a component."""
-        return {*self._camera.partners, *self._gimbal.partners}
-
-    def update(self, channel: Channel) -> None:
-        """Send a partner what is due at this tick."""
+    def update(self) -> None:
+        """Send those who have addressed a component what is due at this tick."""
         for component in self._components.values():
-            component.update(channel)
+            component.telemetry.update()
 
     def forget(self, channel: Channel) -> None:
         """Drop a partner that left."""

@@ -3,9 +3,11 @@
 from flightsim.sensors.cameras.cameras import HEIGHT_PX, WIDTH_PX, Cameras
 from flightsim.sensors.cameras.depth_noise import DepthNoise, depth_noise
 from flightsim.sensors.cameras.renderer import CameraRenderer, open_camera_renderer
+from flightsim.sensors.cameras.segmentation import CLASS_NAMES
 from flightsim.sensors.cameras.view import CameraError, RgbdFrame, Viewpoint, look_at
 
 __all__ = [
+    "CLASS_NAMES",
     "HEIGHT_PX",
     "WIDTH_PX",
     "CameraError",

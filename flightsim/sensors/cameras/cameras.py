@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Self
 
 import numpy as np
@@ -10,6 +11,7 @@ import numpy as np
 from flightsim.plant import Plant
 from flightsim.sensors.cameras.depth_noise import DepthNoise
 from flightsim.sensors.cameras.renderer import CameraRenderer, open_camera_renderer
+from flightsim.sensors.cameras.segmentation import Classes
 from flightsim.sensors.cameras.view import PosedDepth, RgbdFrame
 
 WIDTH_PX, HEIGHT_PX = 320, 240
@@ -30,6 +32,7 @@ class Cameras:
         width_px: int = WIDTH_PX,
         height_px: int = HEIGHT_PX,
         depth_noise: DepthNoise | None = None,
+        segments: bool = False,
         renderer: CameraRenderer | None = None,
     ) -> None:
         """Open a renderer.
@@ -39,6 +42,8 @@ class Cameras:
             width_px: Width of the images.
             height_px: Height of the images.
             depth_noise: Errors of depth; None measures it exactly.
+            segments: Whether frames have the object and the class of each pixel, exactly; they are
+                drawn in a second pass.
             renderer: Renderer of the same world to use, which stays open and has its own size;
                 None opens one.
 
@@ -47,6 +52,7 @@ class Cameras:
         """
         self._plant = plant
         self._depth_noise = depth_noise
+        self._classes = Classes(plant.world) if segments else None
         self._is_ours = renderer is None
         self._renderer = renderer or open_camera_renderer(plant.world, width_px, height_px)
         self.backend = self._renderer.backend
@@ -66,6 +72,9 @@ class Cameras:
         frame = self._renderer.render(self._plant.data, camera, self._plant.time_us)
         if self._depth_noise is not None:
             frame = self._depth_noise.frame(frame)
+        if self._classes is not None:
+            ids = self.render_ids(camera)
+            frame = replace(frame, instance_ids=ids, class_ids=self._classes.of(ids))
         self._latest[camera] = frame
         for listener in self._listeners:
             listener(frame)
@@ -87,7 +96,8 @@ class Cameras:
     def render_ids(self, camera: str) -> np.ndarray:
         """What `render` shows at each pixel: int32 (height, width) of ids of the scene's objects.
 
-        Negative are the vehicle (-1), the bare ground (-2), the sky (-3), movers (-10 and below).
+        Negative are the vehicle (-1), the bare ground (-2), the sky (-3), movers (-10 and below),
+        other vehicles (-100 and below).
         """
         return self._renderer.render_ids(self._plant.data, camera)
 

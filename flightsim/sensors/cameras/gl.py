@@ -18,6 +18,7 @@ from flightsim.looks.sky import sky_rgb
 from flightsim.looks.surfaces import FAST, FINE
 from flightsim.sensors.cameras.fine_picture import SAMPLES, FineLight, vehicle_triangles
 from flightsim.sensors.cameras.gl_target import GlTarget, GlUnavailableError, new_gl_context
+from flightsim.sensors.cameras.mates import MateShapes
 from flightsim.sensors.cameras.view import (
     NO_OBJECT_ID,
     PoseCopy,
@@ -114,7 +115,7 @@ class GlCameraRenderer:
             self._fine_light = FineLight(self._world)
         colours = rgb.astype(np.float32) / 255
         movers_enu_m, _ = self._world.movers.triangles_enu(stage.poses.data)
-        moving_enu_m = np.concatenate([stage.vehicle_enu_m(), movers_enu_m])
+        moving_enu_m = np.concatenate([stage.vehicles_enu_m(), movers_enu_m])
         return self._fine_light.frame(view, time_us, colours, depth_m, moving_enu_m)
 
     def close(self) -> None:
@@ -137,14 +138,14 @@ class GlCameraRenderer:
             width, height = self._size
             if kind == "fine":
                 width, height = SAMPLES * width, SAMPLES * height
-            self._stages[kind] = _Stage(_drawn_model(self._world, kind), width, height, kind)
+            self._stages[kind] = _Stage(self._world, kind, width, height)
         return self._stages[kind]
 
 
 def _drawn_model(world: World, kind: _Kind) -> mujoco.MjModel:
     """Model for a kind of picture."""
     if kind == "ids":
-        return world.model
+        return world.as_seen()
     if kind in ("fast", "depth"):
         model = world.new_looks(FAST)
         if kind == "depth":
@@ -169,11 +170,13 @@ def _paint_sky(rgb: np.ndarray, depth_m: np.ndarray, view: Viewpoint) -> None:
 class _Stage:
     """A model with its poses, scene and buffer for drawing."""
 
-    def __init__(self, model: mujoco.MjModel, width: int, height: int, kind: _Kind) -> None:
-        self._model = model
+    def __init__(self, world: World, kind: _Kind, width: int, height: int) -> None:
+        self._model = model = _drawn_model(world, kind)
+        self._name_in_model = world.camera_name
         self._is_ids = kind == "ids"
         self._aspect = width / height
-        self.poses = PoseCopy(model)
+        self.poses = PoseCopy(model, world.camera_name)
+        self._mates = MateShapes(world, model)
         self.target = GlTarget(model, width, height)
         self._scene = mujoco.MjvScene(model, maxgeom=model.ngeom + _SPARE_GEOMS)
         self._option = mujoco.MjvOption()
@@ -205,9 +208,11 @@ class _Stage:
         depth_m[buffer <= 0] = np.inf
         return rgb, depth_m
 
-    def vehicle_enu_m(self) -> np.ndarray:
-        """Triangles of the vehicle in its pose."""
-        return vehicle_triangles(self._model, self.poses.data)[0]
+    def vehicles_enu_m(self) -> np.ndarray:
+        """Triangles of all vehicles in their poses."""
+        own_enu_m, _ = vehicle_triangles(self._model, self.poses.data)
+        mates_enu_m, _ = self._mates.triangles_enu(self.poses.data)
+        return np.concatenate([own_enu_m, mates_enu_m])
 
     def object_ids(self, geom_object_id: np.ndarray) -> np.ndarray:
         """Object ids from the colours of the last picture: 0 is sky, else index + 1."""
@@ -219,7 +224,8 @@ class _Stage:
 
     def _aim(self, view: Viewpoint) -> None:
         """Aim MuJoCo's free camera, which has no roll, or use the fixed one of the view's name."""
-        camera_id = mujoco.mj_name2id(self._model, mujoco.mjtObj.mjOBJ_CAMERA, view.name)
+        name = self._name_in_model(view.name)
+        camera_id = mujoco.mj_name2id(self._model, mujoco.mjtObj.mjOBJ_CAMERA, name)
         if camera_id >= 0:
             self._camera.type = mujoco.mjtCamera.mjCAMERA_FIXED
             self._camera.fixedcamid = camera_id

@@ -23,6 +23,7 @@ from flightsim.looks.rays import RayScene
 from flightsim.looks.sky import sky_rgb
 from flightsim.looks.surfaces import FAST, FINE
 from flightsim.sensors.cameras.fine_picture import SAMPLES, FineLight, vehicle_triangles
+from flightsim.sensors.cameras.mates import MateShapes
 from flightsim.sensors.cameras.raycast_mesh import geom_triangles
 from flightsim.sensors.cameras.raycast_paint import PaintedMesh
 from flightsim.sensors.cameras.view import (
@@ -56,7 +57,9 @@ class RaycastCameraRenderer:
         self.reason = reason
         self._world = world
         self._width, self._height = width, height
-        self._poses = PoseCopy(world.model)
+        self._model = world.as_seen()
+        self._poses = PoseCopy(self._model, world.camera_name)
+        self._mates = MateShapes(world, self._model)
         mesh = lit(drawn_mesh(world.scene, world.solids, FAST), world.solids)
         self._fast = _Stage(mesh, _far_m(world.model), is_lit=True)
         self._fine: tuple[_Stage, FineLight] | None = None
@@ -84,11 +87,11 @@ class RaycastCameraRenderer:
         """See `CameraRenderer`."""
         self._poses.update(data)
         if self._ids is None:
-            self._ids = _Ids(self._world, self._poses.data)
+            self._ids = _Ids(self._world, self._poses.data, self._mates)
         view = self._poses.viewpoint(camera_name)
         rays = view.rays_enu(self._width, self._height)
-        movers_enu_m, _ = self._world.movers.triangles_enu(self._poses.data)
-        ids = self._ids.seen(view.position_enu_m, rays.reshape(-1, 3), movers_enu_m)
+        moving_enu_m, _ = self._moving(has_vehicle=False)
+        ids = self._ids.seen(view.position_enu_m, rays.reshape(-1, 3), moving_enu_m)
         return ids.reshape(self._height, self._width)
 
     def render_view(
@@ -136,12 +139,13 @@ class RaycastCameraRenderer:
         return _with_moving(picture, view, self._width, self._height, corners, lit_rgb)
 
     def _moving(self, *, has_vehicle: bool) -> tuple[np.ndarray, np.ndarray]:
-        """Triangles of the movers and perhaps of the vehicle, (t, 3, 3), and their colours."""
-        corners, rgb = self._world.movers.triangles_enu(self._poses.data)
-        if not has_vehicle:
-            return corners, rgb
-        vehicle_enu_m, vehicle_rgb = vehicle_triangles(self._world.model, self._poses.data)
-        return np.concatenate([vehicle_enu_m, corners]), np.concatenate([vehicle_rgb, rgb])
+        """Triangles of movers, of other vehicles and perhaps of this one, and their colours."""
+        data = self._poses.data
+        parts = [self._world.movers.triangles_enu(data), self._mates.triangles_enu(data)]
+        if has_vehicle:
+            parts.insert(0, vehicle_triangles(self._model, data))
+        corners, rgb = zip(*parts, strict=True)
+        return np.concatenate(corners), np.concatenate(rgb)
 
     def _frame(self, view: Viewpoint, time_us: int, picture: _Picture) -> RgbdFrame:
         shape = (self._height, self._width)
@@ -192,7 +196,7 @@ def _with_moving(
 class _Ids:
     """Solids of the physics, for the object of each surface."""
 
-    def __init__(self, world: World, data: mujoco.MjData) -> None:
+    def __init__(self, world: World, data: mujoco.MjData, mates: MateShapes) -> None:
         model = world.model
         shown = (model.geom_group == GeomGroup.SCENE) | (model.geom_group == GeomGroup.DECOR)
         geom_ids = np.flatnonzero(shown & (model.geom_rgba[:, 3] >= _MIN_OPACITY))
@@ -206,23 +210,22 @@ class _Ids:
             np.repeat(world.geom_object_id[geom_ids], counts), NO_OBJECT_ID
         ).astype(np.int32)
         is_mover = model.geom_group == GeomGroup.MOVING
-        self._mover_id = np.repeat(
-            world.geom_object_id[is_mover], world.movers.triangle_counts()
-        ).astype(np.int32)
+        mover_id = np.repeat(world.geom_object_id[is_mover], world.movers.triangle_counts())
+        self._moving_id = np.append(mover_id, world.geom_object_id[mates.geoms]).astype(np.int32)
         self._rays = RayScene(np.concatenate(parts))
         self._far_m = _far_m(model)
 
     def seen(
-        self, eye_enu_m: np.ndarray, rays_enu: np.ndarray, movers_enu_m: np.ndarray
+        self, eye_enu_m: np.ndarray, rays_enu: np.ndarray, moving_enu_m: np.ndarray
     ) -> np.ndarray:
         """Object id (n,) int32 of each ray's first hit."""
         eyes = np.broadcast_to(eye_enu_m.astype(np.float32), rays_enu.shape)
         hits = self._rays.first_hits(eyes, rays_enu).within(self._far_m)
         ids = self._id[hits.triangle]
-        if len(movers_enu_m):
-            moving = RayScene(movers_enu_m).first_hits(eyes, rays_enu)
+        if len(moving_enu_m):
+            moving = RayScene(moving_enu_m).first_hits(eyes, rays_enu)
             is_nearer = moving.distance < hits.distance
-            ids[is_nearer] = self._mover_id[moving.triangle[is_nearer]]
+            ids[is_nearer] = self._moving_id[moving.triangle[is_nearer]]
         return ids
 
 

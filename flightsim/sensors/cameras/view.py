@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -43,10 +44,15 @@ class PosedDepth:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class RgbdFrame(PosedDepth):
-    """The same with colours."""
+    """The same with colours, and with what is at each pixel where that is asked for."""
 
     rgb: np.ndarray
     """Colours, uint8 (height, width, 3)."""
+    instance_ids: np.ndarray | None = None
+    """Object of each pixel, int32 (height, width): ids of the scene's objects, -1 the vehicle, -2
+    the bare ground, -3 the sky, movers from -10 down; None unless `Cameras` segments."""
+    class_ids: np.ndarray | None = None
+    """Class of each pixel, uint8 (height, width): keys of `segmentation.CLASS_NAMES`; likewise."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -108,8 +114,11 @@ class PoseCopy:
     could change the flight's last bits, so cameras do it in their own data.
     """
 
-    def __init__(self, model: mujoco.MjModel) -> None:
+    def __init__(
+        self, model: mujoco.MjModel, name_in_model: Callable[[str], str] = lambda camera: camera
+    ) -> None:
         self._model = model
+        self._name_in_model = name_in_model
         self.data = mujoco.MjData(model)
         mujoco.mj_forward(model, self.data)
 
@@ -123,9 +132,9 @@ class PoseCopy:
         mujoco.mj_camlight(self._model, self.data)
 
     def viewpoint(self, camera_name: str) -> Viewpoint:
-        """Present viewpoint of a camera of the model."""
+        """Present viewpoint of a camera of the vehicle."""
         try:
-            camera_id = self._model.camera(camera_name).id
+            camera_id = self._model.camera(self._name_in_model(camera_name)).id
         except KeyError:
             valid = ", ".join(self._model.camera(i).name for i in range(self._model.ncam))
             raise CameraError(f"camera {camera_name!r} is unknown; valid: {valid}") from None

@@ -10,15 +10,17 @@ from shapely import MultiPoint, Point, Polygon
 
 from autonomy.model import QuadrotorParams
 from autonomy.types import Vector3
+from flightsim.toml_fields import Fields
 from flightsim.vehicles.airframe import BatteryParams, BodyMesh, CameraMount
 from flightsim.vehicles.definition import derived
-from flightsim.vehicles.definition.fields import Fields
 
 _MESHES = (".stl", ".obj")
 _SPARE_POWER = 1.3
 """Least power of a battery over that of hovering."""
 _CELL_V = 3.7
 _FARTHEST_M = 5.0
+_MAST_M = 0.04
+"""Height above the rotors of the cameras that look up, which they would cover."""
 _STEADY = 0.3
 """Least distance of the centre of mass from the edge of the feet, over its height."""
 
@@ -123,8 +125,16 @@ def read_battery(table: Fields, quadrotor: QuadrotorParams, radius_m: float) -> 
     return params
 
 
-def read_cameras(table: Fields, size_m: Vector3, height_m: float) -> tuple[CameraMount, ...]:
-    """Read `[cameras.forward]` and `[cameras.down]`; what is not given follows from the body.
+def read_cameras(
+    table: Fields, size_m: Vector3, height_m: float, rotors_m: float
+) -> tuple[CameraMount, ...]:
+    """Read the cameras, one a table; what is not given follows from the body.
+
+    Args:
+        table: Table with the tables `forward`, `down`, `up` and `rear`.
+        size_m: Full extents of the body.
+        height_m: Height of the centre of mass above the soles.
+        rotors_m: Height of the highest rotor above the centre of mass.
 
     Raises:
         AirframeError: Naming the first field that is wrong.
@@ -132,16 +142,27 @@ def read_cameras(table: Fields, size_m: Vector3, height_m: float) -> tuple[Camer
     length_m, _, thickness_m = size_m
     ahead_m = (0.6 * length_m, 0.0, 0.0)
     below_m = (0.2 * length_m, 0.0, -min(0.65 * thickness_m, 0.8 * height_m))
+    above_m = (0.0, 0.0, max(thickness_m / 2, rotors_m) + _MAST_M)
     mounts = (
         _camera(table.table("forward"), "forward", ahead_m, 15.0, height_m),
         _camera(table.table("down"), "down", below_m, 90.0, height_m),
+        _camera(table.table("up"), "up", above_m, -50.0, height_m, fov_deg=100.0),
+        _camera(
+            table.table("rear"), "rear", above_m, -50.0, height_m, fov_deg=100.0, yaw_deg=180.0
+        ),
     )
     table.check_all_known()
     return mounts
 
 
 def _camera(
-    table: Fields, name: str, position_m: Vector3, pitch_deg: float, height_m: float
+    table: Fields,
+    name: str,
+    position_m: Vector3,
+    pitch_deg: float,
+    height_m: float,
+    fov_deg: float = 60.0,
+    yaw_deg: float = 0.0,
 ) -> CameraMount:
     position = table.vector("position_m", 3, -_FARTHEST_M, _FARTHEST_M, "m", default=position_m)
     if position[2] <= -height_m:
@@ -153,8 +174,10 @@ def _camera(
             table.number("pitch_down_deg", -90.0, 90.0, "degrees", default=pitch_deg)
         ),
         vertical_fov_rad=math.radians(
-            table.number("vertical_fov_deg", 10.0, 120.0, "degrees", default=60.0)
+            table.number("vertical_fov_deg", 10.0, 120.0, "degrees", default=fov_deg)
         ),
+        yaw_rad=math.radians(table.number("yaw_deg", -180.0, 180.0, "degrees", default=yaw_deg)),
+        has_colour=name in {"forward", "down"},
     )
     table.check_all_known()
     return mount

@@ -9,9 +9,9 @@ from typing import Any
 from aeroscene.scene import DroneClass
 from autonomy.model import QuadrotorParams
 from autonomy.model.layout import LayoutError, check_layout
+from flightsim.toml_fields import Fields
 from flightsim.vehicles.airframe import Airframe, AirframeError
 from flightsim.vehicles.definition import derived
-from flightsim.vehicles.definition.fields import Fields
 from flightsim.vehicles.definition.parts import (
     read_battery,
     read_cameras,
@@ -31,14 +31,14 @@ def read_airframe(path: Path) -> Airframe:
         AirframeError: If it cannot be read, or describes nothing that flies; the line names file,
             field and value, and what would be valid.
     """
-    file = repr(str(path))
+    file = f"airframe {str(path)!r}"
     try:
         plain = tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
-        raise AirframeError(f"airframe {file}: {error.strerror or error}; valid: a file") from None
+        raise AirframeError(f"{file}: {error.strerror or error}; valid: a file") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise AirframeError(f"airframe {file} is no TOML: {error}") from None
-    return _airframe(Fields(plain, file), path.parent)
+        raise AirframeError(f"{file} is no TOML: {error}") from None
+    return _airframe(Fields(plain, file, error=AirframeError), path.parent)
 
 
 def _airframe(document: Fields, folder: Path) -> Airframe:
@@ -61,7 +61,12 @@ def _airframe(document: Fields, folder: Path) -> Airframe:
         has_skids=gear.has_skids,
         collision_radius_m=derived.reach_m(quadrotor) + rotor_set.radius_m,
         battery=read_battery(document.table("battery"), quadrotor, rotor_set.radius_m),
-        cameras=read_cameras(document.table("cameras"), (x, y, z), gear.height_m),
+        cameras=read_cameras(
+            document.table("cameras"),
+            (x, y, z),
+            gear.height_m,
+            max(rotor.position_flu_m[2] for rotor in quadrotor.rotors),
+        ),
         mesh=read_mesh(body, folder),
         **_rotor_details(rotor_set, quadrotor),
         **_thicknesses(body, quadrotor),

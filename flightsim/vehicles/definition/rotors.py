@@ -11,7 +11,7 @@ import numpy as np
 from autonomy.model import RotorParams
 from autonomy.model.quadrotor import MAX_ROTORS
 from autonomy.types import Vector3
-from flightsim.vehicles.definition.fields import Fields
+from flightsim.toml_fields import Fields
 
 _SPINS = {"ccw": 1, "cw": -1}
 _RPM_PER_RADPS = 30.0 / math.pi

@@ -7,6 +7,8 @@ last_action  the action before
 imu          specific force; angular rate                                     FLU, m/s^2; rad/s
 range        distance below, 30 for none                                      m
 depth        an image, up to 20 m                                             m
+classes      an image: class of each pixel
+objects      an image: object of each pixel
 """
 
 from __future__ import annotations
@@ -21,7 +23,7 @@ from jaxtyping import Float
 from flightsim.plant import Fleet
 from scenarios.environments.cfg import ObservationCfg
 from scenarios.environments.interface.actions import N_ACTIONS
-from scenarios.environments.interface.depth import FAR_M, DepthCameras
+from scenarios.environments.interface.images import FAR_M, SEGMENT_DTYPES, CameraImages
 
 MOST_RANGE_M = 30.0
 N_NOISES = 12
@@ -31,7 +33,7 @@ _STATE = ((3, 100.0), (9, 1.0), (3, 100.0))
 """Size and bound of velocity, rotation matrix and angular rate."""
 
 Observation = Any
-"""An array (n, k), or with a depth image a dictionary of `numbers` and `depth`."""
+"""An array (n, k), or with images a dictionary of `numbers`, `depth` and segments."""
 
 
 class Observer:
@@ -41,7 +43,14 @@ class Observer:
         space: Space of one vehicle's observation.
     """
 
-    def __init__(self, fleet: Fleet, cfg: ObservationCfg) -> None:
+    def __init__(self, fleet: Fleet, cfg: ObservationCfg, n_threads: int | None = None) -> None:
+        """Watch a fleet.
+
+        Args:
+            fleet: Vehicles whose observations these are.
+            cfg: What is observed.
+            n_threads: Threads that cast images; None takes one for each core.
+        """
         self._cfg, self._fleet = cfg, fleet
         self._truth = [
             fleet.history[name][:, -1]
@@ -57,7 +66,9 @@ class Observer:
         self._known = self._estimate if cfg.state == "estimated" else self._truth
         self._cameras = None
         if cfg.depth is not None:
-            self._cameras = DepthCameras(fleet.worlds, cfg.depth, cfg.camera)
+            self._cameras = CameraImages(
+                fleet.worlds, cfg.depth, cfg.camera, cfg.segments, n_threads
+            )
         self._bounds = _bounds(cfg)
         self.space = _space(cfg)
 
@@ -89,7 +100,12 @@ class Observer:
             return numbers
         position_enu_m, _, quat_wxyz, _ = self._truth
         images = self._cameras.render(position_enu_m, rotation_matrices(quat_wxyz))
-        return {"depth": images} if numbers is None else {"depth": images, "numbers": numbers}
+        return images if numbers is None else {**images, "numbers": numbers}
+
+    def close(self) -> None:
+        """End the threads."""
+        if self._cameras is not None:
+            self._cameras.close()
 
     def _parts(
         self, target_enu_m: np.ndarray, last_action: np.ndarray, error: np.ndarray
@@ -143,10 +159,16 @@ def _space(cfg: ObservationCfg) -> spaces.Space[Any]:
     if cfg.depth is None:
         return numbers
     width, height = cfg.depth
-    depth = spaces.Box(0.0, FAR_M, (height, width), dtype=np.float32)
-    return spaces.Dict(
-        {"depth": depth, "numbers": numbers} if cfg.has_numbers else {"depth": depth}
-    )
+    parts: dict[str, spaces.Space[Any]] = {
+        "depth": spaces.Box(0.0, FAR_M, (height, width), dtype=np.float32)
+    }
+    for name in cfg.segments:
+        kind = SEGMENT_DTYPES[name]
+        limits = np.iinfo(kind)
+        parts[name] = spaces.Box(limits.min, limits.max, (height, width), dtype=kind)
+    if cfg.has_numbers:
+        parts["numbers"] = numbers
+    return spaces.Dict(parts)
 
 
 def _bounds(cfg: ObservationCfg) -> tuple[np.ndarray, np.ndarray]:

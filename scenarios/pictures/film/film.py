@@ -61,7 +61,7 @@ def draw_film(recording: Path, out: Path, on_frame: Callable[[int, int], None]) 
 
 def _pictures(reel: Reel, height_px: int, step_s: float) -> Iterator[Picture]:
     world = reel.world
-    cameras = [mount.name for mount in world.airframe.cameras]
+    cameras = [mount.name for mount in world.airframe.rgbd_cameras]
     small_px = height_px // max(2, len(cameras))
     with ExitStack() as stack:
 

@@ -53,14 +53,6 @@ def moved(scene, shift_m):
     return replace(scene, objects=objects, interaction_areas=())
 
 
-def jittered(scene, spread_m, rng):
-    """Every object off its place relative to its parent; children move along."""
-    by_id = {None: np.zeros(3)}
-    for obj in scene.objects:
-        by_id[obj.id] = by_id[obj.parent_id] + rng.normal(0.0, spread_m, 3)
-    return moved(scene, [by_id[obj.id] for obj in scene.objects])
-
-
 def turned(scene, quarters):
     """The whole scene by quarter turns about the origin."""
     c, s = [(1, 0), (0, 1), (-1, 0), (0, -1)][quarters % 4]

@@ -3,8 +3,9 @@ import pytest
 
 from aeroscene.metrics.arrays import scene_arrays
 from aeroscene.metrics.collision import collision_rate, collisions, overlaps, total
+from aeroscene.metrics.damage import jittered
 from tests.aeroscene.conftest import cached_scene
-from tests.aeroscene.metrics.scenes import box, jittered, moved, scene_of
+from tests.aeroscene.metrics.scenes import box, moved, scene_of
 
 
 def found(scene, among):
@@ -55,7 +56,9 @@ def test_a_corpus_scene_has_no_collision_among_strangers_and_a_jittered_one_has(
     real = found(scene, "strangers")
     assert (real.n_collisions, real.n_deep_objects) == (0, 0)
     assert found(scene, "all").n_collisions > 0
-    shares = [found(jittered(scene, m, rng), "strangers").deep_object_share for m in (0.1, 0.5)]
+    shares = [
+        found(jittered(scene, rng, spread_m=m), "strangers").deep_object_share for m in (0.1, 0.5)
+    ]
     assert 0.1 < shares[0] < shares[1]
 
 

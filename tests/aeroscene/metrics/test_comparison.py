@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from aeroscene.metrics.comparison import Reference, comparison_table
+from aeroscene.metrics.damage import jittered
 from aeroscene.metrics.discrepancy import TooFewScenesError
 from aeroscene.metrics.places.checks import CHECKS
 from tests.aeroscene.conftest import SAMPLE, cached_scene
-from tests.aeroscene.metrics.scenes import jittered
 
 PLACES = {check.key for check in CHECKS}
 SCENES = [cached_scene(index) for index in SAMPLE]
@@ -22,7 +22,7 @@ def reference():
 def rows(reference):
     rng = np.random.default_rng(0)
     groups = {"real": SCENES} | {
-        f"{spread} m": [jittered(scene, spread, rng) for scene in SCENES]
+        f"{spread} m": [jittered(scene, rng, spread_m=spread) for scene in SCENES]
         for spread in (0.1, 0.5, 2.0)
     }
     return {row.key: row for row in comparison_table(groups, reference, rng)}

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from aeroscene.metrics.consistency import coarse_to_fine_consistency, mean_consistency
+from aeroscene.metrics.damage import jittered
 from tests.aeroscene.conftest import cached_scene
-from tests.aeroscene.metrics.scenes import box, jittered, scene_of
+from tests.aeroscene.metrics.scenes import box, scene_of
 
 
 def measured(*fine, yaw_deg=0.0):
@@ -55,7 +56,7 @@ def test_scenes_without_fine_or_without_coarse_objects_are_measured():
 
 def test_a_corpus_scene_is_consistent_and_a_jittered_one_the_less_the_more():
     scene, rng = cached_scene(42), np.random.default_rng(0)
-    parts = [coarse_to_fine_consistency(jittered(scene, m, rng)) for m in (0.0, 0.5, 2.0)]
+    parts = [coarse_to_fine_consistency(jittered(scene, rng, spread_m=m)) for m in (0.0, 0.5, 2.0)]
     borders = [part.border for part in parts]
     assert borders[0] < 0.01 < 10 * borders[1] < 10 * borders[2]
     assert mean_consistency(parts).border == pytest.approx(np.mean(borders))

@@ -2,9 +2,10 @@ import numpy as np
 import pytest
 
 from aeroscene.metrics.arrays import scene_arrays
+from aeroscene.metrics.damage import jittered
 from aeroscene.metrics.features import layout_features
 from tests.aeroscene.conftest import SAMPLE, cached_scene
-from tests.aeroscene.metrics.scenes import box, jittered, scene_of, turned
+from tests.aeroscene.metrics.scenes import box, scene_of, turned
 
 
 def features(*scenes):
@@ -18,7 +19,7 @@ def test_each_block_has_norm_one():
 
 def test_a_disturbed_scene_is_nearer_than_another_one_and_farther_the_more():
     scene, rng = cached_scene(42), np.random.default_rng(0)
-    others = [jittered(scene, spread, rng) for spread in (0.02, 0.1, 0.5)]
+    others = [jittered(scene, rng, spread_m=spread) for spread in (0.02, 0.1, 0.5)]
     points = features(scene, *others, cached_scene(311))
     apart = ((points[1:] - points[0]) ** 2).sum(axis=1)
     assert (np.diff(apart) > 0).all()

@@ -3,10 +3,11 @@ from dataclasses import replace
 import numpy as np
 
 from aeroscene.metrics.arrays import scene_arrays
+from aeroscene.metrics.damage import jittered
 from aeroscene.metrics.diversity import layout_distances, layout_of, sketches_of
 from aeroscene.metrics.novelty import KnownSkeletons, nearness, training_distances
 from tests.aeroscene.conftest import SAMPLE, cached_scene
-from tests.aeroscene.metrics.scenes import box, jittered, scene_of, turned
+from tests.aeroscene.metrics.scenes import box, scene_of, turned
 
 SCENES = [cached_scene(index) for index in SAMPLE]
 
@@ -32,7 +33,7 @@ def test_a_nearly_copied_scene_is_nearer_than_any_of_the_test_split():
     rng = np.random.default_rng(0)
     training, tested = sketches(SCENES[:3]), sketches(SCENES[3:])
     tests = training_distances(tested, training)
-    copies = training_distances(sketches([jittered(SCENES[0], 0.3, rng)]), training)
+    copies = training_distances(sketches([jittered(SCENES[0], rng, spread_m=0.3)]), training)
     assert nearness(copies, tests).copied_share == 1.0
     assert nearness(tests, tests).copied_share == 0.0
     assert nearness(copies, tests).median < 0.9 * nearness(tests, tests).median

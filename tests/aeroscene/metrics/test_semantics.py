@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from aeroscene.metrics.arrays import scene_arrays
+from aeroscene.metrics.damage import jittered
 from aeroscene.metrics.neighbours import N_NEIGHBOURS, N_PLACES, neighbours_of
 from aeroscene.metrics.semantics import (
     NeighbourFrequencies,
@@ -13,7 +14,7 @@ from aeroscene.metrics.semantics import (
     mean_plausibility,
 )
 from tests.aeroscene.conftest import SAMPLE, cached_scene
-from tests.aeroscene.metrics.scenes import box, jittered, moved, scene_of, turned
+from tests.aeroscene.metrics.scenes import box, moved, scene_of, turned
 
 
 def beside(name, dx, dy, yaw_deg=0.0):
@@ -75,7 +76,7 @@ def test_disturbed_scenes_are_less_plausible_the_more_they_are():
     rng = np.random.default_rng(0)
     totals = [
         mean_plausibility(
-            [usual.plausibility(jittered(cached_scene(i), spread, rng)) for i in SAMPLE]
+            [usual.plausibility(jittered(cached_scene(i), rng, spread_m=spread)) for i in SAMPLE]
         ).total
         for spread in (0.0, 0.1, 0.5, 2.0)
     ]

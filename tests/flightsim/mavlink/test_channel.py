@@ -2,7 +2,6 @@
 
 from flightsim.mavlink.channel import Channel
 from flightsim.mavlink.dialect import layout
-from flightsim.mavlink.framing import Framer
 from tests.flightsim.mavlink.wire import Loop, Wire
 
 _PING = layout("PING")
@@ -59,21 +58,20 @@ def test_streams_wait_for_a_datagram_and_answers_take_them_along():
         is_datagram=True,
     )
 
-    framer = Framer([_PING])
-
     def put(kind, number):
         if kind == "send":
             channel.send(_PING, _PING.encode(seq=number))
         else:
-            channel.stream(framer, (0,), [_PING.encode(seq=number)])
+            frame = _PING.frame_v2(_PING.encode(seq=number), channel.sequence, 1, 1)
+            channel.stream(frame, 1)
 
     put("stream", 1)
-    channel.flush(is_due=False)
+    channel.flush(5)
     assert datagrams == []
     put("send", 2)
-    channel.flush(is_due=False)
+    channel.flush(5)
     put("stream", 3)
-    channel.flush(is_due=False)
+    channel.flush(5)
     put("stream", 4)
     channel.flush()
     assert [[message.seq for message in datagram] for datagram in datagrams] == [[1, 2], [3, 4]]

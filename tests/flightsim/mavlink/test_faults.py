@@ -8,13 +8,14 @@ from flightsim.mavlink.dialect import LAYOUTS
 from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.faults import Faults
 from flightsim.mavlink.links import InProcessLink, TcpServerLink
+from flightsim.mavlink.parameters import ParameterService
 from flightsim.mavlink.server import MavlinkServer
-from flightsim.mavlink.streams import StreamTable
 from tests.flightsim.mavlink.conftest import Flight
 from tests.flightsim.mavlink.wire import Wire, free_port, named
 
 _ATTITUDE = LAYOUTS["ATTITUDE"].message_id
 _PING = LAYOUTS["PING"].message_id
+_SYS_STATUS = LAYOUTS["SYS_STATUS"].message_id
 
 
 class _Two:
@@ -73,19 +74,37 @@ def test_a_message_that_cannot_be_answered_costs_itself_alone(two):
 
 def test_due_work_that_fails_is_given_up_for_its_partner_alone(two, monkeypatch):
     two.step()
-    broken = two.server.telemetry._table(two.server.channels[0])
-    due = StreamTable.due
+    broken, update = two.server.channels[0], ParameterService.update
 
-    def fail(table, now_us):
-        if table is broken:
+    def fail(service, channel):
+        if channel is broken:
             raise OverflowError("cannot be sent")
-        return due(table, now_us)
+        update(service, channel)
 
-    monkeypatch.setattr(StreamTable, "due", fail)
-    came = [two.step() for _ in range(100)]
-    assert two.server.faults.n_caught == 1  # The partner starts anew with the default rates.
+    monkeypatch.setattr(ParameterService, "update", fail)
     for index in range(2):
-        assert len(named([m for both in came for m in both[index]], "HEARTBEAT")) == 2
+        two.send(index, "PARAM_REQUEST_LIST", 1, 1)
+    came = [two.step() for _ in range(100)]
+    assert two.server.faults.n_caught == 1  # The list is given up.
+    listed = [named([m for both in came for m in both[i]], "PARAM_VALUE") for i in range(2)]
+    assert {value.param_id for value in listed[0]} == {"_HASH_CHECK"}
+    assert len(listed[1]) == len(two.flight.autopilot.parameters) + 1
+
+
+def test_a_message_that_cannot_be_packed_costs_itself_alone(two):
+    def fail():
+        raise ZeroDivisionError("cannot be packed")
+
+    two.step()
+    two.server.telemetry._producers[_SYS_STATUS] = fail
+    came = [two.step() for _ in range(100)]
+    assert two.server.faults.n_caught > 5
+    assert len([text for text in two.texts if "fault" in text]) == 1
+    for index in range(2):
+        heard = [m for both in came for m in both[index]]
+        assert len(named(heard, "HEARTBEAT")) == 2
+        assert not named(heard, "SYS_STATUS")
+        assert len(named(heard, "HIGHRES_IMU")) == 100
 
 
 def test_faults_are_told_once_for_each_way_and_interrupts_pass():

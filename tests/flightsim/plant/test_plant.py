@@ -17,8 +17,8 @@ from autonomy.types import IDLE, OFF, ControlLevel, Setpoint
 from flightsim.environment.wind import WindCfg, WindError
 from flightsim.plant import Fleet, NotAlignedError, Plant
 from flightsim.plant.cfg import PlantCfg, PlantError
+from flightsim.plant.compiling import example_arguments
 from flightsim.plant.kernel import advance
-from flightsim.plant.memory import example_arguments
 from flightsim.sensors.failure import Failure
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import build_world

@@ -133,7 +133,8 @@ def test_cameras_look_where_their_mounts_say(airframe):
         rotation = np.empty(9)
         mujoco.mju_quat2Mat(rotation, np.array(camera_quat_wxyz(mount)))
         right, up, back = rotation.reshape(3, 3).T
-        pitch = mount.pitch_down_rad
-        np.testing.assert_allclose(-back, (math.cos(pitch), 0, -math.sin(pitch)), atol=1e-9)
-        np.testing.assert_allclose(right, (0, -1, 0), atol=1e-9)
+        pitch, yaw = mount.pitch_down_rad, mount.yaw_rad
+        ahead = (math.cos(pitch) * math.cos(yaw), math.cos(pitch) * math.sin(yaw), -math.sin(pitch))
+        np.testing.assert_allclose(-back, ahead, atol=1e-9)
+        np.testing.assert_allclose(right, (math.sin(yaw), -math.cos(yaw), 0), atol=1e-9)
         np.testing.assert_allclose(np.cross(back, right), up, atol=1e-9)

@@ -66,8 +66,9 @@ def test_what_a_file_leaves_out_is_what_its_comments_say(tmp_path):
     assert airframe.arm_radius_m == pytest.approx(0.04 * arm_m)
     assert airframe.rotor_inertia_kgm2 == pytest.approx(0.0035 * 1.3 * 0.24**2 / 12.0)
     assert airframe.quadrotor.rotors[0].drag_coefficient == 0.0
-    assert [mount.name for mount in airframe.cameras] == ["forward", "down"]
+    assert [mount.name for mount in airframe.cameras] == ["forward", "down", "up", "rear"]
     assert airframe.cameras[1].pitch_down_rad == math.pi / 2
+    assert [mount.name for mount in airframe.rgbd_cameras] == ["forward", "down"]
     hover = airframe.quadrotor.hover_speed_radps
     assert airframe.rotor_imbalance_kgm == pytest.approx(0.032 / hover * 0.026)
 
@@ -140,7 +141,11 @@ def test_a_mesh_is_looked_at_and_touches_nothing(tmp_path):
         ("cells = 3", "cells = 3.5", "battery.cells is 3.5; valid: a whole number from 1 to 24"),
         ("ohm = 0.03", "ohm = 0.9", "battery.internal_resistance_ohm is 0.9, which leaves too lit"),
         ("[0.03, 0.0, -0.052]", "[0.0, 0.0, -0.3]", "cameras.down.position_m is .* above the grou"),
-        ("[cameras.down]", "[cameras.up]", "cameras.up is unknown; valid: forward, down"),
+        (
+            "[cameras.down]",
+            "[cameras.left]",
+            "cameras.left is unknown; valid: forward, down, up, rear",
+        ),
         ("[battery]", "[batery]", "battery.cells is missing"),
         ("[body]", '[body]\nmesh = {file = "no.stl"}', "body.mesh.file is .*; valid: an existing"),
         ("radius_m = 0.12\n", "radius_m = 0.9\n", "rotors.* is .* beside rotors"),

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from aeroscene.metrics.comparison import Reference, figures_of
+from aeroscene.metrics.damage import jittered
 from aeroscene.metrics.places.checks import CHECKS
 from scenarios.bench.quality import (
     FEASIBLE,
@@ -22,7 +23,6 @@ from scenarios.bench.quality import (
 from scenarios.bench.soundness import fault
 from scenarios.cli.main import main
 from tests.aeroscene.conftest import SAMPLE, cached_scene
-from tests.aeroscene.metrics.scenes import jittered
 
 SCENES = [cached_scene(index) for index in SAMPLE]
 
@@ -33,7 +33,7 @@ def by_metric(rows):
 
 def disturbed(spread_m):
     rng = np.random.default_rng(0)
-    return [jittered(scene, spread_m, rng) for scene in SCENES]
+    return [jittered(scene, rng, spread_m=spread_m) for scene in SCENES]
 
 
 @pytest.fixture(scope="module")

@@ -72,7 +72,7 @@ def test_every_measure_has_a_row():
     assert titles == ["scene 0", "scene 1015", "map update", "done"]
     assert found["areas looked at"].value == 2
     targets = {
-        "unsafe sites, committed to 1 m above": 0.5,
+        "unsafe sites, committed to at the last look": 0.5,
         "unsafe cells among those taken for safe": 2.0,
         "map update, 320 x 240, least": 8.0,
     }

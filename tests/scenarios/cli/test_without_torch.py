@@ -56,6 +56,7 @@ def test_the_base_install_flies_a_shipped_scene(run):
         ("scenarios.cli.sitl", ("--scene", "gen:7")),
         ("scenarios.cli.main", ("generate", "--seed", "7")),
         ("scenarios.cli.main", ("train",)),
+        ("scenarios.cli.main", ("evaluate",)),
         ("scenarios.cli.main", ("bench", "generate")),
         ("scenarios.cli.main", ("export", "--scene", "gen:7", "--to", "glb", "--out", "x")),
     ],

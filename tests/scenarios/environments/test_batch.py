@@ -3,16 +3,13 @@
 import math
 from dataclasses import replace
 
-import mujoco
 import numpy as np
 import pytest
 
 pytest.importorskip("gymnasium")
 
 from aeroscene.sources import open_scene
-from flightsim.sensors.cameras.view import PoseCopy
 from flightsim.vehicles.catalogue import airframe_by_name
-from flightsim.world import build_world
 from scenarios.environments import (
     EnvironmentCfg,
     EnvironmentInputError,
@@ -20,9 +17,7 @@ from scenarios.environments import (
     RandomisationCfg,
 )
 from scenarios.environments.batch import Batch
-from scenarios.environments.interface.depth import FAR_M, DepthCameras
-from scenarios.environments.interface.observations import rotation_matrices
-from tests.flightsim.handmade import RAY_GROUPS, empty_scene, solid
+from tests.flightsim.handmade import empty_scene
 
 
 def begun(task, cfg=None, *, n=1, scenes=None):
@@ -113,30 +108,6 @@ def test_an_estimated_state_errs_a_little():
         row = batch.history[0, -1]
         errors_m.append(math.dist(row["position_est_enu_m"], row["position_true_enu_m"]))
     assert 0.005 < np.mean(errors_m) < 1.0
-
-
-@pytest.mark.parametrize("camera", ["forward", "down"])
-def test_depth_is_the_distance_of_what_the_physics_has(camera):
-    turned = (math.cos(0.3), 0.0, 0.0, math.sin(0.3))
-    wall = solid("box", (4.0, 0.5, 1.0), (1.0, 2.0, 2.0), quat=turned)
-    world = build_world(empty_scene(), airframe_by_name("iris"), extra=[wall])
-    data = world.new_data()
-    data.qpos[:7] = (0.5, 0.2, 1.5, *turned)
-    poses = PoseCopy(world.model)
-    poses.update(data)
-    mujoco.mj_forward(world.model, data)
-    view = poses.viewpoint(camera)
-    (image,) = DepthCameras([world], (17, 13), camera).render(
-        data.qpos[None, :3], rotation_matrices(data.qpos[None, 3:7])
-    )
-    geom = np.zeros(1, dtype=np.int32)
-    for pixel in np.ndindex(13, 17):
-        ray = view.rays_enu(17, 13)[pixel].astype(float)
-        args = (view.position_enu_m, ray, RAY_GROUPS, 1, world.vehicle_body_id, geom)
-        wanted_m = mujoco.mj_ray(world.model, data, *args)
-        wanted_m = FAR_M if wanted_m < 0.0 else min(wanted_m, FAR_M)
-        assert image[pixel] == pytest.approx(wanted_m, abs=2e-3)
-    assert image.min() < 3.5
 
 
 def test_an_episode_differs_from_the_next_as_configured():

@@ -26,7 +26,12 @@ EVERYTHING = EnvironmentCfg(
     action="motors",
     episode_s=1.0,
     observation=ObservationCfg(
-        state="estimated", imu=True, range=True, last_action=True, depth=(12, 8)
+        state="estimated",
+        imu=True,
+        range=True,
+        last_action=True,
+        depth=(12, 8),
+        segments=("classes", "objects"),
     ),
     randomisation=RandomisationCfg(mass=0.2, rotors=0.1, wind_mps=5.0, latency_s=0.06),
 )

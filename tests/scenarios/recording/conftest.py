@@ -133,7 +133,7 @@ def flight(tmp_path_factory: pytest.TempPathFactory) -> RecordedFlight:
             recorder.on_tick(plant, autopilot)
             tape.on_tick()
             if plant.time_us % FRAME_PERIOD_US == 0:
-                for mount in bench.airframe.cameras:
+                for mount in bench.airframe.rgbd_cameras:
                     frames.append(renderer.render(plant.data, mount.name, plant.time_us))
                     recorder.log_frame(frames[-1])
         recorder.log_statustext(plant.time_us, Severity.WARNING, "battery low")

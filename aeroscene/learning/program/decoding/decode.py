@@ -21,6 +21,7 @@ from aeroscene.feasibility.seats import TABLES, turns_to_tables
 from aeroscene.feasibility.strays import AFLOAT
 from aeroscene.feasibility.traffic import turns_with_traffic
 from aeroscene.learning.program.decoding.buildings import DecodedBuilding, build_building
+from aeroscene.learning.program.decoding.cfg import DecodingCfg
 from aeroscene.learning.program.decoding.extent import extent_of
 from aeroscene.learning.program.decoding.making import Making
 from aeroscene.learning.program.decoding.mending import LAID, laid_for, mended
@@ -31,14 +32,14 @@ from aeroscene.learning.program.decoding.neighbours import (
     open_ways,
 )
 from aeroscene.learning.program.decoding.sites import add_site
-from aeroscene.learning.program.decoding.units import member_boxes, read_unit
-from aeroscene.learning.program.kinds import CATEGORY_IDS, OPENINGS, Kind, theme_of
-from aeroscene.learning.program.program import OPENING, Program
+from aeroscene.learning.program.decoding.units import member_boxes, openings_of, read_unit
+from aeroscene.learning.program.kinds import CATEGORY_IDS, Kind, theme_of
+from aeroscene.learning.program.program import Program
 from aeroscene.relations import Kind as RelationKind
 from aeroscene.relations import Unit
 from aeroscene.relations.hosts import AT_LEVELS, N_TURNS, turn_of
 from aeroscene.relations.relation import N_SIDES
-from aeroscene.scene import AttributeValue, OrientedBox, Scene, SceneObject, Vector3
+from aeroscene.scene import OrientedBox, Scene, SceneObject, Vector3
 from aeroscene.scene.box import quat_from_yaw
 from aeroscene.scene.origin import ALTITUDE_M, LATITUDE_DEG, LONGITUDE_DEG
 
@@ -56,9 +57,11 @@ class DecodedProgram:
     object_ids: tuple[tuple[int, ...], ...]
 
 
-def decode(program: Program, scene_id: str = "program", seed: int = 0) -> DecodedProgram:
+def decode(
+    program: Program, scene_id: str = "program", seed: int = 0, cfg: DecodingCfg | None = None
+) -> DecodedProgram:
     """The scene of a program, whatever its numbers; without interaction areas."""
-    builder = Builder(program)
+    builder = Builder(program, cfg)
     builder.build()
     making = builder.making
     low, high = extent_of(making.objects, program.kinds[0].domain)
@@ -103,8 +106,9 @@ def yaw_inwards(start: Sequence[float]) -> float:
 class Builder:
     """Puts one object after the other."""
 
-    def __init__(self, program: Program) -> None:
+    def __init__(self, program: Program, cfg: DecodingCfg | None = None) -> None:
         self._program = program
+        self._cfg = cfg or DecodingCfg()
         self.making = Making(program)
         self._buildings: dict[int | None, DecodedBuilding] = {}
         """Those with storeys, by what they are in."""
@@ -137,6 +141,12 @@ class Builder:
                         self._add_unit(place, bearer)
                 self._lay_slabs(bearer)
                 queue += range(before, len(making.objects))
+        if self._cfg.mends:
+            self._turn()
+
+    def _turn(self) -> None:
+        """Turn chairs to their tables, and vehicles with the traffic."""
+        making = self.making
         objects = making.objects
         known = objects, boxes_of(objects), np.ones(len(objects), dtype=bool)
         for row, turn_rad in [*turns_to_tables(*known), *turns_with_traffic(*known)]:
@@ -174,7 +184,9 @@ class Builder:
         )
         table = unit.host_id if unit.relation.kind == RelationKind.SEAT else None
         boxes = self._boxes(unit, kind)
-        if table is not None:
+        if not self._cfg.makes_room:
+            pass
+        elif table is not None:
             boxes = self._drawn_up(boxes, table)
         elif boxes and kind.category not in _FIXED:
             boxes = self._free(unit, kind, boxes)
@@ -187,7 +199,7 @@ class Builder:
                 place,
                 kind.category,
                 kind.domain,
-                dict(kind.attributes) | _openings(program, place, box),
+                dict(kind.attributes) | openings_of(program, place, box),
                 box if building is None else building.under_rooms(box),
                 parent=None if kind.is_root else bearer,
                 bearer=bearer,
@@ -212,7 +224,10 @@ class Builder:
     def _boxes(self, unit: Unit, kind: Kind) -> list[OrientedBox]:
         """The boxes of a unit as its relation has them, but for those without a place."""
         making = self.making
-        boxes = mended(kind.category, member_boxes(unit, making.box), making.objects)
+        boxes = member_boxes(unit, making.box)
+        if not self._cfg.mends:
+            return boxes
+        boxes = mended(kind.category, boxes, making.objects)
         is_on_table = making.standing.category(unit.parent_id) in TABLES
         return laid_for(boxes, making.objects) if kind.category in LAID and is_on_table else boxes
 
@@ -272,21 +287,3 @@ class Builder:
             return [box for box, clashes in zip(chairs, is_taken, strict=True) if not clashes]
         making.move(table, moved(own, shift))
         return [moved(box, shift) for box in chairs]
-
-
-def _openings(program: Program, place: int, box: OrientedBox) -> dict[str, AttributeValue]:
-    """Openings of a unit, within the wall that they are in."""
-    values = dict(zip(OPENINGS, program.channels[place, OPENING].tolist(), strict=True))
-    half_m = box.s[1] / 2
-    found: dict[str, AttributeValue] = {}
-    for name in program.kinds[place].openings:
-        value = 0.0 if math.isnan(values[name]) else values[name]
-        if name.endswith("offset_m"):
-            width_m = values[name.replace("offset_m", "m")]
-            play = max(0.0, 1.0 - (0.0 if math.isnan(width_m) else width_m) / 2 / half_m)
-            value = min(max(value, -play), play) * half_m
-        else:
-            most_m = box.s[2] if "height" in name or "sill" in name else 2 * half_m
-            value = min(max(value, 0.0), most_m)
-        found[name] = round(value, 4)
-    return found

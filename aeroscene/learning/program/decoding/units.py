@@ -14,7 +14,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from aeroscene.learning.program.encoding.units import pitch_base_m, underside_m
-from aeroscene.learning.program.kinds import CATEGORY_IDS
+from aeroscene.learning.program.kinds import CATEGORY_IDS, OPENINGS
 from aeroscene.learning.program.measures import (
     Surroundings,
     reach_of,
@@ -24,6 +24,7 @@ from aeroscene.learning.program.measures import (
 )
 from aeroscene.learning.program.program import (
     COS,
+    OPENING,
     PITCH,
     RISE,
     SIN,
@@ -39,7 +40,7 @@ from aeroscene.relations.hosts import AT_LEVELS, Standing, level_m
 from aeroscene.relations.placing import array_half_m, foot_m
 from aeroscene.relations.plane import QUARTER, Half, Rectangle
 from aeroscene.relations.relation import ANY_TURN, Kind
-from aeroscene.scene import OrientedBox, Quaternion, Vector3
+from aeroscene.scene import AttributeValue, OrientedBox, Quaternion, Vector3
 from aeroscene.scene.box import MIN_SIZE_M
 
 Outline = Callable[[int | None], Rectangle]
@@ -115,6 +116,24 @@ def member_boxes(unit: Unit, box_of: BoxOf) -> list[OrientedBox]:
     made = [replace(member, id=-1 - index) for index, member in enumerate(unit.members)]
     boxes = place([replace(unit, members=tuple(made))], hosts)
     return [boxes[member.id] for member in made]
+
+
+def openings_of(program: Program, place: int, box: OrientedBox) -> dict[str, AttributeValue]:
+    """Openings of a unit's object, within the wall that they are in."""
+    values = dict(zip(OPENINGS, program.channels[place, OPENING].tolist(), strict=True))
+    half_m = box.s[1] / 2
+    found: dict[str, AttributeValue] = {}
+    for name in program.kinds[place].openings:
+        value = 0.0 if math.isnan(values[name]) else values[name]
+        if name.endswith("offset_m"):
+            width_m = values[name.replace("offset_m", "m")]
+            play = max(0.0, 1.0 - (0.0 if math.isnan(width_m) else width_m) / 2 / half_m)
+            value = min(max(value, -play), play) * half_m
+        else:
+            most_m = box.s[2] if "height" in name or "sill" in name else 2 * half_m
+            value = min(max(value, 0.0), most_m)
+        found[name] = round(value, 4)
+    return found
 
 
 def _related(

@@ -25,7 +25,7 @@ from flightsim.world import GROUND_ID, build_world
 from tests.flightsim.handmade import empty_scene, solid
 
 IRIS = AIRFRAMES["iris"]
-FORWARD, DOWN = IRIS.cameras
+FORWARD, DOWN = IRIS.rgbd_cameras
 WALL_X_M = 6.0
 
 WALL, RED, GREEN = 1, 2, 3
@@ -195,8 +195,10 @@ def test_frame_is_of_the_state_given_and_not_of_the_last_step(renderer, yard):
 
 
 def test_unknown_camera_is_named_with_the_valid_ones(renderer, yard):
-    with pytest.raises(CameraError, match=r"^camera 'rear' is unknown; valid: forward, down$"):
-        renderer.render(yard.new_data(), "rear", 0)
+    with pytest.raises(
+        CameraError, match=r"^camera 'left' is unknown; valid: forward, down, up, rear$"
+    ):
+        renderer.render(yard.new_data(), "left", 0)
 
 
 def test_view_from_the_target_itself_is_refused(renderer, yard):
@@ -246,7 +248,8 @@ def test_depth_without_colours_is_the_same_depth(block, backend):
             alone = renderer.render_depth(data, camera, 5)
             np.testing.assert_array_equal(alone.depth_m, whole.depth_m)
             pose = [{**vars(frame), "depth_m": None} for frame in (alone, whole)]
-            del pose[1]["rgb"]
+            for name in ("rgb", "instance_ids", "class_ids"):
+                del pose[1][name]
             np.testing.assert_equal(*pose)
     renderer.close()
 

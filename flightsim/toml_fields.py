@@ -6,21 +6,22 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import Any, NoReturn
 
-from flightsim.vehicles.airframe import AirframeError
-
 
 class Fields:
     """A table whose fields are asked for one by one; what nobody asked for is unknown."""
 
-    def __init__(self, plain: dict[str, Any], file: str, path: str = "") -> None:
+    def __init__(
+        self, plain: dict[str, Any], file: str, path: str = "", *, error: type[ValueError]
+    ) -> None:
         """Read a table.
 
         Args:
             plain: The table.
-            file: Where it is from, for messages.
+            file: What the file describes and its name, for messages.
             path: Where it stands in the file, such as `body`; empty for the whole file.
+            error: What a fault is raised as.
         """
-        self._plain, self._file, self._path = plain, file, path
+        self._plain, self._file, self._path, self._error = plain, file, path, error
         self._others: dict[str, Any] = {}
         """What a merged table has from another one, which stands at the fallback."""
         self._fallback = path
@@ -30,11 +31,11 @@ class Fields:
         """Refuse a field; the fault says what is wrong and what would be valid.
 
         Raises:
-            AirframeError: Always.
+            ValueError: Always, of the kind that was given.
         """
         path = self._path if field in self._plain else self._fallback
         where = f"{path}.{field}".strip(".")
-        raise AirframeError(f"airframe {self._file}: {where} {fault}")
+        raise self._error(f"{self._file}: {where} {fault}")
 
     def has(self, field: str) -> bool:
         """Whether a field is given."""
@@ -45,7 +46,7 @@ class Fields:
         """Refuse fields that nobody asked for.
 
         Raises:
-            AirframeError: If there is one.
+            ValueError: If there is one.
         """
         valid = list(dict.fromkeys(self._asked))
         for field in self._plain:
@@ -125,7 +126,7 @@ class Fields:
         self._asked.append(field)
         if not isinstance(value, dict):
             self.fail(field, f"is {value!r}; valid: a table, [{field}]")
-        return Fields(value, self._file, f"{self._path}.{field}".strip("."))
+        return self._within(value, f"{self._path}.{field}".strip("."))
 
     def tables(self, field: str) -> Iterator[Fields]:
         """Tables of a list, which count from 1 in messages."""
@@ -133,17 +134,20 @@ class Fields:
         if not isinstance(value, list) or not all(isinstance(each, dict) for each in value):
             self.fail(field, f"is {value!r}; valid: tables, each below [[{field}]]")
         for number, plain in enumerate(value, start=1):
-            yield Fields(plain, self._file, f"{field}[{number}]")
+            yield self._within(plain, f"{field}[{number}]")
 
     def merged_under(self, other: Fields) -> Fields:
         """The same table with what it lacks taken from another one."""
-        merged = Fields(self._plain, self._file, self._path)
+        merged = self._within(self._plain, self._path)
         merged._others, merged._fallback = other._plain, other._path
         return merged
 
     def know_as(self, merged: Fields) -> None:
         """Take what was asked of a merged table as asked of this one."""
         self._asked += merged._asked
+
+    def _within(self, plain: dict[str, Any], path: str) -> Fields:
+        return Fields(plain, self._file, path, error=self._error)
 
     def _required(self, field: str, valid: str) -> Any:
         if not self.has(field):

@@ -1,0 +1,201 @@
+"""ATISS: one object after the other, each told by the unordered set of those that are there.
+
+A re-implementation from the paper.
+
+| choice | paper | here |
+|---|---|---|
+| network | transformer encoder without positions, a query token beside them | narrower |
+| an object | category, then place, then angle, then size, each told by those before | the same |
+| attributes | mixtures of ten logistic distributions | the same |
+| context | features of the floor plan | the domain, since no floor plan is given |
+| training | random order, cut at random; the next object is the target | all that follow are |
+
+All that follow a cut as targets have the same expectation as one of them, and less variance.
+
+Source: Paschalidou, Kar, Shugrina, Kreis, Geiger and Fidler 2021, "ATISS: Autoregressive
+Transformers for Indoor Scene Synthesis", NeurIPS, sections 3.1 to 3.3.
+"""
+
+from __future__ import annotations
+
+import math
+
+import torch
+from jaxtyping import Bool, Float
+from torch import Tensor, nn
+
+from aeroscene.learning.baselines.layouts import (
+    CATEGORY,
+    CENTRE,
+    EMPTY,
+    HEADING,
+    LOG_SIZE,
+    N_CHANNELS,
+    N_GEOMETRY,
+    Boxes,
+    LayoutCode,
+)
+from aeroscene.learning.baselines.model import BaselineCfg, BaselineModel
+from aeroscene.learning.baselines.networks.mixture import (
+    N_COMPONENTS,
+    draw_mixture,
+    mixture_loss,
+)
+from aeroscene.learning.model.encoding import fourier_features
+from aeroscene.learning.tokens.batch import TokenBatch
+from aeroscene.learning.tokens.kinds import DOMAINS
+from aeroscene.learning.training.loop import LossTerms
+from aeroscene.metrics.arrays import N_CATEGORIES
+
+_END = N_CATEGORIES
+"""The class that ends a scene."""
+_BANDS = 6
+_PER_NUMBER = 3 * N_COMPONENTS
+
+
+class Atiss(BaselineModel):
+    """The encoder, and a head for each attribute."""
+
+    def __init__(self, code: LayoutCode, cfg: BaselineCfg) -> None:
+        super().__init__(code)
+        width = cfg.width
+        n_geometry = N_GEOMETRY * (1 + 2 * _BANDS)
+        self.inward = nn.Linear(n_geometry + N_CATEGORIES, width)
+        self.domain = nn.Embedding(len(DOMAINS), width)
+        self.query = nn.Parameter(torch.randn(width) / math.sqrt(width))
+        layer = nn.TransformerEncoderLayer(
+            width, cfg.heads, 2 * width, dropout=0.0, batch_first=True, norm_first=True
+        )
+        self.encoder = nn.TransformerEncoder(layer, cfg.levels, enable_nested_tensor=False)
+        self.kind = nn.Embedding(N_CATEGORIES, width)
+        self.class_head = _head(width, N_CATEGORIES + 1)
+        known = 2 * width
+        self.place_head = _head(known, 3 * _PER_NUMBER)
+        known += 3 * (1 + 2 * _BANDS)
+        self.angle_head = _head(known, _PER_NUMBER)
+        known += 1 + 2 * _BANDS
+        self.size_head = _head(known, 3 * _PER_NUMBER)
+
+    def forward(self, batch: TokenBatch, generator: torch.Generator) -> LossTerms:
+        """Negative log-likelihood of an object that follows a random part of a scene, nats."""
+        x, mask = _shuffled(batch, generator)
+        count = mask.sum(dim=1)
+        share = torch.rand(len(x), generator=generator, device=generator.device).to(x)
+        n_known = (share * (count + 1)).floor().long().clamp(max=x.shape[1])
+        place = torch.arange(x.shape[1], device=x.device)
+        is_known = place < n_known[:, None]
+        told = self._told(x, is_known, batch.domain)
+        follows = mask & ~is_known
+        is_whole = ~follows.any(dim=1)
+        # One term a scene: the mean over all that may follow, or the end.
+        weight = follows / follows.sum(dim=1, keepdim=True).clamp(min=1)
+        log_class = torch.log_softmax(self.class_head(told), dim=-1)
+        category = x[..., CATEGORY].argmax(dim=-1)
+        of_class = -(log_class.gather(1, category) * weight).sum(1) - log_class[:, _END] * is_whole
+        of_geometry = (self._geometry_loss(told, x, category) * weight).sum(1)
+        return {
+            "total": (of_class + of_geometry).mean(),
+            "category": of_class.mean().detach(),
+            "geometry": of_geometry.mean().detach(),
+        }
+
+    def _geometry_loss(
+        self,
+        told: Float[Tensor, "batch d"],
+        x: Float[Tensor, "batch n c"],
+        category: Tensor,
+    ) -> Float[Tensor, "batch n"]:
+        known = torch.cat([told[:, None].expand(-1, x.shape[1], -1), self.kind(category)], dim=-1)
+        angle = _angle(x)
+        total = mixture_loss(_mixtures(self.place_head(known)), x[..., CENTRE])
+        known = torch.cat([known, _encoded(x[..., CENTRE])], dim=-1)
+        total = total + mixture_loss(_mixtures(self.angle_head(known)), angle)
+        known = torch.cat([known, _encoded(angle)], dim=-1)
+        return total + mixture_loss(_mixtures(self.size_head(known)), x[..., LOG_SIZE])
+
+    @torch.no_grad()
+    def draw(self, domain: int, generator: torch.Generator) -> Boxes:
+        """A layout, object by object, until the end is drawn or there are no more slots."""
+        device = next(self.parameters()).device
+        x = torch.zeros((1, self.code.n_slots, N_CHANNELS), device=device)
+        where = torch.tensor([domain], device=device)
+        n = 0
+        while n < self.code.n_slots:
+            is_known = torch.ones((1, n), dtype=torch.bool, device=device)
+            told = self._told(x[:, :n], is_known, where)[0]
+            logits = self.class_head(told)
+            if n == 0:
+                logits[_END] = -math.inf
+            category = int(torch.multinomial(logits.softmax(-1), 1, generator=generator))
+            if category == _END:
+                break
+            x[0, n] = self._drawn_object(told, category, generator)
+            n += 1
+        return self.code.decode(x[0, :n].double().cpu().numpy())
+
+    def _drawn_object(
+        self, told: Float[Tensor, " d"], category: int, generator: torch.Generator
+    ) -> Float[Tensor, " c"]:
+        low, high = (
+            torch.as_tensor(bound[:6], dtype=torch.float32, device=told.device)
+            for bound in (self.code.low, self.code.high)
+        )
+        known = torch.cat([told, self.kind.weight[category]])
+        place = draw_mixture(_mixtures(self.place_head(known)), generator)
+        place = torch.minimum(torch.maximum(place, low[CENTRE]), high[CENTRE])
+        known = torch.cat([known, _encoded(place)])
+        angle = draw_mixture(_mixtures(self.angle_head(known)), generator).clamp(-1, 1)
+        known = torch.cat([known, _encoded(angle)])
+        size = draw_mixture(_mixtures(self.size_head(known)), generator)
+        size = torch.minimum(torch.maximum(size, low[LOG_SIZE]), high[LOG_SIZE])
+        turn = math.pi * angle
+        found = torch.full((N_CHANNELS,), -1.0, device=told.device)
+        found[CENTRE], found[LOG_SIZE] = place, size
+        found[HEADING] = torch.cat([turn.cos(), turn.sin()])
+        found[N_GEOMETRY + category] = 1.0
+        found[EMPTY] = -1.0
+        return found
+
+    def _told(
+        self,
+        x: Float[Tensor, "batch n c"],
+        is_known: Bool[Tensor, "batch n"],
+        domain: Tensor,
+    ) -> Float[Tensor, "batch d"]:
+        """What the query token makes of the objects that are known."""
+        category = (x[..., CATEGORY] + 1) / 2
+        objects = self.inward(torch.cat([_encoded(x[..., :N_GEOMETRY]), category], dim=-1))
+        context = self.domain(domain)[:, None]
+        query = self.query.expand(len(x), 1, -1)
+        tokens = torch.cat([query, context, objects], dim=1)
+        always = torch.ones((len(x), 2), dtype=torch.bool, device=x.device)
+        is_missing = ~torch.cat([always, is_known], dim=1)
+        return self.encoder(tokens, src_key_padding_mask=is_missing)[:, 0]
+
+
+def _head(inward: int, outward: int) -> nn.Sequential:
+    width = inward // 2
+    return nn.Sequential(nn.Linear(inward, width), nn.ReLU(), nn.Linear(width, outward))
+
+
+def _mixtures(flat: Float[Tensor, "*n c"]) -> Float[Tensor, "*n k 30"]:
+    return flat.unflatten(-1, (-1, _PER_NUMBER))
+
+
+def _encoded(values: Float[Tensor, "*n c"]) -> Float[Tensor, "*n f"]:
+    return torch.cat([values, fourier_features(values, _BANDS)], dim=-1)
+
+
+def _angle(x: Float[Tensor, "batch n c"]) -> Float[Tensor, "batch n 1"]:
+    """Yaw over pi, -1 to 1."""
+    cos, sin = x[..., HEADING].chunk(2, dim=-1)
+    return torch.atan2(sin, cos) / math.pi
+
+
+def _shuffled(batch: TokenBatch, generator: torch.Generator) -> tuple[Tensor, Tensor]:
+    """Layouts in random order, real objects first."""
+    assert batch.x0 is not None
+    chance = torch.rand(batch.mask.shape, generator=generator, device=generator.device)
+    order = (chance.to(batch.x0) + ~batch.mask).argsort(dim=1)
+    x = batch.x0.gather(1, order[..., None].expand_as(batch.x0))
+    return x, batch.mask.gather(1, order)

@@ -1,0 +1,30 @@
+"""Operations of a training step, counted beside the training: looking on changes no weights."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import torch
+from torch.utils.flop_counter import FlopCounterMode
+
+from aeroscene.learning.training.batches.source import Batch
+from aeroscene.learning.training.loop import TOTAL, LossFunction, PartTraining, noise_generator
+
+
+def flop_per_step(training: PartTraining, batches: Sequence[Batch], loss: LossFunction) -> float:
+    """Mean FLOP of a step forwards and backwards: of matrix products, convolutions, attention.
+
+    Attention counts by its definition, whatever kernel computes it.
+    """
+    model, device = training.model, training.device
+    was_training = model.training
+    model.train()
+    total = 0
+    for number, batch in enumerate(batches):
+        generator = noise_generator(training.cfg.seed, number, device)
+        with torch.enable_grad(), FlopCounterMode(display=False) as counter:
+            loss(model, batch.to(device), generator)[TOTAL].backward()
+        total += counter.get_total_flops()
+    model.zero_grad(set_to_none=True)
+    model.train(was_training)
+    return total / len(batches)

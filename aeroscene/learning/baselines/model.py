@@ -1,0 +1,51 @@
+"""What every learned baseline is to the training and to whoever draws scenes from it."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+
+import torch
+from torch import nn
+
+from aeroscene.learning.baselines.layouts import Boxes, LayoutCode
+from aeroscene.learning.tokens.batch import TokenBatch
+from aeroscene.learning.training.config import require
+from aeroscene.learning.training.loop import LossTerms
+
+
+@dataclass(frozen=True, kw_only=True)
+class BaselineCfg:
+    """Size and sampling of a baseline."""
+
+    width: int = 192
+    """Width of a token. DiffuScene and ATISS have 512; a fifth of our budget would go that far."""
+    levels: int = 4
+    """Levels of a UNet on each side, or layers of a transformer."""
+    heads: int = 8
+    steps: int = 100
+    """Denoising steps, where a method diffuses. DiffuScene takes 1,000; the AeroScene paper takes
+    100 and says that it is comparable to its baselines."""
+
+    def __post_init__(self) -> None:
+        for name, most in (("width", 4096), ("levels", 64), ("heads", 64), ("steps", 1000)):
+            value = getattr(self, name)
+            require(ok=1 <= value <= most, name=name, value=value, valid=f"1 to {most}")
+        ok = self.width % (2 * self.heads) == 0
+        require(ok=ok, name="width", value=self.width, valid=f"a multiple of {2 * self.heads}")
+
+
+class BaselineModel(nn.Module, ABC):
+    """A network that learns layouts and draws them."""
+
+    def __init__(self, code: LayoutCode) -> None:
+        super().__init__()
+        self.code = code
+
+    @abstractmethod
+    def forward(self, batch: TokenBatch, generator: torch.Generator) -> LossTerms:
+        """Loss of a batch; its term `total` is what is minimised."""
+
+    @abstractmethod
+    def draw(self, domain: int, generator: torch.Generator) -> Boxes:
+        """A layout of a domain, by its place among `DOMAINS`; the generator draws everything."""

@@ -1,0 +1,178 @@
+"""Our own presets, trained on the same scenes and within the same budget as the baselines."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import torch
+
+from aeroscene.learning.baselines.budget import flop_per_step
+from aeroscene.learning.baselines.fitting import Lessons, Spent
+from aeroscene.learning.generation.generator import Generator
+from aeroscene.learning.generation.request import Request
+from aeroscene.learning.program import DecodingCfg
+from aeroscene.learning.tokens.skeleton import Wish
+from aeroscene.learning.training.batches.source import batch_generator
+from aeroscene.learning.training.checkpoint import Part
+from aeroscene.learning.training.config import Preset
+from aeroscene.learning.training.course import Watcher, part_set
+from aeroscene.learning.training.data import prepared
+from aeroscene.learning.training.presets import PARTS, fitted, part_budgets, preset_sections
+from aeroscene.learning.training.prior_stage import loss_function
+from aeroscene.learning.training.procedure import CHECKPOINT, Plan, Training
+from aeroscene.learning.training.state import STATE, read_state
+from aeroscene.learning.training.writer_stage import writer_loss
+from aeroscene.scene import Scene, SceneDomain
+
+_SAVE_S = 60.0
+_N_COUNTED = 2
+"""Batches in which operations are counted: those of the writer differ in length."""
+_LOOK_STEPS = 100
+_PRIOR_SHARE = 0.1
+_PRIOR_STEP_S = 0.15
+_PRIOR_STEPS = (10, 400)
+"""At least and at most so many; the semantic prior takes a tenth of a short budget."""
+
+
+@dataclass(frozen=True, eq=False)
+class FittedPreset:
+    """A preset that draws scenes."""
+
+    generator: Generator
+    spent: Spent | None
+    """None where it is a checkpoint that somebody else has trained."""
+
+    def sample(self, seed: int, domain: SceneDomain) -> Scene:
+        """The scene of a seed as sampled: before feasibility, without areas.
+
+        Raises:
+            RequestError: If there was no training scene of the domain.
+        """
+        return self.generator.sampled(Request(seed=seed, domain=domain))
+
+
+def fit_preset(preset: Preset, lessons: Lessons, watcher: Watcher) -> FittedPreset:
+    """Train a preset as `aeroscene train` does, its budget told in CPU seconds.
+
+    Raises:
+        TrainingError: If the folder holds a training of other data, or too few scenes can be read.
+        OSError: If a file cannot be written.
+    """
+    is_flat = preset == "paper"
+    has_wishes = not (is_flat and lessons.is_corpus)
+    data = prepared(
+        lessons.name,
+        lessons.train,
+        lessons.held_out,
+        is_flat=is_flat,
+        wishes=[Wish.of(scene) for scene in lessons.train] if has_wishes else [],
+        is_corpus=lessons.is_corpus,
+    )
+    parts = PARTS[preset]
+    steps, seconds = lessons.budget.steps, lessons.budget.seconds
+    state = read_state(lessons.folder / STATE)
+    training = Training(
+        Plan(
+            folder=lessons.folder,
+            preset=preset,
+            sections=fitted(_sections(preset, seconds, lessons.seed), data.train.known),
+            data=data,
+            budgets=part_budgets(parts, steps, None if seconds is None else seconds / 60),
+            device=torch.device("cpu"),
+            save_seconds=_SAVE_S,
+            parts=parts,
+            clock=time.process_time,
+        ),
+        watcher,
+    )
+    begun_s = time.process_time()
+    is_done = training.run(state)
+    spent_s = time.process_time() - begun_s
+    generator = Generator.load(lessons.folder / CHECKPOINT, device="cpu")
+    return FittedPreset(generator, _spent(training, spent_s, is_done=is_done))
+
+
+def shipped_preset(preset: Preset) -> FittedPreset:
+    """A preset with the weights that ship, whose training was another.
+
+    Raises:
+        CheckpointError: If the checkpoint is missing.
+    """
+    return FittedPreset(Generator.load(preset=preset, device="cpu"), None)
+
+
+def _sections(preset: Preset, seconds: float | None, seed: int) -> dict[str, Any]:
+    sections = preset_sections(preset)
+    for name in ("training", "writer_training"):
+        if name in sections:
+            changes: dict[str, Any] = {"seed": seed, "look_steps": _LOOK_STEPS}
+            if name == "training" and preset == "paper" and seconds is not None:
+                steps = round(_PRIOR_SHARE * seconds / _PRIOR_STEP_S)
+                changes["prior_steps"] = min(max(steps, _PRIOR_STEPS[0]), _PRIOR_STEPS[1])
+            sections[name] = replace(sections[name], **changes)
+    return sections
+
+
+def _spent(training: Training, spent_s: float, *, is_done: bool) -> Spent:
+    """Steps, seconds and operations of all parts that are trained step by step.
+
+    The semantic prior, which is trained anew where it was stopped, is among the CPU seconds of an
+    unbroken training alone.
+    """
+    trainings = training.trainings
+    parameters = [
+        *(value for weights in training.parts.values() for value in weights.values()),
+        *(p for each in trainings.values() for p in each.model.parameters()),
+    ]
+    return Spent(
+        parameters=sum(value.numel() for value in parameters),
+        steps=sum(each.step for each in trainings.values()),
+        cpu_s=max(sum(each.seconds for each in trainings.values()), spent_s),
+        flop=sum(each.step * _flop(training, part) for part, each in trainings.items()),
+        is_done=is_done,
+    )
+
+
+def _flop(training: Training, part: Part) -> float:
+    plan, each = training.plan, training.trainings[part]
+    scenes = part_set(plan.data.train, part)
+    loss = (
+        writer_loss
+        if part == "writer"
+        else loss_function(plan.sections, plan.data, plan.device, training.parts.get("prior"))
+    )
+    batches = [
+        scenes.sample_batch(each.cfg.batch_size, batch_generator(each.cfg.seed, step))
+        for step in range(_N_COUNTED)
+    ]
+    return flop_per_step(each, batches, loss)
+
+
+def without(
+    folder: Path | None,
+    preset: Preset,
+    changes: Mapping[str, Any],
+    decoding: DecodingCfg,
+    spent: Spent | None,
+) -> FittedPreset:
+    """A preset sampled otherwise than it was trained: an ablation.
+
+    Args:
+        folder: Folder of its training; None for the weights that ship.
+        preset: Which preset.
+        changes: Fields of its configuration that sampling reads, by section.
+        decoding: What is done with programs beyond reading them.
+        spent: What its training took.
+
+    Raises:
+        CheckpointError: If there is no checkpoint.
+    """
+    checkpoint = None if folder is None else folder / CHECKPOINT
+    generator = Generator.load(
+        checkpoint, preset=preset, device="cpu", changes=changes, decoding=decoding
+    )
+    return FittedPreset(generator, spent)

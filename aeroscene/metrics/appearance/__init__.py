@@ -1,0 +1,1 @@
+"""How alike pictures of scenes look to a network that was trained on photographs."""

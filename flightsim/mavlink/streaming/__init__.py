@@ -1,0 +1,30 @@
+"""Streams, from the plant's record to frames, in one compiled call a tick for all partners."""
+
+from flightsim.mavlink.streaming.kernel import TICK_US, compile_streaming, mark_due
+from flightsim.mavlink.streaming.packing import OVERHEAD_BYTES
+from flightsim.mavlink.streaming.record import (
+    FRAMED,
+    MOST_PARTS,
+    ONE_BY_ONE,
+    PARTNER_DTYPE,
+    TOLD,
+    WAITS,
+)
+from flightsim.mavlink.streaming.streamer import Streamed, Streamer
+from flightsim.mavlink.streaming.told import Told
+
+__all__ = [
+    "FRAMED",
+    "MOST_PARTS",
+    "ONE_BY_ONE",
+    "OVERHEAD_BYTES",
+    "PARTNER_DTYPE",
+    "TICK_US",
+    "TOLD",
+    "WAITS",
+    "Streamed",
+    "Streamer",
+    "Told",
+    "compile_streaming",
+    "mark_due",
+]

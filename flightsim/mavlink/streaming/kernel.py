@@ -1,0 +1,161 @@
+"""One call a tick: what is due for each partner is filled from the plant's record and framed.
+
+Messages that Python packs are asked for first: the call then returns how many are wanted, and is
+made again once they are there.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from autonomy.jit import compile_ahead, kernel
+from flightsim.mavlink.streaming.motion import look, tell_motion
+from flightsim.mavlink.streaming.packing import OVERHEAD_BYTES, pack, write_frame
+from flightsim.mavlink.streaming.readings import tell_readings
+from flightsim.mavlink.streaming.record import (
+    FIELD_DTYPE,
+    FRAMED,
+    MESSAGE_DTYPE,
+    PARTNER_DTYPE,
+    STREAMER_DTYPE,
+    VALUES_DTYPE,
+    VIEW_DTYPE,
+    WAITS,
+)
+from flightsim.plant.mujoco_calls import bytes_at, doubles, long_integers, rows
+from flightsim.plant.record import PLANT_DTYPE
+
+TICK_US = 20_000
+"""Period of the server, and so the shortest interval of a stream."""
+
+_N_VALUES = VALUES_DTYPE.itemsize // 8
+_COMPILE_SECONDS = 8.0
+
+
+@kernel
+def stream(streamers: np.ndarray, now_us: int, asked: int) -> int:
+    """Frame what is due for all partners, or pack one message for nobody in particular.
+
+    Args:
+        streamers: `STREAMER_DTYPE` (1,), changed with all that it points to.
+        now_us: Simulated time.
+        asked: Index of the one message, which is packed; -1 to frame what is due.
+
+    Returns:
+        Number of messages that Python must pack before this is called again; their indexes are
+        where `wanted_address` says. 0 if all is done.
+    """
+    s = streamers[0]
+    messages = rows(s.messages_address, s.n_messages, MESSAGE_DTYPE)
+    if asked >= 0:
+        s.filled_us = -1
+        _pack_filled(s, messages[asked], now_us)
+        s.filled_us = messages[asked].packed_us = -1  # More may happen before the tick's end.
+        return 0
+    addresses = long_integers(s.partners_address, s.n_partners)
+    n_wanted = 0
+    for k in range(len(addresses)):
+        partner = rows(addresses[k], 1, PARTNER_DTYPE)
+        partner[0].n_frames = partner[0].n_bytes = 0
+        if partner[0].way != WAITS:
+            mark_due(partner, s.n_messages, now_us)
+            n_wanted = _want(s, messages, partner[0], now_us, n_wanted)
+    if n_wanted > 0:
+        return n_wanted
+    for k in range(len(addresses)):
+        partner = rows(addresses[k], 1, PARTNER_DTYPE)
+        if partner[0].way == FRAMED:
+            _frame(s, messages, partner[0])
+    return 0
+
+
+@kernel
+def mark_due(partners: np.ndarray, n_messages: int, now_us: int) -> None:
+    """Mark what is due for a partner at a tick, and move its calendar on.
+
+    Args:
+        partners: `PARTNER_DTYPE` (1,), changed.
+        n_messages: Number of types of messages.
+        now_us: Simulated time.
+    """
+    p = partners[0]
+    next_us = long_integers(p.next_address, n_messages)
+    interval_us = long_integers(p.interval_address, n_messages)
+    is_due = bytes_at(p.due_address, n_messages)
+    p.now_us = now_us
+    for i in range(n_messages):
+        if interval_us[i] >= 0 and next_us[i] <= now_us:
+            is_due[i] = 1
+            next_us[i] += interval_us[i]
+            if next_us[i] <= now_us:  # Of ticks that were left out, one message makes up for all.
+                next_us[i] = now_us + TICK_US
+
+
+@kernel
+def _want(s: np.record, messages: np.ndarray, p: np.record, now_us: int, n_wanted: int) -> int:
+    """Pack what is due for a partner, and collect what Python must; returns how many those are."""
+    is_due = bytes_at(p.due_address, len(messages))
+    wanted = long_integers(s.wanted_address, len(messages))
+    for i in range(len(messages)):
+        if is_due[i] == 0 or messages[i].packed_us == now_us:
+            continue
+        if messages[i].first_value >= 0:
+            _pack_filled(s, messages[i], now_us)
+            continue
+        is_new = True
+        for k in range(n_wanted):
+            is_new = is_new and wanted[k] != i
+        if is_new:
+            wanted[n_wanted] = i
+            n_wanted += 1
+    return n_wanted
+
+
+@kernel
+def _pack_filled(s: np.record, message: np.record, now_us: int) -> None:
+    """Pack one of `TOLD`; the first of a tick fills them all."""
+    if s.filled_us != now_us:
+        s.filled_us = now_us
+        plant = rows(s.plant_address, 1, PLANT_DTYPE)[0]
+        view = rows(s.view_address, 1, VIEW_DTYPE)[0]
+        told = rows(s.values_address, 1, VALUES_DTYPE)[0]
+        look(view, plant, now_us)
+        tell_motion(told, plant, view)
+        tell_readings(told, plant, view)
+    values = doubles(s.values_address, _N_VALUES)
+    fields = rows(s.fields_address, _N_VALUES, FIELD_DTYPE)
+    first, end = message.first_value, message.first_value + message.n_values
+    payload = bytes_at(s.payloads_address + message.payload_start, message.size)
+    message.n_parts = 0
+    if values[first - 1] != 0.0 and pack(values[first:end], fields[first:end], payload):
+        message.n_parts = 1
+    message.packed_us = now_us
+
+
+@kernel
+def _frame(s: np.record, messages: np.ndarray, p: np.record) -> None:
+    """Frame what is due for a partner, one message after the other."""
+    is_due = bytes_at(p.due_address, len(messages))
+    for i in range(len(messages)):
+        if is_due[i] == 0:
+            continue
+        is_due[i] = 0
+        m = messages[i]
+        for part in range(m.n_parts):
+            start = s.payloads_address + m.payload_start + part * m.size
+            p.n_bytes += write_frame(
+                bytes_at(start, m.size),
+                m.message_id,
+                m.crc_seed,
+                p.sequence + p.n_frames,
+                p.system_id,
+                p.component_id,
+                bytes_at(p.frames_address + p.n_bytes, m.size + OVERHEAD_BYTES),
+            )
+            p.n_frames += 1
+
+
+def compile_streaming() -> None:
+    """Compile the kernel now, or load it from the cache; says so if it takes long."""
+    example = (np.zeros(1, STREAMER_DTYPE), 0, 0)
+    compile_ahead(stream, example, "telemetry kernel", _COMPILE_SECONDS)

@@ -1,0 +1,96 @@
+"""From values to payloads to MAVLink 2 frames, compiled.
+
+`Layout.pack` and `Layout.frame_v2` make the same bytes one message at a time.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from autonomy.jit import kernel
+
+HEADER_BYTES, CHECKSUM_BYTES = 10, 2
+OVERHEAD_BYTES = HEADER_BYTES + CHECKSUM_BYTES
+"""Header and checksum of a MAVLink 2 frame."""
+_MARKER = 0xFD
+
+
+@kernel
+def pack(values: np.ndarray, fields: np.ndarray, payload: np.ndarray) -> bool:
+    """Pack the values of a message.
+
+    Args:
+        values: In wire order (n,).
+        fields: `FIELD_DTYPE` of each (n,).
+        payload: Its bytes, changed.
+
+    Returns:
+        False if a number does not fit its field, such as those of a diverged estimate.
+    """
+    start = 0
+    for i in range(len(values)):
+        value, field = values[i], fields[i]
+        if field.is_float == 1:
+            single = np.float32(value)
+            if math.isinf(single) and not math.isinf(value):
+                return False
+            bits = np.int64(single.view(np.uint32))
+        elif field.least <= value <= field.most:
+            bits = np.int64(value)
+        else:
+            return False
+        for k in range(field.size):
+            payload[start + k] = bits >> 8 * k & 0xFF
+        start += field.size
+    return True
+
+
+@kernel
+def write_frame(
+    payload: np.ndarray,
+    message_id: int,
+    crc_seed: int,
+    sequence: int,
+    system_id: int,
+    component_id: int,
+    out: np.ndarray,
+) -> int:
+    """Write a MAVLink 2 frame, without the zeros at the payload's end as the protocol allows.
+
+    Args:
+        payload: As packed.
+        message_id: Type of the message.
+        crc_seed: Seed of its checksum.
+        sequence: Number of the frame; the lowest eight bits are sent.
+        system_id: Sender.
+        component_id: Sender's component.
+        out: Bytes, changed.
+
+    Returns:
+        Number of bytes written.
+    """
+    length = len(payload)
+    while length > 1 and payload[length - 1] == 0:
+        length -= 1
+    out[0], out[1], out[2], out[3] = _MARKER, length, 0, 0
+    out[4], out[5], out[6] = sequence & 0xFF, system_id, component_id
+    out[7], out[8], out[9] = message_id & 0xFF, message_id >> 8 & 0xFF, message_id >> 16
+    for i in range(length):
+        out[HEADER_BYTES + i] = payload[i]
+    end = HEADER_BYTES + length
+    crc = 0xFFFF
+    for i in range(1, end):
+        crc = _crc_of_byte(crc, out[i])
+    crc = _crc_of_byte(crc, crc_seed)
+    out[end], out[end + 1] = crc & 0xFF, crc >> 8
+    return end + CHECKSUM_BYTES
+
+
+@kernel
+def _crc_of_byte(crc: int, byte: int) -> int:
+    """CRC-16/MCRF4XX of one more byte."""
+    low = (crc ^ byte) & 0xFF
+    low = (low ^ low << 4) & 0xFF
+    return crc >> 8 ^ low << 8 ^ low << 3 ^ low >> 4

@@ -1,0 +1,154 @@
+"""Memory of the kernel that streams, and the call to it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+
+import numpy as np
+
+from flightsim.mavlink.dialect import Layout
+from flightsim.mavlink.streaming.kernel import compile_streaming, stream
+from flightsim.mavlink.streaming.packing import OVERHEAD_BYTES
+from flightsim.mavlink.streaming.record import (
+    MOST_PARTS,
+    PARTNER_DTYPE,
+    STREAMER_DTYPE,
+    field_rows,
+    message_rows,
+)
+from flightsim.mavlink.streaming.told import Told
+
+_ANY = -1
+_WAY, _SEQUENCE, _N_FRAMES, _N_BYTES = range(4)
+assert PARTNER_DTYPE.names is not None
+assert PARTNER_DTYPE.names[:4] == ("way", "sequence", "n_frames", "n_bytes")
+
+
+class Streamed:
+    """One partner of a streamer: how it is served, and its frames of this tick.
+
+    Attributes:
+        n_frames: Number of frames that are due now.
+    """
+
+    def __init__(self, partner: np.ndarray, is_due: np.ndarray, room_bytes: int) -> None:
+        """Give a partner, `PARTNER_DTYPE` (1,), room for its frames."""
+        self.partner, self._is_due = partner, is_due
+        self._frames = np.zeros(room_bytes, np.uint8)
+        self._bytes = self._frames.data
+        self._numbers = partner.data.cast("B").cast("q")
+        partner["frames_address"] = self._frames.ctypes.data
+
+    def serve(self, way: int, sequence: int) -> None:
+        """Say how it is served in this tick, and the number of its next frame."""
+        self._numbers[_WAY] = way
+        self._numbers[_SEQUENCE] = sequence
+
+    @property
+    def n_frames(self) -> int:
+        """Number of its frames in this tick."""
+        return self._numbers[_N_FRAMES]
+
+    @property
+    def frames(self) -> bytes:
+        """Its frames of this tick, one after the other."""
+        return bytes(self._bytes[: self._numbers[_N_BYTES]])
+
+    def take_due(self) -> Sequence[int]:
+        """Indexes of what is due, for who sends it otherwise; no longer due then."""
+        indexes = np.flatnonzero(self._is_due).tolist()
+        self._is_due[:] = 0
+        return indexes
+
+
+class Streamer:
+    """Frames what is due for all partners, in one call a tick."""
+
+    def __init__(self, layouts: Sequence[Layout], told: Told | None) -> None:
+        """Prepare to stream messages of these types.
+
+        Args:
+            layouts: Types of messages; one is named by its index here.
+            told: What the kernel fills messages from; None if Python packs them all.
+        """
+        compile_streaming()
+        self._told = told
+        self._messages = message_rows(list(layouts))
+        if told is None:
+            self._messages["first_value"] = -1
+        self._packed_us: np.ndarray = self._messages["packed_us"]
+        self._n_parts: np.ndarray = self._messages["n_parts"]
+        self._sizes = [layout.size for layout in layouts]
+        self._starts: list[int] = self._messages["payload_start"].tolist()
+        room_bytes = MOST_PARTS * sum(self._sizes)
+        self._room_bytes = room_bytes + MOST_PARTS * OVERHEAD_BYTES * len(layouts)
+        self._payloads = np.zeros(room_bytes, np.uint8)
+        self._bytes = self._payloads.data
+        self._wanted = np.zeros(len(layouts), np.int64)
+        self._fields = field_rows()
+        self._addresses = np.zeros(0, np.int64)
+        self._streamer = np.zeros(1, STREAMER_DTYPE)
+        record: np.void = self._streamer[0]
+        record["filled_us"], record["n_messages"] = -1, len(layouts)
+        arrays = {
+            "messages": self._messages,
+            "wanted": self._wanted,
+            "payloads": self._payloads,
+            "fields": self._fields,
+        }
+        if told is not None:
+            arrays |= {"view": told.view, "values": told.values}
+            record["plant_address"] = told.plant_address
+        for name, array in arrays.items():
+            record[f"{name}_address"] = array.ctypes.data
+
+    def is_filled(self, index: int) -> bool:
+        """Whether the kernel fills a message, and Python does not pack it."""
+        return bool(self._messages["first_value"][index] >= 0)
+
+    def new_partner(
+        self, partner: np.ndarray, is_due: np.ndarray, system_id: int, component_id: int
+    ) -> Streamed:
+        """Prepare to stream to a partner under a sender's numbers."""
+        partner["system_id"], partner["component_id"] = system_id, component_id
+        return Streamed(partner, is_due, self._room_bytes)
+
+    def serve(self, partners: Sequence[Streamed]) -> None:
+        """Stream to these partners from now on."""
+        self._addresses = np.array([p.partner.ctypes.data for p in partners], np.int64)
+        self._streamer["partners_address"] = self._addresses.ctypes.data
+        self._streamer["n_partners"] = len(partners)
+
+    def stream(self, now_us: int, pack: Callable[[int], tuple[bytes, ...]]) -> None:
+        """Frame what is due at this tick.
+
+        Args:
+            now_us: Simulated time.
+            pack: Packs the parts of a message that the kernel does not fill, by its index.
+        """
+        if self._told is not None:
+            self._told.listen()
+        n_wanted = stream(self._streamer, now_us, _ANY)
+        if n_wanted:
+            for index in self._wanted[:n_wanted].tolist():
+                self._put(index, now_us, pack(index))
+            stream(self._streamer, now_us, _ANY)
+
+    def fill(self, index: int, now_us: int) -> tuple[bytes, ...]:
+        """Payload of a message that the kernel fills, as it is now; nothing if it is unknown."""
+        if self._told is not None:
+            self._told.listen()
+        stream(self._streamer, now_us, index)
+        return tuple(self.payloads(index))
+
+    def payloads(self, index: int) -> Iterator[bytes]:
+        """Parts of a message as packed last."""
+        start, size = self._starts[index], self._sizes[index]
+        for part in range(self._n_parts[index]):
+            yield bytes(self._bytes[start + part * size : start + (part + 1) * size])
+
+    def _put(self, index: int, now_us: int, parts: tuple[bytes, ...]) -> None:
+        joined, start = b"".join(parts[:MOST_PARTS]), self._starts[index]
+        self._bytes[start : start + len(joined)] = joined
+        self._n_parts[index] = min(MOST_PARTS, len(parts))
+        self._packed_us[index] = now_us

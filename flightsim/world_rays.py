@@ -1,0 +1,122 @@
+"""Index of a world's geoms, by which a ray needs to look at a few of them only.
+
+What stands is in a tree of boxes that halve their geoms by the median of the longest side. Numbers
+follow a heap: node 1 is the root, node i has 2 i and 2 i + 1, and the last n are the leaves.
+`flightsim.plant.rays` casts the rays, and asks MuJoCo about each geom that is left.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from jaxtyping import Float, Int32
+
+_MARGIN_M = 1e-6
+"""By which boxes are larger than their geoms: rounding may lose no hit."""
+_UNSUPPORTED = (mujoco.mjtGeom.mjGEOM_HFIELD, mujoco.mjtGeom.mjGEOM_SDF)
+
+
+class RayTreeError(ValueError):
+    """A world has a geom that no ray can be cast at."""
+
+
+@dataclass(frozen=True, eq=False)
+class RayTree:
+    """Geoms that rays meet, by where they are; n is a power of two.
+
+    Invisible geoms are in none of it, as `mujoco.mj_ray` has it.
+    """
+
+    boxes_enu_m: Float[np.ndarray, "2*n 6"]
+    """Box of each node: least and greatest corner; empty ones have an infinite least corner."""
+    axes: Int32[np.ndarray, " n"]
+    """Axis along which the children of each inner node lie, the first one lower."""
+    leaf_geoms: Int32[np.ndarray, " n"]
+    """Geom of each leaf, -1 in an empty one."""
+    endless_geoms: Int32[np.ndarray, " e"]
+    """Planes, which no box holds."""
+    moving_geoms: Int32[np.ndarray, " m"]
+    """Geoms of bodies other than the world."""
+
+    @classmethod
+    def of(cls, model: mujoco.MjModel) -> RayTree:
+        """Index the geoms of a model.
+
+        Raises:
+            RayTreeError: If a geom is a height field or a signed distance field.
+        """
+        geoms = np.flatnonzero(_is_visible(model)).astype(np.int32)
+        for geom in geoms[np.isin(model.geom_type[geoms], _UNSUPPORTED)].tolist():
+            kind = mujoco.mjtGeom(model.geom_type[geom]).name
+            raise RayTreeError(f"geom {geom} is a {kind}; valid: planes, primitives and meshes")
+        is_static = model.geom_bodyid[geoms] == 0
+        is_endless = model.geom_type[geoms] == mujoco.mjtGeom.mjGEOM_PLANE
+        boxed = geoms[is_static & ~is_endless]
+        low, high = _boxes_enu_m(model, boxed)
+        order, axes = _halve(0.5 * (low + high))
+        leaf_geoms = np.where(order < len(boxed), np.append(boxed, -1)[order], -1)
+        return cls(
+            boxes_enu_m=_nodes(low, high, order),
+            axes=axes,
+            leaf_geoms=leaf_geoms.astype(np.int32),
+            endless_geoms=geoms[is_static & is_endless],
+            moving_geoms=geoms[~is_static],
+        )
+
+
+def _is_visible(model: mujoco.MjModel) -> np.ndarray:
+    alpha = model.geom_rgba[:, 3].copy()
+    has_material = model.geom_matid >= 0
+    alpha[has_material] = model.mat_rgba[model.geom_matid[has_material], 3]
+    return alpha != 0.0
+
+
+def _boxes_enu_m(model: mujoco.MjModel, geoms: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Least and greatest corners (k, 3) of geoms of the world body."""
+    rotation = np.empty((len(geoms), 9))
+    for row, quat in zip(rotation, model.geom_quat[geoms], strict=True):
+        mujoco.mju_quat2Mat(row, quat)
+    rotation = rotation.reshape(-1, 3, 3)
+    centre, half = model.geom_aabb[geoms, :3], model.geom_aabb[geoms, 3:]
+    middle = model.geom_pos[geoms] + (rotation @ centre[..., None])[..., 0]
+    reach = (np.abs(rotation) @ half[..., None])[..., 0] + _MARGIN_M
+    return middle - reach, middle + reach
+
+
+def _halve(middle_m: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Order of k points in n leaves, filled up by k, and the axis of each inner node, (n,) both."""
+    k = len(middle_m)
+    n = 1 << max(k - 1, 0).bit_length()
+    points = np.full((n, 3), np.inf)
+    points[:k] = middle_m
+    order, axes = np.arange(n), np.zeros(n, dtype=np.int32)
+    n_nodes = 1
+    while n_nodes < n:
+        inside = points[order].reshape(n_nodes, -1, 3)
+        is_point = np.isfinite(inside)
+        widest = np.where(is_point, inside, -np.inf).max(1)
+        widest -= np.where(is_point, inside, np.inf).min(1)
+        axis = widest.argmax(1)
+        axes[n_nodes : 2 * n_nodes] = axis
+        along = np.take_along_axis(inside, axis[:, None, None], axis=2)[..., 0]
+        sorting = np.argsort(along, axis=1, kind="stable")
+        order = np.take_along_axis(order.reshape(n_nodes, -1), sorting, axis=1).ravel()
+        n_nodes *= 2
+    return np.minimum(order, k), axes
+
+
+def _nodes(low: np.ndarray, high: np.ndarray, order: np.ndarray) -> np.ndarray:
+    """Boxes of all nodes (2 n, 6) from those of the geoms."""
+    n = len(order)
+    boxes = np.empty((2 * n, 6))
+    boxes[n:, :3] = np.append(low, np.full((1, 3), np.inf), axis=0)[order]
+    boxes[n:, 3:] = np.append(high, np.full((1, 3), -np.inf), axis=0)[order]
+    while n > 1:
+        pairs = boxes[n : 2 * n].reshape(-1, 2, 6)
+        n //= 2
+        boxes[n : 2 * n, :3] = pairs[:, :, :3].min(1)
+        boxes[n : 2 * n, 3:] = pairs[:, :, 3:].max(1)
+    boxes[0] = boxes[1]
+    return boxes

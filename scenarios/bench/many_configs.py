@@ -1,0 +1,62 @@
+"""Options of the benchmarks of many vehicles; see `scenarios.bench.configs`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from scenarios.bench.configs import AnyBenchCfg, check_range
+
+
+@dataclass(frozen=True, kw_only=True)
+class WorldsBenchCfg(AnyBenchCfg):
+    """Fly many vehicles, each in a world of its own, on one thread and on two; step environments.
+
+    Targets are for two quiet cores; figures in CPU seconds hold on a busy machine too.
+    """
+
+    worlds: int = 64
+    """Number of worlds."""
+    scenes: tuple[str, ...] = ("42",)
+    """Scenes by number or file, in turn."""
+    vehicle: str = "iris"
+    """Airframe by its name; an unknown one is answered with the valid names."""
+    seconds: float = 10.0
+    """Simulated seconds of each world."""
+
+    def __post_init__(self) -> None:
+        check_range("worlds", self.worlds, 2, 4096)
+        check_range("seconds", self.seconds, 1.0)
+
+    @property
+    def title(self) -> str:
+        """Title of the results."""
+        return f"{self.worlds} worlds, scenes {', '.join(self.scenes)}, {self.vehicle}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class VehiclesBenchCfg(AnyBenchCfg):
+    """Fly several vehicles in one world, with two MAVLink clients each; let pairs collide.
+
+    Figures are in CPU seconds: one core does it all.
+    """
+
+    vehicles: int = 4
+    """Number of vehicles in the world."""
+    scene: str = "42"
+    """Scene of the dataset by number, or a scene JSON file."""
+    vehicle: str = "iris"
+    """Airframe by its name; an unknown one is answered with the valid names."""
+    seconds: float = 60.0
+    """Simulated seconds of the flight."""
+    collisions: int = 10_000
+    """Number of random collisions between two vehicles, a third of them of two airframes."""
+
+    def __post_init__(self) -> None:
+        check_range("vehicles", self.vehicles, 2, 100)
+        check_range("seconds", self.seconds, 1.0)
+        check_range("collisions", self.collisions, 3, 1_000_000)
+
+    @property
+    def title(self) -> str:
+        """Title of the results."""
+        return f"{self.vehicles} vehicles in scene {self.scene}, {self.vehicle}"

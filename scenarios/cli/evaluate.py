@@ -1,0 +1,224 @@
+"""`aeroscene evaluate`: the paper's tables, and those that they lack, by one command each."""
+
+from __future__ import annotations
+
+import platform
+import signal
+import sys
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+import tyro
+from rich.console import Console
+from rich.table import Table
+
+from scenarios.cli.command_line import (
+    EXIT_DONE,
+    EXIT_INTERRUPTED,
+    default_hint,
+    fail,
+    fail_on_file,
+    handling_signals,
+    print_json,
+)
+from scenarios.cli.progress import progress_bar, share_bar
+
+if TYPE_CHECKING:
+    from scenarios.evaluation.entrants import Entrant
+    from scenarios.evaluation.evaluation import Evaluation
+    from scenarios.evaluation.rows import Row
+    from scenarios.evaluation.sources import Data
+
+_PROG = "aeroscene evaluate"
+
+
+@dataclass(frozen=True, kw_only=True)
+class EvaluateCfg:
+    """Compare methods that make scenes: train each, draw scenes, judge all alike.
+
+    Every method is given the same scenes and the same budget. Ctrl-C leaves the work as it is, and
+    the same command goes on from there; so does a larger --scenes. OUT then has TABLE.json, .md and
+    .png, pictures in TABLE-scenes.png, and what was trained and drawn under methods/.
+    """
+
+    table: Literal["synthesis", "ablation", "damage"] = "synthesis"
+    """synthesis has the methods; ablation ours and the paper's with parts taken away; damage real
+    scenes damaged on purpose, which shows what the figures see."""
+    data: Literal["corpus", "front3d", "procthor", "city"] = "corpus"
+    """Scenes to learn from and to be held against."""
+    path: Annotated[Path | None, default_hint("./corpus for the corpus")] = None
+    """Folder that `aeroscene dataset build` has made, or your own file of neutral layouts."""
+    out: Path = Path("evaluation")
+    """Folder to work in; it is made where there is none."""
+    scenes: int = 1000
+    """Scenes of each method, 8 or more; of real ones as many as the test split has at most."""
+    methods: tuple[str, ...] = ()
+    """Rows of the table by name. [default: all]"""
+    cpu_minutes: Annotated[float | None, default_hint("60 without --steps")] = None
+    """Budget of each method's training, minutes of CPU time."""
+    steps: Annotated[int | None, default_hint("no limit")] = None
+    """Budget of each method's training in steps; it ends at whichever comes first."""
+    demo: int = 0
+    """Of each method so many draws are flown by the demo, which should land."""
+    seed: int = 0
+    """Seed of trainings, draws and resampling."""
+    width: int = 192
+    """Width of the baselines' networks."""
+    levels: int = 4
+    """Levels or layers of the baselines' networks."""
+    denoising_steps: int = 100
+    """Denoising steps of the baselines that diffuse."""
+    inception: Annotated[Path | None, default_hint("EfficientNet-Lite0")] = None
+    """inception-2015-12-05.pt, with whose features alone distances are called FID and KID."""
+    threads: int = 1
+    """CPU threads."""
+    json: Annotated[bool, tyro.conf.arg(name="json")] = False
+    """Print one JSON object: what the table is of, files, and rows with method, metric, value,
+    interval_95 and n."""
+
+
+def run(cfg: EvaluateCfg) -> int:
+    """Make the table; exit status 2 with one line where the input does not allow it."""
+    from aeroscene.learning import require_torch  # noqa: PLC0415
+    from aeroscene.metrics.discrepancy import TooFewScenesError  # noqa: PLC0415 - SciPy
+    from aeroscene.scene import SceneError  # noqa: PLC0415
+
+    try:
+        require_torch()
+        return _run(cfg)
+    except (SceneError, TooFewScenesError) as error:
+        fail(_PROG, str(error))
+    except OSError as error:
+        fail_on_file(_PROG, error)
+
+
+def _run(cfg: EvaluateCfg) -> int:
+    # Imported here because PyTorch takes seconds that no other command should spend.
+    import torch  # noqa: PLC0415
+
+    from aeroscene.learning.baselines.model import BaselineCfg  # noqa: PLC0415
+    from aeroscene.learning.training.config import Budget, require  # noqa: PLC0415
+    from aeroscene.metrics.appearance.features import open_network  # noqa: PLC0415
+    from aeroscene.metrics.appearance.frechet import LEAST_PICTURES  # noqa: PLC0415
+    from scenarios.evaluation.entrants import entrants_of  # noqa: PLC0415
+    from scenarios.evaluation.evaluation import (  # noqa: PLC0415
+        Evaluation,
+        EvaluationCfg,
+        StoppedError,
+    )
+
+    # Refuse bad options before reading the scenes.
+    least = f"{LEAST_PICTURES} or more"
+    require(ok=cfg.scenes >= LEAST_PICTURES, name="scenes", value=cfg.scenes, valid=least)
+    require(ok=0 <= cfg.demo <= cfg.scenes, name="demo", value=cfg.demo, valid="0 to --scenes")
+    require(ok=cfg.seed >= 0, name="seed", value=cfg.seed, valid="0 or more")
+    require(ok=1 <= cfg.threads <= 1024, name="threads", value=cfg.threads, valid="1 to 1024")
+    baseline = BaselineCfg(width=cfg.width, levels=cfg.levels, steps=cfg.denoising_steps)
+    minutes = 60.0 if cfg.cpu_minutes is None and cfg.steps is None else cfg.cpu_minutes
+    Budget(steps=cfg.steps, seconds=None if minutes is None else 60.0 * minutes)
+    torch.set_num_threads(cfg.threads)
+    network = open_network(cfg.inception)
+    data = _read(cfg)
+    entrants = entrants_of(cfg.table, data, cfg.methods)
+    asked = EvaluationCfg(
+        data=data.name,
+        data_digest=data.digest,
+        network=f"{network.name} {network.digest}",
+        seed=cfg.seed,
+        cpu_minutes=minutes,
+        steps=cfg.steps,
+        baseline=baseline,
+    )
+    with _asked_to_stop() as stop:
+        evaluation = Evaluation(asked, data, network, cfg.out, stop.is_set)
+        try:
+            with share_bar() as on_progress:
+                rows = evaluation.run(entrants, cfg.scenes, cfg.demo, on_progress)
+        except StoppedError:
+            sys.stderr.write(f"{_PROG}: stopped; the same command goes on from here\n")
+            return EXIT_INTERRUPTED
+    _tell(cfg, evaluation, data, entrants, rows)
+    return EXIT_DONE
+
+
+def _read(cfg: EvaluateCfg) -> Data:
+    from scenarios.evaluation.sources import count_scenes, open_data  # noqa: PLC0415 - PyTorch
+
+    title = "reading scenes" if cfg.data == "corpus" else "mapping layouts"
+    with progress_bar(title, count_scenes(cfg.data, cfg.path)) as advance:
+        return open_data(cfg.data, cfg.path, advance)
+
+
+@contextmanager
+def _asked_to_stop() -> Iterator[threading.Event]:
+    """Yield an event that SIGINT or SIGTERM sets; a second one ends the process at once."""
+    event = threading.Event()
+
+    def ask(number: int, _frame: Any) -> None:
+        event.set()
+        signal.signal(number, signal.default_int_handler)
+
+    with handling_signals(ask):
+        yield event
+
+
+def _tell(
+    cfg: EvaluateCfg,
+    evaluation: Evaluation,
+    data: Data,
+    entrants: Sequence[Entrant],
+    rows: Sequence[Row],
+) -> None:
+    from scenarios.evaluation.drawing import PROJECTED  # noqa: PLC0415 - PyTorch
+    from scenarios.evaluation.gallery import GALLERY, draw_gallery, shown_stage  # noqa: PLC0415
+    from scenarios.evaluation.rows import stage_name  # noqa: PLC0415
+    from scenarios.evaluation.table import to_plain, write_table  # noqa: PLC0415
+
+    titles: dict[str, str] = {}
+    for entrant in entrants:
+        titles[entrant.name] = entrant.title
+        titles[stage_name(entrant.name, PROJECTED)] = f"{entrant.title}, projected"
+    head = {
+        "table": cfg.table,
+        "data": data.name,
+        "train_scenes": len(data.train),
+        "test_scenes": len(data.test),
+        "seed": cfg.seed,
+        "cpu_minutes": evaluation.cfg.cpu_minutes,
+        "steps": cfg.steps,
+        "machine": f"{platform.machine()}, {cfg.threads} thread(s), Python "
+        f"{platform.python_version()}",
+    }
+    files = write_table(cfg.out, cfg.table, head, rows, evaluation.judge.metrics(), titles)
+    named = {name for row in rows for name in (row.method,)}
+    shown = {
+        titles[name]: (evaluation.draws(entrant, cfg.scenes), shown_stage(name))
+        for entrant in entrants
+        for name in (entrant.name, stage_name(entrant.name, PROJECTED))
+        if name in named
+    }
+    gallery = cfg.out / f"{cfg.table}-{GALLERY}"
+    draw_gallery(
+        gallery,
+        {title: draws for title, (draws, _) in shown.items()},
+        {title: stage for title, (_, stage) in shown.items()},
+        evaluation.camera,
+    )
+    if cfg.json:
+        print_json({**head, "files": [str(p) for p in (*files, gallery)], "rows": to_plain(rows)})
+        return
+    _print_table(rows, [*list(evaluation.judge.metrics())[:2], "CR", "CFC", "SP", "OP", "flies"])
+    print(f"All figures: {', '.join(str(path) for path in (*files, gallery))}")
+
+
+def _print_table(rows: Sequence[Row], shown: Sequence[str]) -> None:
+    cells = {(row.method, row.metric): row.value for row in rows}
+    table = Table("method", *shown)
+    say: Callable[[float | None], str] = lambda value: "" if value is None else f"{value:.3g}"  # noqa: E731
+    for method in dict.fromkeys(row.method for row in rows):
+        table.add_row(method, *(say(cells.get((method, metric))) for metric in shown))
+    Console().print(table)

@@ -1,0 +1,97 @@
+"""What `aeroscene-sitl` says before and after a run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from rich.console import Console
+
+from scenarios.run.shared import SharedResult
+from scenarios.run.sitl import Sitl
+from scenarios.trials.result import TrialResult
+
+
+def announce(console: Console, flights: Sequence[Sitl]) -> None:
+    """Say what runs, and where clients connect."""
+    sitl = flights[0]
+    scene, cfg = sitl.bench.scene, sitl.cfg.bench
+    console.print(
+        f"[bold]Scene {scene.scene_id}[/]: {scene.domain}, {len(scene.objects)} objects, "
+        f"{len(scene.landing_areas)} landing areas, "
+        f"{len(scene.perching_areas)} to perch on. [bold]{sitl.bench.airframe.title}[/], "
+        f"system {1 + cfg.instance}, seed {cfg.seed}, speed {cfg.speed}.",
+        soft_wrap=True,
+    )
+    external = sitl.bench.external
+    if external is not None and not cfg.autopilot_binary:
+        console.print(
+            f"Waiting for {external.kind.title}, with the physics at {external.address}. Start it "
+            f"in a folder of its own:\n{external.start_line}",
+            highlight=False,
+            soft_wrap=True,
+        )
+    clients = (
+        f"UDP {14550 + cfg.instance} (ground stations), "
+        f"UDP {14540 + cfg.instance} (SDKs), TCP {cfg.bind}:{5760 + 10 * cfg.instance}"
+        f"{cfg.serial and f', serial {cfg.serial}'}{cfg.signing_key and ', signed'}"
+    )
+    if external is not None:
+        clients = external.kind.clients(cfg.instance)
+    console.print(f"MAVLink: {clients}. Ctrl-C ends.", soft_wrap=True)
+    if external is None and (video := sitl.bench.payload.video) is not None:
+        console.print(f"Video: H.264 by RTP to {video.uri}", soft_wrap=True)
+    for number, flight in enumerate(flights[1:], 2):
+        bench = flight.bench
+        east, north, _ = bench.scene.start_position_enu_m
+        console.print(
+            f"Vehicle {number}: [bold]{bench.airframe.title}[/], system {1 + bench.cfg.instance}, "
+            f"at {east:.1f}, {north:.1f} m: UDP {14550 + cfg.instance}, "
+            f"UDP {14540 + bench.cfg.instance}, TCP {5760 + 10 * bench.cfg.instance}.",
+            soft_wrap=True,
+        )
+    if sitl.viewer is not None and sitl.viewer.url is not None:
+        console.print(f"Watch at {sitl.viewer.url}", soft_wrap=True)
+
+
+def print_results(console: Console, result: TrialResult | SharedResult) -> None:
+    """Print the verdict and the figures of each vehicle."""
+    if isinstance(result, TrialResult):
+        _print_result(console, result)
+        return
+    for number, each in enumerate(result.vehicles, 1):
+        console.print(f"[bold]Vehicle {number}[/], {each.vehicle}")
+        _print_result(console, each)
+
+
+def _print_result(console: Console, result: TrialResult) -> None:
+    if result.success is not None:
+        word = "[bold green]Done[/]" if result.success else f"[bold red]Failed, {result.code}[/]"
+        console.print(f"{word}: {result.reason}")
+        for name, figure, unit in _figures(result):
+            if figure is not None:
+                console.print(f"  {name:<29} {figure}{unit}")
+    if result.position_rmse_m is not None:
+        console.print(
+            f"  estimate against truth, RMS   {result.position_rmse_m:.2f} m, "
+            f"{result.attitude_rmse_deg:.2f} degrees"
+        )
+    console.print(
+        f"  simulated                     {result.sim_seconds:.1f} s in "
+        f"{result.wall_seconds:.1f} s: {result.real_time_factor:.1f} times real time"
+    )
+    if result.recording is not None:
+        console.print(f"  recording                     {result.recording}")
+        console.print(f"Replay it with: aeroscene replay {result.recording}", soft_wrap=True)
+
+
+def _figures(result: TrialResult) -> Iterator[tuple[str, float | int | str | None, str]]:
+    """Name, value and unit of what the verdict rests on."""
+    yield "area, assigned", result.area, ""
+    yield "area, landed on", result.landed_area, ""
+    yield "contacts before touchdown", result.contacts_before_touchdown, ""
+    yield "touchdown error", result.touchdown_error_m, " m"
+    yield "touchdown speed", result.touchdown_speed_mps, " m/s"
+    yield "slide after touchdown", result.slide_m, " m"
+    yield "rotors still after", result.stopped_after_s, " s"
+    yield "least clearance", result.least_clearance_m, " m"
+    yield "nearest mover", result.nearest_mover_m, " m"

@@ -1,0 +1,209 @@
+"""`AeroScene/Swarm-v0`: several vehicles in one world, by PettingZoo's parallel interface.
+
+from scenarios.environments import swarm_v0
+
+env = swarm_v0.parallel_env(vehicles=4, scene="42")
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from gymnasium import spaces
+from jaxtyping import Float
+
+try:
+    from pettingzoo import ParallelEnv
+except ModuleNotFoundError as error:
+    raise ModuleNotFoundError(
+        "the swarm needs pettingzoo, which is not installed; pip install 'aeroscene[rl]'",
+        name="pettingzoo",
+    ) from error
+
+from aeroscene.scene import Scene
+from aeroscene.sources import open_scene
+from flightsim.vehicles.airframe import Airframe
+from flightsim.vehicles.catalogue import airframe_by_name
+from scenarios.environments.cfg import EnvironmentCfg, EnvironmentInputError
+from scenarios.environments.interface.actions import N_ACTIONS, check_motors, checked_actions
+from scenarios.environments.swarm_world import SwarmWorld
+
+_MOST_VEHICLES = 16
+_Step = tuple[
+    dict[str, np.ndarray],
+    dict[str, float],
+    dict[str, bool],
+    dict[str, bool],
+    dict[str, dict[str, Any]],
+]
+
+
+class AeroSceneSwarm(ParallelEnv[str, np.ndarray, np.ndarray]):
+    """Vehicles that share one world and meet in it; `parallel_env` makes one.
+
+    Agents are `vehicle_1`, `vehicle_2` and so on. One that touches anything has ended, its rotors
+    stop, and it falls; the others fly on around it.
+    """
+
+    metadata = {"name": "AeroScene/Swarm-v0", "render_modes": []}  # noqa: RUF012 - PettingZoo's
+
+    def __init__(
+        self,
+        vehicles: int | Sequence[str] = 4,
+        scene: str | Scene = "field",
+        cfg: EnvironmentCfg | None = None,
+    ) -> None:
+        """Build the world.
+
+        Args:
+            vehicles: Number of vehicles of the configured airframe, or the airframe of each; all
+                have as many rotors.
+            scene: Scene, or its name as the command line takes it.
+            cfg: Configuration; its observations are each vehicle's own.
+
+        Raises:
+            EnvironmentInputError: If the configuration or the vehicles are not valid.
+            SceneError: If there is no such scene.
+            AirframeError: If there is no such vehicle.
+            WorldError: If the scene's start has no room for so many.
+        """
+        self._cfg = cfg = cfg or EnvironmentCfg()
+        airframes = _airframes(vehicles, cfg)
+        scene = open_scene(scene) if isinstance(scene, str) else scene
+        self._world = SwarmWorld(scene, airframes, cfg)
+        n = len(airframes)
+        self.possible_agents = [f"vehicle_{i + 1}" for i in range(n)]
+        self.agents: list[str] = []
+        self.observation_spaces = dict.fromkeys(self.possible_agents, self._world.space)
+        self.action_spaces = {
+            agent: spaces.Box(-1.0, 1.0, (N_ACTIONS,), dtype=np.float32)
+            for agent in self.possible_agents
+        }
+        self._seed, self._n_begun = 0, 0
+        self._is_seeded = False
+
+    def observation_space(self, agent: str) -> spaces.Space[Any]:
+        """Space of an agent's observations: its own numbers, then the other vehicles in order."""
+        return self.observation_spaces[agent]
+
+    def action_space(self, agent: str) -> spaces.Space[Any]:
+        """Space of an agent's actions, four numbers of -1 to 1."""
+        return self.action_spaces[agent]
+
+    @property
+    def history(self) -> np.ndarray:
+        """The last step of each vehicle, `flightsim.plant.record.HISTORY_DTYPE` (n, k)."""
+        return self._world.history
+
+    def reset(
+        self,
+        seed: int | None = None,
+        options: dict[str, Any] | None = None,  # noqa: ARG002 - PettingZoo passes them; none are
+    ) -> tuple[dict[str, np.ndarray], dict[str, dict[str, Any]]]:
+        """Begin the next episode, the first one of a seed if there is one.
+
+        Raises:
+            EnvironmentInputError: If the scene has no place for it.
+        """
+        if seed is not None or not self._is_seeded:
+            fresh = int(np.random.default_rng().integers(2**31)) if seed is None else seed
+            self._seed, self._n_begun, self._is_seeded = fresh, 0, True
+        self._world.begin(self._seed, self._n_begun)
+        self._n_begun += 1
+        self.agents = self.possible_agents[:]
+        return self._observe(self.agents), {agent: {} for agent in self.agents}
+
+    def step(self, actions: Mapping[str, np.ndarray]) -> _Step:
+        """Fly on by a step; `info` has the distance from the target, at the end the verdict.
+
+        Raises:
+            EnvironmentInputError: If an agent that flies has no action, or not a valid one.
+            PhysicsDivergedError: If the physics engine had to give the state up.
+        """
+        flying = self.agents
+        if not flying:
+            raise EnvironmentInputError("step: no agent flies; only reset() is valid")
+        world, given = self._world, self._checked(actions)
+        is_flying = np.array([agent in flying for agent in self.possible_agents])
+        reward = world.step(given, is_flying)
+        is_over = world.task.is_over(world.now)
+        is_late = np.asarray(~is_over & world.is_time_up)
+        infos: dict[str, dict[str, Any]] = {}
+        for agent in flying:
+            i = self._index(agent)
+            infos[agent] = {"distance_m": float(world.now.distance_m[i])}
+            if is_over[i] or is_late[i]:
+                late = bool(is_late[i])
+                reward[i] += world.task.end_reward(is_time_up=late)
+                infos[agent] |= world.outcome(i, is_time_up=late).to_info()
+        self.agents = [agent for agent in flying if not (is_over | is_late)[self._index(agent)]]
+        return (
+            self._observe(flying),
+            {agent: float(reward[self._index(agent)]) for agent in flying},
+            {agent: bool(is_over[self._index(agent)]) for agent in flying},
+            {agent: bool(is_late[self._index(agent)]) for agent in flying},
+            infos,
+        )
+
+    def close(self) -> None:
+        """Free what the world holds."""
+        self._world.close()
+
+    def _index(self, agent: str) -> int:
+        return self.possible_agents.index(agent)
+
+    def _observe(self, agents: Sequence[str]) -> dict[str, np.ndarray]:
+        observations = self._world.observe()
+        return {agent: observations[self._index(agent)] for agent in agents}
+
+    def _checked(self, actions: Mapping[str, np.ndarray]) -> Float[np.ndarray, "n 4"]:
+        """Actions of those that fly; zero for the others."""
+        given = np.zeros((len(self.possible_agents), N_ACTIONS))
+        for agent in self.agents:
+            if agent not in actions:
+                raise EnvironmentInputError(
+                    f"actions: {agent} has none; one for each of {', '.join(self.agents)} is valid"
+                )
+            given[self._index(agent)] = checked_actions(actions[agent], (N_ACTIONS,))
+        return given
+
+
+def parallel_env(
+    vehicles: int | Sequence[str] = 4,
+    scene: str | Scene = "field",
+    cfg: EnvironmentCfg | None = None,
+) -> AeroSceneSwarm:
+    """Make `AeroScene/Swarm-v0`, by the name that PettingZoo's environments have for it.
+
+    Args:
+        vehicles: Number of vehicles, or the airframe of each.
+        scene: Scene, or its name.
+        cfg: Configuration.
+
+    Raises:
+        EnvironmentInputError: If these are not valid; see `AeroSceneSwarm`.
+    """
+    return AeroSceneSwarm(vehicles, scene, cfg)
+
+
+def _airframes(vehicles: int | Sequence[str], cfg: EnvironmentCfg) -> list[Airframe]:
+    if cfg.observation.depth is not None:
+        raise EnvironmentInputError(
+            f"observation.depth = {cfg.observation.depth}: None is valid in a swarm, whose "
+            "vehicles it would not show"
+        )
+    names = [cfg.vehicle] * vehicles if isinstance(vehicles, int) else list(vehicles)
+    if isinstance(vehicles, str) or not 2 <= len(names) <= _MOST_VEHICLES:
+        raise EnvironmentInputError(
+            f"vehicles = {vehicles!r}: 2 to {_MOST_VEHICLES}, or as many airframes, are valid"
+        )
+    airframes = [airframe_by_name(name) for name in names]
+    if len({len(airframe.quadrotor.rotors) for airframe in airframes}) > 1:
+        raise EnvironmentInputError(
+            f"vehicles = {vehicles!r}: airframes with the same number of rotors are valid"
+        )
+    for airframe in airframes:
+        check_motors(cfg.action, airframe)
+    return airframes

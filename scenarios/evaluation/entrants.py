@@ -1,0 +1,170 @@
+"""The rows of a table: real scenes, methods, methods with something taken away, damaged scenes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from aeroscene.learning.baselines.fitting import Lessons, Spent
+from aeroscene.learning.baselines.model import BaselineCfg
+from aeroscene.learning.baselines.named import METHODS, Fitted, fit
+from aeroscene.learning.baselines.presets import FittedPreset, shipped_preset, without
+from aeroscene.learning.program import DecodingCfg
+from aeroscene.learning.training.course import Watcher
+from aeroscene.metrics.damage import DAMAGES
+from aeroscene.scene import Scene, SceneDomain
+from scenarios.evaluation.sources import Data, EvaluationError
+
+TableName = Literal["synthesis", "ablation", "damage"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Means:
+    """What an entrant may use."""
+
+    lessons: Callable[[str], Lessons]
+    """Lessons of a method by its name, which have a folder of their own."""
+    cfg: BaselineCfg
+    data: Data
+    watcher: Watcher
+
+
+@dataclass(frozen=True, kw_only=True)
+class Entrant:
+    """A row of a table, under a name."""
+
+    name: str
+    title: str
+    begin: Callable[[Means], Fitted]
+    is_real: bool = False
+    """Whether its scenes are the test split's, so that there are no more than that."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Real:
+    """Scenes of the test split, by number, changed or as they are."""
+
+    scenes: Sequence[Scene]
+    change: Callable[[Scene, np.random.Generator], Scene] | None = None
+    spent: Spent | None = None
+
+    def sample(self, seed: int, domain: SceneDomain) -> Scene:
+        del domain
+        scene = self.scenes[seed]
+        return scene if self.change is None else self.change(scene, np.random.default_rng(seed))
+
+
+def _trained(name: str) -> Entrant:
+    return Entrant(
+        name=name,
+        title=METHODS[name].title,
+        begin=lambda means: fit(
+            name, means.lessons(METHODS[name].training), means.watcher, means.cfg
+        ),
+    )
+
+
+def _real(name: str, title: str, change: Any = None) -> Entrant:
+    return Entrant(
+        name=name,
+        title=title,
+        begin=lambda means: _Real(means.data.test, change),
+        is_real=True,
+    )
+
+
+GROUND_TRUTH = _real("ground_truth", "ground truth (test split)")
+_SHIPPED = (
+    Entrant(
+        name="paper_shipped",
+        title="the AeroScene paper's, as it ships",
+        begin=lambda means: shipped_preset("paper"),  # noqa: ARG005
+    ),
+    Entrant(
+        name="ours_shipped",
+        title="ours, as it ships",
+        begin=lambda means: shipped_preset("default"),  # noqa: ARG005
+    ),
+)
+"""Trained for longer than a table has, on other scenes of the same grammar."""
+
+_GUIDANCE = {
+    "without_collision": ("collision_weight",),
+    "without_coarse_to_fine": ("coarse_to_fine_weight",),
+    "without_semantic": ("semantic_weight",),
+    "without_all": ("collision_weight", "coarse_to_fine_weight", "semantic_weight"),
+}
+_DECODING = {
+    "without_collision": ("without making room", DecodingCfg(makes_room=False)),
+    "without_semantic": ("without mending and turning", DecodingCfg(mends=False)),
+    "without_all": ("without both", DecodingCfg(makes_room=False, mends=False)),
+}
+"""Ours has no guidance: what its terms are for is done as programs are decoded. Nothing there can
+be switched off for coarse to fine: fine objects have no place but in the frames of coarse ones."""
+
+
+def _less_guided(preset: str, name: str, weights: Sequence[str], *, is_shipped: bool) -> Entrant:
+    changes: Mapping[str, Any] = {"guidance": dict.fromkeys(weights, 0.0)}
+    return Entrant(
+        name=f"{preset}_{name}",
+        title=f"{METHODS['paper'].title}, {name.replace('_', ' ')} guidance",
+        begin=lambda means: _changed("paper", means, is_shipped, changes, DecodingCfg()),
+    )
+
+
+def _less_decoded(preset: str, name: str, *, is_shipped: bool) -> Entrant:
+    words, decoding = _DECODING[name]
+    return Entrant(
+        name=f"{preset}_{name}",
+        title=f"ours, {words}",
+        begin=lambda means: _changed("ours", means, is_shipped, {}, decoding),
+    )
+
+
+def _changed(
+    method: str, means: Means, is_shipped: bool, changes: Mapping[str, Any], decoding: DecodingCfg
+) -> FittedPreset:
+    preset = "paper" if method == "paper" else "default"
+    if is_shipped:
+        return without(None, preset, changes, decoding, None)
+    lessons = means.lessons(method)
+    whole = fit(method, lessons, means.watcher, means.cfg)
+    return without(lessons.folder, preset, changes, decoding, whole.spent)
+
+
+def entrants_of(table: TableName, data: Data, names: Sequence[str]) -> list[Entrant]:
+    """The rows of a table in its order, all of them or those that are named.
+
+    Raises:
+        EvaluationError: If there is no row of a name.
+    """
+    found = [GROUND_TRUTH, *_others(table, data)]
+    if not names:
+        return found
+    known = {entrant.name: entrant for entrant in found}
+    for name in names:
+        if name not in known:
+            raise EvaluationError(
+                f"methods {name!r} is no row of table {table}, valid: {', '.join(known)}"
+            )
+    return [entrant for entrant in found if entrant.name in names]
+
+
+def _others(table: TableName, data: Data) -> list[Entrant]:
+    if table == "damage":
+        return [_real(name, name.replace("_", " "), change) for name, change in DAMAGES.items()]
+    if table == "synthesis":
+        return [*map(_trained, METHODS), *(_SHIPPED if data.is_corpus else ())]
+    # Of the corpus what ships is taken apart, which nobody has to train first.
+    is_shipped = data.is_corpus
+    paper, ours = ("paper_shipped", "ours_shipped") if is_shipped else ("paper", "ours")
+    whole = {entrant.name: entrant for entrant in (*map(_trained, METHODS), *_SHIPPED)}
+    return [
+        whole[paper],
+        *(_less_guided(paper, name, w, is_shipped=is_shipped) for name, w in _GUIDANCE.items()),
+        whole[ours],
+        *(_less_decoded(ours, name, is_shipped=is_shipped) for name in _DECODING),
+    ]

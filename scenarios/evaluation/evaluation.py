@@ -1,0 +1,278 @@
+"""A table under way: methods are trained, their scenes drawn, and all of it judged."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import msgspec
+import numpy as np
+
+from aeroscene.files import replacing
+from aeroscene.learning.baselines.fitting import Lessons, Spent
+from aeroscene.learning.baselines.model import BaselineCfg
+from aeroscene.learning.baselines.named import Fitted
+from aeroscene.learning.training.config import Budget
+from aeroscene.metrics.appearance.features import FeatureNetwork
+from aeroscene.metrics.appearance.frechet import LEAST_PICTURES
+from aeroscene.metrics.scorecard import Yardstick
+from aeroscene.scene import SceneDomain
+from scenarios.evaluation.drawing import PROJECTED, SAMPLED, STAGES, Draw, Drawer
+from scenarios.evaluation.entrants import Entrant, Means
+from scenarios.evaluation.renders import Camera
+from scenarios.evaluation.rows import Judge, Row, cost_rows, stage_name
+from scenarios.evaluation.sources import Data, EvaluationError
+
+_ASKED, _SPENT = "asked.json", "spent.json"
+OnProgress = Callable[[str, float], None]
+
+
+class StoppedError(Exception):
+    """The user wants to go on later."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class EvaluationCfg:
+    """What decides the scenes of a table: a folder holds those of one of these."""
+
+    data: str
+    data_digest: str
+    network: str
+    seed: int
+    cpu_minutes: float | None
+    """Budget of each method's training."""
+    steps: int | None
+    baseline: BaselineCfg
+
+
+class Evaluation:
+    """The work on one folder."""
+
+    def __init__(
+        self,
+        cfg: EvaluationCfg,
+        data: Data,
+        network: FeatureNetwork,
+        folder: Path,
+        wants_stop: Callable[[], bool],
+    ) -> None:
+        """Open a folder, or make it.
+
+        Raises:
+            EvaluationError: If it holds another table.
+            OSError: If it cannot be written.
+        """
+        self.cfg = cfg
+        self._data, self._network = data, network
+        self._folder, self._wants_stop = folder, wants_stop
+        self.camera = Camera.of(data.train)
+        folder.mkdir(parents=True, exist_ok=True)
+        path, text = folder / _ASKED, msgspec.json.format(msgspec.json.encode(cfg), indent=1)
+        if path.exists() and path.read_bytes() != text:
+            raise EvaluationError(
+                f"out {str(folder)!r} holds a table of other data, seed, budget or sizes, valid: "
+                f"those in {str(path)!r}, or another folder"
+            )
+        with replacing(path) as file:
+            file.write(text)
+
+    def run(
+        self, entrants: Sequence[Entrant], count: int, n_flown: int, on_progress: OnProgress
+    ) -> list[Row]:
+        """Train, draw and judge what is not done yet.
+
+        Args:
+            entrants: Rows of the table, in its order.
+            count: Scenes of each; of real ones at most as many as the test split has.
+            n_flown: Of each, so many are flown by the demo.
+            on_progress: Called with what is done, and the share of all.
+
+        Raises:
+            StoppedError: If the user wants to go on later.
+            SceneError: If a method cannot be trained or its scenes cannot be judged.
+            OSError: If a file cannot be written.
+        """
+        if count < LEAST_PICTURES:
+            raise EvaluationError(f"scenes is {count}, valid: {LEAST_PICTURES} or more")
+        rows: list[Row] = []
+        for number, entrant in enumerate(entrants):
+
+            def tell(what: str, share: float, done: int = number, who: Entrant = entrant) -> None:
+                on_progress(f"{who.title}: {what}", (done + share) / len(entrants))
+
+            rows += self._entrant_rows(entrant, count, n_flown, tell)
+        return rows
+
+    def draws(self, entrant: Entrant, count: int) -> list[Draw]:
+        """The draws of an entrant, as far as they are there."""
+        return list(self._drawer(entrant).drawn(self._count(entrant, count)))
+
+    def _entrant_rows(
+        self, entrant: Entrant, count: int, n_flown: int, tell: OnProgress
+    ) -> list[Row]:
+        count = self._count(entrant, count)
+        drawer = self._drawer(entrant)
+        missing = drawer.missing(count)
+        spent = self._spent(entrant)
+        if missing:
+            fitted = entrant.begin(self._means(lambda share: tell("training", share / 2)))
+            if fitted.spent is not None and not fitted.spent.is_done:
+                raise StoppedError
+            self._keep_spent(entrant, fitted.spent)
+            spent = fitted.spent
+            self._draw(drawer, entrant, fitted, missing, tell)
+        draws = list(drawer.drawn(count))
+        self._fly(drawer, draws[:n_flown], tell)
+        draws = list(drawer.drawn(count))
+        tell("judging", 0.95)
+        rows = self._judged(entrant, draws)
+        return rows + cost_rows(entrant.name, draws, spent, self.cfg.seed, is_real=entrant.is_real)
+
+    def _draw(
+        self,
+        drawer: Drawer,
+        entrant: Entrant,
+        fitted: Fitted,
+        missing: Sequence[int],
+        tell: OnProgress,
+    ) -> None:
+        for done, number in enumerate(missing):
+            if self._wants_stop():
+                raise StoppedError
+            tell(f"scene {done + 1} of {len(missing)}", 0.5 + 0.4 * done / len(missing))
+            seed = number if entrant.is_real else self.cfg.seed + number
+            drawer.draw(number, seed, fitted.sample, is_real=entrant.is_real)
+
+    def _fly(self, drawer: Drawer, draws: Sequence[Draw], tell: OnProgress) -> None:
+        from scenarios.baselines.named import pilot_of  # noqa: PLC0415 - the whole simulator
+        from scenarios.generation.worst import fly  # noqa: PLC0415
+
+        for number, draw in enumerate(draws):
+            if self._wants_stop():
+                raise StoppedError
+            if draw.facts.lands is not None:
+                continue
+            tell(f"flight {number + 1} of {len(draws)}", 0.9 + 0.05 * number / len(draws))
+            scene = draw.scene(PROJECTED) or draw.scene(SAMPLED)
+            is_sound = draw.facts.failure is None and draw.facts.rejection is None
+            lands = bool(is_sound and scene and fly(scene, pilot_of("demo", "pilot")).success)
+            drawer.amend(draw, msgspec.structs.replace(draw.facts, lands=lands))
+
+    def _judged(self, entrant: Entrant, draws: Sequence[Draw]) -> list[Row]:
+        rows: list[Row] = []
+        for stage in STAGES:
+            n_there = sum(draw.features(stage) is not None for draw in draws)
+            if n_there < LEAST_PICTURES and stage != SAMPLED:
+                # Of few draws that were not rejected nothing can be said.
+                continue
+            if n_there < LEAST_PICTURES:
+                raise EvaluationError(
+                    f"method {entrant.name} has drawn {n_there} scenes, valid: {LEAST_PICTURES} or "
+                    "more; a larger --scenes, or a longer training"
+                )
+            kept = self._place(entrant) / f"rows-{stage}.json"
+            rows += self._judge.rows(stage_name(entrant.name, stage), stage, draws, kept)
+        return rows
+
+    @cached_property
+    def _judge(self) -> Judge:
+        return Judge(
+            yardstick=Yardstick.of(self._data.train),
+            pictures=self._reference_pictures(),
+            network=self._network,
+            seed=self.cfg.seed,
+            key=f"{self._data.digest} {self._network.name} {self._network.digest}",
+        )
+
+    @property
+    def judge(self) -> Judge:
+        """What scenes are held against."""
+        return self._judge
+
+    def _reference_pictures(self) -> np.ndarray:
+        """Features of the pictures of the training scenes, kept as far as they are made."""
+        path = self._folder / "reference.npz"
+        key = f"{self._data.digest} {self._network.name} {self._network.digest}"
+        found = _read_reference(path, key)
+        for scene in self._data.train[len(found) :]:
+            if self._wants_stop():
+                _write_reference(path, key, found)
+                raise StoppedError
+            found.append(self._network.features(self.camera.pictures(scene)))
+        _write_reference(path, key, found)
+        return np.stack(found)
+
+    def _means(self, on_share: Callable[[float], None]) -> Means:
+        cfg = self.cfg
+        seconds = None if cfg.cpu_minutes is None else 60.0 * cfg.cpu_minutes
+
+        def lessons(method: str) -> Lessons:
+            return Lessons(
+                folder=self._folder / "methods" / method / "training",
+                name=self._data.name,
+                train=self._data.train,
+                held_out=self._data.test,
+                budget=Budget(steps=cfg.steps, seconds=seconds),
+                seed=cfg.seed,
+                is_corpus=self._data.is_corpus,
+            )
+
+        return Means(
+            lessons=lessons,
+            cfg=cfg.baseline,
+            data=self._data,
+            watcher=_Watcher(on_share, self._wants_stop),
+        )
+
+    def _drawer(self, entrant: Entrant) -> Drawer:
+        domains: list[SceneDomain] = [scene.domain for scene in self._data.test]
+        folder = self._place(entrant) / "scenes"
+        return Drawer(folder, self._network, self.camera, domains)
+
+    def _place(self, entrant: Entrant) -> Path:
+        return self._folder / "methods" / entrant.name
+
+    def _count(self, entrant: Entrant, count: int) -> int:
+        return min(count, len(self._data.test)) if entrant.is_real else count
+
+    def _spent(self, entrant: Entrant) -> Spent | None:
+        path = self._place(entrant) / _SPENT
+        return msgspec.json.decode(path.read_bytes(), type=Spent) if path.exists() else None
+
+    def _keep_spent(self, entrant: Entrant, spent: Spent | None) -> None:
+        if spent is not None:
+            with replacing(self._place(entrant) / _SPENT) as file:
+                file.write(msgspec.json.encode(spent))
+
+
+@dataclass(frozen=True)
+class _Watcher:
+    """Tells how far a training is, and ends it when the user wants to."""
+
+    on_share: Callable[[float], None]
+    is_over: Callable[[], bool]
+
+    def on_progress(self, stage: str, share: float, figures: Mapping[str, float]) -> None:
+        del stage, figures
+        self.on_share(min(share, 1.0))
+
+    def wants_stop(self) -> bool:
+        return self.is_over()
+
+
+def _read_reference(path: Path, key: str) -> list[np.ndarray]:
+    if not path.exists():
+        return []
+    with np.load(path, allow_pickle=False) as file:
+        is_ours = str(file["key"]) == hashlib.sha256(key.encode()).hexdigest()
+        return list(file["features"]) if is_ours else []
+
+
+def _write_reference(path: Path, key: str, found: Sequence[np.ndarray]) -> None:
+    if found:
+        digest = hashlib.sha256(key.encode()).hexdigest()
+        with replacing(path) as file:
+            np.savez_compressed(file, key=digest, features=np.stack(found))

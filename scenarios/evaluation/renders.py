@@ -1,0 +1,105 @@
+"""The two pictures of a scene by which a network compares scenes, always taken in the same way.
+
+| what | how |
+|---|---|
+| size | 256 x 256 pixels |
+| top | from straight above, field of view 40 degrees, north at the top |
+| oblique | from the south-west (azimuth -118 degrees), 40 degrees up, field of view 40 degrees |
+| scale | one for all scenes of a domain: what 90% of the training scenes reach is in the picture |
+| middle | the origin of the scene, at the ground |
+| roofs | indoors everything above 2.5 m is cut off, so that rooms can be seen |
+| renderer | ray casting on the processor, quality `fast`: the same picture on every machine |
+| vehicle, traffic | none |
+
+One scale, so that a room twice as large looks twice as large.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from contextlib import closing
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from aeroscene.metrics.appearance.features import Picture
+from aeroscene.scene import Scene, SceneDomain
+from autonomy.types import Vector3
+from flightsim.looks.cutting import cut_at
+from flightsim.sensors.cameras import open_camera_renderer
+from flightsim.vehicles.catalogue import airframe_by_name
+from flightsim.world import build_world
+
+PIXELS = 256
+VIEWS = ("top", "oblique")
+_TOP_FOV_RAD = math.radians(40.0)
+"""From farther away haze hides the ground of a large site."""
+_OBLIQUE_FOV_RAD = math.radians(40.0)
+_OBLIQUE_AZIMUTH_RAD = math.radians(-118.0)
+_OBLIQUE_ELEVATION_RAD = math.radians(40.0)
+_OBLIQUE_ROOM = 1.2
+"""Corners come nearer to the eye than the middle."""
+_CUT_M = 2.5
+_REACHED_SHARE = 0.9
+_LEAST_REACH_M = 2.0
+_VEHICLE = "iris"
+"""A world has one, which is not in the picture."""
+
+
+@dataclass(frozen=True)
+class Camera:
+    """The scale of the pictures."""
+
+    reach_m: Mapping[SceneDomain, float]
+    """Half of what is in the picture, by domain."""
+
+    @classmethod
+    def of(cls, train: Sequence[Scene]) -> Camera:
+        """The scale that suits training scenes."""
+        reaches: dict[SceneDomain, list[float]] = {}
+        for scene in train:
+            reaches.setdefault(scene.domain, []).append(_reach_m(scene))
+        return cls(
+            {
+                domain: max(float(np.quantile(each, _REACHED_SHARE)), _LEAST_REACH_M)
+                for domain, each in reaches.items()
+            }
+        )
+
+    def pictures(self, scene: Scene) -> tuple[Picture, Picture]:
+        """The scene from above, and from aside.
+
+        Raises:
+            ValueError: If its geometry does not compile.
+        """
+        world = build_world(
+            replace(scene, interaction_areas=()), airframe_by_name(_VEHICLE), vehicle=False
+        )
+        if scene.domain == "indoor":
+            world = replace(world, solids=cut_at(world.solids, _CUT_M))
+        reach_m = self.reach_m.get(scene.domain, max(self.reach_m.values()))
+        data = world.new_data()
+        with closing(open_camera_renderer(world, PIXELS, PIXELS, "raycast")) as renderer:
+            top, oblique = (
+                renderer.render_view(data, eye, (0.0, 0.0, 0.0), fov_rad).rgb.copy()
+                for eye, fov_rad in _eyes(reach_m)
+            )
+        return top, oblique
+
+
+def _reach_m(scene: Scene) -> float:
+    corners = np.concatenate([obj.bbox.corners() for obj in scene.objects])
+    return float(np.abs(corners[:, :2]).max())
+
+
+def _eyes(reach_m: float) -> tuple[tuple[Vector3, float], tuple[Vector3, float]]:
+    above_m = reach_m / math.tan(_TOP_FOV_RAD / 2)
+    away_m = _OBLIQUE_ROOM * reach_m / math.tan(_OBLIQUE_FOV_RAD / 2)
+    level_m = away_m * math.cos(_OBLIQUE_ELEVATION_RAD)
+    oblique = (
+        level_m * math.cos(_OBLIQUE_AZIMUTH_RAD),
+        level_m * math.sin(_OBLIQUE_AZIMUTH_RAD),
+        away_m * math.sin(_OBLIQUE_ELEVATION_RAD),
+    )
+    return ((0.0, 0.0, above_m), _TOP_FOV_RAD), (oblique, _OBLIQUE_FOV_RAD)

@@ -1,0 +1,191 @@
+"""Rows of a table: every figure of a method with its interval, kept once it is measured."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import msgspec
+import numpy as np
+
+from aeroscene.files import replacing
+from aeroscene.learning.baselines.fitting import Spent
+from aeroscene.metrics.appearance.features import FeatureNetwork
+from aeroscene.metrics.appearance.frechet import frechet_figure
+from aeroscene.metrics.appearance.kernel_distance import kernel_figure
+from aeroscene.metrics.intervals import Figure, mean_figure
+from aeroscene.metrics.scorecard import METRICS, Metric, Yardstick, layout_figures
+from scenarios.evaluation.drawing import SAMPLED, Draw
+from scenarios.evaluation.renders import VIEWS
+
+COSTS: Mapping[str, Metric] = {
+    "flies": Metric(
+        title="draws in which an Iris can fly to a landing area", unit="%", better="higher"
+    ),
+    "areas": Metric(
+        title="landing areas that can be reached, of all draws", unit="areas", better=None
+    ),
+    "lands": Metric(title="draws in which the demo lands", unit="%", better="higher"),
+    "failed": Metric(title="draws without a scene", unit="%"),
+    "sample_cpu_s": Metric(title="sampling of a scene", unit="CPU s"),
+    "sample_mb": Metric(title="peak memory while sampling", unit="MB"),
+    "parameters": Metric(title="parameters", unit="millions", better=None),
+    "training_steps": Metric(title="training steps", unit="steps", better=None),
+    "training_cpu_s": Metric(title="training", unit="CPU s", better=None),
+    "training_tflop": Metric(title="training", unit="TFLOP", better=None),
+}
+"""What a method costs, and whether its scenes can be flown in."""
+
+
+_VERSION = 1
+"""Raise it when figures are computed otherwise: kept ones are then measured anew."""
+
+
+class Row(msgspec.Struct, frozen=True, kw_only=True):
+    """One figure of one method."""
+
+    method: str
+    metric: str
+    value: float | None
+    """None where there is nothing to judge."""
+    interval_95: tuple[float, float] | None
+    n: int
+    """Scenes that it is of."""
+
+
+@dataclass(frozen=True, eq=False)
+class Judge:
+    """What scenes are held against."""
+
+    yardstick: Yardstick
+    pictures: np.ndarray
+    """Features of the training scenes' pictures, (scenes, views, features)."""
+    network: FeatureNetwork
+    seed: int
+    key: str
+    """Digest of all that figures depend on beside the scenes."""
+
+    def metrics(self) -> dict[str, Metric]:
+        """All metrics in the order of the table."""
+        near, kernel = self.network.frechet_name, self.network.kernel_name
+        found = {near: Metric(title="Fréchet distance of pictures, both views", unit="-")}
+        found[kernel] = Metric(title="kernel distance of pictures, both views", unit="-")
+        for view in VIEWS:
+            found[f"{near}-{view}"] = Metric(title=f"Fréchet distance, {view} view", unit="-")
+            found[f"{kernel}-{view}"] = Metric(title=f"kernel distance, {view} view", unit="-")
+        return found | dict(METRICS) | dict(COSTS)
+
+    def rows(self, method: str, stage: str, draws: Sequence[Draw], kept: Path) -> list[Row]:
+        """Figures of the scenes of a stage; read where they were measured before.
+
+        Raises:
+            TooFewScenesError: If there are too few scenes.
+            OSError: If a file cannot be written.
+        """
+        there = [draw for draw in draws if (draw.stem.with_suffix(f".{stage}.json.gz")).exists()]
+        key = self._key(there)
+        known = _read(kept, key)
+        if known is not None:
+            return known
+        scenes = [scene for draw in there if (scene := draw.scene(stage)) is not None]
+        found = [features for draw in there if (features := draw.features(stage)) is not None]
+        rng = np.random.default_rng(self.seed)
+        pictures = np.stack(found) if found else np.zeros((0, *self.pictures.shape[1:]))
+        figures = self._picture_figures(pictures, rng)
+        figures |= layout_figures(scenes, self.yardstick, rng)
+        rows = [_row(method, metric, figure) for metric, figure in figures.items()]
+        with replacing(kept) as file:
+            file.write(msgspec.json.encode({"key": key, "rows": rows}))
+        return rows
+
+    def _key(self, draws: Sequence[Draw]) -> str:
+        digest = hashlib.sha256(f"{_VERSION} {self.key}".encode())
+        for draw in draws:
+            digest.update(f"{draw.stem.name} {draw.facts.seed}".encode())
+        return digest.hexdigest()[:16]
+
+    def _picture_figures(self, pictures: np.ndarray, rng: np.random.Generator) -> dict[str, Figure]:
+        name, kernel = self.network.frechet_name, self.network.kernel_name
+        figures: dict[str, Figure] = {}
+        for number, view in enumerate(VIEWS):
+            pair = pictures[:, number], self.pictures[:, number]
+            figures[f"{name}-{view}"] = frechet_figure(*pair, rng)
+            figures[f"{kernel}-{view}"] = kernel_figure(*pair, rng)
+        means = {
+            metric: _mean([figures[f"{metric}-{view}"] for view in VIEWS])
+            for metric in (name, kernel)
+        }
+        return means | figures
+
+
+def _mean(figures: Sequence[Figure]) -> Figure:
+    """Mean of figures of the same scenes: their errors go together."""
+    value, low, high = (
+        float(np.mean([getattr(figure, name) for figure in figures]))
+        for name in ("value", "low", "high")
+    )
+    return Figure(value=value, low=low, high=high, n=figures[0].n)
+
+
+def cost_rows(
+    method: str, draws: Sequence[Draw], spent: Spent | None, seed: int, *, is_real: bool
+) -> list[Row]:
+    """What a method's draws and its training took, and how many can be flown in."""
+    rng = np.random.default_rng(seed)
+    facts = [draw.facts for draw in draws]
+    is_sound = [fact.failure is None and fact.rejection is None for fact in facts]
+    values: dict[str, list[float]] = {
+        "flies": [100.0 * sound for sound in is_sound],
+        "areas": [float(fact.n_areas) for fact in facts],
+    }
+    flown = [fact for fact in facts if fact.lands is not None]
+    if flown:
+        values["lands"] = [100.0 * bool(fact.lands) for fact in flown]
+    if not is_real:
+        drawn = [fact for fact in facts if fact.failure is None]
+        values["failed"] = [100.0 * (fact.failure is not None) for fact in facts]
+        values["sample_cpu_s"] = [fact.sample_cpu_s for fact in drawn]
+        values["sample_mb"] = [fact.peak_mb for fact in drawn]
+    rows = [_row(method, name, mean_figure(np.array(each), rng)) for name, each in values.items()]
+    if spent is not None:
+        figures = {
+            "parameters": spent.parameters / 1e6,
+            "training_steps": float(spent.steps),
+            "training_cpu_s": spent.cpu_s,
+            "training_tflop": spent.flop / 1e12,
+        }
+        rows += [
+            Row(method=method, metric=name, value=value, interval_95=None, n=1)
+            for name, value in figures.items()
+        ]
+    return rows
+
+
+def _row(method: str, metric: str, figure: Figure) -> Row:
+    if math.isnan(figure.value):
+        return Row(method=method, metric=metric, value=None, interval_95=None, n=0)
+    interval = (float(figure.low), float(figure.high))
+    return Row(
+        method=method, metric=metric, value=float(figure.value), interval_95=interval, n=figure.n
+    )
+
+
+def _read(path: Path, key: str) -> list[Row] | None:
+    try:
+        kept = msgspec.json.decode(path.read_bytes(), type=_Kept)
+    except (FileNotFoundError, msgspec.DecodeError):
+        return None
+    return kept.rows if kept.key == key else None
+
+
+class _Kept(msgspec.Struct):
+    key: str
+    rows: list[Row]
+
+
+def stage_name(method: str, stage: str) -> str:
+    """What a method is called in the table once its scenes are projected."""
+    return method if stage == SAMPLED else f"{method}+projection"

@@ -1,0 +1,86 @@
+"""Missions of our own pilots: one for each vehicle of a world, to areas apart."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from aeroscene.scene import InteractionArea
+from flightsim.testbench import Testbench, TestbenchError
+from scenarios.run.cfg import SitlCfg
+
+if TYPE_CHECKING:
+    from scenarios.mission.mission import Mission
+    from scenarios.pilot import Pilot
+    from scenarios.pilot.eyes import Frames
+
+_APART_M = 4.0
+"""Least distance between the areas of two vehicles, and from where another one starts."""
+
+
+def plan_missions(
+    cfg: SitlCfg, benches: Sequence[Testbench], area: InteractionArea | None
+) -> list[Mission]:
+    """Plan a mission for each vehicle, none near another one's.
+
+    Args:
+        cfg: Configuration of the run.
+        benches: The vehicles of one world.
+        area: Area of the first vehicle; None draws it too.
+
+    Raises:
+        TestbenchError: If there is none for one of them.
+    """
+    # casadi and the kernels of planning and perception: only where our pilot flies.
+    from scenarios.mission.mission import plan_mission  # noqa: PLC0415
+    from scenarios.mission.surroundings import MissionError  # noqa: PLC0415
+    from scenarios.run.kernels import announce_pilot_kernels  # noqa: PLC0415
+
+    announce_pilot_kernels(cfg.map)
+    missions: list[Mission] = []
+    for number, bench in enumerate(benches):
+        others = [other for other in benches if other is not bench]
+        taken = [other.scene.start_position_enu_m for other in others]
+        taken += [mission.area.centroid for mission in missions]
+        try:
+            mission = plan_mission(
+                bench.scene,
+                bench.airframe,
+                seed=bench.cfg.seed,
+                area=area if number == 0 else None,
+                target=cfg.target,
+                map_source=cfg.map,
+                method=cfg.planner,
+                is_free=_apart_from(taken),
+            )
+        except MissionError as error:
+            who = f"vehicle {number + 1}: " if others else ""
+            raise TestbenchError(f"{who}{error}") from error
+        missions.append(mission)
+    return [
+        replace(mission, alternates=_left_to(mission, [m for m in missions if m is not mission]))
+        for mission in missions
+    ]
+
+
+def new_pilot(bench: Testbench, mission: Mission, frames: Frames) -> Pilot:
+    """Our pilot for a vehicle, which looks out where anything else moves."""
+    from scenarios.pilot import Pilot, PilotCfg  # noqa: PLC0415 - as above
+
+    world = bench.plant.world
+    brief = PilotCfg(expects_traffic=bool(world.obstacles) or world.n_vehicles > 1)
+    return Pilot(bench.connect(), mission, frames, brief)
+
+
+def _left_to(mission: Mission, others: Sequence[Mission]) -> tuple[InteractionArea, ...]:
+    """Alternates of a mission that lie apart from the areas of others."""
+    is_free = _apart_from([other.area.centroid for other in others])
+    return tuple(area for area in mission.alternates if is_free(area))
+
+
+def _apart_from(
+    taken_enu_m: Sequence[tuple[float, float, float]],
+) -> Callable[[InteractionArea], bool]:
+    return lambda area: all(math.dist(area.centroid, place) >= _APART_M for place in taken_enu_m)

@@ -1,0 +1,100 @@
+"""When a run is over: its pilot is done, all has come to rest, or the time is up."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Sequence
+
+from flightsim.plant import Plant
+from flightsim.simulator import Simulator
+from scenarios.run.companion import Companion
+from scenarios.trials.flight_log import FlightLog
+from scenarios.trials.limits import LIMITS
+
+_Part = tuple[float, Callable[[], bool]]
+
+
+class Schedule:
+    """The parts of a vehicle's run, one after the other; ask `is_over` before each tick."""
+
+    def __init__(
+        self, plant: Plant, log: FlightLog, companion: Companion | None, longest_s: float | None
+    ) -> None:
+        """Begin now.
+
+        Args:
+            plant: The vehicle.
+            log: Its flight.
+            companion: Who flies; a run for clients alone has one part, which has no end.
+            longest_s: Simulated time after which it is over anyway; None for never.
+        """
+        self._plant = plant
+        parts: list[_Part] = []
+        if companion is not None:
+            rest_s = LIMITS.longest_settle_s - LIMITS.settle_s
+            parts = [
+                (LIMITS.trial_s, lambda: companion.is_done),
+                (LIMITS.settle_s, lambda: False),
+                (rest_s, lambda: companion.area is None or log.is_still()),
+            ]
+        self._is_endless = companion is None
+        self._parts = iter(parts)
+        self._end_us = math.inf if longest_s is None else plant.time_us + round(longest_s * 1e6)
+        self._next()
+
+    def is_over(self) -> bool:
+        """Whether the run is over; whoever has heard so needs not ask again."""
+        now_us = self._plant.time_us
+        if now_us >= self._end_us:
+            return True
+        if self._is_endless:
+            return False
+        while self._part is not None:
+            until_us, is_done = self._part
+            if now_us < until_us and not is_done():
+                return False
+            self._next()
+        return True
+
+    def _next(self) -> None:
+        part = next(self._parts, None)
+        now_us = self._plant.time_us
+        self._part = None if part is None else (round(now_us + part[0] * 1e6), part[1])
+
+
+class RunClock:
+    """Wall time and CPU time of a run, from when it is made."""
+
+    def __init__(self) -> None:
+        self._wall_s, self._cpu_s = time.perf_counter(), time.process_time()
+
+    def spent_s(self) -> tuple[float, float]:
+        """Wall time and CPU time so far."""
+        return time.perf_counter() - self._wall_s, time.process_time() - self._cpu_s
+
+
+def run_until_over(
+    simulator: Simulator, schedules: Sequence[Schedule], should_stop: Callable[[], bool | str]
+) -> str | None:
+    """Simulate until every vehicle's run is over.
+
+    Args:
+        simulator: The loop.
+        schedules: What is to come for each vehicle.
+        should_stop: Called every tick; the run ends when this is true or says by what.
+
+    Returns:
+        What stopped the run before it was over, if anything did.
+    """
+    word: bool | str = False
+
+    def is_over() -> bool:
+        nonlocal word
+        word = word or should_stop()
+        # Each is asked at every tick: its parts follow each other in its own time.
+        n_over = sum(schedule.is_over() for schedule in schedules)
+        return bool(word) or n_over == len(schedules)
+
+    simulator.run(stop=is_over)
+    return (word if isinstance(word, str) else "the caller") if word else None

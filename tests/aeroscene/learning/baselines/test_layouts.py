@@ -1,0 +1,104 @@
+"""Flat layouts: what a scene becomes and comes back as."""
+
+import numpy as np
+import pytest
+
+from aeroscene.learning.baselines.layouts import (
+    CATEGORY,
+    EMPTY,
+    HEADING,
+    Boxes,
+    LayoutCode,
+    LayoutSet,
+    boxes_of,
+)
+from aeroscene.learning.baselines.marginals import Marginals
+from aeroscene.learning.tokens.kinds import DOMAINS
+from aeroscene.learning.training.config import TrainingError
+from tests.aeroscene.conftest import SAMPLE, cached_scene
+
+SCENES = [cached_scene(index) for index in SAMPLE]
+
+
+@pytest.fixture(scope="module")
+def code():
+    return LayoutCode.of(SCENES)
+
+
+def test_boxes_survive_encoding_and_decoding(code):
+    for scene in SCENES:
+        boxes = boxes_of(scene)
+        found = code.decode(code.encode(boxes))
+        assert (found.category == boxes.category).all()
+        assert found.centre_enu_m == pytest.approx(boxes.centre_enu_m, abs=1e-6)
+        assert found.size_m == pytest.approx(boxes.size_m, rel=1e-6)
+        assert np.cos(found.yaw_rad - boxes.yaw_rad) == pytest.approx(1.0)
+
+
+def test_a_decoded_scene_has_the_same_boxes_and_nearest_hosts(code):
+    scene = cached_scene(42)
+    boxes = boxes_of(scene)
+    made = code.scene(boxes, scene.domain, 42, np.random.default_rng(0))
+    again = boxes_of(made)
+    for name in ("category", "centre_enu_m", "size_m"):
+        order, order_again = (
+            np.lexsort((*b.centre_enu_m.round(3).T, b.category)) for b in (boxes, again)
+        )
+        whole = getattr(boxes, name)[order], getattr(again, name)[order_again]
+        # No document has an extent below MIN_SIZE_M.
+        assert whole[1] == pytest.approx(whole[0], abs=2e-3 if name != "size_m" else 0.0101)
+    assert made.domain == scene.domain
+    coarse = {obj.id: obj.bbox.p for obj in made.objects if obj.is_coarse}
+    for obj in made.objects:
+        if not obj.is_coarse:
+            away = {i: np.linalg.norm(np.subtract(obj.bbox.p, p)) for i, p in coarse.items()}
+            assert away[obj.parent_id] == pytest.approx(min(away.values()))
+
+
+def test_empty_slots_are_no_objects_and_a_layout_has_one_at_least(code):
+    boxes = boxes_of(SCENES[0])
+    x = code.encode(boxes)
+    x[1:, CATEGORY], x[1:, EMPTY] = -1.0, 1.0
+    assert len(code.decode(x).category) == 1
+    x[0, CATEGORY], x[0, EMPTY] = -0.9, 1.0
+    assert len(code.decode(x).category) == 1
+
+
+def test_batches_are_turned_and_mirrored_as_one_and_keep_their_content(code):
+    data = LayoutSet.of(SCENES[:1], code)
+    boxes = boxes_of(SCENES[0])
+    away = np.linalg.norm(boxes.centre_enu_m[:, None] - boxes.centre_enu_m, axis=-1)
+    seen = set()
+    for seed in range(12):
+        batch = data.sample_batch(1, np.random.default_rng(seed))
+        found = code.decode(batch.x0[0, batch.mask[0]].double().numpy())
+        between = np.linalg.norm(found.centre_enu_m[:, None] - found.centre_enu_m, axis=-1)
+        assert between == pytest.approx(away, abs=1e-3)
+        seen.add(tuple(batch.x0[0, 0, HEADING].numpy().round(3).tolist()))
+    assert len(seen) >= 4
+    assert int(batch.domain) == DOMAINS.index(SCENES[0].domain)
+
+
+def test_scenes_with_more_objects_than_slots_are_left_out():
+    code = LayoutCode.of([min(SCENES, key=lambda scene: len(scene.objects))])
+    assert 0 < len(LayoutSet.of(SCENES, code).examples) < len(SCENES)
+
+
+def test_marginals_keep_what_there_is_and_break_what_goes_together():
+    marginals = Marginals(SCENES)
+    made = marginals.sample(3, "outdoor")
+    assert made == marginals.sample(3, "outdoor")
+    assert made != marginals.sample(4, "outdoor")
+    outdoor = [scene for scene in SCENES if scene.domain == "outdoor"]
+    assert len(made.objects) in {len(scene.objects) for scene in outdoor}
+    sizes = {obj.bbox.s for scene in outdoor for obj in scene.objects}
+    known = np.array(sorted(sizes))
+    for obj in made.objects:
+        assert np.abs(known - obj.bbox.s).max(axis=1).min() < 2e-3
+    with pytest.raises(TrainingError, match="domain is 'indoor', valid: outdoor"):
+        Marginals(outdoor).sample(0, "indoor")
+
+
+def test_an_empty_set_of_boxes_is_never_decoded(code):
+    nothing = np.full((4, EMPTY + 1), -1.0)
+    assert isinstance(code.decode(nothing), Boxes)

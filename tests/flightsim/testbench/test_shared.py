@@ -1,0 +1,46 @@
+"""Several vehicles in one loop: each with its system id, its ports and its autopilot."""
+
+import pytest
+
+from flightsim.mavlink.links import network_links
+from flightsim.testbench import SharedTestbench, TestbenchCfg, TestbenchError
+from flightsim.vehicles import airframe_by_name
+from tests.flightsim.handmade import empty_scene
+
+IRIS = airframe_by_name("iris")
+
+
+def test_each_vehicle_answers_by_its_own_system_id_and_flies_by_its_own_commands():
+    cfg = TestbenchCfg(speed="max", instance=4)
+    with SharedTestbench(
+        empty_scene(), cfg, [IRIS, airframe_by_name("hummingbird")], has_network=False
+    ) as bench:
+        clients = [each.connect() for each in bench.benches]
+        for each, client in zip(bench.benches, clients, strict=True):
+            each.observers.append(lambda each=each, c=client: c.update(each.plant.time_us))
+        first, second = bench.benches
+        bench.run(10.0, until=lambda: all(b.autopilot.prearm.is_ok for b in bench.benches))
+        assert [client.telemetry.system_id for client in clients] == [5, 6]
+        assert [b.autopilot.parameters["MAV_SYS_ID"] for b in bench.benches] == [5, 6]
+        assert second.autopilot.takeoff(bench.scene.altitude_m + 3.0).is_accepted
+        assert second.autopilot.arm().is_accepted
+        bench.run(6.0)
+        assert not first.autopilot.is_armed
+        assert first.plant.truth.position_enu_m[2] < 0.5
+        assert second.plant.truth.position_enu_m[2] > 1.5
+        assert first.plant.time_us == second.plant.time_us == bench.group.time_us
+
+
+def test_all_vehicles_of_a_world_speak_to_one_ground_station_as_those_of_px4():
+    names = [
+        [link.name for link in network_links(i, "127.0.0.1", first_instance=2)] for i in (2, 3)
+    ]
+    assert names[0][:2] == ["udp:18572->14552", "udp:14582->14542"]
+    assert names[1][:2] == ["udp:18573->14552", "udp:14583->14543"]
+
+
+def test_what_several_vehicles_cannot_be_is_refused_in_a_line():
+    with pytest.raises(TestbenchError, match="vehicles 2 are our autopilot's, and px4 flies"):
+        SharedTestbench(empty_scene(), TestbenchCfg(autopilot="px4"), [IRIS] * 2)
+    with pytest.raises(TestbenchError, match="vehicles 3 from instance 98 on reach instance 100"):
+        SharedTestbench(empty_scene(), TestbenchCfg(instance=98), [IRIS] * 3)
