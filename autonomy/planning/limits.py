@@ -34,9 +34,9 @@ class MotionBounds:
 class FlightLimits:
     """Limits of the motion that a trajectory may demand of the vehicle."""
 
-    speed_horizontal_mps: float = 5.0
+    speed_horizontal_mps: float = 6.5
     speed_vertical_mps: float = 2.0
-    acceleration_mps2: float = 3.0
+    acceleration_mps2: float = 4.0
     """Horizontal acceleration, m/s^2."""
     acceleration_vertical_mps2: float = 2.0
     thrust_fraction: float = 0.85

@@ -11,10 +11,13 @@ from autonomy.planning import Trajectory
 from autonomy.types import FlatReference, Vector3
 from flightsim.mavlink.client.telemetry import Telemetry
 
-TOUCHDOWN_SPEED_MPS = 0.4
+TOUCHDOWN_SPEED_MPS = 0.8
+"""Greatest speed of the last stretch."""
 _CONTACT_SPEED_MPS = 0.3
 """Speed over the last `_SLOW_M` above the surface: a gust adds to it."""
 _SLOW_M = 0.2
+_SLOWING_PER_S = 2.0
+"""Speed that is taken off for each metre on the way to `_SLOW_M`."""
 _PRESS_M = 0.4
 """Depth of the last setpoints below the surface, so that the rotors unload."""
 _AT_PLACE_M = 0.25
@@ -121,14 +124,31 @@ def _sinking(
         return begin
     x, y, z = begin.position_enu_m
     lowest_m, slow_m = resting_height_m - _PRESS_M, resting_height_m + _SLOW_M
-    speed_mps = TOUCHDOWN_SPEED_MPS
-    height_m = z - speed_mps * (time_us - begun_us) * 1e-6
-    if height_m < slow_m:
-        speed_mps = _CONTACT_SPEED_MPS
-        height_m = slow_m - (slow_m - height_m) * speed_mps / TOUCHDOWN_SPEED_MPS
-    position_enu_m: Vector3 = (x, y, max(height_m, lowest_m))
+    above_m, speed_mps = _sunk(z - slow_m, (time_us - begun_us) * 1e-6)
+    height_m = max(slow_m + above_m, lowest_m)
+    position_enu_m: Vector3 = (x, y, height_m)
     return FlatReference(
         position_enu_m=position_enu_m,
         velocity_enu_mps=(0.0, 0.0, -speed_mps if height_m > lowest_m else 0.0),
         yaw_rad=begin.yaw_rad,
     )
+
+
+def _sunk(above_m: float, elapsed_s: float) -> tuple[float, float]:
+    """Height above where it is slow, and speed of sinking, some time after it was so high above.
+
+    The speed falls in proportion to the height, from the greatest to that of contact.
+    """
+    slowing_m = (TOUCHDOWN_SPEED_MPS - _CONTACT_SPEED_MPS) / _SLOWING_PER_S
+    fast_s = max(0.0, (above_m - slowing_m) / TOUCHDOWN_SPEED_MPS)
+    if elapsed_s < fast_s:
+        return above_m - TOUCHDOWN_SPEED_MPS * elapsed_s, TOUCHDOWN_SPEED_MPS
+    above_m, elapsed_s = min(above_m, slowing_m), elapsed_s - fast_s
+    if above_m > 0.0:
+        first_mps = _CONTACT_SPEED_MPS + _SLOWING_PER_S * above_m
+        slowing_s = math.log(first_mps / _CONTACT_SPEED_MPS) / _SLOWING_PER_S
+        if elapsed_s < slowing_s:
+            speed_mps = first_mps * math.exp(-_SLOWING_PER_S * elapsed_s)
+            return (speed_mps - _CONTACT_SPEED_MPS) / _SLOWING_PER_S, speed_mps
+        above_m, elapsed_s = 0.0, elapsed_s - slowing_s
+    return above_m - _CONTACT_SPEED_MPS * elapsed_s, _CONTACT_SPEED_MPS

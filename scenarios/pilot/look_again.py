@@ -10,7 +10,7 @@ from scenarios.pilot.phases import Phase, Step
 
 _LOG = logging.getLogger(__name__)
 
-DESCENT_SPEED_MPS = 1.5
+DESCENT_SPEED_MPS = 2.0
 LEAST_LOOK_M = 1.2
 """Least height from which an area is looked at again."""
 LEAST_LOWER_M = 0.3
