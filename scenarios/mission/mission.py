@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Float
 
 from aeroscene.scene import InteractionArea, Scene
-from autonomy.planning import Method, PlanningError, Trajectory
+from autonomy.planning import FlightLimits, Method, PlanningError, Trajectory
 from autonomy.types import FlatReference, Vector3
 from flightsim.vehicles.airframe import Airframe
 from scenarios.mission.goals import Target, draw_goals, fitting_areas, is_indoor
@@ -73,6 +73,7 @@ def plan_mission(
     target: Target = "landing",
     map_source: MapSource = "truth",
     method: Method = "optimise",
+    limits: FlightLimits | None = None,
     is_free: Callable[[InteractionArea], bool] = lambda _: True,
 ) -> Mission:
     """Draw an area that can be flown to (unless one is given) and plan the way to it.
@@ -86,12 +87,13 @@ def plan_mission(
         map_source: Whether the map is given or grows with what the vehicle sees; a growing map is
             planned in from above the start, and its areas are those of the brief.
         method: What makes trajectories of ways, now and in flight.
+        limits: Limits of the motion; None for the usual ones.
         is_free: Whether an area is nobody else's; asked of those that are drawn, and of alternates.
 
     Raises:
         MissionError: If no area suits the vehicle, or none can be flown to.
     """
-    surroundings = survey(scene, airframe, map_source=map_source, method=method)
+    surroundings = survey(scene, airframe, limits, map_source=map_source, method=method)
     takeoff = takeoff_point(surroundings)
     drawn = draw_goals(scene, airframe, seed, target) if area is None else []
     candidates = [each for each in drawn if is_free(each)] if area is None else [area]

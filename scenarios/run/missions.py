@@ -35,7 +35,7 @@ def plan_missions(
     """
     # casadi and the kernels of planning and perception: only where our pilot flies.
     from scenarios.mission.mission import plan_mission  # noqa: PLC0415
-    from scenarios.mission.surroundings import MissionError  # noqa: PLC0415
+    from scenarios.mission.surroundings import MissionError, limits_among_movers  # noqa: PLC0415
     from scenarios.run.kernels import announce_pilot_kernels  # noqa: PLC0415
 
     announce_pilot_kernels(cfg.map)
@@ -53,6 +53,7 @@ def plan_missions(
                 target=cfg.target,
                 map_source=cfg.map,
                 method=cfg.planner,
+                limits=limits_among_movers() if _meets_movers(bench) else None,
                 is_free=_apart_from(taken),
             )
         except MissionError as error:
@@ -69,9 +70,13 @@ def new_pilot(bench: Testbench, mission: Mission, frames: Frames) -> Pilot:
     """Our pilot for a vehicle, which looks out where anything else moves."""
     from scenarios.pilot import Pilot, PilotCfg  # noqa: PLC0415 - as above
 
-    world = bench.plant.world
-    brief = PilotCfg(expects_traffic=bool(world.obstacles) or world.n_vehicles > 1)
+    brief = PilotCfg(expects_traffic=_meets_movers(bench))
     return Pilot(bench.connect(), mission, frames, brief)
+
+
+def _meets_movers(bench: Testbench) -> bool:
+    world = bench.plant.world
+    return bool(world.obstacles) or world.n_vehicles > 1
 
 
 def _left_to(mission: Mission, others: Sequence[Mission]) -> tuple[InteractionArea, ...]:

@@ -146,9 +146,9 @@ def read_cameras(
     mounts = (
         _camera(table.table("forward"), "forward", ahead_m, 15.0, height_m),
         _camera(table.table("down"), "down", below_m, 90.0, height_m),
-        _camera(table.table("up"), "up", above_m, -50.0, height_m, fov_deg=100.0),
+        _camera(table.table("up"), "up", above_m, -40.0, height_m, fov_deg=100.0),
         _camera(
-            table.table("rear"), "rear", above_m, -50.0, height_m, fov_deg=100.0, yaw_deg=180.0
+            table.table("rear"), "rear", above_m, -40.0, height_m, fov_deg=100.0, yaw_deg=180.0
         ),
     )
     table.check_all_known()

@@ -53,7 +53,7 @@ def test_a_tilt_that_only_holds_against_drag_lowers_the_speed():
     drag = hover_drag_per_s(quadrotor()) * bounds.speed_horizontal_mps
     assert drag < math.tan(limits.tilt_rad) * GRAVITY_MPS2
     assert bounds.speed_horizontal_mps < 60.0
-    assert FlightLimits().motion_bounds(quadrotor()).speed_horizontal_mps == 5.0
+    assert FlightLimits().motion_bounds(quadrotor()).speed_horizontal_mps == 6.5
     with pytest.raises(LimitsError, match=r"tilt_rad 0\.01 leaves"):
         FlightLimits(tilt_rad=0.01).motion_bounds(quadrotor())
 

@@ -9,6 +9,7 @@ from flightsim.mavlink.client.client import MavlinkClient
 from flightsim.sensors.cameras import Cameras
 from flightsim.testbench import Testbench, TestbenchCfg
 from scenarios.mission.mission import plan_mission
+from scenarios.mission.surroundings import limits_among_movers
 from scenarios.pilot import Pilot, PilotCfg
 from scenarios.trials.flight_log import FlightLog
 from scenarios.trials.score import Goal
@@ -41,12 +42,12 @@ class Demo:
             has_network=False,
         )
         self.cameras = Cameras(self.bench.plant)
-        mission = plan_mission(known or scene, self.bench.airframe, area=area)
+        looks_out = bool(traffic) if expects_traffic is None else expects_traffic
+        limits = limits_among_movers() if looks_out else None
+        mission = plan_mission(known or scene, self.bench.airframe, area=area, limits=limits)
         self.mission = dataclasses.replace(mission, alternates=tuple(alternates))
         client = MavlinkClient(self.bench.pilot_link.client, self.bench.frame)
-        brief = PilotCfg(
-            expects_traffic=bool(traffic) if expects_traffic is None else expects_traffic
-        )
+        brief = PilotCfg(expects_traffic=looks_out)
         self.see = self.cameras.render
         self.pilot = Pilot(client, self.mission, self._frame, brief)
         self.log = FlightLog(self.bench.plant)

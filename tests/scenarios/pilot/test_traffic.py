@@ -7,6 +7,7 @@ from autonomy.planning import MovingObstacles
 from autonomy.types import FlatReference
 from flightsim.vehicles.catalogue import AIRFRAMES
 from scenarios.mission.mission import plan_mission
+from scenarios.mission.surroundings import limits_among_movers
 from scenarios.pilot import Phase
 from scenarios.pilot.movers import room_to_movers_m
 from tests.scenarios.landing_scenes import FAR_LAWN, ON_CONTAINER, field, yard
@@ -27,7 +28,8 @@ def plan():
 @pytest.fixture(scope="module")
 def level():
     """The way in the yard from as high above the start as the way leads."""
-    mission = plan_mission(yard(), AIRFRAMES["iris"], area=ON_CONTAINER)
+    limits = limits_among_movers()
+    mission = plan_mission(yard(), AIRFRAMES["iris"], area=ON_CONTAINER, limits=limits)
     x, y, _ = mission.takeoff_enu_m
     top = FlatReference(position_enu_m=(x, y, mission.hover_enu_m[2]))
     return mission.surroundings.plan(top, mission.hover_enu_m)
