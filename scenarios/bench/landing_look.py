@@ -24,12 +24,12 @@ from scenarios.mission.surroundings import Surroundings
 from scenarios.pilot.eyes import camera_mount, posed_image
 from scenarios.pilot.landing_phases import (
     COMMIT_HEIGHTS_M,
-    DESCENT_SPEED_MPS,
     MAX_LOOKS,
     MAX_SEARCH_FRAMES,
     SEARCH_FRAMES,
 )
 from scenarios.pilot.landing_watch import CAMERA, FRAME_PERIOD_US, LandingWatch
+from scenarios.pilot.pace import USUAL
 
 WIDTH_PX, HEIGHT_PX = 320, 240
 N_CELLS = 80
@@ -161,7 +161,7 @@ class Looker:
         height_m = self._hover_enu_m[2]
         leg_m = self._world.airframe.leg_length_m
         while height_m > site.position_enu_m[2] + leg_m + COMMIT_HEIGHTS_M[0]:
-            height_m -= DESCENT_SPEED_MPS * _STEP_S
+            height_m -= USUAL.descent_mps * _STEP_S
             self._glance(watch, np.array([*site.position_enu_m[:2], height_m]))
             site = watch.again(site)
             if reason := watch.objection(site):

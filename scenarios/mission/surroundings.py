@@ -222,15 +222,6 @@ class Surroundings:
         return None
 
 
-def limits_among_movers() -> FlightLimits:
-    """Limits of the motion where anything may come the vehicle's way.
-
-    It is slow enough to stop short of what it sees 10 m off, and tilts so little that what is at
-    its height stays in the forward camera, which sees up to 15 degrees above the body's level.
-    """
-    return FlightLimits(speed_horizontal_mps=4.0, acceleration_mps2=2.0)
-
-
 def survey(
     scene: Scene,
     airframe: Airframe,

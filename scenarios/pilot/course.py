@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,8 +11,6 @@ from autonomy.planning import Trajectory
 from autonomy.types import FlatReference, Vector3
 from flightsim.mavlink.client.telemetry import Telemetry
 
-TOUCHDOWN_SPEED_MPS = 0.8
-"""Greatest speed of the last stretch."""
 _CONTACT_SPEED_MPS = 0.3
 """Speed over the last `_SLOW_M` above the surface: a gust adds to it."""
 _SLOW_M = 0.2
@@ -27,6 +25,51 @@ _PAUSE_US = 100_000
 _ENDING_S = 1.0
 
 
+@dataclass(frozen=True, slots=True)
+class _Stretch:
+    """Last stretch of a landing: a vertical descent to a little below the surface.
+
+    Its speed falls in proportion to the height, to that of contact `_SLOW_M` above the surface.
+    """
+
+    begun_us: int
+    begin: FlatReference
+    resting_height_m: float
+    speed_mps: float
+    """Greatest speed."""
+
+    def reference(self, time_us: int) -> FlatReference:
+        """Setpoint at a given time."""
+        if time_us < self.begun_us:
+            return self.begin
+        x, y, z = self.begin.position_enu_m
+        slow_m, lowest_m = self.resting_height_m + _SLOW_M, self.resting_height_m - _PRESS_M
+        above_m, speed_mps = self._sunk(z - slow_m, (time_us - self.begun_us) * 1e-6)
+        height_m = max(slow_m + above_m, lowest_m)
+        position_enu_m: Vector3 = (x, y, height_m)
+        return FlatReference(
+            position_enu_m=position_enu_m,
+            velocity_enu_mps=(0.0, 0.0, -speed_mps if height_m > lowest_m else 0.0),
+            yaw_rad=self.begin.yaw_rad,
+        )
+
+    def _sunk(self, above_m: float, elapsed_s: float) -> tuple[float, float]:
+        """Height above where it is slow, and speed, some time after it was so high above."""
+        slowing_m = (self.speed_mps - _CONTACT_SPEED_MPS) / _SLOWING_PER_S
+        fast_s = max(0.0, (above_m - slowing_m) / self.speed_mps)
+        if elapsed_s < fast_s:
+            return above_m - self.speed_mps * elapsed_s, self.speed_mps
+        above_m, elapsed_s = min(above_m, slowing_m), elapsed_s - fast_s
+        if above_m > 0.0:
+            first_mps = _CONTACT_SPEED_MPS + _SLOWING_PER_S * above_m
+            slowing_s = math.log(first_mps / _CONTACT_SPEED_MPS) / _SLOWING_PER_S
+            if elapsed_s < slowing_s:
+                speed_mps = first_mps * math.exp(-_SLOWING_PER_S * elapsed_s)
+                return (speed_mps - _CONTACT_SPEED_MPS) / _SLOWING_PER_S, speed_mps
+            above_m, elapsed_s = 0.0, elapsed_s - slowing_s
+        return above_m - _CONTACT_SPEED_MPS * elapsed_s, _CONTACT_SPEED_MPS
+
+
 class Course:
     """Setpoints over time.
 
@@ -38,7 +81,7 @@ class Course:
         self.trajectory = trajectory
         self._begun_us: int | None = None
         self._before: tuple[Trajectory, int] | None = None
-        self._touchdown: tuple[int, FlatReference, float] | None = None
+        self._touchdown: _Stretch | None = None
 
     @property
     def has_begun(self) -> bool:
@@ -61,25 +104,27 @@ class Course:
         self._begun_us = begin_us
         self._touchdown = None
 
-    def touch_down(self, time_us: int, resting_height_m: float) -> None:
+    def touch_down(self, time_us: int, resting_height_m: float, speed_mps: float) -> None:
         """Sink from the present setpoint onto a surface.
 
         Args:
             time_us: Present time.
             resting_height_m: Height of the vehicle's origin when it stands on the surface.
+            speed_mps: Speed at first; it becomes that of contact.
         """
-        self._touchdown = (time_us, self.reference(time_us), resting_height_m)
+        self._touchdown = _Stretch(time_us, self.reference(time_us), resting_height_m, speed_mps)
 
     def pause(self, time_us: int) -> None:
         """Sink no further for a moment; call it again to stay at a height for longer."""
         if self._touchdown is not None:
             begin = replace(self.reference(time_us), velocity_enu_mps=(0.0, 0.0, 0.0))
-            self._touchdown = (time_us + _PAUSE_US, begin, self._touchdown[2])
+            later_us = time_us + _PAUSE_US
+            self._touchdown = replace(self._touchdown, begun_us=later_us, begin=begin)
 
     def reference(self, time_us: int) -> FlatReference:
         """Setpoint at a given time."""
         if self._touchdown is not None:
-            return _sinking(time_us, *self._touchdown)
+            return self._touchdown.reference(time_us)
         if self._before is not None and self._begun_us is not None and time_us < self._begun_us:
             trajectory, begun_us = self._before
             return trajectory.sample((time_us - begun_us) * 1e-6)
@@ -98,10 +143,10 @@ class Course:
         away_m = math.dist(telemetry.position_enu_m, self.reference(time_us).position_enu_m)
         return away_m < _AT_PLACE_M and math.hypot(*telemetry.velocity_enu_mps) < _AT_REST_MPS
 
-    def is_slower_than_touchdown(self, time_us: int) -> bool:
-        """Whether the trajectory has slowed to where the last stretch can go on from it."""
+    def is_slower_than(self, most_mps: float, time_us: int) -> bool:
+        """Whether the trajectory slows down at its end, to where something else can go on."""
         speed_mps = math.hypot(*self.reference(time_us).velocity_enu_mps)
-        return self.ends_within(time_us, _ENDING_S) and speed_mps <= TOUCHDOWN_SPEED_MPS
+        return self.ends_within(time_us, _ENDING_S) and speed_mps <= most_mps
 
     def ends_within(self, time_us: int, seconds: float) -> bool:
         """Whether at most some time of the trajectory is left."""
@@ -114,41 +159,3 @@ class Course:
     def elapsed_s(self, time_us: int) -> float:
         """Time within the trajectory; negative before it takes over."""
         return 0.0 if self._begun_us is None else (time_us - self._begun_us) * 1e-6
-
-
-def _sinking(
-    time_us: int, begun_us: int, begin: FlatReference, resting_height_m: float
-) -> FlatReference:
-    """Vertical descent, slower at the end, to a little below the surface."""
-    if time_us < begun_us:
-        return begin
-    x, y, z = begin.position_enu_m
-    lowest_m, slow_m = resting_height_m - _PRESS_M, resting_height_m + _SLOW_M
-    above_m, speed_mps = _sunk(z - slow_m, (time_us - begun_us) * 1e-6)
-    height_m = max(slow_m + above_m, lowest_m)
-    position_enu_m: Vector3 = (x, y, height_m)
-    return FlatReference(
-        position_enu_m=position_enu_m,
-        velocity_enu_mps=(0.0, 0.0, -speed_mps if height_m > lowest_m else 0.0),
-        yaw_rad=begin.yaw_rad,
-    )
-
-
-def _sunk(above_m: float, elapsed_s: float) -> tuple[float, float]:
-    """Height above where it is slow, and speed of sinking, some time after it was so high above.
-
-    The speed falls in proportion to the height, from the greatest to that of contact.
-    """
-    slowing_m = (TOUCHDOWN_SPEED_MPS - _CONTACT_SPEED_MPS) / _SLOWING_PER_S
-    fast_s = max(0.0, (above_m - slowing_m) / TOUCHDOWN_SPEED_MPS)
-    if elapsed_s < fast_s:
-        return above_m - TOUCHDOWN_SPEED_MPS * elapsed_s, TOUCHDOWN_SPEED_MPS
-    above_m, elapsed_s = min(above_m, slowing_m), elapsed_s - fast_s
-    if above_m > 0.0:
-        first_mps = _CONTACT_SPEED_MPS + _SLOWING_PER_S * above_m
-        slowing_s = math.log(first_mps / _CONTACT_SPEED_MPS) / _SLOWING_PER_S
-        if elapsed_s < slowing_s:
-            speed_mps = first_mps * math.exp(-_SLOWING_PER_S * elapsed_s)
-            return (speed_mps - _CONTACT_SPEED_MPS) / _SLOWING_PER_S, speed_mps
-        above_m, elapsed_s = 0.0, elapsed_s - slowing_s
-    return above_m - _CONTACT_SPEED_MPS * elapsed_s, _CONTACT_SPEED_MPS

@@ -11,7 +11,6 @@ from scenarios.pilot.flight_state import FlightState
 from scenarios.pilot.gaze import Gaze
 from scenarios.pilot.landing_phases import (
     COMMIT_HEIGHTS_M,
-    DESCENT_SPEED_MPS,
     LAST_HEIGHT_M,
     LandingPhases,
 )
@@ -53,7 +52,9 @@ class EnRoutePhases:
         if flight.gaze is not None and not self._has_looked(flight.gaze):
             return None
         try:
-            flight.plan_to(flight.hover_enu_m, flight.mission.trajectory)
+            flight.plan_to(
+                flight.hover_enu_m, None if flight.is_windy else flight.mission.trajectory
+            )
         except PlanningError as error:
             return self.hold(f"no way from above the start: {error}")
         return Phase.NAVIGATE, "above the start"
@@ -128,7 +129,7 @@ class EnRoutePhases:
             return self._go_on()
         commit_m = min(flight.home_resting_height_m + COMMIT_HEIGHTS_M[-1], home[2])
         try:
-            flight.begin_with(flight.leg((home[0], home[1], commit_m), DESCENT_SPEED_MPS))
+            flight.begin_with(flight.leg((home[0], home[1], commit_m), flight.pace.descent_mps))
         except PlanningError as error:
             return self.hold(f"no certified way down at home: {error}")
         return Phase.LAND_HOME, "above the start"
@@ -143,7 +144,7 @@ class EnRoutePhases:
                 flight.let_land()
             return None
         if flight.has_arrived:
-            flight.course.touch_down(flight.time_us, flight.home_resting_height_m)
+            flight.touch_down(flight.home_resting_height_m)
         return None
 
     def hold(self, reason: str, start: FlatReference | None = None) -> Step:

@@ -21,6 +21,7 @@ from scenarios.pilot.movers import (
     urgent_limits,
     with_less_room,
 )
+from scenarios.pilot.pace import IN_WIND, USUAL, WINDY_MPS, Pace
 from scenarios.pilot.phases import Phase, Replan
 from scenarios.pilot.senses import Senses
 
@@ -62,6 +63,8 @@ class FlightState:
     time_us: int = 0
     since_us: int = 0
     """Start time of the present phase."""
+    pace: Pace = USUAL
+    is_windy: bool = False
     is_silent: bool = False
     """Whether it sends no setpoints, while the autopilot takes off by itself."""
     commands: list[Command] = field(default_factory=list)
@@ -122,6 +125,18 @@ class FlightState:
         """Latest text of the autopilot, to be appended to a reason."""
         texts = self.telemetry.texts
         return f"; the autopilot said: {texts[-1][1]}" if texts else ""
+
+    def heed_wind(self) -> None:
+        """Go carefully from when the autopilot reports wind; what it flies it flies to its end."""
+        if self.is_windy or not self.telemetry.wind_mps > WINDY_MPS:
+            return
+        self.is_windy, self.pace = True, self.pace.slowed(IN_WIND)
+        surroundings = replace(self.mission.surroundings, limits=self.pace.limits)
+        self.mission = replace(self.mission, surroundings=surroundings)
+
+    def touch_down(self, resting_height_m: float) -> None:
+        """Sink onto a surface, on which the vehicle's origin rests at this height."""
+        self.course.touch_down(self.time_us, resting_height_m, self.pace.touchdown_mps)
 
     def let_land(self) -> None:
         """Let the autopilot touch down by itself, if it knows no other way to find the ground."""

@@ -12,7 +12,7 @@ from flightsim.mavlink.client.telemetry import LANDED_ON_GROUND
 from scenarios.pilot.eyes import NoDepthError
 from scenarios.pilot.flight_state import FlightState
 from scenarios.pilot.landing_watch import CAMERA, LandingWatch
-from scenarios.pilot.look_again import DESCENT_SPEED_MPS, look_from_below, look_nearer
+from scenarios.pilot.look_again import look_from_below, look_nearer
 from scenarios.pilot.phases import Phase, Step
 
 _LOG = logging.getLogger(__name__)
@@ -156,9 +156,9 @@ class LandingPhases:
             for height_m in COMMIT_HEIGHTS_M
         )
         try:
-            leg = flight.leg((x, y, lower_m), DESCENT_SPEED_MPS)
+            leg = flight.leg((x, y, lower_m), flight.pace.descent_mps)
         except PlanningError:
-            leg = flight.leg((x, y, higher_m), DESCENT_SPEED_MPS)
+            leg = flight.leg((x, y, higher_m), flight.pace.descent_mps)
         flight.begin_with(leg)
 
     def align(self) -> Step:
@@ -184,14 +184,14 @@ class LandingPhases:
             return step
         if not flight.has_arrived and not self._sinks_steadily():
             return None
-        flight.course.touch_down(flight.time_us, flight.resting_height_m)
+        flight.touch_down(flight.resting_height_m)
         return Phase.TOUCHDOWN, "still safe from here"
 
     def _sinks_steadily(self) -> bool:
         """Whether the vehicle is above the place, and slows down at the end of the descent."""
         flight = self._flight
         return (
-            flight.course.is_slower_than_touchdown(flight.time_us)
+            flight.course.is_slower_than(flight.pace.touchdown_mps, flight.time_us)
             and flight.level_deviation_m <= STEADY_M
             and math.hypot(*flight.telemetry.velocity_enu_mps[:2]) <= STEADY_MPS
         )

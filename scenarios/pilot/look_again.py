@@ -10,7 +10,6 @@ from scenarios.pilot.phases import Phase, Step
 
 _LOG = logging.getLogger(__name__)
 
-DESCENT_SPEED_MPS = 2.0
 LEAST_LOOK_M = 1.2
 """Least height from which an area is looked at again."""
 LEAST_LOWER_M = 0.3
@@ -24,7 +23,7 @@ def look_nearer(flight: FlightState, reason: str) -> Step:
     if nearer[2] - surface_m < LEAST_LOOK_M:
         return None
     try:
-        flight.begin_with(flight.leg(nearer, DESCENT_SPEED_MPS))
+        flight.begin_with(flight.leg(nearer, flight.pace.descent_mps))
     except PlanningError:
         return None
     flight.hover_enu_m = nearer

@@ -29,6 +29,7 @@ from scenarios.pilot.gaze import Gaze
 from scenarios.pilot.ground_phases import GroundPhases
 from scenarios.pilot.guard import Guard
 from scenarios.pilot.landing_phases import LandingPhases
+from scenarios.pilot.pace import AMONG_MOVERS, USUAL
 from scenarios.pilot.phases import LOOKS_AROUND, Phase, PilotVerdict, Replan, Step, Transition
 from scenarios.pilot.senses import Senses
 
@@ -85,6 +86,7 @@ class Pilot:
             hover_enu_m=mission.hover_enu_m,
             alternates=list(mission.alternates),
             gaze=_gaze(mission, cfg),
+            pace=AMONG_MOVERS if cfg.expects_traffic else USUAL,
         )
         self.mission = mission
         self._ground, area = GroundPhases(flight), LandingPhases(flight)
@@ -167,6 +169,7 @@ class Pilot:
         if self.is_done:
             return
         flight.senses.locate(time_us, flight.client.telemetry)
+        flight.heed_wind()
         step = self._guard.check(self.phase) or self._steps[self.phase]()
         if step is not None:
             self._enter(*step)

@@ -35,7 +35,8 @@ def plan_missions(
     """
     # casadi and the kernels of planning and perception: only where our pilot flies.
     from scenarios.mission.mission import plan_mission  # noqa: PLC0415
-    from scenarios.mission.surroundings import MissionError, limits_among_movers  # noqa: PLC0415
+    from scenarios.mission.surroundings import MissionError  # noqa: PLC0415
+    from scenarios.pilot.pace import AMONG_MOVERS  # noqa: PLC0415
     from scenarios.run.kernels import announce_pilot_kernels  # noqa: PLC0415
 
     announce_pilot_kernels(cfg.map)
@@ -53,7 +54,7 @@ def plan_missions(
                 target=cfg.target,
                 map_source=cfg.map,
                 method=cfg.planner,
-                limits=limits_among_movers() if _meets_movers(bench) else None,
+                limits=AMONG_MOVERS.limits if _meets_movers(bench) else None,
                 is_free=_apart_from(taken),
             )
         except MissionError as error:

@@ -56,7 +56,11 @@ class Habits:
 PX4_HABITS = Habits(
     offboard=PX4_OFFBOARD,
     return_home=PX4_RETURN,
-    streams_hz={**_STATE_HZ, mavlink.MAVLINK_MSG_ID_ESTIMATOR_STATUS: 5},
+    streams_hz={
+        **_STATE_HZ,
+        mavlink.MAVLINK_MSG_ID_ESTIMATOR_STATUS: 5,
+        mavlink.MAVLINK_MSG_ID_WIND_COV: 5,
+    },
     unwanted=(
         mavlink.MAVLINK_MSG_ID_ATTITUDE,
         mavlink.MAVLINK_MSG_ID_GLOBAL_POSITION_INT,

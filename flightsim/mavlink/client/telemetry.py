@@ -54,6 +54,8 @@ class Telemetry:
     quat_wxyz: Quaternion = (math.nan, math.nan, math.nan, math.nan)
     angular_rate_flu_radps: Vector3 = NAN3
     range_m: float = math.nan
+    wind_mps: float = math.nan
+    """Speed of the wind that the autopilot estimates, over level ground."""
     home: Geodetic | None = None
     battery_remaining: float = math.nan
     texts: list[tuple[int, str]] = field(default_factory=list)
@@ -93,6 +95,7 @@ class TelemetryReader:
             "ATTITUDE_QUATERNION": self._attitude,
             "DISTANCE_SENSOR": self._distance,
             "HOME_POSITION": self._home,
+            "WIND_COV": self._wind,
             "STATUSTEXT": self._text,
         }
 
@@ -155,6 +158,9 @@ class TelemetryReader:
     def _distance(self, m: Any) -> None:
         is_measured = m.min_distance <= m.current_distance <= m.max_distance
         self.telemetry.range_m = m.current_distance / 100.0 if is_measured else math.inf
+
+    def _wind(self, m: Any) -> None:
+        self.telemetry.wind_mps = math.hypot(m.wind_x, m.wind_y)
 
     def _home(self, m: Any) -> None:
         self.telemetry.home = Geodetic(m.latitude * 1e-7, m.longitude * 1e-7, m.altitude * 1e-3)

@@ -9,8 +9,8 @@ from flightsim.mavlink.client.client import MavlinkClient
 from flightsim.sensors.cameras import Cameras
 from flightsim.testbench import Testbench, TestbenchCfg
 from scenarios.mission.mission import plan_mission
-from scenarios.mission.surroundings import limits_among_movers
 from scenarios.pilot import Pilot, PilotCfg
+from scenarios.pilot.pace import AMONG_MOVERS
 from scenarios.trials.flight_log import FlightLog
 from scenarios.trials.score import Goal
 from tests.scenarios.landing_scenes import ON_CONTAINER
@@ -43,7 +43,7 @@ class Demo:
         )
         self.cameras = Cameras(self.bench.plant)
         looks_out = bool(traffic) if expects_traffic is None else expects_traffic
-        limits = limits_among_movers() if looks_out else None
+        limits = AMONG_MOVERS.limits if looks_out else None
         mission = plan_mission(known or scene, self.bench.airframe, area=area, limits=limits)
         self.mission = dataclasses.replace(mission, alternates=tuple(alternates))
         client = MavlinkClient(self.bench.pilot_link.client, self.bench.frame)

@@ -7,9 +7,9 @@ from autonomy.planning import MovingObstacles
 from autonomy.types import FlatReference
 from flightsim.vehicles.catalogue import AIRFRAMES
 from scenarios.mission.mission import plan_mission
-from scenarios.mission.surroundings import limits_among_movers
 from scenarios.pilot import Phase
 from scenarios.pilot.movers import room_to_movers_m
+from scenarios.pilot.pace import AMONG_MOVERS
 from tests.scenarios.landing_scenes import FAR_LAWN, ON_CONTAINER, field, yard
 from tests.scenarios.pilot.crossing import crosser
 
@@ -28,7 +28,7 @@ def plan():
 @pytest.fixture(scope="module")
 def level():
     """The way in the yard from as high above the start as the way leads."""
-    limits = limits_among_movers()
+    limits = AMONG_MOVERS.limits
     mission = plan_mission(yard(), AIRFRAMES["iris"], area=ON_CONTAINER, limits=limits)
     x, y, _ = mission.takeoff_enu_m
     top = FlatReference(position_enu_m=(x, y, mission.hover_enu_m[2]))
