@@ -52,9 +52,8 @@ class EnRoutePhases:
         if flight.gaze is not None and not self._has_looked(flight.gaze):
             return None
         try:
-            flight.plan_to(
-                flight.hover_enu_m, None if flight.is_windy else flight.mission.trajectory
-            )
+            prepared = None if flight.is_windy else flight.mission.trajectory
+            flight.plan_to(flight.hover_enu_m, prepared)
         except PlanningError as error:
             return self.hold(f"no way from above the start: {error}")
         return Phase.NAVIGATE, "above the start"

@@ -65,6 +65,7 @@ class FlightState:
     """Start time of the present phase."""
     pace: Pace = USUAL
     is_windy: bool = False
+    """Whether the autopilot reported wind, now or before."""
     is_silent: bool = False
     """Whether it sends no setpoints, while the autopilot takes off by itself."""
     commands: list[Command] = field(default_factory=list)

@@ -6,7 +6,7 @@ import pytest
 from autonomy.planning import FlightLimits, plan_leg
 from flightsim.mavlink.client.telemetry import Telemetry
 from flightsim.vehicles.catalogue import AIRFRAMES
-from scenarios.pilot.course import TOUCHDOWN_SPEED_MPS, Course
+from scenarios.pilot.course import Course
 
 SECOND_US = 1_000_000
 
@@ -40,17 +40,21 @@ def test_the_last_metre_is_steady_and_ends_below_the_surface():
     course = Course(leg((2, 3, 6), (2, 3, 4)))
     course.fly(course.trajectory, 0)
     begin_us = 10 * SECOND_US
-    course.touch_down(begin_us, resting_height_m=3.1)
-    heights = []
+    course.touch_down(begin_us, resting_height_m=3.1, speed_mps=0.8)
+    heights, speeds = [], []
     for tick in range(300):
         reference = course.reference(begin_us + tick * 20_000)
         assert reference.position_enu_m[:2] == pytest.approx((2, 3))
         assert reference.yaw_rad == 0.4
         heights.append(reference.position_enu_m[2])
+        speeds.append(-reference.velocity_enu_mps[2])
     assert heights[0] == pytest.approx(4.0)
     fall = -np.diff(heights) / 0.02
     above_m = np.array(heights[1:]) - 3.1
-    assert fall[above_m > 0.2] == pytest.approx(TOUCHDOWN_SPEED_MPS)
+    assert fall[above_m > 0.45] == pytest.approx(0.8)
+    is_sinking = above_m > -0.3
+    assert np.all(np.diff(fall[is_sinking]) < 1e-9)
+    assert fall[is_sinking] == pytest.approx(np.array(speeds[1:])[is_sinking], abs=0.03)
     assert fall[(above_m < 0.19) & (above_m > -0.2)] == pytest.approx(0.3)
     assert 2.5 < heights[-1] < 3.1
     assert course.reference(begin_us + 6 * SECOND_US).velocity_enu_mps == (0.0, 0.0, 0.0)
@@ -59,14 +63,14 @@ def test_the_last_metre_is_steady_and_ends_below_the_surface():
 def test_a_pause_of_the_last_metre_keeps_its_height():
     course = Course(leg((2, 3, 6), (2, 3, 4)))
     course.fly(course.trajectory, 0)
-    course.touch_down(10 * SECOND_US, resting_height_m=3.1)
+    course.touch_down(10 * SECOND_US, resting_height_m=3.1, speed_mps=0.4)
     for time_us in range(11 * SECOND_US, 13 * SECOND_US, 20_000):
         course.pause(time_us)
         reference = course.reference(time_us)
         assert reference.position_enu_m == pytest.approx((2, 3, 3.6))
         assert reference.velocity_enu_mps == (0.0, 0.0, 0.0)
     later = course.reference(13 * SECOND_US + SECOND_US // 2)
-    assert later.position_enu_m[2] == pytest.approx(3.6 - 0.42 * TOUCHDOWN_SPEED_MPS)
+    assert later.position_enu_m[2] == pytest.approx(3.6 - 0.42 * 0.4)
 
 
 def test_until_a_plan_takes_over_the_one_before_is_followed():
@@ -84,6 +88,6 @@ def test_until_a_plan_takes_over_the_one_before_is_followed():
 def test_a_new_flight_ends_the_touchdown():
     course = Course(leg((0, 0, 4), (0, 0, 2)))
     course.fly(course.trajectory, 0)
-    course.touch_down(9 * SECOND_US, 1.0)
+    course.touch_down(9 * SECOND_US, 1.0, 0.8)
     course.fly(leg((0, 0, 2), (0, 0, 5)), 10 * SECOND_US)
     assert course.reference(60 * SECOND_US).position_enu_m == pytest.approx((0, 0, 5))
