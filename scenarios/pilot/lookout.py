@@ -66,6 +66,9 @@ class Lookout:
                 flight.replan(reason)
             except PlanningError as error:
                 return self._way.hold(f"{reason}; {error}")
+            if flight.room_to_movers_m() < KEEP_FROM_MOVERS_M:
+                # No way to the plan's end helps where the mover comes there afterwards.
+                return self._way.hold(f"{reason} where the plan ends")
             return None
         return self._way.hold(reason)
 

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from autonomy.perception.map_anchor import MapAnchor
     from autonomy.perception.mover_tracker import MoverTracker
 
-WATCHING = ("forward", "up", "rear")
+WATCHING = ("forward", "up_left", "up_right", "up_rear")
 """Cameras that look out for movers."""
 LOOK_PERIOD_US = 200_000
 """Time between two looks ahead for what the map lacks."""

@@ -131,7 +131,7 @@ def read_cameras(
     """Read the cameras, one a table; what is not given follows from the body.
 
     Args:
-        table: Table with the tables `forward`, `down`, `up` and `rear`.
+        table: Table with the tables `forward`, `down`, `up_left`, `up_right` and `up_rear`.
         size_m: Full extents of the body.
         height_m: Height of the centre of mass above the soles.
         rotors_m: Height of the highest rotor above the centre of mass.
@@ -146,9 +146,9 @@ def read_cameras(
     mounts = (
         _camera(table.table("forward"), "forward", ahead_m, 15.0, height_m),
         _camera(table.table("down"), "down", below_m, 90.0, height_m),
-        _camera(table.table("up"), "up", above_m, -40.0, height_m, fov_deg=100.0),
-        _camera(
-            table.table("rear"), "rear", above_m, -40.0, height_m, fov_deg=100.0, yaw_deg=180.0
+        *(
+            _camera(table.table(name), name, above_m, -40.0, height_m, fov_deg=100.0, yaw_deg=yaw)
+            for name, yaw in (("up_left", 60.0), ("up_right", -60.0), ("up_rear", 180.0))
         ),
     )
     table.check_all_known()

@@ -27,7 +27,7 @@ def test_what_an_option_does_not_say_stays():
 
 def test_a_camera_of_ones_own_looks_where_it_should():
     airframe = with_cameras(IRIS, ("left,yaw=90,pitch=30,x=0.1,y=0.2,z=0.05",))
-    assert [mount.name for mount in airframe.cameras] == ["forward", "down", "up", "rear", "left"]
+    assert [mount.name for mount in airframe.cameras][-2:] == ["up_rear", "left"]
     world = build_world(empty_scene(), airframe)
     poses = PoseCopy(world.model)
     data = world.new_data()

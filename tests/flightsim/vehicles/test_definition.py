@@ -66,7 +66,13 @@ def test_what_a_file_leaves_out_is_what_its_comments_say(tmp_path):
     assert airframe.arm_radius_m == pytest.approx(0.04 * arm_m)
     assert airframe.rotor_inertia_kgm2 == pytest.approx(0.0035 * 1.3 * 0.24**2 / 12.0)
     assert airframe.quadrotor.rotors[0].drag_coefficient == 0.0
-    assert [mount.name for mount in airframe.cameras] == ["forward", "down", "up", "rear"]
+    assert [mount.name for mount in airframe.cameras] == [
+        "forward",
+        "down",
+        "up_left",
+        "up_right",
+        "up_rear",
+    ]
     assert airframe.cameras[1].pitch_down_rad == math.pi / 2
     assert [mount.name for mount in airframe.rgbd_cameras] == ["forward", "down"]
     hover = airframe.quadrotor.hover_speed_radps
@@ -144,7 +150,7 @@ def test_a_mesh_is_looked_at_and_touches_nothing(tmp_path):
         (
             "[cameras.down]",
             "[cameras.left]",
-            "cameras.left is unknown; valid: forward, down, up, rear",
+            "cameras.left is unknown; valid: forward, down, up_left, up_right, up_rear",
         ),
         ("[battery]", "[batery]", "battery.cells is missing"),
         ("[body]", '[body]\nmesh = {file = "no.stl"}', "body.mesh.file is .*; valid: an existing"),
