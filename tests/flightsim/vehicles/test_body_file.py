@@ -122,7 +122,7 @@ def test_solid_meshes_bump_into_another_vehicle(tmp_path):
     )
     airframe = read(tmp_path, WITHOUT_MASS, model=solid, more="hits_things = true")
     world = build_worlds(empty_scene(), [airframe, airframe])[0]
-    bumpers = [i for i in geoms(world, "bumper", "vehicle_2/bumper")]
+    bumpers = geoms(world, "bumper", "vehicle_2/bumper")
     kinds = world.model.geom_type[bumpers]
     assert np.count_nonzero(kinds == mujoco.mjtGeom.mjGEOM_MESH) == 2
 
@@ -146,47 +146,76 @@ def test_mjcf_counts_where_its_body_rests_without_its_world_and_joints(tmp_path)
     np.testing.assert_allclose(arm.corners_m.max(axis=0), (0.2, 0.02, 0.01), atol=1e-6)
 
 
-@pytest.mark.parametrize(
-    ("text", "model", "more", "fault"),
-    [
-        (EXAMPLE.replace("mass_kg = 1.3", "mass_kg = 1.5"), URDF, "",
-         r"body.mass_kg is 1.5, but the file of model says 1.3; valid: that, or no mass_kg"),
-        (EXAMPLE, URDF, "", r"body.inertia_kgm2 is \[0.0118, 0.0118, 0.021\], but the file of "
-         r"model says \[0.01256, 0.01256, 0.0202\]; valid: that, or no inertia_kgm2"),
-        (WITHOUT_MASS, URDF, "position_m = [0.0, 0.0, 0.0]", r"body.model.position_m is \[0.0, "
-         r"0.0, 0.0\], .*; valid: \[-?0.0, -?0.0, -0.02\]"),
-        (WITHOUT_MASS, URDF.replace('ixz="0" iyy="0.011"', 'ixz="0.002" iyy="0.011"'), "",
-         r"body.model has a file with a product of inertia of 0.002 kg m\^2; valid: up to 0.00063"),
-        (WITHOUT_MASS, URDF.replace('value="1.0"', 'value="900"'), "",
-         r"body.model has a file with a mass of 900.3 kg; valid: 0.005 to 200 kg"),
-        (WITHOUT_MASS, URDF.replace("0.2 0.3 0.1", "0.2 2 0.1"), "hits_things = true",
-         r"body.model has a solid box that reaches 1 m aside .*; valid: 0.345 m"),
-        (WITHOUT_MASS, URDF.replace("hull.obj", "no.obj"), "", r"body.model.file is '.*': .*no.obj"),
-        (WITHOUT_MASS, "<robot", "", r"body.model.file is '.*body.urdf': unclosed token"),
-        (WITHOUT_MASS, "<mujoco/>", "", r"body.model.file is '.*': its topmost element is 'mujoco'"),
-        (WITHOUT_MASS, URDF, "hits_things = 1", "body.model.hits_things is 1; valid: true or false"),
-        (WITHOUT_MASS, URDF, "colour = 1", "body.model.colour is unknown; valid: file, "),
-        (EXAMPLE.replace("# [body.mesh]", "[body.mesh]"), URDF, "",
-         "body.model stands beside mesh; valid: one of the two"),
-    ],
-)  # fmt: skip
-def test_a_body_that_does_not_fit_is_refused_by_its_field(tmp_path, text, model, more, fault):
+REFUSED = {
+    "body.mass_kg is 1.5, but the file of model says 1.3; valid: that, or no mass_kg": (
+        EXAMPLE.replace("mass_kg = 1.3", "mass_kg = 1.5"),
+        URDF,
+        "",
+    ),
+    r"body.inertia_kgm2 is \[0.0118, 0.0118, 0.021\], but .* says \[0.01256, 0.01256, 0.0202\]; "
+    "valid: that, or no inertia_kgm2": (EXAMPLE, URDF, ""),
+    r"body.model.position_m is \[0.0, 0.0, 0.0\], .*; valid: \[-?0.0, -?0.0, -0.02\]": (
+        WITHOUT_MASS,
+        URDF,
+        "position_m = [0.0, 0.0, 0.0]",
+    ),
+    r"body.model has a file with a product of inertia of 0.002 kg m\^2; valid: up to 0.00063": (
+        WITHOUT_MASS,
+        URDF.replace('ixz="0" iyy="0.011"', 'ixz="0.002" iyy="0.011"'),
+        "",
+    ),
+    "body.model has a file with a mass of 900.3 kg; valid: 0.005 to 200 kg": (
+        WITHOUT_MASS,
+        URDF.replace('value="1.0"', 'value="900"'),
+        "",
+    ),
+    "body.model has a solid box that reaches 1 m aside and 0.05 m down; valid: 0.345 m": (
+        WITHOUT_MASS,
+        URDF.replace("0.2 0.3 0.1", "0.2 2 0.1"),
+        "hits_things = true",
+    ),
+    "body.model has a solid box that reaches 0.18 m aside and 0.15 m down; .* less than 0.12": (
+        WITHOUT_MASS,
+        URDF.replace("0.2 0.3 0.1", "0.2 0.3 0.3"),
+        "hits_things = true",
+    ),
+    "body.model.hits_things is true, but nothing in body.urdf touches things; valid: false": (
+        WITHOUT_MASS,
+        re.sub("<collision>.*</collision>", "", URDF),
+        "hits_things = true",
+    ),
+    "body.model.file is '.*': .*no.obj": (WITHOUT_MASS, URDF.replace("hull.obj", "no.obj"), ""),
+    "body.model.file is '.*body.urdf': unclosed token": (WITHOUT_MASS, "<robot", ""),
+    "body.model.file is '.*': its topmost element is 'mujoco'": (WITHOUT_MASS, "<mujoco/>", ""),
+    "body.model.hits_things is 1; valid: true or false": (WITHOUT_MASS, URDF, "hits_things = 1"),
+    "body.model.colour is unknown; valid: file, ": (WITHOUT_MASS, URDF, "colour = 1"),
+    "body.model stands beside mesh; valid: one of the two": (
+        EXAMPLE.replace("# [body.mesh]", "[body.mesh]"),
+        URDF,
+        "",
+    ),
+}
+
+
+@pytest.mark.parametrize("fault", REFUSED)
+def test_a_body_that_does_not_fit_is_refused_by_its_field(tmp_path, fault):
+    text, model, more = REFUSED[fault]
     with pytest.raises(AirframeError, match=f"airframe '.*mine.toml': {fault}") as refusal:
         read(tmp_path, text, model=model, more=more)
     assert "\n" not in str(refusal.value)
 
 
 @pytest.mark.parametrize(
-    ("model", "fault"),
+    ("inside", "fault"),
     [
-        ("<mujoco/>", "it has 0 bodies in its world; one is valid"),
-        ('<mujoco><worldbody><body/></worldbody></mujoco>', "its body has no shape"),
-        ('<mujoco><worldbody><body><geom size="1"/></body><body><geom size="1"/></body></worldbody>'
-         "</mujoco>", "it has 2 bodies in its world; one is valid"),
-        ("<mujoco><nonsense/></mujoco>", "nonsense"),
+        ("", "it has 0 bodies in its world; one is valid"),
+        ("<body/>", "its body has no shape"),
+        ('<body><geom size="1"/></body>' * 2, "it has 2 bodies in its world; one is valid"),
+        ("<nonsense/>", "nonsense"),
     ],
-)  # fmt: skip
-def test_mjcf_that_is_no_body_is_refused(tmp_path, model, fault):
+)
+def test_mjcf_that_is_no_body_is_refused(tmp_path, inside, fault):
+    model = f"<mujoco><worldbody>{inside}</worldbody></mujoco>"
     with pytest.raises(AirframeError, match=rf"body.model.file is '.*body.xml': .*{fault}"):
         read(tmp_path, EXAMPLE, model=model, name="body.xml")
 
