@@ -32,6 +32,7 @@ if TYPE_CHECKING:
         AirframeError,
         BatteryParams,
         BodyMesh,
+        BodyModel,
         CameraMount,
         airframe_by_name,
     )
@@ -48,6 +49,7 @@ __all__ = [
     "AirframeError",
     "BatteryParams",
     "BodyMesh",
+    "BodyModel",
     "BytePipe",
     "CameraError",
     "CameraMount",

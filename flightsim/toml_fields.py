@@ -87,6 +87,13 @@ class Fields:
             self.fail(field, f"is {value!r}; valid: a whole number from {low} to {high}")
         return value
 
+    def flag(self, field: str, *, default: bool) -> bool:
+        """True or false."""
+        value = self._required(field, "") if self.has(field) else default
+        if not isinstance(value, bool):
+            self.fail(field, f"is {value!r}; valid: true or false")
+        return value
+
     def vector(
         self,
         field: str,

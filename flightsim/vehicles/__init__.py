@@ -5,6 +5,7 @@ from flightsim.vehicles.airframe import (
     AirframeError,
     BatteryParams,
     BodyMesh,
+    BodyModel,
     CameraMount,
 )
 from flightsim.vehicles.catalogue import AIRFRAMES, airframe_by_name
@@ -15,6 +16,7 @@ __all__ = [
     "AirframeError",
     "BatteryParams",
     "BodyMesh",
+    "BodyModel",
     "CameraMount",
     "airframe_by_name",
 ]

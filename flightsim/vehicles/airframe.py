@@ -68,6 +68,18 @@ class BodyMesh:
     """Where the origin of the file lies."""
 
 
+@dataclass(frozen=True, kw_only=True, slots=True)
+class BodyModel:
+    """A URDF or MJCF file of the whole body but its rotors, in the body frame."""
+
+    path: str
+    """URDF or MJCF file."""
+    position_flu_m: Vector3 = (0.0, 0.0, 0.0)
+    """Where the origin of the file lies."""
+    hits_things: bool = False
+    """Whether its solid parts hit things instead of the fuselage; they are looked at anyway."""
+
+
 class AirframeError(ValueError):
     """No such airframe, or one that cannot be flown; one line says what would be valid."""
 
@@ -111,6 +123,8 @@ class Airframe:
     motor_radius_m: float = 0.018
     mesh: BodyMesh | None = None
     """What it looks like instead of a fuselage of simple shapes."""
+    model: BodyModel | None = None
+    """The same from a file that has its own shapes and may be what hits things; not both."""
     handle: str = ""
     """What `--vehicle` takes to name it, where that is not its name: the path of its file."""
 

@@ -7,6 +7,7 @@ cylinder. It has no mass and is invisible; the looks are separate and without co
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import Any
 
 import mujoco
@@ -16,6 +17,7 @@ from autonomy.model import RotorParams
 from autonomy.types import Vector3, quat_about_up
 from flightsim.looks.geom_groups import GeomGroup
 from flightsim.vehicles.airframe import Airframe, BodyMesh, CameraMount
+from flightsim.vehicles.body_file import add_parts, read_body_file
 
 VEHICLE_BODY = "vehicle"
 
@@ -99,11 +101,14 @@ def add_vehicle(
         inertia=airframe.quadrotor.inertia_flu_kgm2,
     )
     body.add_freejoint(name=name)
-    _add_collision_shape(body, airframe, number)
-    if airframe.mesh is None:
-        _add_fuselage_looks(body, airframe)
-    else:
+    _add_collision_shape(spec, body, airframe, number)
+    if airframe.model is not None:
+        looks = read_body_file(Path(airframe.model.path)).looks
+        add_parts(spec, body, looks, airframe.model.position_flu_m, f"{name}/look", _LOOKS)
+    elif airframe.mesh is not None:
         _add_mesh(spec, body, airframe.mesh, name)
+    else:
+        _add_fuselage_looks(body, airframe)
     _add_gear_looks(body, airframe)
     for rotor in airframe.quadrotor.rotors:
         _add_rotor_looks(body, airframe, rotor)
@@ -141,10 +146,14 @@ def skid_axes_flu_m(airframe: Airframe) -> list[tuple[Vector3, Vector3]]:
     return [(a, b), (c, d)]
 
 
-def _add_collision_shape(body: Any, airframe: Airframe, number: int) -> None:
+def _add_collision_shape(spec: mujoco.MjSpec, body: Any, airframe: Airframe, number: int) -> None:
     length, width, height = airframe.body_size_m
     name = part_name(number, "fuselage")
-    body.add_geom(name=name, type=_BOX, size=(length / 2, width / 2, height / 2), **_CONTACT)
+    if airframe.model is not None and airframe.model.hits_things:
+        solids = read_body_file(Path(airframe.model.path)).solids
+        add_parts(spec, body, solids, airframe.model.position_flu_m, name, _CONTACT)
+    else:
+        body.add_geom(name=name, type=_BOX, size=(length / 2, width / 2, height / 2), **_CONTACT)
     legs = leg_axes_flu_m(airframe)
     for i, rotor in enumerate(airframe.quadrotor.rotors):
         hub = rotor.position_flu_m

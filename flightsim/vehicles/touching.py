@@ -53,6 +53,7 @@ def let_touch_each_other(spec: mujoco.MjSpec, n_vehicles: int) -> None:
                 quat=geom.quat,
                 size=size,
                 fromto=geom.fromto,
+                meshname=geom.meshname,
                 **_BUMPER,
             )
 

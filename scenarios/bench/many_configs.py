@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 from scenarios.bench.configs import AnyBenchCfg, check_range
+
+PeerName = Literal["gym-pybullet-drones", "pyflyt"]
+"""Environments of other projects, to compare ours with."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -22,6 +26,8 @@ class WorldsBenchCfg(AnyBenchCfg):
     """Airframe by its name; an unknown one is answered with the valid names."""
     seconds: float = 10.0
     """Simulated seconds of each world."""
+    peers: tuple[PeerName, ...] = ()
+    """Other projects whose hover environments are stepped in the same run, where installed."""
 
     def __post_init__(self) -> None:
         check_range("worlds", self.worlds, 2, 4096)

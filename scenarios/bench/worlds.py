@@ -16,10 +16,11 @@ from flightsim.vehicles.catalogue import airframe_by_name
 from flightsim.world import World, build_world
 from scenarios.bench.configs import BenchError
 from scenarios.bench.many_configs import WorldsBenchCfg
+from scenarios.bench.peers import check_installed, peer_rows
 from scenarios.bench.row import OnProgress, Row, higher, lower
 
-LEAST_SPEED = 650.0
-"""Target in simulated seconds per wall second on two quiet cores."""
+LEAST_SPEED, LEAST_TRUE_SPEED = 650.0, 900.0
+"""Targets in simulated seconds per wall second on two quiet cores, with sensors and without."""
 LEAST_GAIN = 1.8
 """Target of two threads over one."""
 LEAST_STEPS, LEAST_DEPTH_STEPS = 30_000.0, 2_000.0
@@ -38,45 +39,68 @@ def rows(cfg: WorldsBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
     Raises:
         SceneError: If there is no such scene.
         AirframeError: If there is no such vehicle.
-        BenchError: If gymnasium is not installed, or the vehicles do not fly.
+        BenchError: If gymnasium or a peer is not installed, or the vehicles do not fly.
     """
     if importlib.util.find_spec("gymnasium") is None:
         raise BenchError("gymnasium is not installed; valid: pip install 'aeroscene[rl]'")
+    check_installed(cfg.peers)
     compile_kernels()
     airframe = airframe_by_name(cfg.vehicle)
     worlds = [build_world(open_scene(name), airframe) for name in cfg.scenes]
     on_progress("worlds", 0.0)
-    yield from _fleet_rows([worlds[i % len(worlds)] for i in range(cfg.worlds)], cfg)
+    around = [worlds[i % len(worlds)] for i in range(cfg.worlds)]
+    yield from _fleet_rows(around, cfg)
+    on_progress("worlds without sensors", 0.4)
+    yield from _true_state_rows(around, cfg)
     on_progress("environments", 0.6)
     yield from _environment_rows(cfg)
+    if cfg.peers:
+        on_progress("peers", 0.9)
+        yield from peer_rows(cfg.peers, cfg.seconds)
     on_progress("done", 1.0)
 
 
 def _fleet_rows(worlds: list[World], cfg: WorldsBenchCfg) -> Iterator[Row]:
-    n, round_s = len(worlds), cfg.seconds / _ROUNDS
-    wall_s, cpu_s = [0.0, 0.0], [0.0, 0.0]
-    with _hovering(worlds, 1) as alone, _hovering(worlds, 2) as together:
-        for _ in range(_ROUNDS):
-            for i, fleet in enumerate((alone, together)):
-                spent = _time(fleet.advance, round(round_s * ADVANCE_HZ))
-                wall_s[i], cpu_s[i] = wall_s[i] + spent[0], cpu_s[i] + spent[1]
-        for fleet in (alone, together):
-            _check_flight(fleet)
-    sim_s = n * cfg.seconds
-    what = f"{n} worlds with sensors, filter and control"
+    sensing = [PlantCfg(seed=i, aiding="auto") for i in range(len(worlds))]
+    wall_s, cpu_s = _fly(worlds, sensing, cfg.seconds)
+    sim_s = len(worlds) * cfg.seconds
+    what = f"{len(worlds)} worlds with sensors, filter and control"
     yield higher(f"{what}, one thread", sim_s / wall_s[0], "simulated s / wall s")
     yield higher(f"{what}, two threads", sim_s / wall_s[1], "simulated s / wall s", LEAST_SPEED)
     yield higher("two threads over one", wall_s[0] / wall_s[1], "", LEAST_GAIN)
     yield higher(f"{what}, one thread", sim_s / cpu_s[0], "simulated s / CPU s")
     yield lower("CPU time on two threads over one", cpu_s[1] / cpu_s[0], "")
-    with _hovering(worlds[:1], 1) as one:
+    with _hovering(worlds[:1], sensing[:1], 1) as one:
         _, one_s = _time(one.advance, round(10 * cfg.seconds * ADVANCE_HZ))
     yield higher("one world", 10 * cfg.seconds / one_s, "simulated s / CPU s")
 
 
-def _hovering(worlds: list[World], n_threads: int) -> Fleet:
-    """Vehicles that hold their places above the start, estimators aligned."""
-    cfgs = [PlantCfg(seed=i, aiding="auto") for i in range(len(worlds))]
+def _true_state_rows(worlds: list[World], cfg: WorldsBenchCfg) -> Iterator[Row]:
+    """The plant as environments have it by default: the controller knows the truth."""
+    true = [PlantCfg(seed=i, state="truth", has_sensors=False) for i in range(len(worlds))]
+    wall_s, cpu_s = _fly(worlds, true, cfg.seconds)
+    sim_s, what = len(worlds) * cfg.seconds, f"{len(worlds)} worlds by the true state, no sensors"
+    title = f"{what}, two threads"
+    yield higher(title, sim_s / wall_s[1], "simulated s / wall s", LEAST_TRUE_SPEED)
+    yield higher(f"{what}, one thread", sim_s / cpu_s[0], "simulated s / CPU s")
+
+
+def _fly(worlds: list[World], cfgs: list[PlantCfg], seconds: float) -> tuple[list[float], ...]:
+    """Wall time and CPU time of flying on one thread and on two."""
+    wall_s, cpu_s = [0.0, 0.0], [0.0, 0.0]
+    n_steps = round(seconds / _ROUNDS * ADVANCE_HZ)
+    with _hovering(worlds, cfgs, 1) as alone, _hovering(worlds, cfgs, 2) as together:
+        for _ in range(_ROUNDS):
+            for i, fleet in enumerate((alone, together)):
+                spent = _time(fleet.advance, n_steps)
+                wall_s[i], cpu_s[i] = wall_s[i] + spent[0], cpu_s[i] + spent[1]
+        for fleet in (alone, together):
+            _check_flight(fleet)
+    return wall_s, cpu_s
+
+
+def _hovering(worlds: list[World], cfgs: list[PlantCfg], n_threads: int) -> Fleet:
+    """Vehicles that hold their places above the start, estimators aligned where there are any."""
     fleet = Fleet(worlds, cfgs, n_threads=n_threads)
     for i, (world, plant_cfg) in enumerate(zip(worlds, cfgs, strict=True)):
         x, y, z = world.scene.start_position_enu_m

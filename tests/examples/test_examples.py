@@ -13,10 +13,11 @@ import pytest
 
 from scenarios.campaigns.flyer import Flyer, Suite, Trial
 from scenarios.tasks.recipe import Recipe
+from scenarios.trials.verdict import Code
 from tests.clients.conftest import testbench  # noqa: F401 - a fixture
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
-MOST_LINES = 60
+MOST_LINES = 66
 
 
 def load(name):
@@ -113,6 +114,14 @@ def test_a_policy_learns_for_a_moment_and_is_tried():
     share, distance_m = load("learn_hover")["main"](256, 2)
     assert 0.0 <= share <= 1.0
     assert 0.0 < distance_m < 6.0
+
+
+def test_a_policy_learns_to_land_for_a_moment_and_is_judged(monkeypatch):
+    pytest.importorskip("stable_baselines3")
+    monkeypatch.syspath_prepend(EXAMPLES)  # it takes `Worlds` of its neighbour
+    codes = load("learn_landing")["main"](128, 2, n_trials=3)
+    assert codes.total() == 3
+    assert set(codes) <= set(Code)
 
 
 def test_a_vehicle_of_ones_own_lands():

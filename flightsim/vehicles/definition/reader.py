@@ -12,6 +12,7 @@ from autonomy.model.layout import LayoutError, check_layout
 from flightsim.toml_fields import Fields
 from flightsim.vehicles.airframe import Airframe, AirframeError
 from flightsim.vehicles.definition import derived
+from flightsim.vehicles.definition.model import NamedBody, check_extent, read_mass, read_model
 from flightsim.vehicles.definition.parts import (
     read_battery,
     read_cameras,
@@ -46,9 +47,12 @@ def _airframe(document: Fields, folder: Path) -> Airframe:
     if not all(each.isalnum() or each in "-_." for each in name):
         document.fail("name", f"is {name!r}; valid: letters, digits, and - _ .")
     rotor_set, body = read_rotors(document), document.table("body")
-    quadrotor = _rigid_body(document, body, rotor_set)
+    named = read_model(body, folder)
+    quadrotor = _rigid_body(document, body, rotor_set, named)
     x, y, z = body.vector("size_m", 3, 1e-3, 5.0, "m")
     gear = read_gear(document, quadrotor)
+    collision_m = derived.reach_m(quadrotor) + rotor_set.radius_m
+    check_extent(body, named, collision_m, gear.height_m)
     airframe = Airframe(
         name=name,
         title=title,
@@ -59,7 +63,7 @@ def _airframe(document: Fields, folder: Path) -> Airframe:
         leg_spread_m=gear.spread_m,
         feet_flu_m=gear.feet_flu_m,
         has_skids=gear.has_skids,
-        collision_radius_m=derived.reach_m(quadrotor) + rotor_set.radius_m,
+        collision_radius_m=collision_m,
         battery=read_battery(document.table("battery"), quadrotor, rotor_set.radius_m),
         cameras=read_cameras(
             document.table("cameras"),
@@ -68,6 +72,7 @@ def _airframe(document: Fields, folder: Path) -> Airframe:
             max(rotor.position_flu_m[2] for rotor in quadrotor.rotors),
         ),
         mesh=read_mesh(body, folder),
+        model=None if named is None else named.model,
         **_rotor_details(rotor_set, quadrotor),
         **_thicknesses(body, quadrotor),
     )
@@ -76,10 +81,12 @@ def _airframe(document: Fields, folder: Path) -> Airframe:
     return airframe
 
 
-def _rigid_body(document: Fields, body: Fields, rotor_set: RotorSet) -> QuadrotorParams:
-    ixx, iyy, izz = body.vector("inertia_kgm2", 3, 1e-9, 1e3, "kg m^2")
+def _rigid_body(
+    document: Fields, body: Fields, rotor_set: RotorSet, named: NamedBody | None
+) -> QuadrotorParams:
+    mass_kg, (ixx, iyy, izz) = read_mass(body, named)
     quadrotor = QuadrotorParams(
-        mass_kg=body.number("mass_kg", 0.005, 200.0, "kg"),
+        mass_kg=mass_kg,
         inertia_flu_kgm2=(ixx, iyy, izz),
         rotors=rotor_set.rotors,
     )

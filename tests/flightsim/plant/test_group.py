@@ -2,11 +2,13 @@
 
 import math
 
+import mujoco
 import numpy as np
 import pytest
 
 from flightsim.environment.movers import MovingObstacle
 from flightsim.plant import Plant, PlantCfg, PlantError, VehicleGroup
+from flightsim.sensors.ring_scanner import N_BEAMS, RingScanner
 from flightsim.vehicles import airframe_by_name
 from flightsim.world import build_world, build_worlds
 from scenarios.bench.figure_eight import hold
@@ -72,9 +74,10 @@ def test_one_sky_stands_over_all_vehicles():
     assert np.array_equal(first, second)
 
 
-def test_a_vehicle_that_falls_onto_another_is_felt_by_both():
-    group = group_of(IRIS, IRIS)
-    below, above = group.plants
+@pytest.mark.parametrize(("lower", "upper"), [(0, 1), (1, 2), (2, 0)])
+def test_a_vehicle_that_falls_onto_another_is_felt_by_both(lower, upper):
+    group = group_of(IRIS, IRIS, IRIS)
+    below, above = group.plants[lower], group.plants[upper]
     x, y, z = below.truth.position_enu_m
     put(above, (x, y, z + 0.8))
     n_touching = 0
@@ -86,9 +89,10 @@ def test_a_vehicle_that_falls_onto_another_is_felt_by_both():
     assert math.dist(above.truth.position_enu_m, below.truth.position_enu_m) > 0.1
 
 
-def test_the_rangefinder_of_one_sees_another_below_it():
-    group = group_of(IRIS, HUMMINGBIRD)
-    below, above = group.plants
+@pytest.mark.parametrize(("lower", "upper"), [(0, 1), (1, 2), (2, 0)])
+def test_the_rangefinder_of_one_sees_another_below_it(lower, upper):
+    group = group_of(IRIS, HUMMINGBIRD, IRIS)
+    below, above = group.plants[lower], group.plants[upper]
     x, y, z = below.truth.position_enu_m
     put(above, (x, y, z + 3.0))
     for _ in range(10):
@@ -96,6 +100,18 @@ def test_the_rangefinder_of_one_sees_another_below_it():
     height_m = above.truth.position_enu_m[2]
     assert above.sensors.range_m < height_m - z
     assert below.sensors.range_m < 0.5
+
+
+def test_level_beams_meet_every_other_vehicle_where_it_is():
+    group = group_of(IRIS, IRIS, IRIS)
+    own, left, ahead = (group.plants[i] for i in (1, 2, 0))
+    for plant, position in ((own, (0, 0, 8)), (left, (0, 4, 8)), (ahead, (6, 0, 8))):
+        put(plant, position)
+    mujoco.mj_forward(own.world.model, own.data)
+    ranges_m = RingScanner(own.world, own.data).scan_m((0.0, 0.0, 8.0), 0.0)
+    assert ranges_m[0] == pytest.approx(6.0, abs=0.4)
+    assert ranges_m[3 * N_BEAMS // 4] == pytest.approx(4.0, abs=0.4)
+    assert ranges_m[N_BEAMS // 2] == math.inf
 
 
 def test_a_mover_is_touched_by_whichever_vehicle_stands_in_its_way():

@@ -39,6 +39,20 @@ def test_all_vehicles_of_a_world_speak_to_one_ground_station_as_those_of_px4():
     assert names[1][:2] == ["udp:18573->14552", "udp:14583->14543"]
 
 
+def test_each_vehicle_asks_for_the_ports_of_its_instance_and_the_first_ones_ground_station(
+    monkeypatch,
+):
+    asked = []
+
+    def network(instance, _bind, *, first_instance, **_):
+        asked.append((instance, first_instance))
+        return []
+
+    monkeypatch.setattr("flightsim.testbench.own_stack.network_links", network)
+    with SharedTestbench(empty_scene(), TestbenchCfg(instance=4), [IRIS] * 3):
+        assert asked == [(4, 4), (5, 4), (6, 4)]
+
+
 def test_what_several_vehicles_cannot_be_is_refused_in_a_line():
     with pytest.raises(TestbenchError, match="vehicles 2 are our autopilot's, and px4 flies"):
         SharedTestbench(empty_scene(), TestbenchCfg(autopilot="px4"), [IRIS] * 2)

@@ -146,4 +146,4 @@ def test_worlds_are_flown_on_one_thread_and_on_two_and_environments_stepped():
     rows = list(worlds_rows(cfg, lambda *_: None))
     assert all(row.value > 0.0 for row in rows)
     targets = {(row.metric, row.unit): row.target for row in rows if row.target is not None}
-    assert sorted(targets.values()) == [1.8, 650.0, 2000.0, 30_000.0]
+    assert sorted(targets.values()) == [1.8, 650.0, 900.0, 2000.0, 30_000.0]

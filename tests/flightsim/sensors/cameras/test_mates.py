@@ -1,20 +1,24 @@
 """Vehicles of one world in each other's cameras."""
 
+import math
+
 import mujoco
 import numpy as np
 import pytest
 
+from autonomy.types import quat_about_up
 from flightsim.sensors.cameras import CameraError, open_camera_renderer
 from flightsim.vehicles import airframe_by_name
 from flightsim.world import build_worlds
 from tests.flightsim.handmade import empty_scene
 
 AWAY_M = 3.0
+AIRFRAMES = ("iris", "hummingbird", "iris")
 
 
 @pytest.fixture(scope="module")
 def worlds():
-    return build_worlds(empty_scene(), [airframe_by_name("iris"), airframe_by_name("hummingbird")])
+    return build_worlds(empty_scene(), [airframe_by_name(name) for name in AIRFRAMES])
 
 
 @pytest.fixture(scope="module", params=["gl", "raycast"])
@@ -26,35 +30,42 @@ def backend(request, worlds):
     return request.param
 
 
-def face_to_face(worlds):
-    """The second vehicle in front of the first one, which it looks back at."""
+def in_a_ring(worlds):
+    """The vehicles at the corners of a level triangle, which look at its middle."""
     data = worlds[0].new_data()
-    for world, x, quat in zip(worlds, (0.0, AWAY_M), ((1, 0, 0, 0), (0, 0, 0, 1)), strict=True):
-        at = world.qpos_address
-        data.qpos[at : at + 7] = (x, 0.0, 5.0, *quat)
+    for number, world in enumerate(worlds):
+        bearing_rad, at = 2.0 * math.pi / 3.0 * number, world.qpos_address
+        x, y = (AWAY_M / math.sqrt(3.0) * turn(bearing_rad) for turn in (math.cos, math.sin))
+        data.qpos[at : at + 7] = (x, y, 5.0, *quat_about_up(bearing_rad + math.pi))
     mujoco.mj_forward(worlds[0].model, data)
     return data
 
 
-@pytest.mark.parametrize("number", [0, 1])
-def test_each_sees_the_other_and_not_itself(worlds, backend, number):
-    data = face_to_face(worlds)
+@pytest.mark.parametrize("number", range(len(AIRFRAMES)))
+def test_each_sees_every_other_and_not_itself(worlds, backend, number):
+    data = in_a_ring(worlds)
     renderer = open_camera_renderer(worlds[number], 160, 120, backend)
     frame = renderer.render(data, "forward", 0)
     ids = renderer.render_ids(data, "forward")
     renderer.close()
-    seen = ids == -100 - (1 - number)
-    assert seen.sum() > 10
     assert not np.any(np.isin(ids, [-1, -100 - number]))
-    assert np.median(frame.depth_m[seen]) == pytest.approx(AWAY_M, abs=0.5)
-    assert worlds[number].name_of(-100 - (1 - number)) == f"vehicle {2 - number}"
+    for other in {0, 1, 2} - {number}:
+        seen = ids == -100 - other
+        assert seen.sum() > 10
+        # Those that follow around the ring are to the right of its middle.
+        is_right = np.median(np.nonzero(seen)[1]) > 80
+        assert is_right == ((other - number) % 3 == 1)
+        along_m = AWAY_M * math.cos(math.pi / 6.0)
+        assert np.median(frame.depth_m[seen]) == pytest.approx(along_m, abs=0.5)
+        assert worlds[number].name_of(-100 - other) == f"vehicle {other + 1}"
 
 
-def test_both_are_in_a_picture_from_aside(worlds, backend):
-    data = face_to_face(worlds)
+def test_all_are_in_a_picture_from_aside(worlds, backend):
+    data = in_a_ring(worlds)
     renderer = open_camera_renderer(worlds[1], 160, 120, backend)
-    picture = renderer.render_view(data, (AWAY_M / 2, -5.0, 5.2), (AWAY_M / 2, 0.0, 5.0))
+    picture = renderer.render_view(data, (-0.1, 6.0, 5.2), (-0.1, 0.0, 5.0))
     renderer.close()
-    near = picture.depth_m < 6.0
-    assert near[:, :80].sum() > 10
-    assert near[:, 80:].sum() > 10
+    # From the north: the first vehicle left of the middle, the others right of it, one behind.
+    assert ((picture.depth_m > 5.5) & (picture.depth_m < 6.5))[:, :80].sum() > 10
+    assert (picture.depth_m < 5.0)[:, 80:].sum() > 10
+    assert ((picture.depth_m > 7.0) & (picture.depth_m < 8.0))[:, 80:].sum() > 4

@@ -1,0 +1,284 @@
+"""A vehicle's body in a URDF or MJCF file, read by MuJoCo's own compiler.
+
+Of the file count the shapes of its bodies where they are at rest, and its masses where it states
+them; joints, motors, sensors and the file's world do not. Its frame is that of its topmost body,
+forward, left, up.
+"""
+
+from __future__ import annotations
+
+import functools
+import itertools
+import xml.etree.ElementTree as ET
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+from jaxtyping import Float, Int
+
+from autonomy.types import Quaternion, Vector3
+
+SUFFIXES = (".urdf", ".xml")
+_PACKAGE = "package://"
+_SHAPES = frozenset(
+    {
+        mujoco.mjtGeom.mjGEOM_SPHERE,
+        mujoco.mjtGeom.mjGEOM_CAPSULE,
+        mujoco.mjtGeom.mjGEOM_ELLIPSOID,
+        mujoco.mjtGeom.mjGEOM_CYLINDER,
+        mujoco.mjtGeom.mjGEOM_BOX,
+        mujoco.mjtGeom.mjGEOM_MESH,
+    }
+)
+
+
+class BodyFileError(ValueError):
+    """A file that describes no body; one line says why."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class BodyPart:
+    """A shape of a body, in the file's frame."""
+
+    shape: mujoco.mjtGeom
+    size_m: Vector3
+    """Half extents, as MuJoCo has them; of no meaning for a mesh."""
+    position_m: Vector3
+    quat_wxyz: Quaternion
+    rgba: tuple[float, float, float, float]
+    is_solid: bool
+    """Whether the file lets it touch things; what it does not is there to be looked at."""
+    corners_m: Float[np.ndarray, "8 3"]
+    """Corners of a box around it that is as it is turned, in the file's frame."""
+    vertices_m: Float[np.ndarray, "n 3"] | None = None
+    """Vertices of a mesh about its position and attitude."""
+    faces: Int[np.ndarray, "m 3"] | None = None
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class BodyMass:
+    """Mass of a whole body."""
+
+    mass_kg: float
+    centre_m: Float[np.ndarray, " 3"]
+    """Centre of mass in the file's frame."""
+    inertia_kgm2: Float[np.ndarray, "3 3"]
+    """About the centre of mass, along the axes of the file's frame."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class BodyFile:
+    """What a file says of a body."""
+
+    parts: tuple[BodyPart, ...]
+    mass: BodyMass | None
+    """None where neither an inertial element nor a shape states a mass."""
+
+    @property
+    def looks(self) -> tuple[BodyPart, ...]:
+        """What is looked at: what touches nothing, or all parts if all do."""
+        return tuple(part for part in self.parts if not part.is_solid) or self.parts
+
+    @property
+    def solids(self) -> tuple[BodyPart, ...]:
+        """What can touch things."""
+        return tuple(part for part in self.parts if part.is_solid)
+
+
+def read_body_file(path: Path) -> BodyFile:
+    """Read a URDF or MJCF file with one body and what that carries.
+
+    Raises:
+        BodyFileError: If it cannot be read, or has no such body.
+    """
+    try:
+        return _read(path, path.stat().st_mtime_ns)
+    except OSError as error:
+        raise BodyFileError(error.strerror or str(error)) from None
+
+
+def add_parts(
+    spec: mujoco.MjSpec,
+    body: Any,
+    parts: Sequence[BodyPart],
+    position_flu_m: Vector3,
+    name: str,
+    kind: Mapping[str, Any],
+) -> None:
+    """Add parts to a vehicle's body as geoms.
+
+    Args:
+        spec: World of the body.
+        body: The body, forward, left, up.
+        parts: Parts of a file.
+        position_flu_m: Where the file's origin lies.
+        name: What their names begin with; a number follows.
+        kind: What all of these geoms have, besides shape and colour.
+    """
+    for i, part in enumerate(parts):
+        shape: dict[str, Any] = {"size": part.size_m}
+        if part.vertices_m is not None and part.faces is not None:
+            spec.add_mesh(
+                name=f"{name}{i}",
+                uservert=part.vertices_m.ravel(),
+                userface=part.faces.ravel(),
+                inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
+            )
+            shape = {"meshname": f"{name}{i}"}
+        body.add_geom(
+            name=f"{name}{i}",
+            type=part.shape,
+            pos=np.add(position_flu_m, part.position_m),
+            quat=part.quat_wxyz,
+            rgba=part.rgba,
+            **shape,
+            **kind,
+        )
+
+
+@functools.lru_cache(maxsize=16)
+def _read(path: Path, _changed_ns: int) -> BodyFile:
+    try:
+        spec = _urdf(path) if path.suffix.lower() == ".urdf" else _mjcf(path)
+        _stand_still(spec)
+        states_mass = _count_stated_masses_only(spec)
+        model = spec.compile()
+    except (ValueError, ET.ParseError) as error:
+        raise BodyFileError(" ".join(str(error).split())) from None
+    tops = np.flatnonzero(model.body_parentid == 0)[1:]
+    if len(tops) != 1:
+        raise BodyFileError(f"it has {len(tops)} bodies in its world; one is valid")
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    mujoco.mj_comPos(model, data)
+    top = int(tops[0])
+    shown = np.flatnonzero(model.geom_bodyid > 0)
+    parts = tuple(_part(model, data, int(geom), top) for geom in shown)
+    if not parts:
+        raise BodyFileError("its body has no shape")
+    return BodyFile(parts=parts, mass=_mass(model, data, top) if states_mass else None)
+
+
+def _mjcf(path: Path) -> mujoco.MjSpec:
+    spec = mujoco.MjSpec.from_file(str(path))
+    spec.compiler.fusestatic = False
+    return spec
+
+
+def _urdf(path: Path) -> mujoco.MjSpec:
+    """The file with what MuJoCo would otherwise leave out: looks, and the mass of the base."""
+    root = ET.fromstring(path.read_bytes())  # noqa: S314 - the user's own file
+    if root.tag != "robot":
+        raise BodyFileError(f"its topmost element is {root.tag!r}; in a URDF file robot is valid")
+    extension = root.find("mujoco")
+    if extension is None:
+        extension = ET.SubElement(root, "mujoco")
+    compiler = extension.find("compiler")
+    if compiler is None:
+        compiler = ET.SubElement(extension, "compiler")
+    compiler.attrib |= {
+        "discardvisual": "false",
+        "fusestatic": "false",
+        "strippath": "false",
+        "meshdir": str(path.parent),
+    }
+    for mesh in root.iter("mesh"):
+        mesh.set("filename", str(_mesh_file(path.parent, mesh.get("filename", ""))))
+    return mujoco.MjSpec.from_string(ET.tostring(root, encoding="unicode"))
+
+
+def _mesh_file(folder: Path, named: str) -> Path:
+    """File of a mesh: `package://NAME/REST` is REST in the URDF's folder, or in one above it."""
+    if not named.startswith(_PACKAGE):
+        return folder / named.removeprefix("file://")
+    rest = named.removeprefix(_PACKAGE).partition("/")[2]
+    found = (above / rest for above in (folder, *folder.parents) if (above / rest).is_file())
+    return next(found, folder / rest)
+
+
+def _stand_still(spec: mujoco.MjSpec) -> None:
+    """Take out whatever moves, measures or is posed."""
+    for kind in ("keys", "sensors", "actuators", "tendons", "equalities", "excludes", "pairs"):
+        for element in list(getattr(spec, kind)):
+            spec.delete(element)
+    for joint in list(spec.joints):
+        spec.delete(joint)
+
+
+def _count_stated_masses_only(spec: mujoco.MjSpec) -> bool:
+    """Let shapes without a mass of their own weigh nothing; whether anything weighs."""
+    states = any(body.explicitinertial for body in spec.bodies)
+    for geom in spec.geoms:
+        if np.isnan(geom.mass):
+            geom.mass = 0.0
+        states |= geom.mass > 0.0
+    return bool(states)
+
+
+def _part(model: mujoco.MjModel, data: mujoco.MjData, geom: int, top: int) -> BodyPart:
+    shape = mujoco.mjtGeom(int(model.geom_type[geom]))
+    if shape not in _SHAPES:
+        valid = "spheres, capsules, ellipsoids, cylinders, boxes and meshes are valid"
+        raise BodyFileError(f"its body has a shape {shape.name[7:].lower()}; {valid}")
+    rotation = data.xmat[top].reshape(3, 3)
+    x, y, z = (rotation.T @ (data.geom_xpos[geom] - data.xpos[top])).tolist()
+    turn = np.empty(4)
+    mujoco.mju_mat2Quat(turn, (rotation.T @ data.geom_xmat[geom].reshape(3, 3)).ravel())
+    qw, qx, qy, qz = turn.tolist()
+    a, b, c = model.geom_size[geom].tolist()
+    red, green, blue, alpha = _rgba(model, geom).tolist()
+    part = {
+        "shape": shape,
+        "size_m": (a, b, c),
+        "position_m": (x, y, z),
+        "quat_wxyz": (qw, qx, qy, qz),
+        "rgba": (red, green, blue, alpha),
+        "is_solid": bool(model.geom_contype[geom] or model.geom_conaffinity[geom]),
+        "corners_m": _corners_m(model, data, geom, top),
+    }
+    if shape != mujoco.mjtGeom.mjGEOM_MESH:
+        return BodyPart(**part)
+    mesh = int(model.geom_dataid[geom])
+    vertices = _rows(model.mesh_vert, model.mesh_vertadr, model.mesh_vertnum, mesh)
+    faces = _rows(model.mesh_face, model.mesh_faceadr, model.mesh_facenum, mesh)
+    return BodyPart(**part, vertices_m=vertices.astype(np.float64), faces=faces)
+
+
+def _corners_m(
+    model: mujoco.MjModel, data: mujoco.MjData, geom: int, top: int
+) -> Float[np.ndarray, "8 3"]:
+    middle_m, half_m = model.geom_aabb[geom, :3], model.geom_aabb[geom, 3:]
+    signs = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
+    own_m = middle_m + signs * half_m
+    world_m = data.geom_xpos[geom] + own_m @ data.geom_xmat[geom].reshape(3, 3).T
+    return (world_m - data.xpos[top]) @ data.xmat[top].reshape(3, 3)
+
+
+def _rgba(model: mujoco.MjModel, geom: int) -> np.ndarray:
+    material = int(model.geom_matid[geom])
+    return model.geom_rgba[geom] if material < 0 else model.mat_rgba[material]
+
+
+def _rows(all_rows: np.ndarray, first: np.ndarray, count: np.ndarray, index: int) -> np.ndarray:
+    return all_rows[first[index] : first[index] + count[index]].copy()
+
+
+def _mass(model: mujoco.MjModel, data: mujoco.MjData, top: int) -> BodyMass:
+    mass_kg = model.body_mass[top:]
+    centre_m = mass_kg @ data.xipos[top:] / mass_kg.sum()
+    inertia_kgm2 = np.zeros((3, 3))
+    for body in range(top, model.nbody):
+        axes = data.ximat[body].reshape(3, 3)
+        away_m = data.xipos[body] - centre_m
+        around = np.eye(3) * (away_m @ away_m) - np.outer(away_m, away_m)
+        inertia_kgm2 += axes @ np.diag(model.body_inertia[body]) @ axes.T
+        inertia_kgm2 += model.body_mass[body] * around
+    rotation = data.xmat[top].reshape(3, 3)
+    return BodyMass(
+        mass_kg=float(mass_kg.sum()),
+        centre_m=rotation.T @ (centre_m - data.xpos[top]),
+        inertia_kgm2=rotation.T @ inertia_kgm2 @ rotation,
+    )
