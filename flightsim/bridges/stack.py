@@ -21,7 +21,7 @@ from flightsim.bridges.launch.process import StackProcess
 from flightsim.bridges.monitor import Monitor
 from flightsim.bridges.motors import MotorMap
 from flightsim.bridges.physics.ardupilot import ArduPilotBridge
-from flightsim.bridges.physics.bridge import Bridge, BridgeError
+from flightsim.bridges.physics.bridge import Bridge, BridgeError, Exchanges
 from flightsim.bridges.physics.px4 import Px4Bridge
 from flightsim.bridges.pipes import Tap, TcpWire, UdpWire, Wire
 from flightsim.environment.rooms import indoor_rooms, is_in_room
@@ -159,6 +159,11 @@ class ExternalStack:
     def address(self) -> str:
         """Where the stack finds the physics."""
         return self._bridge.address
+
+    @property
+    def exchanges(self) -> Exchanges:
+        """What has passed between it and the physics."""
+        return self._bridge.exchanges
 
     @property
     def habits(self) -> Habits:

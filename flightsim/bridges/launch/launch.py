@@ -1,4 +1,4 @@
-"""What it takes to start an external flight stack: its command line, its sensors, and from where."""
+"""What it takes to start an external flight stack: command line, sensors, and from where."""
 
 from __future__ import annotations
 
