@@ -53,6 +53,7 @@ class Monitor:
         *,
         names: Personality,
         habits: Habits,
+        tells_origin: bool = False,
     ) -> None:
         """Prepare to listen.
 
@@ -62,8 +63,11 @@ class Monitor:
             frame: Local frame of the scene.
             names: Our imitation of it, which has the names of its modes.
             habits: What a client must know of it.
+            tells_origin: Whether it flies by odometry alone at first, which counts from the origin
+                of the scene: then nobody but us can tell it where on earth that is.
         """
         self._wire, self._plant = wire, plant
+        self._origin = frame.origin if tells_origin else None
         self._taps: list[Tap] = []
         self._client = MavlinkClient(Tap(wire, self._taps), frame, habits=habits)
         self.telemetry: Telemetry = self._client.telemetry
@@ -87,7 +91,11 @@ class Monitor:
         if time_us >= self._ask_due_us and telemetry.system_id:
             self._ask_due_us = time_us + _ASK_EVERY_US
             # No position comes before the estimator is ready, nor from a stack that began anew.
-            if telemetry.position_time_ms in {0, self._asked_at_ms}:
+            has_position = telemetry.position_time_ms not in {0, self._asked_at_ms}
+            if has_position and self._origin is not None:
+                self._client.send_origin(self._origin)
+                self._origin = None
+            if not has_position or telemetry.local_origin_enu_m is None:
                 self._ask()
             self._asked_at_ms = telemetry.position_time_ms
         for severity, text in telemetry.texts:

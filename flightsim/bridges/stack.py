@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 
+import numpy as np
+
 from autonomy.types import yaw_of
 from flightsim.autopilot.events import Severity
 from flightsim.bridges.launch import ardupilot, px4
@@ -19,9 +21,10 @@ from flightsim.bridges.launch.process import StackProcess
 from flightsim.bridges.monitor import Monitor
 from flightsim.bridges.motors import MotorMap
 from flightsim.bridges.physics.ardupilot import ArduPilotBridge
-from flightsim.bridges.physics.bridge import Bridge, BridgeError
+from flightsim.bridges.physics.bridge import Bridge, BridgeError, Exchanges
 from flightsim.bridges.physics.px4 import Px4Bridge
 from flightsim.bridges.pipes import Tap, TcpWire, UdpWire, Wire
+from flightsim.environment.rooms import indoor_rooms, is_in_room
 from flightsim.frames import LocalFrame
 from flightsim.mavlink.client import ARDUPILOT_HABITS, REAL_PX4_HABITS, Habits
 from flightsim.mavlink.personalities import PERSONALITIES
@@ -53,6 +56,8 @@ class StackKind:
     """Where clients find it, by the instance."""
     habits: Habits
     """What a client must know of it."""
+    takes_odometry: bool
+    """Whether it flies by our odometry where there are no satellites."""
 
 
 STACKS = MappingProxyType(
@@ -66,6 +71,7 @@ STACKS = MappingProxyType(
             wire=lambda instance: TcpWire(5763 + 10 * instance),
             clients=ardupilot.clients,
             habits=ARDUPILOT_HABITS,
+            takes_odometry=False,
         ),
         "px4": StackKind(
             title="PX4",
@@ -76,6 +82,7 @@ STACKS = MappingProxyType(
             wire=lambda instance: UdpWire(px4.OUR_PORT + instance, px4.STACK_PORT + instance),
             clients=px4.clients,
             habits=REAL_PX4_HABITS,
+            takes_odometry=True,
         ),
     }
 )
@@ -126,19 +133,19 @@ class ExternalStack:
         self._bridge = self.kind.bridge(instance, frame)
         self._motors = MotorMap(airframe)
         self._handover = plant.hand_over(self._drive)
+        start = _start(plant, frame)
         self.monitor = Monitor(
             self.kind.wire(instance),
             plant,
             frame,
             names=PERSONALITIES[name],
             habits=self.kind.habits,
+            tells_origin=self.kind.takes_odometry and start.is_by_odometry,
         )
         self._folder = Path(tempfile.mkdtemp(prefix=f"aeroscene-{name}-"))
         self._is_connected = False
         try:
-            launch = self.kind.launch(
-                airframe, _start(plant, frame), instance, self._folder, binary
-            )
+            launch = self.kind.launch(airframe, start, instance, self._folder, binary)
             words = [f"{key}={value}" for key, value in launch.environment.items()]
             self.start_line = " ".join([*words, self.kind.program, *launch.arguments])
             if binary is not None:
@@ -152,6 +159,11 @@ class ExternalStack:
     def address(self) -> str:
         """Where the stack finds the physics."""
         return self._bridge.address
+
+    @property
+    def exchanges(self) -> Exchanges:
+        """What has passed between it and the physics."""
+        return self._bridge.exchanges
 
     @property
     def habits(self) -> Habits:
@@ -236,4 +248,8 @@ def _start(plant: Plant, frame: LocalFrame) -> Start:
     return Start(
         place=frame.geodetic_from_enu(truth.position_enu_m),
         heading_deg=heading_deg % 360.0,
+        sensors=plant.cfg,
+        is_in_room=bool(
+            is_in_room(indoor_rooms(plant.world.scene), np.array(truth.position_enu_m))
+        ),
     )

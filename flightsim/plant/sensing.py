@@ -27,7 +27,7 @@ from flightsim.sensors.optical_flow import (
 from flightsim.sensors.rangefinder import RANGEFINDER, aim_ray, sample_rangefinder
 from flightsim.sensors.sensor import Sensor, is_due, noise
 from flightsim.sensors.vibration import shake
-from flightsim.sensors.vio import VIO, sense_vio
+from flightsim.sensors.vio import VIO, VioReading, sense_vio
 
 SENSORS: tuple[Sensor, ...] = (
     IMU,
@@ -149,6 +149,11 @@ class SensorReadings:
     def gnss(self) -> GnssReading:
         """Satellite receiver."""
         return self.read(GNSS)
+
+    @property
+    def vio(self) -> VioReading:
+        """Visual-inertial odometry."""
+        return self.read(VIO)
 
     @property
     def baro(self) -> BaroReading:

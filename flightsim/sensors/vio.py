@@ -16,14 +16,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from autonomy.estimation.odometry import fuse_vio
 from autonomy.jit import fields, kernel
 from autonomy.rotation import yaw_from_quat
+from autonomy.types import Vector3
 from flightsim.sensors.failure import is_stuck, said
-from flightsim.sensors.sensor import Sensor, SensorStart, has_arrived, is_due, noise
+from flightsim.sensors.sensor import Sensor, SensorStart, has_arrived, is_due, noise, numbers
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -40,6 +42,27 @@ class VioCfg:
     position_noise_m: float = 0.01
     """White noise of each axis."""
     yaw_noise_rad: float = 4e-3
+
+
+class VioReading(NamedTuple):
+    """Latest pose; `time_us` is the time of its exposure, 0 before the first."""
+
+    time_us: int
+    arrives_us: int
+    """When it is there for use."""
+    position_vio_m: Vector3
+    """Way from the start along the axes that the vehicle had there, level: forward, left, up."""
+    yaw_vio_rad: float
+    """Turn since the start, counterclockwise."""
+
+
+_numbers = numbers("tick", "delay_ticks", "position_vio_m", "yaw_vio_rad")
+
+
+def _read(r: np.void, tick_us: int) -> VioReading:
+    tick, delay_ticks, position_vio_m, yaw_vio_rad = _numbers(r)
+    tick = max(0, tick)
+    return VioReading(tick * tick_us, (tick + delay_ticks) * tick_us, position_vio_m, yaw_vio_rad)
 
 
 def _configure(r: np.void, cfg: VioCfg, start: SensorStart) -> None:
@@ -96,6 +119,7 @@ VIO = Sensor(
     n_normals=8,
     stream=7,
     configure=_configure,
+    read=_read,
     wrong=(5.0, 5.0, 2.0, 0.5),
     garbage=(50.0, 50.0, 50.0, 2.0),
 )

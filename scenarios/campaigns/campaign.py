@@ -15,6 +15,7 @@ from aeroscene import __version__
 from aeroscene.corpus.shipped import shipped_digest
 from aeroscene.files import replacing
 from scenarios.campaigns.engines.crew import Crew, Engine
+from scenarios.campaigns.flight_stack import stack_from
 from scenarios.campaigns.flyer import Row, Suite, Trial
 from scenarios.campaigns.store import JOURNAL, Store, open_store, read_results
 from scenarios.campaigns.summary import SUMMARY_COLUMNS, summarise_trials
@@ -91,6 +92,7 @@ def open_campaign(folder: Path, suite: Suite) -> Iterator[Campaign]:
         StoreError: If another process flies in the folder.
         PilotError: If there is no such pilot.
         ProgramError: If there is no such program.
+        FlightStackError: If there is no such flight stack.
         OSError: If the folder cannot be written to.
     """
     suite.require_pilot()
@@ -134,6 +136,7 @@ def read_suite(folder: Path) -> Suite | None:
             recipe=recipe_from(suite["recipe"]),
             pilot=suite["pilot"],
             program=suite.get("program"),
+            stack=stack_from(suite),
         )
     except (ValueError, KeyError, TypeError) as error:
         raise _no_manifest(path, error) from None

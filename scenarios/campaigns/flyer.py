@@ -25,6 +25,7 @@ from scenarios.campaigns.external.flight import ExternalFlights
 from scenarios.campaigns.external.pilot import CrashedError, SilentError
 from scenarios.campaigns.external.program import words_of
 from scenarios.campaigns.external.user_class import PilotFaultError, UserPilot
+from scenarios.campaigns.flight_stack import FlightStack
 from scenarios.campaigns.recordings import Recordings
 from scenarios.mission.surroundings import MissionError
 from scenarios.run.hangar import Hangar
@@ -54,7 +55,7 @@ class Mishap(StrEnum):
     RAISED = "raised"
     """The pilot raised an error."""
     HUNG = "hung"
-    """The pilot gave no answer, and its process was ended."""
+    """The pilot gave no answer, and its process was ended; or the flight stack was lost."""
     DIED = "died"
     """The process ended, and did so again when the trial was flown anew."""
 
@@ -83,6 +84,8 @@ class Suite:
     process."""
     program: str | None = None
     """Command that flies each trial over MAVLink; None waits for a client."""
+    stack: FlightStack | None = None
+    """Flight stack that the pilot commands; None is our autopilot."""
     recordings: Recordings | None = field(default=None, compare=False)
     """Decides no outcome; None records nothing."""
 
@@ -97,7 +100,10 @@ class Suite:
         Raises:
             PilotError: If its pilot is not there.
             ProgramError: If its program is not there.
+            FlightStackError: If its flight stack is not there.
         """
+        if self.stack is not None:
+            self.stack.require()
         if not self.is_external:
             pilot_of(self.pilot)
         elif self.program is not None:
@@ -105,7 +111,12 @@ class Suite:
 
     def to_plain(self) -> dict[str, Any]:
         """What decides the outcome, as plain data."""
-        return {"recipe": asdict(self.recipe), "pilot": self.pilot, "program": self.program}
+        return {
+            "recipe": asdict(self.recipe),
+            "pilot": self.pilot,
+            "program": self.program,
+            **({"autopilot": None} if self.stack is None else self.stack.to_plain()),
+        }
 
 
 class Flyer:
@@ -117,6 +128,7 @@ class Flyer:
         *,
         patience_s: float = math.inf,
         port: int | None = None,
+        instance: int = 0,
         shows_program: bool = False,
     ) -> None:
         """Prepare to fly.
@@ -125,6 +137,7 @@ class Flyer:
             suite: What is flown.
             patience_s: Wall time for a trial of a pilot outside this process.
             port: TCP port for such a pilot; None takes the usual one, or any for a program.
+            instance: Shifts the ports of a flight stack that is not ours.
             shows_program: Whether what a program says is shown.
 
         Raises:
@@ -132,6 +145,7 @@ class Flyer:
             ProgramError: If its program is not there.
         """
         self._suite = suite
+        self._instance = instance
         self._external = None
         self._pilot = NamedPilot()
         if suite.is_external:
@@ -206,6 +220,8 @@ class Flyer:
 
     def _flown(self, task: Task, recorded: dict[str, Any]) -> Row:
         cfg = replace(self._pilot.brief(task.cfg()), **recorded)
+        if (stack := self._suite.stack) is not None:
+            cfg = replace(cfg, bench=stack.flying(cfg.bench, self._instance))
         scene = task.place(self._hangar.scene(task.scene))
         if self._external is not None:
             sitl, result = self._external.fly(task, cfg, scene, self._hangar)
@@ -216,6 +232,7 @@ class Flyer:
         planned = getattr(sitl.companion, "planned_enu_m", None)
         return {
             **result.to_plain(),
+            **(failure(Mishap.HUNG, result.reason) if sitl.bench.stack.fault else {}),
             # The task names scene and vehicle as they were opened.
             "scene": task.scene,
             "vehicle": task.vehicle,

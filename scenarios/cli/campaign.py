@@ -27,6 +27,7 @@ from scenarios.run.levels import RecordLevel
 if TYPE_CHECKING:
     from scenarios.campaigns.engines.crew import Engine
     from scenarios.campaigns.fixed import FixedSuite
+    from scenarios.campaigns.flight_stack import FlightStack
     from scenarios.campaigns.flyer import Suite, Trial
 
 _PROG = "aeroscene campaign"
@@ -58,9 +59,14 @@ class CampaignCfg:
     """With --pilot mavlink: command that flies each trial, with its task as a line of JSON on
     standard input. By default clients come by themselves, and each task is a line on standard
     output."""
+    autopilot: Literal["builtin", "px4", "ardupilot"] = "builtin"
+    """Flight stack that the pilot commands: ours, or one of its own, see docs/flight_stacks.md."""
+    autopilot_binary: Annotated[str | None, tyro.conf.arg(help_behavior_hint="")] = None
+    """With --autopilot: program of that flight stack, started anew for each trial."""
     instance: int = 0
     """With --pilot mavlink, without --program: the first worker waits on TCP port 5760 + 10 N of
-    loopback, each further one on the next such port."""
+    loopback, each further one on the next such port. With --autopilot: the first worker has the
+    ports of instance N, each further one those of the next."""
     recipe: Annotated[Path | None, default_hint("the one in docs/campaigns.md")] = None
     """TOML file that says what the tasks are drawn from: starts, wind, traffic, sensors, map."""
     suite: Annotated[str | None, default_hint("none")] = None
@@ -94,13 +100,14 @@ def run(cfg: CampaignCfg) -> int:
     from scenarios.campaigns.engines.crew import WorkerError  # noqa: PLC0415
     from scenarios.campaigns.external.program import ProgramError  # noqa: PLC0415
     from scenarios.campaigns.fixed import FixedSuiteError  # noqa: PLC0415
+    from scenarios.campaigns.flight_stack import FlightStackError  # noqa: PLC0415
     from scenarios.campaigns.store import StoreError  # noqa: PLC0415
 
     # SIGTERM is handled as Ctrl-C is: processes and folder are left in order.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     refusals = (
         *(CampaignError, FixedSuiteError, StoreError, WorkerError),
-        *(PilotError, ProgramError, SceneNumbersError),
+        *(PilotError, ProgramError, FlightStackError, SceneNumbersError),
     )
     try:
         if cfg.dry_run:
@@ -206,7 +213,13 @@ def _suite(cfg: CampaignCfg) -> Suite:
     recordings = None
     if cfg.record != "none":
         recordings = Recordings(folder=cfg.out / RECORDINGS, level=cfg.record)
-    suite = Suite(recipe=recipe, pilot=cfg.pilot, program=cfg.program, recordings=recordings)
+    suite = Suite(
+        recipe=recipe,
+        pilot=cfg.pilot,
+        program=cfg.program,
+        stack=_stack(cfg),
+        recordings=recordings,
+    )
     if cfg.program is not None and not suite.is_external:
         fail(_PROG, f"program {cfg.program!r} needs --pilot mavlink; pilot is {cfg.pilot!r}")
     if suite.is_external and cfg.program is None and cfg.engine == "ray":
@@ -214,9 +227,29 @@ def _suite(cfg: CampaignCfg) -> Suite:
     if cfg.ray_address is not None and cfg.engine != "ray":
         fail(_PROG, f"ray-address {cfg.ray_address!r} needs --engine ray")
     last = MAX_INSTANCES - cfg.workers
-    if suite.is_external and cfg.program is None and not 0 <= cfg.instance <= last:
+    has_ports = suite.stack is not None or (suite.is_external and cfg.program is None)
+    if has_ports and not 0 <= cfg.instance <= last:
         fail(_PROG, f"instance {cfg.instance} is out of range; valid: 0 to {last}, by the workers")
     return suite
+
+
+def _stack(cfg: CampaignCfg) -> FlightStack | None:
+    """The flight stack that is asked for; None for ours, bad input ends the process."""
+    from scenarios.campaigns.flight_stack import FlightStack  # noqa: PLC0415 - see `run`
+    from scenarios.campaigns.flyer import EXTERNAL  # noqa: PLC0415
+
+    name, binary = cfg.autopilot, cfg.autopilot_binary
+    if name == "builtin":
+        if binary is not None:
+            fail(_PROG, f"autopilot-binary {binary!r} needs --autopilot px4 or ardupilot")
+        return None
+    if binary is None:
+        fail(_PROG, f"autopilot {name} needs --autopilot-binary, which each trial starts anew")
+    if cfg.pilot == EXTERNAL:
+        fail(_PROG, f"pilot mavlink flies by our autopilot, not {name}; valid: another --pilot")
+    if cfg.engine != "local":
+        fail(_PROG, f"autopilot {name} flies on this machine; valid: --engine local")
+    return FlightStack(autopilot=name, binary=binary)
 
 
 def _fixed(cfg: CampaignCfg, name: str) -> FixedSuite:
@@ -244,4 +277,4 @@ def _engine(cfg: CampaignCfg, suite: Suite) -> Iterator[Engine]:
     waits = suite.is_external and suite.program is None
     if waits:
         sys.stderr.write(f"{_PROG}: clients are awaited from tcp:127.0.0.1:{port} on\n")
-    yield LocalEngine(suite, cfg.patience, port if waits else None)
+    yield LocalEngine(suite, cfg.patience, port if waits else None, cfg.instance)

@@ -63,6 +63,7 @@ def run(cfg: FlyCfg) -> int:
     from scenarios.baselines.named import PilotError  # noqa: PLC0415
     from scenarios.campaigns.campaign import CampaignError, row_of  # noqa: PLC0415
     from scenarios.campaigns.external.program import ProgramError  # noqa: PLC0415
+    from scenarios.campaigns.flight_stack import FlightStackError  # noqa: PLC0415
     from scenarios.campaigns.flyer import Flyer, Trial  # noqa: PLC0415
     from scenarios.campaigns.store import TRACKS, StoreError  # noqa: PLC0415
 
@@ -74,11 +75,12 @@ def run(cfg: FlyCfg) -> int:
     logging.getLogger("scenarios.campaigns").setLevel(logging.INFO)
     try:
         suite, is_campaigns = _suite(cfg)
+        suite.require_pilot()
         before = row_of(cfg.out, trial) if is_campaigns else None
         recordings = Recordings(folder=cfg.out / RECORDINGS, level=cfg.record)
         with Flyer(replace(suite, recordings=recordings), shows_program=True) as flyer:
             row = flyer.fly(trial)
-    except (CampaignError, StoreError, PilotError, ProgramError) as error:
+    except (CampaignError, StoreError, PilotError, ProgramError, FlightStackError) as error:
         fail(_PROG, str(error))
     except OSError as error:
         fail_on_file(_PROG, error)

@@ -79,6 +79,11 @@ def _print_result(console: Console, result: TrialResult) -> None:
         f"  simulated                     {result.sim_seconds:.1f} s in "
         f"{result.wall_seconds:.1f} s: {result.real_time_factor:.1f} times real time"
     )
+    if (exchanges := result.lockstep) is not None:
+        console.print(
+            "  lockstep                      "
+            + ", ".join(f"{count} {name.replace('_', ' ')}" for name, count in exchanges.items())
+        )
     if result.recording is not None:
         console.print(f"  recording                     {result.recording}")
         console.print(f"Replay it with: aeroscene replay {result.recording}", soft_wrap=True)

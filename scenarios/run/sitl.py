@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
@@ -117,9 +117,8 @@ class Sitl:
                 from scenarios.run.watching import watch  # noqa: PLC0415 - imports rerun
 
                 self.recorder, self.viewer = watch(self, stack)
-            self._tape = None
-            if cfg.pictures is not None:
-                self._tape = self._open_tape(() if among is None else among.mates)
+            mates = () if among is None else among.mates
+            self._tape = None if cfg.pictures is None else self._open_tape(mates)
             self._stack = stack.pop_all()
 
     def _open_bench(
@@ -270,7 +269,7 @@ class Sitl:
         self, measured: dict[str, Any], judgement: Judgement, wall_s: float, cpu_s: float
     ) -> TrialResult:
         bench = self.bench
-        sim_s = bench.plant.time_us * 1e-6
+        sim_s, external = bench.plant.time_us * 1e-6, bench.external
         x, y, z = (round(c, 3) for c in bench.scene.start_position_enu_m)
         return TrialResult(
             success=judgement.success,
@@ -286,6 +285,7 @@ class Sitl:
             real_time_factor=round(sim_s / wall_s, 2),
             state_hash=self.log.state_hash(),
             recording=None if self.cfg.record is None else str(self.cfg.record),
+            lockstep=external and asdict(external.exchanges),
             **measured,
         )
 

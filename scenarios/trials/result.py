@@ -69,6 +69,9 @@ class TrialResult:
     state_hash: str
     """Hash of every state of the flight: the same seed gives the same one on the same machine."""
     recording: str | None
+    lockstep: dict[str, int] | None = None
+    """Where a flight stack that is not ours flew: how many steps it has answered, see
+    docs/flight_stacks.md."""
 
     def to_plain(self) -> dict[str, Any]:
         """The result as plain data."""

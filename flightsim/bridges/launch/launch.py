@@ -1,4 +1,4 @@
-"""What it takes to start an external flight stack: its command line, and where it starts from."""
+"""What it takes to start an external flight stack: command line, sensors, and from where."""
 
 from __future__ import annotations
 
@@ -6,15 +6,24 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from flightsim.frames import Geodetic
+from flightsim.plant import PlantCfg
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Start:
-    """Place of a vehicle at first."""
+    """Place of a vehicle at first, and what it measures by."""
 
     place: Geodetic
     heading_deg: float
     """Clockwise from north."""
+    sensors: PlantCfg
+    is_in_room: bool = False
+    """Whether it has no satellites there."""
+
+    @property
+    def is_by_odometry(self) -> bool:
+        """Whether odometry alone says where it is at first."""
+        return self.sensors.has("vio") and (self.is_in_room or not self.sensors.has("gnss"))
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

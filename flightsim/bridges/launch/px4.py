@@ -5,12 +5,20 @@ from __future__ import annotations
 from pathlib import Path
 
 from flightsim.bridges.launch.launch import Launch, Start
+from flightsim.sensors.gnss import GRADES
 from flightsim.vehicles import Airframe
 
 _MODEL, _AUTOSTART = "none_iris", "10016"
 """PX4's quadrotor without a simulator of its own; the parameters below make it ours."""
 _FIRST_MOTOR_FUNCTION = 101
 _QUADRATIC = 1.0
+_POSITION, _HEIGHT, _VELOCITY, _HEADING = 1, 2, 4, 8
+"""Bits of EKF2_EV_CTRL; those of EKF2_GPS_CTRL up to the velocity are longitude and latitude,
+height and velocity."""
+_BY_GNSS, _BY_ODOMETRY = 1, 3
+"""Values of EKF2_HGT_REF."""
+_LEAST_ANGLE_NOISE_RAD = 0.05
+"""PX4's least EKF2_EVA_NOISE."""
 _PARAMETERS = "px4-rc.params"
 """Name under which PX4's startup script looks for parameters of one's own."""
 
@@ -40,6 +48,28 @@ def parameters(airframe: Airframe) -> dict[str, float]:
     }
 
 
+def sensor_parameters(start: Start) -> dict[str, float]:
+    """PX4's parameters that follow from the sensors of a vehicle.
+
+    Heights are the receiver's, but odometry's where that alone says where the vehicle is.
+    """
+    cfg = start.sensors
+    receiver, odometry = GRADES[cfg.gnss], cfg.vio
+    has_gnss, has_odometry = cfg.has("gnss"), cfg.has("vio")
+    return {
+        "SYS_HAS_GPS": int(has_gnss),
+        "EKF2_GPS_CTRL": _POSITION | _HEIGHT | _VELOCITY if has_gnss else 0,
+        "EKF2_GPS_DELAY": 1e3 * receiver.delay_s,
+        "EKF2_GPS_P_NOISE": receiver.reported_accuracy_m[0],
+        "EKF2_EV_CTRL": _POSITION | _HEIGHT | _HEADING if has_odometry else 0,
+        "EKF2_EV_DELAY": 1e3 * odometry.delay_s,
+        "EKF2_EVP_NOISE": 2.0 * odometry.position_noise_m,
+        "EKF2_EVA_NOISE": max(_LEAST_ANGLE_NOISE_RAD, odometry.yaw_noise_rad),
+        "EKF2_HGT_REF": _BY_ODOMETRY if start.is_by_odometry else _BY_GNSS,
+        "EKF2_OF_CTRL": int(cfg.has("optical_flow")),
+    }
+
+
 STACK_PORT, OUR_PORT = 13530, 13780
 """UDP ports of a MAVLink link for our recorder and pilot, besides PX4's own links for clients."""
 _LINK = f"""#!/bin/sh
@@ -49,21 +79,22 @@ mavlink start -x -u $(({STACK_PORT}+px4_instance)) -r 400000 -f -m onboard \\
 """
 
 
-def parameter_file(airframe: Airframe) -> str:
+def parameter_file(airframe: Airframe, start: Start) -> str:
     """Text of a script of parameters, which PX4's startup script runs if it is on the path."""
-    own = [f"param set {name} {value:.6g}" for name, value in parameters(airframe).items()]
+    values = parameters(airframe) | sensor_parameters(start)
+    own = [f"param set {name} {value:.6g}" for name, value in values.items()]
     return "\n".join(["#!/bin/sh", f"# {airframe.title}", *own, ""])
 
 
 def launch(
-    airframe: Airframe, _start: Start, instance: int, folder: Path, binary: Path | None
+    airframe: Airframe, start: Start, instance: int, folder: Path, binary: Path | None
 ) -> Launch:
     """Write the parameters into a folder, and name the command line.
 
     PX4 takes its place from the first fix. A binary of ours to start keeps its storage and its logs
     in the folder too, with the startup scripts that were built beside it.
     """
-    (folder / _PARAMETERS).write_text(parameter_file(airframe), encoding="utf-8")
+    (folder / _PARAMETERS).write_text(parameter_file(airframe, start), encoding="utf-8")
     (folder / "px4-rc.mavlink").write_text(_LINK, encoding="utf-8")
     built = () if binary is None else (str(binary.resolve().parent.parent / "etc"),)
     storage = () if binary is None else ("-w", str(folder))

@@ -12,7 +12,7 @@ import socket
 import struct
 
 from autonomy.types import Vector3
-from flightsim.bridges.physics.bridge import BridgeError, MotorOutputs
+from flightsim.bridges.physics.bridge import BridgeError, Exchanges, MotorOutputs
 from flightsim.frames import swap_enu_ned, swap_flu_frd, swap_quat_enu_flu_ned_frd
 from flightsim.plant import Plant
 
@@ -53,6 +53,7 @@ class ArduPilotBridge:
         self.address = f"UDP 127.0.0.1:{port}"
         self.notices: list[str] = []
         self.n_restarts = 0
+        self.exchanges = Exchanges()
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         try:
             self._socket.bind(("127.0.0.1", port))
@@ -88,6 +89,7 @@ class ArduPilotBridge:
         if self._is_owed:
             self._answer = _state(plant, self._origin_enu_m)
             self._send()
+            self.exchanges.told += 1
             self._is_owed = False
 
     def receive(self, timeout_s: float) -> MotorOutputs | None:
@@ -95,6 +97,7 @@ class ArduPilotBridge:
         outputs = self._outputs or self._await_request(timeout_s)
         self._outputs = None
         self._is_owed = outputs is not None
+        self.exchanges.answered += outputs is not None
         return outputs
 
     def close(self) -> None:
@@ -120,11 +123,14 @@ class ArduPilotBridge:
         _, _, count, *pulses = layout.unpack(data)
         self._client = sender
         if count == self._count:
+            self.exchanges.repeated += 1
             self._send()  # It has not got the answer, or would not ask again.
             return None
         if count < _RESTART_FRAMES <= self._count:
             self.n_restarts += 1
             self.notices.append(f"ArduPilot has begun anew at {sender[0]}:{sender[1]}")
+        elif self._count >= 0:
+            self.exchanges.left_out += abs(count - self._count - 1)
         self._count = count
         a, b, c, d = ((pulse - _PULSE_LOW_US) / _PULSE_SPAN_US for pulse in pulses[:4])
         return (a, b, c, d)

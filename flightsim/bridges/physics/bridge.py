@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Protocol
 
 from flightsim.plant import Plant
@@ -14,6 +15,26 @@ class BridgeError(ValueError):
     """An external flight stack cannot be waited for, started or understood."""
 
 
+@dataclass(slots=True)
+class Exchanges:
+    """Count of what has passed between our physics and a flight stack.
+
+    In lockstep each state is answered once: `told` is `answered` plus `unanswered`, but for the
+    state that the stack holds at the end, and `left_out` is zero.
+    """
+
+    told: int = 0
+    """States that the stack has been told."""
+    answered: int = 0
+    """Steps by the stack's answer to the state before them."""
+    unanswered: int = 0
+    """Steps without one, while the stack started."""
+    repeated: int = 0
+    """Requests and answers for a step that had been made; they made none."""
+    left_out: int = 0
+    """Steps that the stack's own count or clock passes over."""
+
+
 class Bridge(Protocol):
     """One exchange a control tick: tell the state, then wait for the outputs of the next tick.
 
@@ -21,11 +42,13 @@ class Bridge(Protocol):
         address: Where the flight stack finds the physics, in words.
         notices: A line for each thing worth saying; whoever says them takes them out.
         n_restarts: How many times the flight stack has begun anew.
+        exchanges: What has passed.
     """
 
     address: str
     notices: list[str]
     n_restarts: int
+    exchanges: Exchanges
 
     def connect(self, timeout_s: float) -> bool:
         """Whether a flight stack is there; waits for one at most this wall time."""

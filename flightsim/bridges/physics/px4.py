@@ -13,7 +13,7 @@ import socket
 import time
 from typing import Any
 
-from flightsim.bridges.physics.bridge import BridgeError, MotorOutputs
+from flightsim.bridges.physics.bridge import BridgeError, Exchanges, MotorOutputs
 from flightsim.bridges.physics.px4_messages import SensorMessages
 from flightsim.frames import LocalFrame
 from flightsim.mavlink.dialect import dialect as mavlink
@@ -39,6 +39,7 @@ class Px4Bridge:
         self.address = f"TCP 127.0.0.1:{port}"
         self.notices: list[str] = []
         self.n_restarts = 0
+        self.exchanges = Exchanges()
         self._listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
         self._listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
@@ -72,6 +73,7 @@ class Px4Bridge:
         self._outputs = None
         data, self._told_us = self._messages.frames(plant)
         self._send(data)
+        self.exchanges.told += 1
 
     def receive(self, timeout_s: float) -> MotorOutputs | None:
         """Outputs that answer the last samples; off while PX4 starts."""
@@ -81,12 +83,14 @@ class Px4Bridge:
             left_s = deadline_s - time.monotonic()
             if left_s <= 0.0:
                 is_starting = self._socket is not None and not self._has_outputs
+                self.exchanges.unanswered += is_starting
                 return _OFF if is_starting else None
             for key, _ in self._selector.select(left_s):
                 if key.fileobj is self._listener:
                     self._accept()
                 else:
                     self._read()
+        self.exchanges.answered += 1
         return self._outputs
 
     def close(self) -> None:
@@ -150,8 +154,11 @@ class Px4Bridge:
                 f"{self.address}: PX4 runs without lockstep (flags {message.flags}), so that its "
                 "flights do not repeat; valid: a build for simulation with lockstep"
             )
-        elif message.time_usec < self._told_us and self._has_outputs:
-            return  # It answers an earlier step.
+        elif self._has_outputs and (message.time_usec < self._told_us or self._outputs):
+            self.exchanges.repeated += 1
+            return  # It answers a step that has been made, or that is answered.
+        elif message.time_usec > self._told_us:
+            self.exchanges.left_out += 1
         self._has_outputs = True
         is_armed = message.mode & mavlink.MAV_MODE_FLAG_SAFETY_ARMED
         a, b, c, d = (c if math.isfinite(c) else 0.0 for c in message.controls[:4])

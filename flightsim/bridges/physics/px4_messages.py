@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 
 from autonomy.model.quadrotor import GRAVITY_MPS2
+from flightsim.bridges.physics.odometry import OdometryPose, OdometryPoses
 from flightsim.frames import LocalFrame, swap_enu_ned, swap_flu_frd, swap_quat_enu_flu_ned_frd
 from flightsim.mavlink.dialect import Layout, layout
+from flightsim.mavlink.dialect import dialect as mavlink
 from flightsim.plant import Plant
 
 _HIL_SENSOR = layout(
@@ -16,6 +18,8 @@ _HIL_SENSOR = layout(
 )
 _HIL_GPS = layout("HIL_GPS")
 _HIL_STATE = layout("HIL_STATE_QUATERNION")
+_HIL_FLOW = layout("HIL_OPTICAL_FLOW")
+_ODOMETRY = layout("ODOMETRY")
 _DISTANCE_SENSOR = layout("DISTANCE_SENSOR")
 _IMU_FIELDS, _MAG_FIELDS, _BARO_FIELDS = 0b111111, 0b111000000, 0b1101000000000
 _GAUSS_PER_UT, _HPA_PER_PA = 0.01, 0.01
@@ -26,6 +30,11 @@ _MIN_RANGE_CM, _MAX_RANGE_CM = 10, 3000
 _UNKNOWN_CM = 65535
 _SYSTEM, _COMPONENT = 1, 200
 _FACING_DOWN = 25
+_DIAGONAL = (0, 6, 11, 15, 18, 20)
+"""Where the upper triangle of a covariance of six numbers has their variances."""
+_NO_VELOCITY = dict.fromkeys(("vx", "vy", "vz", "rollspeed", "pitchspeed", "yawspeed"), math.nan)
+_FULL_QUALITY = 100
+_UNKNOWN_DISTANCE_M = -1.0
 
 
 class SensorMessages:
@@ -34,7 +43,9 @@ class SensorMessages:
     def __init__(self, frame: LocalFrame) -> None:
         self._frame = frame
         self._sequence = 0
+        self._odometry = OdometryPoses()
         self._mag_us = self._baro_us = self._gnss_us = -1
+        self._flow_us = 0
 
     def frames(self, plant: Plant) -> tuple[bytes, int]:
         """Frames of what has been measured, and the time that they tell, us."""
@@ -47,6 +58,11 @@ class SensorMessages:
         if gnss.time_us != self._gnss_us:
             self._gnss_us = gnss.time_us
             parts.append(self._frame_of(_HIL_GPS, self._gps(plant, time_us)))
+        if (pose := self._odometry.arrived(plant)) is not None:
+            parts.append(self._frame_of(_ODOMETRY, _pose(plant, pose)))
+        if plant.sensors.optical_flow.time_us != self._flow_us:
+            self._flow_us = plant.sensors.optical_flow.time_us
+            parts.append(self._frame_of(_HIL_FLOW, _flow(plant, time_us)))
         parts.append(self._frame_of(_HIL_SENSOR, self._sensor(plant, time_us)))
         return b"".join(parts), time_us
 
@@ -123,6 +139,46 @@ class SensorMessages:
             yacc=y_mg,
             zacc=z_mg,
         )
+
+
+def _pose(plant: Plant, pose: OdometryPose) -> bytes:
+    """What odometry says: in the scene's frame, without velocity, with its white noise."""
+    vio = plant.cfg.vio
+    position_m2, yaw_rad2 = vio.position_noise_m**2, vio.yaw_noise_rad**2
+    covariance = [0.0] * (_DIAGONAL[-1] + 1)
+    for k, variance in zip(_DIAGONAL, (position_m2,) * 3 + (yaw_rad2,) * 3, strict=True):
+        covariance[k] = variance
+    x, y, z = swap_enu_ned(pose.position_enu_m)
+    return _ODOMETRY.encode(
+        time_usec=pose.time_us + _FIRST_US,
+        frame_id=mavlink.MAV_FRAME_LOCAL_NED,
+        child_frame_id=mavlink.MAV_FRAME_BODY_FRD,
+        x=x,
+        y=y,
+        z=z,
+        q=swap_quat_enu_flu_ned_frd(pose.quat_wxyz),
+        **_NO_VELOCITY,
+        pose_covariance=covariance,
+        velocity_covariance=[math.nan] * len(covariance),
+        estimator_type=mavlink.MAV_ESTIMATOR_TYPE_VIO,
+        quality=_FULL_QUALITY,
+    )
+
+
+def _flow(plant: Plant, time_us: int) -> bytes:
+    flow = plant.sensors.optical_flow
+    (x, y), (turn_x, turn_y, turn_z) = flow.flow_frd_rad, flow.gyro_frd_rad
+    return _HIL_FLOW.encode(
+        time_usec=time_us,
+        integration_time_us=flow.integration_us,
+        integrated_x=x,
+        integrated_y=y,
+        integrated_xgyro=turn_x,
+        integrated_ygyro=turn_y,
+        integrated_zgyro=turn_z,
+        distance=flow.distance_m if math.isfinite(flow.distance_m) else _UNKNOWN_DISTANCE_M,
+        quality=flow.quality,
+    )
 
 
 def _range(plant: Plant, time_us: int) -> bytes:

@@ -12,7 +12,7 @@ from enum import Enum
 from typing import Any, Protocol
 
 from autonomy.types import FlatReference
-from flightsim.frames import LocalFrame, swap_enu_ned, swap_yaw_enu_ned
+from flightsim.frames import Geodetic, LocalFrame, swap_enu_ned, swap_yaw_enu_ned
 from flightsim.mavlink.client.habits import PX4_HABITS, Habits
 from flightsim.mavlink.client.telemetry import Telemetry, TelemetryReader
 from flightsim.mavlink.dialect import dialect as mavlink
@@ -181,6 +181,18 @@ class MavlinkClient:
                 *swap_enu_ned(reference.acceleration_enu_mps2),
                 swap_yaw_enu_ned(reference.yaw_rad),
                 -reference.yaw_rate_radps,
+            )
+        )
+
+    def send_origin(self, place: Geodetic) -> None:
+        """Tell a vehicle without a receiver where on earth its local frame has its origin."""
+        self._send(
+            mavlink.MAVLink_set_gps_global_origin_message(
+                self.telemetry.system_id,
+                round(place.latitude_deg * 1e7),
+                round(place.longitude_deg * 1e7),
+                round(place.altitude_m * 1e3),
+                self._time_us,
             )
         )
 

@@ -140,13 +140,13 @@ class TelemetryReader:
         self.telemetry.local_origin_enu_m = self._frame.enu_from_geodetic(place)
 
     def _local_position(self, m: Any) -> None:
+        self.telemetry.position_time_ms = m.time_boot_ms
         origin = self.telemetry.local_origin_enu_m
         if origin is None:
             return
         east, north, up = swap_enu_ned((m.x, m.y, m.z))
         self.telemetry.position_enu_m = (east + origin[0], north + origin[1], up + origin[2])
         self.telemetry.velocity_enu_mps = swap_enu_ned((m.vx, m.vy, m.vz))
-        self.telemetry.position_time_ms = m.time_boot_ms
         if not self._habits.has_estimator_status:
             self.telemetry.is_navigating = True
 

@@ -32,6 +32,8 @@ class _Job:
     patience_s: float
     port: int | None
     """Port on which its pilots call, where they come by themselves."""
+    instance: int
+    """Shifts the ports of a flight stack that is not ours."""
 
 
 class _LocalWorker:
@@ -72,7 +74,13 @@ class _LocalWorker:
 class LocalEngine:
     """Processes of this machine, spawned: each takes two seconds to start."""
 
-    def __init__(self, suite: Suite, patience_s: float, first_port: int | None = None) -> None:
+    def __init__(
+        self,
+        suite: Suite,
+        patience_s: float,
+        first_port: int | None = None,
+        first_instance: int = 0,
+    ) -> None:
         """Start nothing yet.
 
         Args:
@@ -80,10 +88,13 @@ class LocalEngine:
             patience_s: Wall time for one trial.
             first_port: Port on which the first worker waits for pilots that come by themselves;
                 that of the next one is 10 higher.
+            first_instance: Instance of a flight stack that is not ours, at the first worker; that
+                of the next one is 1 higher.
         """
         self._suite = suite
         self._patience_s = patience_s
         self._first_port = first_port
+        self._first_instance = first_instance
         self._hired: list[_LocalWorker] = []
         """Those that have not been ended, and perhaps some that have."""
 
@@ -92,7 +103,8 @@ class LocalEngine:
         taken = {worker.number for worker in self._present()}
         number = next(n for n in range(len(taken) + 1) if n not in taken)
         port = None if self._first_port is None else self._first_port + 10 * number
-        worker = _LocalWorker(number, _Job(self._suite, self._patience_s, port))
+        job = _Job(self._suite, self._patience_s, port, self._first_instance + number)
+        worker = _LocalWorker(number, job)
         self._hired.append(worker)
         return worker
 
@@ -116,7 +128,9 @@ def _work(link: Connection[Any, Any], job: _Job) -> None:
     try:
         _end_when_told()
         begin_work(job.suite.pilot)
-        with Flyer(job.suite, patience_s=job.patience_s, port=job.port) as flyer:
+        with Flyer(
+            job.suite, patience_s=job.patience_s, port=job.port, instance=job.instance
+        ) as flyer:
             link.send(_READY)
             while True:
                 link.send(flyer.fly(link.recv()))

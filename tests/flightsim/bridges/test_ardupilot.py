@@ -148,3 +148,18 @@ def test_nothing_beyond_reach_is_no_number_that_json_lacks(plant, ends):
     bridge.receive(5.0)
     bridge.tell(plant)
     assert stand_in.take()["rng_1"] > 100.0
+
+
+def test_what_passes_in_lockstep_is_counted(plant, ends):
+    bridge, stand_in = ends
+    for _ in range(3):
+        exchange(plant, bridge, stand_in)
+    stand_in.count -= 1
+    stand_in.ask()  # again
+    assert bridge.receive(1.0) is None
+    stand_in.take()
+    stand_in.count += 2
+    exchange(plant, bridge, stand_in)
+    count = bridge.exchanges
+    assert (count.told, count.answered, count.unanswered) == (4, 4, 0)
+    assert (count.repeated, count.left_out) == (1, 2)

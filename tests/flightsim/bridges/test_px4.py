@@ -6,12 +6,17 @@ import socket
 import numpy as np
 import pytest
 
-from flightsim.bridges.launch.px4 import parameter_file, parameters
+from autonomy.types import yaw_of
+from flightsim.bridges.launch.launch import Start
+from flightsim.bridges.launch.px4 import parameter_file, parameters, sensor_parameters
 from flightsim.bridges.physics.bridge import BridgeError
+from flightsim.bridges.physics.odometry import OdometryPoses
 from flightsim.bridges.physics.px4 import PORT, Px4Bridge
+from flightsim.bridges.physics.px4_messages import SensorMessages
 from flightsim.frames import Geodetic, LocalFrame
 from flightsim.mavlink.dialect import dialect as mavlink
 from flightsim.plant import Plant, PlantCfg
+from flightsim.sensors.optical_flow import OpticalFlowCfg
 from flightsim.vehicles import airframe_by_name
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import build_world
@@ -22,6 +27,7 @@ QUADROTORS = [name for name, a in AIRFRAMES.items() if len(a.quadrotor.rotors) =
 ZURICH = Geodetic(47.4, 8.5, 488.0)
 ARMED = mavlink.MAV_MODE_FLAG_SAFETY_ARMED
 LOCKSTEP = 1
+YAW = 0.4
 
 
 class StandIn:
@@ -48,9 +54,15 @@ class StandIn:
         self.socket.close()
 
 
+def start_with(*, is_in_room=False, **sensors):
+    """A start in Zurich with these sensors."""
+    cfg = PlantCfg(seed=1, **sensors)
+    return Start(place=ZURICH, heading_deg=0.0, sensors=cfg, is_in_room=is_in_room)
+
+
 @pytest.fixture(scope="module")
 def world():
-    return build_world(empty_scene(), airframe_by_name("iris"))
+    return build_world(empty_scene(yaw_rad=YAW), airframe_by_name("iris"))
 
 
 @pytest.fixture
@@ -117,7 +129,7 @@ def test_samples_come_in_the_units_and_frames_of_px4(plant, bridge, stand_in):
     assert sensor.fields_updated == 0x1BFF
     assert sensor.zacc == pytest.approx(-9.81, abs=0.5)
     field = (sensor.xmag, sensor.ymag, sensor.zmag)
-    assert field == pytest.approx((0.008, -0.215, 0.428), abs=0.03)  # gauss; it heads east
+    assert field == pytest.approx((0.091, -0.195, 0.428), abs=0.03)  # gauss
     assert sensor.abs_pressure == pytest.approx(956.0, abs=15.0)
     assert (gps.lat, gps.lon) == pytest.approx((474_000_000, 85_000_000), abs=200)
     assert gps.fix_type >= 3
@@ -180,6 +192,121 @@ def test_the_mixer_of_px4_has_our_rotors_in_its_order_and_axes(name):
     moments = [p[f"CA_ROTOR{k}_KM"] > 0 for k in range(4)]
     assert moments == [True, True, False, False]
     assert p["MPC_THR_HOVER"] == pytest.approx(quadrotor.hover_thrust_fraction)
-    script = parameter_file(airframe).splitlines()
+    script = parameter_file(airframe, start_with()).splitlines()
     assert script[0] == "#!/bin/sh"
     assert all(line.startswith("param set ") for line in script[2:])
+
+
+def test_what_passes_in_lockstep_is_counted(plant, bridge, stand_in):
+    bridge.tell(plant)
+    assert bridge.receive(1.0) == (0.0,) * 4  # It starts.
+    bridge.tell(plant)
+    time_us = stand_in.take()["HIL_SENSOR"].time_usec
+    for _ in range(2):
+        stand_in.answer(time_us, (0.5,) * 4)
+    assert bridge.receive(1.0) is not None
+    plant.advance()
+    bridge.tell(plant)
+    stand_in.answer(time_us, (0.5,) * 4)  # late
+    stand_in.answer(time_us + 40_000, (0.5,) * 4)  # of a step that has not been
+    assert bridge.receive(1.0) is not None
+    count = bridge.exchanges
+    assert (count.told, count.answered, count.unanswered) == (3, 2, 1)
+    assert (count.repeated, count.left_out) == (2, 1)
+
+
+@pytest.fixture
+def odometry(world):
+    """A plant with odometry and optical flow, and what its bridge tells in a second."""
+    cfg = PlantCfg(seed=1, aiding="vio", optical_flow=OpticalFlowCfg(is_fitted=True))
+    plant, told = Plant(world, cfg), []
+    messages, parser = SensorMessages(LocalFrame(ZURICH)), mavlink.MAVLink(None)
+    plant.hand_over(
+        lambda: told.extend(
+            (plant.time_us, message) for message in parser.parse_buffer(messages.frames(plant)[0])
+        )
+    )
+    for _ in range(50):
+        plant.advance()
+    return plant, told
+
+
+def test_odometry_arrives_late_in_the_frame_of_the_scene(odometry):
+    plant, told = odometry
+    poses = [(at_us, m) for at_us, m in told if m.get_type() == "ODOMETRY"]
+    assert len(poses) == 23  # 25 a second, but for those under way: of 0.96 s and of 1 s
+    east, north, up = plant.truth.position_enu_m
+    heading_rad = math.pi / 2 - YAW
+    for at_us, pose in poses:
+        assert at_us + 1_000_000 - pose.time_usec == 40_000
+        assert (pose.frame_id, pose.estimator_type) == (
+            mavlink.MAV_FRAME_LOCAL_NED,
+            mavlink.MAV_ESTIMATOR_TYPE_VIO,
+        )
+        assert (pose.x, pose.y, pose.z) == pytest.approx((north, east, -up), abs=0.06)
+        w, x, y, z = pose.q
+        assert (x, y) == pytest.approx((0.0, 0.0), abs=1e-3)
+        assert 2.0 * math.atan2(z, w) == pytest.approx(heading_rad, abs=0.02)
+        assert pose.pose_covariance[0] == pytest.approx(1e-4)
+        assert pose.pose_covariance[20] == pytest.approx(1.6e-5)
+        assert math.isnan(pose.vx)
+
+
+def test_odometry_turns_with_the_start(world):
+    plant = Plant(world, PlantCfg(seed=1, aiding="vio"))
+    poses = OdometryPoses()
+    assert poses.arrived(plant) is None
+    start = plant.truth.position_enu_m
+    plant._record["vio"]["tick"] = 10
+    plant._record["vio"]["position_vio_m"] = (2.0, 1.0, 0.5)  # forward, left, up
+    plant._record["vio"]["yaw_vio_rad"] = 0.3
+    plant._read_afresh()
+    assert poses.arrived(plant) is None  # It is under way.
+    for _ in range(4):
+        plant._record["vio"]["is_enabled"] = 0
+        plant.advance()
+        if (pose := poses.arrived(plant)) is not None:
+            break
+    assert pose is not None
+    forward, left = (
+        np.array((math.cos(YAW), math.sin(YAW))),
+        np.array((-math.sin(YAW), math.cos(YAW))),
+    )
+    assert pose.position_enu_m[:2] == pytest.approx(start[:2] + 2.0 * forward + left)
+    assert pose.position_enu_m[2] == pytest.approx(start[2] + 0.5)
+    assert yaw_of(pose.quat_wxyz) == pytest.approx(YAW + 0.3, abs=1e-6)
+
+
+def test_optical_flow_is_told_where_it_is_fitted(odometry, plant, bridge, stand_in):
+    _, told = odometry
+    flows = [m for _, m in told if m.get_type() == "HIL_OPTICAL_FLOW"]
+    assert len(flows) == 49
+    assert flows[-1].integration_time_us == 20_000
+    assert flows[-1].quality == 255
+    assert 0.0 < flows[-1].distance < 0.3
+    plant.advance()
+    bridge.tell(plant)
+    assert not {"ODOMETRY", "HIL_OPTICAL_FLOW"} & stand_in.take().keys()
+
+
+def test_the_estimator_of_px4_is_told_what_there_is_to_fuse():
+    outside = sensor_parameters(start_with(aiding="auto"))
+    assert (outside["EKF2_GPS_CTRL"], outside["EKF2_EV_CTRL"], outside["EKF2_HGT_REF"]) == (
+        7,
+        11,
+        1,
+    )
+    assert (outside["EKF2_EV_DELAY"], outside["EKF2_GPS_DELAY"]) == pytest.approx((40.0, 120.0))
+    inside = sensor_parameters(start_with(aiding="auto", is_in_room=True))
+    assert inside["EKF2_HGT_REF"] == 3
+    satellites = sensor_parameters(start_with(aiding="gnss", is_in_room=True))
+    assert (satellites["EKF2_EV_CTRL"], satellites["EKF2_HGT_REF"]) == (0, 1)
+    odometry = sensor_parameters(start_with(aiding="vio"))
+    assert (odometry["SYS_HAS_GPS"], odometry["EKF2_GPS_CTRL"], odometry["EKF2_HGT_REF"]) == (
+        0,
+        0,
+        3,
+    )
+    assert (odometry["EKF2_OF_CTRL"], outside["EKF2_OF_CTRL"]) == (0, 0)
+    eye = OpticalFlowCfg(is_fitted=True)
+    assert sensor_parameters(start_with(optical_flow=eye))["EKF2_OF_CTRL"] == 1
