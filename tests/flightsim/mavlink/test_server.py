@@ -175,7 +175,7 @@ def test_streams_of_several_ticks_share_a_datagram(flight):
             port = client.getsockname()[1]
             link = UdpLink(local_port=0, remote_port=port, profile="onboard")
             server = MavlinkServer(
-                flight.autopilot, flight.plant, flight.frame, [link], ticks_per_datagram=n_ticks
+                flight.autopilot, flight.plant, flight.frame, [link], ticks_per_burst=n_ticks
             )
             for _ in range(98):  # streams begin with the second tick
                 flight.plant.advance()
