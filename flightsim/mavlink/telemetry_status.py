@@ -29,7 +29,6 @@ _EXTENDED_SYS_STATE = layout("EXTENDED_SYS_STATE", "vtol_state", "landed_state")
 _HOME_POSITION = layout("HOME_POSITION")
 _GPS_GLOBAL_ORIGIN = layout("GPS_GLOBAL_ORIGIN")
 _MISSION_CURRENT = layout("MISSION_CURRENT")
-_SYSTEM_TIME = layout("SYSTEM_TIME")
 _CURRENT_MODE = layout("CURRENT_MODE")
 _AUTOPILOT_VERSION = layout("AUTOPILOT_VERSION")
 _FLIGHT_INFORMATION = layout("FLIGHT_INFORMATION")
@@ -75,7 +74,6 @@ class StatusTelemetry:
             "HOME_POSITION": self._home_position,
             "GPS_GLOBAL_ORIGIN": self._global_origin,
             "MISSION_CURRENT": self._mission_current,
-            "SYSTEM_TIME": self._system_time,
             "CURRENT_MODE": self._current_mode,
             "AUTOPILOT_VERSION": self._autopilot_version,
             "PROTOCOL_VERSION": self._protocol_version,
@@ -174,10 +172,6 @@ class StatusTelemetry:
             return mav.MISSION_STATE_ACTIVE
         is_under_way = mission.current_index > 0 or mission.last_reached_index is not None
         return mav.MISSION_STATE_PAUSED if is_under_way else mav.MISSION_STATE_NOT_STARTED
-
-    def _system_time(self) -> bytes:
-        v = self._view
-        return _SYSTEM_TIME.encode(time_unix_usec=EPOCH_US + v.time_us, time_boot_ms=v.time_boot_ms)
 
     def _current_mode(self) -> bytes:
         entry = self._modes.entry
