@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from flightsim.mavlink.dialect import LAYOUTS, MARKER_V2, SIGNED_FLAG, Layout
 from flightsim.mavlink.parsing import FrameParser, Message
 from flightsim.mavlink.signing import Signing
-from flightsim.mavlink.streaming import OVERHEAD_BYTES
+from flightsim.mavlink.streaming import FRAMED, ONE_BY_ONE, OVERHEAD_BYTES, WAITS
 from flightsim.mavlink.streams import Profile
 
 Write = Callable[[Sequence[bytes]], None]
@@ -24,7 +24,7 @@ _STREAM_BACKLOG_BYTES = 16_384
 DATAGRAM_BYTES = 1400
 """Largest datagram; below the Ethernet MTU with IP and UDP headers."""
 MOST_WAITING = 16
-"""Most full datagrams that wait for the others of their burst."""
+"""Most datagrams that wait for the others of their burst."""
 
 
 class _Outbox:
@@ -151,9 +151,13 @@ class Channel:
         self._outbox.is_crowded = is_crowded
 
     @property
-    def is_plain(self) -> bool:
-        """Whether frames for the partner are of MAVLink 2 and without a signature."""
-        return not (self._parser.is_version_1 or self._signs)
+    def way(self) -> int:
+        """How streams serve the partner now: plain frames are of MAVLink 2 and not signed."""
+        if self._outbox.is_crowded:
+            return WAITS
+        signing = self._signing
+        is_signed = signing is not None and signing.key is not None
+        return ONE_BY_ONE if is_signed or self._parser.is_version_1 else FRAMED
 
     @property
     def has_room(self) -> bool:
@@ -199,7 +203,7 @@ class Channel:
             frames: Plain frames one after the other, numbered from `sequence` on.
             n_frames: Number of them.
         """
-        self._count(n_frames)
+        self.sequence = (self.sequence + n_frames) & 0xFF
         if self._is_datagram and len(frames) > DATAGRAM_BYTES:
             start, end = 0, 0
             while start < len(frames):
@@ -225,19 +229,17 @@ class Channel:
             build = layout.frame_v1 if self._parser.is_version_1 else layout.frame_v2
             frame = build(payload, *numbers)
         if frame:
-            self._count(1)
+            self.sequence = (self.sequence + 1) & 0xFF
             self._queue(frame)
-
-    def _count(self, n_frames: int) -> None:
-        self.sequence = (self.sequence + n_frames) & 0xFF
 
     def _queue(self, frames: bytes) -> None:
         outbox = self._outbox
         if self._is_datagram and outbox.n_bytes + len(frames) > DATAGRAM_BYTES:
-            outbox.full.append(outbox.frames)
-            outbox.frames, outbox.n_bytes = [], 0
-            if len(outbox.full) == MOST_WAITING:
+            if len(outbox.full) + 1 == MOST_WAITING:
                 self.flush()
+            else:
+                outbox.full.append(outbox.frames)
+                outbox.frames, outbox.n_bytes = [], 0
         outbox.frames.append(frames)
         outbox.n_bytes += len(frames)
 

@@ -122,26 +122,23 @@ class MavlinkServer:
 
     def update(self) -> None:
         """Read, answer, stream and send; call once every 20 ms of simulated time."""
-        faults = self.faults
+        attempt = self.faults.attempt
         self._receive(0.0)
         self._tell_events()
         self.statustext.end_tick()
         for watching in self._watching:
-            with faults:
-                watching.update()
+            attempt(watching.update)
         for service in self._stateful:
             if service.busy:
                 self._work(service)
         for common in self._common:
-            with faults:
-                common.update()
+            attempt(common.update)
         if self.lockstep is not None:
             self.lockstep.end_tick()
         self._n_ticks += 1
         self._flush(with_streams=self._n_ticks % self._ticks_per_burst == 0)
         if self._payload is not None:
-            with faults:
-                self._payload.work()  # Pictures take their time: answers do not wait for it.
+            attempt(self._payload.work)  # Pictures take their time: answers do not wait for it.
 
     def _work(self, service: StatefulService) -> None:
         """Perform a service's due work, for all whose transport does not lag behind."""
@@ -184,11 +181,7 @@ class MavlinkServer:
 
     def _flush(self, *, with_streams: bool = True) -> None:
         for channel in self._partners.channels:
-            with self.faults:
-                if with_streams:
-                    channel.flush()
-                else:
-                    channel.flush_answers()
+            self.faults.attempt(channel.flush if with_streams else channel.flush_answers)
 
     def close(self) -> None:
         """Send what still waits and release all ports. Closing twice is fine."""

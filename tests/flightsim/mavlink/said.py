@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from autonomy.types import ControlLevel
+from flightsim.environment.date import EPOCH_US
 from flightsim.frames import (
     euler_rpy_rad,
     swap_enu_ned,
@@ -235,9 +236,66 @@ class Said:
         }
         return {"time_usec": plant.time_us & 0xFFFFFFFF, **pulses}
 
+    def gps_raw_int(self):
+        gnss = self.sensors.gnss
+        place = self.flight.frame.geodetic_from_enu(gnss.position_enu_m)
+        east, north, _ = gnss.velocity_enu_mps
+        course_deg = math.degrees(math.atan2(east, north)) % 360.0
+        errors_m = [m if math.isfinite(m) else None for m in (gnss.eph_m, gnss.epv_m)]
+        return {
+            "time_usec": gnss.time_us,
+            "lat": round(place.latitude_deg * 1e7),
+            "lon": round(place.longitude_deg * 1e7),
+            **dict.fromkeys(("alt", "alt_ellipsoid"), round(place.altitude_m * 1e3)),
+            **_named("eph epv", [65535 if m is None else round(100 * m) for m in errors_m]),
+            **_named("h_acc v_acc", [0 if m is None else round(1e3 * m) for m in errors_m]),
+            "vel": round(100.0 * math.hypot(north, east)),
+            "cog": round(course_deg * 100.0) % 36000,
+            **_named("fix_type satellites_visible", (gnss.fix_type, gnss.n_satellites)),
+        }
 
-_BEFORE_ALIGNMENT = frozenset(
-    {"HIL_STATE_QUATERNION", "HIGHRES_IMU", "DISTANCE_SENSOR", "SERVO_OUTPUT_RAW"}
+    def scaled_pressure(self):
+        baro, airspeed = self.sensors.baro, self.sensors.airspeed
+        return {
+            **self.boot,
+            "press_abs": baro.pressure_pa * 0.01,
+            "press_diff": airspeed.differential_pa * 0.01,
+            "temperature": round(100.0 * baro.temperature_degc),
+            "temperature_press_diff": round(100.0 * airspeed.temperature_degc),
+        }
+
+    def estimator_status(self):
+        estimator = self.flight.plant.estimator
+        position = 0b11_0111_1110 if estimator.is_position_valid else 0
+        return {
+            **self.now,
+            "flags": position | int(estimator.is_attitude_valid),
+            "vel_ratio": estimator.gnss_velocity_ratio,
+            "mag_ratio": estimator.heading_ratio,
+            "pos_horiz_ratio": estimator.gnss_position_ratio,
+            "pos_vert_ratio": estimator.baro_ratio,
+            "pos_horiz_accuracy": estimator.sigma_horizontal_m,
+            "pos_vert_accuracy": estimator.sigma_vertical_m,
+        }
+
+    def wind_cov(self):
+        east, north = self.flight.plant.wind_est_enu_mps
+        return {
+            **self.now,
+            **_named("wind_x wind_y wind_alt", (north, east, self.place.altitude_m)),
+            **dict.fromkeys(("horiz_accuracy", "vert_accuracy"), math.nan),
+        }
+
+    def vibration(self):
+        return self.now
+
+    def system_time(self):
+        return {**self.boot, "time_unix_usec": EPOCH_US + self.flight.plant.time_us}
+
+
+_BEFORE_ALIGNMENT = (
+    *("HIL_STATE_QUATERNION", "HIGHRES_IMU", "DISTANCE_SENSOR", "SERVO_OUTPUT_RAW", "SYSTEM_TIME"),
+    *("GPS_RAW_INT", "SCALED_PRESSURE", "ESTIMATOR_STATUS", "WIND_COV", "VIBRATION"),
 )
 
 
