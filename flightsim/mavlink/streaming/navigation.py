@@ -78,14 +78,14 @@ def _tell_estimator(m: np.record, f: np.record, v: np.record) -> None:
     m.time_usec = v.time_us
     m.vel_ratio, m.pos_horiz_ratio = f.ratio_gnss_velocity, f.ratio_gnss_position
     m.pos_vert_ratio, m.mag_ratio = f.ratio_baro, f.ratio_heading
-    m.flags = 0.0
+    m["flags"] = 0.0  # numpy's records have an attribute of that name
     m.pos_horiz_accuracy = m.pos_vert_accuracy = math.inf
     if f.is_aligned == 1:
         m.pos_horiz_accuracy = math.sqrt(f.covariance[0, 0] + f.covariance[1, 1])
         m.pos_vert_accuracy = math.sqrt(f.covariance[2, 2])
-        m.flags = _ATTITUDE
+        m["flags"] = _ATTITUDE
         if m.pos_horiz_accuracy < MAX_HORIZONTAL_SIGMA_M:
-            m.flags = _ATTITUDE | _POSITION
+            m["flags"] = _ATTITUDE | _POSITION
 
 
 @kernel

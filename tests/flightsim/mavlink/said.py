@@ -46,8 +46,7 @@ class Said:
         self.heading_deg = math.degrees(self.rpy[2]) % 360.0
 
     def _ned(self, position_enu_m):
-        x, y, z = position_enu_m
-        x0, y0, z0 = self.origin_enu_m
+        (x, y, z), (x0, y0, z0) = position_enu_m, self.origin_enu_m
         return (y - y0, x - x0, z0 - z)
 
     def of(self, name):
@@ -240,15 +239,15 @@ class Said:
         gnss = self.sensors.gnss
         place = self.flight.frame.geodetic_from_enu(gnss.position_enu_m)
         east, north, _ = gnss.velocity_enu_mps
-        course_deg = math.degrees(math.atan2(east, north)) % 360.0
-        errors_m = [m if math.isfinite(m) else None for m in (gnss.eph_m, gnss.epv_m)]
+        course_deg = math.degrees(math.atan2(east, north))
+        errors_m, is_fixed = (gnss.eph_m, gnss.epv_m), math.isfinite(gnss.eph_m)
         return {
             "time_usec": gnss.time_us,
             "lat": round(place.latitude_deg * 1e7),
             "lon": round(place.longitude_deg * 1e7),
             **dict.fromkeys(("alt", "alt_ellipsoid"), round(place.altitude_m * 1e3)),
-            **_named("eph epv", [65535 if m is None else round(100 * m) for m in errors_m]),
-            **_named("h_acc v_acc", [0 if m is None else round(1e3 * m) for m in errors_m]),
+            **_named("eph epv", [round(100 * m) if is_fixed else 65535 for m in errors_m]),
+            **_named("h_acc v_acc", [round(1e3 * m) if is_fixed else 0 for m in errors_m]),
             "vel": round(100.0 * math.hypot(north, east)),
             "cog": round(course_deg * 100.0) % 36000,
             **_named("fix_type satellites_visible", (gnss.fix_type, gnss.n_satellites)),
@@ -258,24 +257,21 @@ class Said:
         baro, airspeed = self.sensors.baro, self.sensors.airspeed
         return {
             **self.boot,
-            "press_abs": baro.pressure_pa * 0.01,
-            "press_diff": airspeed.differential_pa * 0.01,
+            "press_abs": 0.01 * baro.pressure_pa,
+            "press_diff": 0.01 * airspeed.differential_pa,
             "temperature": round(100.0 * baro.temperature_degc),
             "temperature_press_diff": round(100.0 * airspeed.temperature_degc),
         }
 
     def estimator_status(self):
-        estimator = self.flight.plant.estimator
-        position = 0b11_0111_1110 if estimator.is_position_valid else 0
+        e = self.flight.plant.estimator
         return {
             **self.now,
-            "flags": position | int(estimator.is_attitude_valid),
-            "vel_ratio": estimator.gnss_velocity_ratio,
-            "mag_ratio": estimator.heading_ratio,
-            "pos_horiz_ratio": estimator.gnss_position_ratio,
-            "pos_vert_ratio": estimator.baro_ratio,
-            "pos_horiz_accuracy": estimator.sigma_horizontal_m,
-            "pos_vert_accuracy": estimator.sigma_vertical_m,
+            "flags": e.is_position_valid * 0b11_0111_1110 | int(e.is_attitude_valid),
+            **_named("vel_ratio pos_horiz_ratio", (e.gnss_velocity_ratio, e.gnss_position_ratio)),
+            **_named("pos_vert_ratio mag_ratio", (e.baro_ratio, e.heading_ratio)),
+            "pos_horiz_accuracy": e.sigma_horizontal_m,
+            "pos_vert_accuracy": e.sigma_vertical_m,
         }
 
     def wind_cov(self):
