@@ -73,8 +73,8 @@ def fields(*names: str, kind: str = "f8", shape: tuple[int, ...] = ()) -> list[t
 def cache_directory(module: str) -> Path:
     """Cache directory of a module's kernels, by the hash of all that they may call."""
     digest = hashlib.blake2b(numba.__version__.encode(), digest_size=8)
-    for path in sorted(_sources(_path_of(module))):
-        digest.update(path.read_bytes())
+    for path in sorted(_sources(_path_of(_ROOT, module)), key=str):
+        digest.update(_bytes_of(path))
     root = Path(platformdirs.user_cache_dir("aeroscene")) / "kernels" / module
     directory = root / digest.hexdigest()
     if not directory.exists():
@@ -123,9 +123,10 @@ def announce_if_cold(modules: Sequence[str], title: str, expected_seconds: float
             (directory / _ANNOUNCED).touch()
 
 
-def _path_of(module: str) -> Path | None:
-    """Source file of one of our modules, None for others."""
-    stem = _ROOT.joinpath(*module.split("."))
+@functools.cache
+def _path_of(root: Path, module: str) -> Path | None:
+    """Source file of one of our modules, None for others; many name the same ones."""
+    stem = root.joinpath(*module.split("."))
     for path in (stem.with_name(f"{stem.name}.py"), stem / "__init__.py"):
         if path.exists():
             return path
@@ -145,8 +146,15 @@ def _sources(first: Path | None) -> set[Path]:
 
 
 @functools.cache
+def _bytes_of(path: Path) -> bytes:
+    """A source, read once for all kernels that depend on it."""
+    return path.read_bytes()
+
+
+@functools.cache
 def _imported(path: Path) -> tuple[Path | None, ...]:
-    return tuple(_path_of(name) for name in sorted(_names(path.read_text(encoding="utf-8"))))
+    names = _names(_bytes_of(path).decode())
+    return tuple(_path_of(_ROOT, name) for name in sorted(names))
 
 
 def _names(source: str) -> set[str]:

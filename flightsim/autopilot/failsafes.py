@@ -131,8 +131,10 @@ class Failsafes:
     @property
     def reason(self) -> FailsafeReason | None:
         """Present condition with the strongest action; None if none demands any."""
-        worst = max(self._present, key=lambda reason: self._present[reason], default=None)
-        return None if worst is None or self._present[worst] is Action.WARN else worst
+        if not self._present:
+            return None
+        worst = max(self._present, key=lambda reason: self._present[reason])
+        return None if self._present[worst] is Action.WARN else worst
 
     def clear(self) -> None:
         """Forget all conditions, as at arming and disarming."""

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from flightsim.mavlink.dialect import LAYOUTS, MARKER_V2, SIGNED_FLAG, Layout
 from flightsim.mavlink.parsing import FrameParser, Message
 from flightsim.mavlink.signing import Signing
-from flightsim.mavlink.streaming import OVERHEAD_BYTES
+from flightsim.mavlink.streaming import FRAMED, ONE_BY_ONE, OVERHEAD_BYTES, WAITS
 from flightsim.mavlink.streams import Profile
 
 Write = Callable[[Sequence[bytes]], None]
@@ -23,21 +23,22 @@ _STREAM_BACKLOG_BYTES = 16_384
 
 DATAGRAM_BYTES = 1400
 """Largest datagram; below the Ethernet MTU with IP and UDP headers."""
+MOST_WAITING = 16
+"""Most datagrams that wait for the others of their burst."""
 
 
 class _Outbox:
     """Frames for a partner that wait to be sent, from whichever component."""
 
-    __slots__ = ("can_wait", "frames", "is_crowded", "n_bytes", "n_waits")
+    __slots__ = ("can_wait", "frames", "full", "is_crowded", "n_bytes")
 
     def __init__(self) -> None:
         self.is_crowded = False
-        self.clear()
-
-    def clear(self) -> None:
-        """Begin anew."""
+        self.full: list[list[bytes]] = []
+        """Frames of each datagram that has no more room, the oldest first."""
         self.frames: list[bytes] = []
-        self.n_bytes = self.n_waits = 0
+        """Those of the last datagram, behind them."""
+        self.n_bytes = 0
         self.can_wait = True
         """Whether all of them are of streams."""
 
@@ -150,9 +151,13 @@ class Channel:
         self._outbox.is_crowded = is_crowded
 
     @property
-    def is_plain(self) -> bool:
-        """Whether frames for the partner are of MAVLink 2 and without a signature."""
-        return not (self._parser.is_version_1 or self._signs)
+    def way(self) -> int:
+        """How streams serve the partner now: plain frames are of MAVLink 2 and not signed."""
+        if self._outbox.is_crowded:
+            return WAITS
+        signing = self._signing
+        is_signed = signing is not None and signing.key is not None
+        return ONE_BY_ONE if is_signed or self._parser.is_version_1 else FRAMED
 
     @property
     def has_room(self) -> bool:
@@ -198,7 +203,7 @@ class Channel:
             frames: Plain frames one after the other, numbered from `sequence` on.
             n_frames: Number of them.
         """
-        self._count(n_frames)
+        self.sequence = (self.sequence + n_frames) & 0xFF
         if self._is_datagram and len(frames) > DATAGRAM_BYTES:
             start, end = 0, 0
             while start < len(frames):
@@ -224,17 +229,19 @@ class Channel:
             build = layout.frame_v1 if self._parser.is_version_1 else layout.frame_v2
             frame = build(payload, *numbers)
         if frame:
-            self._count(1)
+            self.sequence = (self.sequence + 1) & 0xFF
             self._queue(frame)
 
-    def _count(self, n_frames: int) -> None:
-        self.sequence = (self.sequence + n_frames) & 0xFF
-
     def _queue(self, frames: bytes) -> None:
-        if self._is_datagram and self._outbox.n_bytes + len(frames) > DATAGRAM_BYTES:
-            self.flush()
-        self._outbox.frames.append(frames)
-        self._outbox.n_bytes += len(frames)
+        outbox = self._outbox
+        if self._is_datagram and outbox.n_bytes + len(frames) > DATAGRAM_BYTES:
+            if len(outbox.full) + 1 == MOST_WAITING:
+                self.flush()
+            else:
+                outbox.full.append(outbox.frames)
+                outbox.frames, outbox.n_bytes = [], 0
+        outbox.frames.append(frames)
+        outbox.n_bytes += len(frames)
 
     def forward(self, message: Message) -> None:
         """Queue a message of somebody else, as it came if the partner can read it so."""
@@ -256,17 +263,21 @@ class Channel:
         assert self._signing is not None
         return self._signing.sign(layout.frame_v2(payload, *numbers, SIGNED_FLAG), self._link_id)
 
-    def flush(self, patience_ticks: int = 1) -> None:
-        """Send the queued frames; those of streams wait for a full datagram, or for so many calls.
-
-        Frames stay in their order, so that what cannot wait takes with it what is queued before.
-        """
+    def flush(self) -> None:
+        """Send the queued frames, in their order."""
         outbox = self._outbox
-        frames = outbox.frames
-        if not frames:
+        if not outbox.frames:
             return
-        outbox.n_waits += 1
-        if self._is_datagram and outbox.can_wait and outbox.n_waits < patience_ticks:
-            return
-        self._write(frames)
-        outbox.clear()
+        full, last = outbox.full, outbox.frames
+        outbox.full, outbox.frames, outbox.n_bytes, outbox.can_wait = [], [], 0, True
+        for frames in full:
+            self._write(frames)
+        self._write(last)
+
+    def flush_answers(self) -> None:
+        """Send what cannot wait, and with it all that is queued before; datagrams of streams stay.
+
+        What has no datagrams is sent too: it goes on where the last bytes ended.
+        """
+        if not (self._outbox.can_wait and self._is_datagram):
+            self.flush()

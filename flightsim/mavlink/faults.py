@@ -30,6 +30,13 @@ class Faults:
         self._tell = tell
         self._told: set[tuple[int, ...]] = set()
 
+    def attempt(self, work: Callable[[], None]) -> None:
+        """Do a piece of work, guarded like any other; for what is done in each tick."""
+        try:
+            work()
+        except Exception as error:  # noqa: BLE001 - whatever it is, the flight goes on
+            self._catch(error)
+
     def __enter__(self) -> None:
         self.has_failed = False
 
@@ -37,14 +44,17 @@ class Faults:
         self,
         kind: type[BaseException] | None,
         error: BaseException | None,
-        trace: TracebackType | None,
+        _trace: TracebackType | None,
     ) -> bool:
         if not isinstance(error, Exception):
             return False
+        self._catch(error)
+        return True
+
+    def _catch(self, error: Exception) -> None:
         self.has_failed = True
         self.n_caught += 1
-        lines = []
-        file = ""
+        lines, file, trace = [], "", error.__traceback__
         while trace is not None:
             lines.append(trace.tb_lineno)
             file = PurePath(trace.tb_frame.f_code.co_filename).name
@@ -56,4 +66,3 @@ class Faults:
         if way not in self._told and len(self._told) < _MOST_TOLD:
             self._told.add(way)
             self._tell(f"MAVLink fault, a message is lost: {self.last}")
-        return True

@@ -47,7 +47,7 @@ class MavlinkServer:
         personality: Personality = PX4,
         local_origin_enu_m: Vector3 | None = None,
         has_lockstep: bool = False,
-        ticks_per_datagram: int = 1,
+        ticks_per_burst: int = 1,
         signing: Signing | None = None,
         payload: Payload | None = None,
     ) -> None:
@@ -62,7 +62,8 @@ class MavlinkServer:
             personality: Flight stack to imitate.
             local_origin_enu_m: Origin of MAVLink's local frame; by default the vehicle's position.
             has_lockstep: Whether a client may keep the time; `wait_for_tick` then waits for it.
-            ticks_per_datagram: Number of ticks whose streams share a datagram; answers never wait.
+            ticks_per_burst: Number of ticks whose streams leave together, as datagrams one behind
+                the other, which wake their reader once; answers never wait.
             signing: What the links sign with, so that clients can set its key; None if they do not.
             payload: Camera and gimbal, updated here; None carries neither.
 
@@ -77,7 +78,8 @@ class MavlinkServer:
         self._router = Router(self._partners, self._own)
         self._identified: set[Channel] = set()
         self._selector = selectors.DefaultSelector()
-        self._ticks_per_datagram = ticks_per_datagram
+        self._ticks_per_burst = ticks_per_burst
+        self._n_ticks = 0
         origin = local_origin_enu_m or plant.truth.position_enu_m
         self._view = VehicleView(plant, autopilot, frame, origin)
         self.lockstep = Lockstep() if has_lockstep else None
@@ -120,25 +122,23 @@ class MavlinkServer:
 
     def update(self) -> None:
         """Read, answer, stream and send; call once every 20 ms of simulated time."""
-        faults = self.faults
+        attempt = self.faults.attempt
         self._receive(0.0)
         self._tell_events()
         self.statustext.end_tick()
         for watching in self._watching:
-            with faults:
-                watching.update()
+            attempt(watching.update)
         for service in self._stateful:
             if service.busy:
                 self._work(service)
         for common in self._common:
-            with faults:
-                common.update()
+            attempt(common.update)
         if self.lockstep is not None:
             self.lockstep.end_tick()
-        self._flush(self._ticks_per_datagram)
+        self._n_ticks += 1
+        self._flush(with_streams=self._n_ticks % self._ticks_per_burst == 0)
         if self._payload is not None:
-            with faults:
-                self._payload.work()  # Pictures take their time: answers do not wait for it.
+            attempt(self._payload.work)  # Pictures take their time: answers do not wait for it.
 
     def _work(self, service: StatefulService) -> None:
         """Perform a service's due work, for all whose transport does not lag behind."""
@@ -179,10 +179,9 @@ class MavlinkServer:
                 channel.put_back(messages[number:])
                 return
 
-    def _flush(self, patience_ticks: int = 1) -> None:
+    def _flush(self, *, with_streams: bool = True) -> None:
         for channel in self._partners.channels:
-            with self.faults:
-                channel.flush(patience_ticks)
+            self.faults.attempt(channel.flush if with_streams else channel.flush_answers)
 
     def close(self) -> None:
         """Send what still waits and release all ports. Closing twice is fine."""

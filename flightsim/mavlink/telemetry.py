@@ -10,7 +10,7 @@ from flightsim.mavlink.dialect import LAYOUTS, MESSAGE_NAMES
 from flightsim.mavlink.faults import Faults
 from flightsim.mavlink.parsing import Message
 from flightsim.mavlink.service import Handler, Partners, send
-from flightsim.mavlink.streaming import FRAMED, ONE_BY_ONE, TOLD, WAITS, Streamed, Streamer, Told
+from flightsim.mavlink.streaming import ONE_BY_ONE, TOLD, Streamed, Streamer, Told
 from flightsim.mavlink.streams import StreamTable
 
 Producer = Callable[[], bytes | tuple[bytes, ...] | None]
@@ -64,13 +64,13 @@ class TelemetryService:
         if channels is not self._served:
             self._meet(channels)
         for channel, streamed in self._in_turn:
-            way = WAITS if channel.is_crowded else FRAMED if channel.is_plain else ONE_BY_ONE
-            streamed.serve(way, channel.sequence)
+            streamed.serve(channel.way, channel.sequence)
         self._streamer.stream(self._now_us(), self._pack_streamed)
         for channel, streamed in self._in_turn:
-            if streamed.n_frames:
-                channel.stream(streamed.frames, streamed.n_frames)
-            elif not channel.is_plain:
+            frames = streamed.frames
+            if frames:
+                channel.stream(frames, streamed.n_frames)
+            elif streamed.way == ONE_BY_ONE:
                 self._send_one_by_one(channel, streamed)
 
     def forget(self, channel: Channel) -> None:

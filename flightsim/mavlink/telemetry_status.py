@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 
 from autonomy.types import quat_about_up
 from flightsim.autopilot.modes import LandedState, Mode, SystemState
+from flightsim.autopilot.status import BatteryView, Health
 from flightsim.environment.date import EPOCH_US
 from flightsim.frames import swap_quat_enu_flu_ned_frd
 from flightsim.mavlink.dialect import dialect as mav
@@ -29,7 +30,6 @@ _EXTENDED_SYS_STATE = layout("EXTENDED_SYS_STATE", "vtol_state", "landed_state")
 _HOME_POSITION = layout("HOME_POSITION")
 _GPS_GLOBAL_ORIGIN = layout("GPS_GLOBAL_ORIGIN")
 _MISSION_CURRENT = layout("MISSION_CURRENT")
-_SYSTEM_TIME = layout("SYSTEM_TIME")
 _CURRENT_MODE = layout("CURRENT_MODE")
 _AUTOPILOT_VERSION = layout("AUTOPILOT_VERSION")
 _FLIGHT_INFORMATION = layout("FLIGHT_INFORMATION")
@@ -41,11 +41,14 @@ _STATES = {
     SystemState.CRITICAL: mav.MAV_STATE_CRITICAL,
     SystemState.EMERGENCY: mav.MAV_STATE_EMERGENCY,
 }
-_LANDED_STATES = {
-    LandedState.ON_GROUND: mav.MAV_LANDED_STATE_ON_GROUND,
-    LandedState.IN_AIR: mav.MAV_LANDED_STATE_IN_AIR,
-    LandedState.TAKEOFF: mav.MAV_LANDED_STATE_TAKEOFF,
-    LandedState.LANDING: mav.MAV_LANDED_STATE_LANDING,
+_EXTENDED_SYS_STATES = {
+    state: _EXTENDED_SYS_STATE.pack(0, landed_state)
+    for state, landed_state in (
+        (LandedState.ON_GROUND, mav.MAV_LANDED_STATE_ON_GROUND),
+        (LandedState.IN_AIR, mav.MAV_LANDED_STATE_IN_AIR),
+        (LandedState.TAKEOFF, mav.MAV_LANDED_STATE_TAKEOFF),
+        (LandedState.LANDING, mav.MAV_LANDED_STATE_LANDING),
+    )
 }
 # MAV_SYS_STATUS_SENSOR
 _GYRO, _ACCEL, _MAG, _PRESSURE, _GPS, _LASER = 1, 2, 4, 8, 32, 256
@@ -68,6 +71,8 @@ class StatusTelemetry:
         self._modes = modes
         self._system_id = system_id
         self._type = vehicle_type(view.plant.world.airframe)
+        self._packed_of: tuple[Health, BatteryView] | tuple[None, None] = (None, None)
+        self._packed = b""
         self.producers: Mapping[str, Callable[[], bytes | None]] = {
             "HEARTBEAT": self._heartbeat,
             "SYS_STATUS": self._sys_status,
@@ -75,7 +80,6 @@ class StatusTelemetry:
             "HOME_POSITION": self._home_position,
             "GPS_GLOBAL_ORIGIN": self._global_origin,
             "MISSION_CURRENT": self._mission_current,
-            "SYSTEM_TIME": self._system_time,
             "CURRENT_MODE": self._current_mode,
             "AUTOPILOT_VERSION": self._autopilot_version,
             "PROTOCOL_VERSION": self._protocol_version,
@@ -99,32 +103,15 @@ class StatusTelemetry:
         )
 
     def _sys_status(self) -> bytes:
+        """Report the parts' health, which is packed anew when the autopilot has looked at them."""
         autopilot = self._view.autopilot
         health, battery = autopilot.health, autopilot.battery
-        # MAVSDK infers "position known" from GPS, and "calibrated" from gyro, accel and mag.
-        bits = (
-            (_GYRO | _ACCEL if health.is_imu_ok else 0)
-            | (_MAG if health.is_mag_ok else 0)
-            | (_PRESSURE if health.is_baro_ok else 0)
-            | (_GPS if health.is_gnss_ok and health.is_position_ok else 0)
-            | (_LASER if health.is_rangefinder_ok else 0)
-            | (_AHRS if health.is_attitude_ok else 0)
-            | (_BATTERY if health.is_battery_ok else 0)
-            | (_GEOFENCE if health.is_geofence_ok else 0)
-            | (_PREARM_CHECK if health.is_armable else 0)
-            | _CONTROLLERS
-        )
-        return _SYS_STATUS.pack(
-            *(_PRESENT, _PRESENT, bits, 0),
-            max(0, min(0xFFFE, round(1e3 * battery.voltage_v))),
-            max(-1, min(0x7FFF, round(100.0 * battery.current_a))),
-            *(0,) * 6,
-            max(0, min(100, round(100.0 * battery.remaining))),
-            *(0, 0, 0),
-        )
+        if health is not self._packed_of[0] or battery is not self._packed_of[1]:
+            self._packed_of, self._packed = (health, battery), _pack_status(health, battery)
+        return self._packed
 
     def _extended_sys_state(self) -> bytes:
-        return _EXTENDED_SYS_STATE.pack(0, _LANDED_STATES[self._view.autopilot.landed_state])
+        return _EXTENDED_SYS_STATES[self._view.autopilot.landed_state]
 
     def _home_position(self) -> bytes | None:
         v = self._view
@@ -175,10 +162,6 @@ class StatusTelemetry:
         is_under_way = mission.current_index > 0 or mission.last_reached_index is not None
         return mav.MISSION_STATE_PAUSED if is_under_way else mav.MISSION_STATE_NOT_STARTED
 
-    def _system_time(self) -> bytes:
-        v = self._view
-        return _SYSTEM_TIME.encode(time_unix_usec=EPOCH_US + v.time_us, time_boot_ms=v.time_boot_ms)
-
     def _current_mode(self) -> bytes:
         entry = self._modes.entry
         return _CURRENT_MODE.encode(
@@ -212,3 +195,27 @@ class StatusTelemetry:
 
 def _utc_us(time_us: int | None) -> int:
     return 0 if time_us is None else EPOCH_US + time_us
+
+
+def _pack_status(health: Health, battery: BatteryView) -> bytes:
+    # MAVSDK infers "position known" from GPS, and "calibrated" from gyro, accel and mag.
+    bits = (
+        (_GYRO | _ACCEL if health.is_imu_ok else 0)
+        | (_MAG if health.is_mag_ok else 0)
+        | (_PRESSURE if health.is_baro_ok else 0)
+        | (_GPS if health.is_gnss_ok and health.is_position_ok else 0)
+        | (_LASER if health.is_rangefinder_ok else 0)
+        | (_AHRS if health.is_attitude_ok else 0)
+        | (_BATTERY if health.is_battery_ok else 0)
+        | (_GEOFENCE if health.is_geofence_ok else 0)
+        | (_PREARM_CHECK if health.is_armable else 0)
+        | _CONTROLLERS
+    )
+    return _SYS_STATUS.pack(
+        *(_PRESENT, _PRESENT, bits, 0),
+        max(0, min(0xFFFE, round(1e3 * battery.voltage_v))),
+        max(-1, min(0x7FFF, round(100.0 * battery.current_a))),
+        *(0,) * 6,
+        max(0, min(100, round(100.0 * battery.remaining))),
+        *(0, 0, 0),
+    )

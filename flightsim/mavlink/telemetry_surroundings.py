@@ -1,4 +1,4 @@
-"""Telemetry of what is around: wind, obstacles, other aircraft, and the pilot's sticks."""
+"""Telemetry of what is around: obstacles, other aircraft, and the pilot's sticks."""
 
 from __future__ import annotations
 
@@ -12,7 +12,6 @@ from flightsim.mavlink.dialect import layout
 from flightsim.mavlink.view import VehicleView
 from flightsim.sensors.ring_scanner import MAX_RANGE_M, MIN_RANGE_M, N_BEAMS, RingScanner
 
-_WIND_COV = layout("WIND_COV")
 _ADSB_VEHICLE = layout("ADSB_VEHICLE")
 _RC_CHANNELS = layout("RC_CHANNELS")
 _OBSTACLE_DISTANCE = layout("OBSTACLE_DISTANCE")
@@ -33,23 +32,10 @@ class SurroundingsTelemetry:
         self._n_sent = 0
         self._scanner = RingScanner(view.plant.world, view.plant.data)
         self.producers: Mapping[str, Callable[[], bytes | None]] = {
-            "WIND_COV": self._wind,
             "ADSB_VEHICLE": self._aircraft_report,
             "RC_CHANNELS": self._sticks,
             "OBSTACLE_DISTANCE": self._obstacles,
         }
-
-    def _wind(self) -> bytes:
-        v = self._view
-        east_mps, north_mps = v.plant.wind_est_enu_mps
-        return _WIND_COV.encode(
-            time_usec=v.time_us,
-            wind_x=north_mps,
-            wind_y=east_mps,
-            wind_alt=v.place.altitude_m,
-            horiz_accuracy=math.nan,
-            vert_accuracy=math.nan,
-        )
 
     def _aircraft_report(self) -> bytes | None:
         """Report the other aircraft in turn, one a message; none if there are none."""

@@ -10,7 +10,7 @@ import numpy as np
 from autonomy.types import Vector3
 from flightsim.sensors.sensor import numbers
 
-_MAX_HORIZONTAL_SIGMA_M = 5.0
+MAX_HORIZONTAL_SIGMA_M = 5.0
 """Position counts as lost beyond this: some ten seconds without a fix."""
 
 
@@ -49,7 +49,7 @@ def estimator_status(f: np.void, tick_us: int) -> EstimatorStatus:
     sigma_horizontal = math.sqrt(v[0] + v[1]) if is_aligned else math.inf
     return EstimatorStatus(
         is_attitude_valid=bool(is_aligned),
-        is_position_valid=sigma_horizontal < _MAX_HORIZONTAL_SIGMA_M,
+        is_position_valid=sigma_horizontal < MAX_HORIZONTAL_SIGMA_M,
         sigma_horizontal_m=sigma_horizontal,
         sigma_vertical_m=math.sqrt(v[2]) if is_aligned else math.inf,
         sigma_velocity_mps=math.sqrt(v[3] + v[4] + v[5]) if is_aligned else math.inf,

@@ -82,7 +82,7 @@ class OwnStack:
             system_id=1 + cfg.instance,
             personality=PERSONALITIES[cfg.personality],
             has_lockstep=cfg.lockstep,
-            ticks_per_datagram=cfg.ticks_per_datagram,
+            ticks_per_burst=cfg.ticks_per_burst,
             signing=signing,
             payload=self.payload,
         )

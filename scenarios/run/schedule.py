@@ -5,12 +5,15 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
 
 from flightsim.plant import Plant
 from flightsim.simulator import Simulator
-from scenarios.run.companion import Companion
 from scenarios.trials.flight_log import FlightLog
 from scenarios.trials.limits import LIMITS
+
+if TYPE_CHECKING:
+    from scenarios.run.companion import Companion
 
 _Part = tuple[float, Callable[[], bool]]
 

@@ -26,6 +26,8 @@ def fresh_tree(tmp_path, monkeypatch):
 def forget():
     jit.cache_directory.cache_clear()
     jit._imported.cache_clear()
+    jit._bytes_of.cache_clear()
+    jit._path_of.cache_clear()
 
 
 def directory_of(module):

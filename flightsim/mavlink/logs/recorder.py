@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 from flightsim.autopilot.events import Severity
 from flightsim.autopilot.modes import LandedState, Mode
+from flightsim.frames import euler_rpy_rad
 from flightsim.mavlink.logs import ulog
 from flightsim.mavlink.logs.ulog import Topic
 from flightsim.mavlink.statustext import StatustextSender
@@ -104,9 +105,11 @@ class FlightRecorder:
             self._begin()
         self._is_recording = is_armed
         if is_armed and self._n_ticks % _EVERY == 0 and self.logs[-1].has_room:
-            time_us = self._view.time_us
-            for message_id, values in enumerate(self._samples()):
-                self.logs[-1].append(_TOPICS[message_id].pack(message_id, time_us, *values))
+            time_us, samples = self._view.time_us, zip(_TOPICS, self._samples(), strict=True)
+            self.logs[-1].data += b"".join(
+                topic.pack(message_id, time_us, *values)
+                for message_id, (topic, values) in enumerate(samples)
+            )
         self._n_ticks += 1
 
     def files(self) -> Mapping[str, bytearray]:
@@ -140,10 +143,10 @@ class FlightRecorder:
         """Values of each topic at this tick."""
         view, autopilot = self._view, self._view.autopilot
         gnss, battery = view.plant.sensors.gnss, autopilot.battery
-        place = view.frame.geodetic_from_enu(gnss.position_enu_m)
+        place, quat = view.frame.geodetic_from_enu(gnss.position_enu_m), view.quat_ned_frd
         return (
-            (*view.position_ned_m, *view.velocity_ned_mps, view.rpy_rad[2]),
-            view.quat_ned_frd,
+            (*view.position_ned_m, *view.velocity_ned_mps, euler_rpy_rad(quat)[2]),
+            quat,
             view.rates_frd_radps,
             (
                 round(place.latitude_deg * 1e7),

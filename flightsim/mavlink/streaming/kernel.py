@@ -10,6 +10,7 @@ import numpy as np
 
 from autonomy.jit import compile_ahead, kernel
 from flightsim.mavlink.streaming.motion import look, tell_motion
+from flightsim.mavlink.streaming.navigation import tell_navigation
 from flightsim.mavlink.streaming.packing import OVERHEAD_BYTES, pack, write_frame
 from flightsim.mavlink.streaming.readings import tell_readings
 from flightsim.mavlink.streaming.record import (
@@ -122,6 +123,7 @@ def _pack_filled(s: np.record, message: np.record, now_us: int) -> None:
         look(view, plant, now_us)
         tell_motion(told, plant, view)
         tell_readings(told, plant, view)
+        tell_navigation(told, plant, view)
     values = doubles(s.values_address, _N_VALUES)
     fields = rows(s.fields_address, _N_VALUES, FIELD_DTYPE)
     first, end = message.first_value, message.first_value + message.n_values

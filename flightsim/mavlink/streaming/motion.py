@@ -14,13 +14,13 @@ from autonomy.types import ControlLevel
 from flightsim.mavlink.dialect import dialect as mav
 from flightsim.plant.mujoco_calls import doubles
 
+FULL_TURN_CENTIDEG = 36000.0
 _TRAJECTORY, _ATTITUDE_LEVEL = float(ControlLevel.TRAJECTORY), float(ControlLevel.ATTITUDE)
 _STANDARD_GRAVITY_MPS2 = 9.80665  # unit of "mG" in HIL_STATE_QUATERNION
 _HALF_SQRT_2 = math.sqrt(0.5)
 _IGNORE_VELOCITY, _IGNORE_ACCELERATION = 7 << 3, 7 << 6
 _IGNORE_YAW = mav.POSITION_TARGET_TYPEMASK_YAW_IGNORE
 _IGNORE_YAW_RATE = mav.POSITION_TARGET_TYPEMASK_YAW_RATE_IGNORE
-_FULL_TURN_CENTIDEG = 36000.0
 _MOST_WAYPOINT_M = 65535.0
 
 
@@ -45,7 +45,7 @@ def look(v: np.record, p: np.record, now_us: int) -> None:
     v.rpy_rad[1] = math.asin(max(-1.0, min(1.0, 2 * (w * y - z * x))))
     v.rpy_rad[2] = math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
     v.heading_deg = math.degrees(v.rpy_rad[2]) % 360.0
-    v.latitude_est_deg, v.longitude_est_deg, v.altitude_est_m = _place_of(v, f.position_enu_m)
+    v.latitude_est_deg, v.longitude_est_deg, v.altitude_est_m = place_of(v, f.position_enu_m)
 
 
 @kernel
@@ -98,8 +98,8 @@ def _tell_position(local: np.record, place: np.record, p: np.record, v: np.recor
     place.lon = np.rint(v.longitude_est_deg * 1e7)
     place.alt = np.rint(v.altitude_est_m * 1e3)
     place.relative_alt = np.rint((v.altitude_est_m - v.home_altitude_m) * 1e3)
-    place.vx, place.vy, place.vz = _centi(velocity[0]), _centi(velocity[1]), _centi(velocity[2])
-    place.hdg = np.rint(v.heading_deg * 100.0) % _FULL_TURN_CENTIDEG
+    place.vx, place.vy, place.vz = centi(velocity[0]), centi(velocity[1]), centi(velocity[2])
+    place.hdg = np.rint(v.heading_deg * 100.0) % FULL_TURN_CENTIDEG
 
 
 @kernel
@@ -129,7 +129,7 @@ def _tell_flight(hud: np.record, height: np.record, p: np.record, v: np.record) 
     hud.groundspeed = math.hypot(velocity[0], velocity[1])
     hud.alt, hud.climb = altitude_m, -velocity[2]
     hud.heading = np.rint(v.heading_deg) % 360.0
-    hud.throttle = _within(np.rint(100.0 * p.controller.thrust_fraction), 0.0, 100.0)
+    hud.throttle = within(np.rint(100.0 * p.controller.thrust_fraction), 0.0, 100.0)
     clearance_m = p.filter.position_enu_m[2] - p.filter.terrain_height_m
     height.time_usec = v.time_us
     height.altitude_monotonic = height.altitude_amsl = altitude_m
@@ -164,7 +164,7 @@ def _tell_target(place: np.record, nav: np.record, p: np.record, v: np.record) -
     place.is_known = nav.is_known = p.filter.is_aligned == 1 and is_there
     if not is_there:
         return
-    latitude_deg, longitude_deg, altitude_m = _place_of(v, target)
+    latitude_deg, longitude_deg, altitude_m = place_of(v, target)
     place.time_boot_ms = v.time_boot_ms
     place.lat_int, place.lon_int = np.rint(latitude_deg * 1e7), np.rint(longitude_deg * 1e7)
     place.alt = altitude_m
@@ -186,12 +186,12 @@ def _tell_truth(m: np.record, p: np.record, v: np.record) -> None:
     m.time_usec = v.time_us
     _swap_attitude(qpos[3:7], m.attitude_quaternion)
     m.rollspeed, m.pitchspeed, m.yawspeed = qvel[3], -qvel[4], -qvel[5]
-    latitude_deg, longitude_deg, altitude_m = _place_of(v, qpos[0:3])
+    latitude_deg, longitude_deg, altitude_m = place_of(v, qpos[0:3])
     m.lat, m.lon = np.rint(latitude_deg * 1e7), np.rint(longitude_deg * 1e7)
     m.alt = np.rint(altitude_m * 1e3)
-    m.vx, m.vy, m.vz = _centi(qvel[1]), _centi(qvel[0]), _centi(-qvel[2])
+    m.vx, m.vy, m.vz = centi(qvel[1]), centi(qvel[0]), centi(-qvel[2])
     squares = (qvel[0] - air[0]) ** 2 + (qvel[1] - air[1]) ** 2 + (qvel[2] - air[2]) ** 2
-    m.ind_airspeed = m.true_airspeed = _centi(math.sqrt(squares))
+    m.ind_airspeed = m.true_airspeed = centi(math.sqrt(squares))
     m.xacc, m.yacc, m.zacc = _milli_g(accel[0]), _milli_g(-accel[1]), _milli_g(-accel[2])
 
 
@@ -222,7 +222,7 @@ def _swap_attitude(quat_wxyz: np.ndarray, out: np.ndarray) -> None:
 
 
 @kernel
-def _place_of(v: np.record, position_enu_m: np.ndarray) -> tuple[float, float, float]:
+def place_of(v: np.record, position_enu_m: np.ndarray) -> tuple[float, float, float]:
     """Latitude and longitude in degrees, and altitude in metres, of a position."""
     return (
         v.latitude_deg + position_enu_m[1] / v.metres_per_degree_north,
@@ -232,7 +232,7 @@ def _place_of(v: np.record, position_enu_m: np.ndarray) -> tuple[float, float, f
 
 
 @kernel
-def _within(value: float, least: float, most: float) -> float:
+def within(value: float, least: float, most: float) -> float:
     """A number within a range; one that is not a number stays so."""
     if value < least:
         return least
@@ -240,14 +240,14 @@ def _within(value: float, least: float, most: float) -> float:
 
 
 @kernel
-def _centi(value: float) -> float:
+def centi(value: float) -> float:
     """Hundredths in 16 bits."""
-    return _within(np.rint(value * 100.0), -32768.0, 32767.0)
+    return within(np.rint(value * 100.0), -32768.0, 32767.0)
 
 
 @kernel
 def _milli_g(accel_mps2: float) -> float:
-    return _within(np.rint(1000.0 * accel_mps2 / _STANDARD_GRAVITY_MPS2), -32768.0, 32767.0)
+    return within(np.rint(1000.0 * accel_mps2 / _STANDARD_GRAVITY_MPS2), -32768.0, 32767.0)
 
 
 @kernel

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from autonomy.jit import kernel
+from flightsim.mavlink.streaming.motion import centi
 
 MIN_RANGE_CM, MAX_RANGE_CM = 10, 3000
 _PWM_STOPPED, _PWM_IDLE, _PWM_SPAN = 900.0, 1000.0, 1000.0
@@ -22,6 +23,7 @@ def tell_readings(m: np.record, p: np.record, v: np.record) -> None:
         v: `VIEW_DTYPE` of the same tick.
     """
     _tell_imu(m.HIGHRES_IMU, p, v)
+    _tell_pressure(m.SCALED_PRESSURE, p, v)
     _tell_range(m.DISTANCE_SENSOR, p.range.range_m, v)
     _tell_motors(m.SERVO_OUTPUT_RAW, p.controller.rotor_command_radps, v)
 
@@ -37,6 +39,15 @@ def _tell_imu(m: np.record, p: np.record, v: np.record) -> None:
     m.abs_pressure = p.baro.pressure_pa * 0.01
     m.diff_pressure = p.airspeed.differential_pa * 0.01
     m.pressure_alt, m.temperature = p.baro.altitude_m, p.baro.temperature_degc
+
+
+@kernel
+def _tell_pressure(m: np.record, p: np.record, v: np.record) -> None:
+    m.is_known = 1.0
+    m.time_boot_ms = v.time_boot_ms
+    m.press_abs, m.press_diff = p.baro.pressure_pa * 0.01, p.airspeed.differential_pa * 0.01
+    m.temperature = centi(p.baro.temperature_degc)
+    m.temperature_press_diff = centi(p.airspeed.temperature_degc)
 
 
 @kernel

@@ -15,9 +15,11 @@ TOLD = (
     *("ATTITUDE", "ATTITUDE_QUATERNION", "ATTITUDE_TARGET", "LOCAL_POSITION_NED"),
     *("GLOBAL_POSITION_INT", "ODOMETRY", "VFR_HUD", "ALTITUDE", "POSITION_TARGET_LOCAL_NED"),
     *("POSITION_TARGET_GLOBAL_INT", "NAV_CONTROLLER_OUTPUT", "HIL_STATE_QUATERNION"),
-    *("HIGHRES_IMU", "DISTANCE_SENSOR", "SERVO_OUTPUT_RAW"),
+    *("HIGHRES_IMU", "DISTANCE_SENSOR", "SERVO_OUTPUT_RAW", "GPS_RAW_INT", "SCALED_PRESSURE"),
+    *("ESTIMATOR_STATUS", "WIND_COV", "VIBRATION", "SYSTEM_TIME"),
 )
-"""Messages that the kernel fills: those that companions get ten times a second and more."""
+"""Messages that the kernel fills: those that companions get ten times a second and more, and those
+that are nothing but numbers of the plant's record."""
 
 MOST_PARTS = 4
 """Most messages of one type in a tick, such as ESC_STATUS of sixteen motors."""

@@ -45,6 +45,11 @@ class Streamed:
         self._numbers[_SEQUENCE] = sequence
 
     @property
+    def way(self) -> int:
+        """How it is served in this tick."""
+        return self._numbers[_WAY]
+
+    @property
     def n_frames(self) -> int:
         """Number of its frames in this tick."""
         return self._numbers[_N_FRAMES]

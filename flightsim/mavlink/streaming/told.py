@@ -37,6 +37,7 @@ _FIXED: Mapping[str, Mapping[str, float | Sequence[float]]] = {
         "orientation": mav.MAV_SENSOR_ROTATION_PITCH_270,
         "covariance": 0xFF,  # unknown
     },
+    "WIND_COV": {"horiz_accuracy": math.nan, "vert_accuracy": math.nan},
 }
 """Fields that never change; those that are named nowhere are 0."""
 

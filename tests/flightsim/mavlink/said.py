@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from autonomy.types import ControlLevel
+from flightsim.environment.date import EPOCH_US
 from flightsim.frames import (
     euler_rpy_rad,
     swap_enu_ned,
@@ -45,8 +46,7 @@ class Said:
         self.heading_deg = math.degrees(self.rpy[2]) % 360.0
 
     def _ned(self, position_enu_m):
-        x, y, z = position_enu_m
-        x0, y0, z0 = self.origin_enu_m
+        (x, y, z), (x0, y0, z0) = position_enu_m, self.origin_enu_m
         return (y - y0, x - x0, z0 - z)
 
     def of(self, name):
@@ -235,9 +235,63 @@ class Said:
         }
         return {"time_usec": plant.time_us & 0xFFFFFFFF, **pulses}
 
+    def gps_raw_int(self):
+        gnss = self.sensors.gnss
+        place = self.flight.frame.geodetic_from_enu(gnss.position_enu_m)
+        east, north, _ = gnss.velocity_enu_mps
+        course_deg = math.degrees(math.atan2(east, north))
+        errors_m, is_fixed = (gnss.eph_m, gnss.epv_m), math.isfinite(gnss.eph_m)
+        return {
+            "time_usec": gnss.time_us,
+            "lat": round(place.latitude_deg * 1e7),
+            "lon": round(place.longitude_deg * 1e7),
+            **dict.fromkeys(("alt", "alt_ellipsoid"), round(place.altitude_m * 1e3)),
+            **_named("eph epv", [round(100 * m) if is_fixed else 65535 for m in errors_m]),
+            **_named("h_acc v_acc", [round(1e3 * m) if is_fixed else 0 for m in errors_m]),
+            "vel": round(100.0 * math.hypot(north, east)),
+            "cog": round(course_deg * 100.0) % 36000,
+            **_named("fix_type satellites_visible", (gnss.fix_type, gnss.n_satellites)),
+        }
 
-_BEFORE_ALIGNMENT = frozenset(
-    {"HIL_STATE_QUATERNION", "HIGHRES_IMU", "DISTANCE_SENSOR", "SERVO_OUTPUT_RAW"}
+    def scaled_pressure(self):
+        baro, airspeed = self.sensors.baro, self.sensors.airspeed
+        return {
+            **self.boot,
+            "press_abs": 0.01 * baro.pressure_pa,
+            "press_diff": 0.01 * airspeed.differential_pa,
+            "temperature": round(100.0 * baro.temperature_degc),
+            "temperature_press_diff": round(100.0 * airspeed.temperature_degc),
+        }
+
+    def estimator_status(self):
+        e = self.flight.plant.estimator
+        return {
+            **self.now,
+            "flags": e.is_position_valid * 0b11_0111_1110 | int(e.is_attitude_valid),
+            **_named("vel_ratio pos_horiz_ratio", (e.gnss_velocity_ratio, e.gnss_position_ratio)),
+            **_named("pos_vert_ratio mag_ratio", (e.baro_ratio, e.heading_ratio)),
+            "pos_horiz_accuracy": e.sigma_horizontal_m,
+            "pos_vert_accuracy": e.sigma_vertical_m,
+        }
+
+    def wind_cov(self):
+        east, north = self.flight.plant.wind_est_enu_mps
+        return {
+            **self.now,
+            **_named("wind_x wind_y wind_alt", (north, east, self.place.altitude_m)),
+            **dict.fromkeys(("horiz_accuracy", "vert_accuracy"), math.nan),
+        }
+
+    def vibration(self):
+        return self.now
+
+    def system_time(self):
+        return {**self.boot, "time_unix_usec": EPOCH_US + self.flight.plant.time_us}
+
+
+_BEFORE_ALIGNMENT = (
+    *("HIL_STATE_QUATERNION", "HIGHRES_IMU", "DISTANCE_SENSOR", "SERVO_OUTPUT_RAW", "SYSTEM_TIME"),
+    *("GPS_RAW_INT", "SCALED_PRESSURE", "ESTIMATOR_STATUS", "WIND_COV", "VIBRATION"),
 )
 
 

@@ -1,6 +1,6 @@
 """A partner gets its own numbering, version and budget."""
 
-from flightsim.mavlink.channel import Channel
+from flightsim.mavlink.channel import DATAGRAM_BYTES, MOST_WAITING, Channel
 from flightsim.mavlink.dialect import layout
 from tests.flightsim.mavlink.wire import Loop, Wire
 
@@ -48,33 +48,79 @@ def test_version_2_is_spoken_to_who_has_said_nothing_yet():
     assert not loop.channel.is_heard
 
 
-def test_streams_wait_for_a_datagram_and_answers_take_them_along():
-    datagrams = []
+class _Talk:
+    """A channel whose datagrams are kept as the numbers of the pings in them."""
+
+    def __init__(self):
+        self.datagrams: list[list[int]] = []
+        self.n_bytes = 0
+        self.channel = Channel(
+            "test", self._write, profile="normal", clock=lambda: 0.0, is_datagram=True
+        )
+
+    def _write(self, frames):
+        joined = b"".join(frames)
+        assert len(joined) <= DATAGRAM_BYTES
+        self.n_bytes += len(joined)
+        self.datagrams.append([message.seq for message in Wire().decode(joined)])
+
+    def stream(self, *numbers):
+        for number in numbers:
+            frame = _PING.frame_v2(_PING.encode(seq=number), self.channel.sequence, 1, 1)
+            self.channel.stream(frame, 1)
+
+    def answer(self, number):
+        self.channel.send(_PING, _PING.encode(seq=number))
+
+
+def test_streams_wait_for_a_burst_and_answers_take_them_along():
+    talk = _Talk()
+    talk.stream(1)
+    talk.channel.flush_answers()
+    assert talk.datagrams == []
+    talk.answer(2)
+    talk.channel.flush_answers()
+    assert talk.datagrams == [[1, 2]]
+    talk.stream(3, 4)
+    talk.channel.flush_answers()
+    assert talk.datagrams == [[1, 2]]
+    talk.channel.flush()
+    assert talk.datagrams == [[1, 2], [3, 4]]
+    talk.channel.flush()
+    assert talk.datagrams == [[1, 2], [3, 4]]
+
+
+def test_full_datagrams_leave_in_their_order_with_an_answer_behind_them():
+    talk = _Talk()
+    talk.stream(*range(1, 200))
+    talk.channel.flush_answers()
+    assert talk.datagrams == []
+    talk.answer(200)
+    talk.channel.flush_answers()
+    assert len(talk.datagrams) > 3
+    assert [number for datagram in talk.datagrams for number in datagram] == [*range(1, 201)]
+
+
+def test_what_waits_for_a_burst_is_bounded_and_nothing_of_it_is_lost():
+    talk = _Talk()
+    queued = 0
+    for number in range(1, 2001):
+        talk.stream(number)
+        queued += 12 + len(_PING.encode(seq=number).rstrip(b"\0"))
+        assert queued - talk.n_bytes <= MOST_WAITING * DATAGRAM_BYTES
+    assert len(talk.datagrams) >= MOST_WAITING
+    talk.channel.flush()
+    assert [number for datagram in talk.datagrams for number in datagram] == [*range(1, 2001)]
+
+
+def test_what_has_no_datagrams_never_waits():
+    written = []
     channel = Channel(
-        "test",
-        lambda frames: datagrams.append([*Wire().decode(b"".join(frames))]),
-        profile="normal",
-        clock=lambda: 0.0,
-        is_datagram=True,
+        "test", written.append, profile="normal", clock=lambda: 0.0, is_datagram=False
     )
-
-    def put(kind, number):
-        if kind == "send":
-            channel.send(_PING, _PING.encode(seq=number))
-        else:
-            frame = _PING.frame_v2(_PING.encode(seq=number), channel.sequence, 1, 1)
-            channel.stream(frame, 1)
-
-    put("stream", 1)
-    channel.flush(5)
-    assert datagrams == []
-    put("send", 2)
-    channel.flush(5)
-    put("stream", 3)
-    channel.flush(5)
-    put("stream", 4)
-    channel.flush()
-    assert [[message.seq for message in datagram] for datagram in datagrams] == [[1, 2], [3, 4]]
+    channel.stream(_PING.frame_v2(_PING.encode(), 0, 1, 1), 1)
+    channel.flush_answers()
+    assert len(written) == 1
 
 
 def test_a_flood_of_datagrams_is_cut_to_the_budget_and_recovers():

@@ -8,6 +8,7 @@ from flightsim.mavlink.dialect import LAYOUTS
 from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.faults import Faults
 from flightsim.mavlink.links import InProcessLink, TcpServerLink
+from flightsim.mavlink.logs import FlightRecorder
 from flightsim.mavlink.parameters import ParameterService
 from flightsim.mavlink.server import MavlinkServer
 from tests.flightsim.mavlink.conftest import Flight
@@ -158,3 +159,19 @@ def test_an_interval_beyond_all_bounds_is_told_within_them(field, interval_us, i
     (told,) = named(came, "MESSAGE_INTERVAL")
     assert (told.message_id, told.interval_us) == (_ATTITUDE, 2**31 - 1)
     assert server.faults.n_caught == 0
+
+
+def test_what_looks_at_each_tick_may_fail_and_the_rest_goes_on(two, monkeypatch):
+    two.step()
+
+    def fail(_recorder):
+        raise LookupError("nothing to see")
+
+    monkeypatch.setattr(FlightRecorder, "update", fail)
+    two.send(0, "PING", 0, 5, 0, 0)
+    first, _ = two.step()
+    assert [ping.seq for ping in named(first, "PING") if ping.get_srcSystem() == 1] == [5]
+    two.step()
+    assert two.server.faults.n_caught == 2
+    assert [text for text in two.texts if "nothing to see" in text] == [two.texts[0]]
+    assert "LookupError in test_faults.py" in two.texts[0]

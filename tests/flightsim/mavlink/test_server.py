@@ -1,6 +1,5 @@
 """The server as a whole: nothing that a client sends ends the flight or slows it without bound."""
 
-import contextlib
 import math
 import random
 import socket
@@ -165,39 +164,6 @@ def test_a_service_is_called_only_for_partners_with_work_due(flight, monkeypatch
     called.clear()
     flight.run(1.0)
     assert called == []
-
-
-def test_streams_of_several_ticks_share_a_datagram(flight):
-    def datagrams_of(n_ticks):
-        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as client:
-            client.bind(("127.0.0.1", 0))
-            client.settimeout(0.0)
-            port = client.getsockname()[1]
-            link = UdpLink(local_port=0, remote_port=port, profile="onboard")
-            server = MavlinkServer(
-                flight.autopilot, flight.plant, flight.frame, [link], ticks_per_datagram=n_ticks
-            )
-            for _ in range(98):  # streams begin with the second tick
-                flight.plant.advance()
-                server.update()
-            server.close()
-            came = []
-            with contextlib.suppress(BlockingIOError):
-                while True:
-                    came.append(client.recv(65536))
-            return came
-
-    alone, shared = datagrams_of(1), datagrams_of(5)
-    assert len(shared) < 0.5 * len(alone)
-    for came in (alone, shared):
-        # Nothing is lost, not even what waits when the server closes.
-        heard = Wire().decode(b"".join(came))
-        messages = [message for message in heard if message.get_srcComponent() == 1]
-        sequences = [message.get_seq() for message in messages]
-        assert sequences == [number % 256 for number in range(len(messages))]
-        times_us = [message.time_usec for message in named(messages, "HIGHRES_IMU")]
-        assert times_us == sorted(times_us)
-        assert len(times_us) == 97
 
 
 def test_a_ground_station_that_falls_silent_is_noticed(flight):

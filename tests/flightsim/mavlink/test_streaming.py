@@ -13,6 +13,7 @@ from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.personalities import ARDUPILOT, PX4
 from flightsim.mavlink.streaming import MOST_PARTS, TOLD, Streamer, Told
 from flightsim.mavlink.streams import StreamTable
+from flightsim.sensors.failure import Failure
 from tests.flightsim.mavlink.conftest import Flight
 from tests.flightsim.mavlink.said import Said
 from tests.flightsim.mavlink.wire import Wire
@@ -81,6 +82,8 @@ def test_every_compiled_message_says_what_python_would(flight):
     for _ in range(150):
         compare()
     assert said == set(TOLD)
+    flight.plant.failures.fail_sensor("gnss", Failure.OFF)
+    compare()
 
 
 @pytest.mark.parametrize("personality", [PX4, ARDUPILOT], ids=lambda p: p.name)
