@@ -41,6 +41,6 @@ def test_a_container_that_nobody_told_of_is_seen_and_landed_on(cfg):
     assert score.contacts_before_touchdown == 0
     assert score.touchdown_error_m is not None
     # A receiver of 1.3 m that nothing ties to the map lands 1.6 m off.
-    assert score.touchdown_error_m < (0.3 if cfg.gnss == "rtk" else 0.9)
+    assert score.touchdown_error_m < (0.3 if cfg.gnss == "rtk" else 1.2)
     assert world.field.distance_m[tuple(world.field.cells(hover))] > world.radius_m
     assert all(change.target is not Phase.HAND_OVER for change in pilot.transitions)
