@@ -195,9 +195,8 @@ def test_frame_is_of_the_state_given_and_not_of_the_last_step(renderer, yard):
 
 
 def test_unknown_camera_is_named_with_the_valid_ones(renderer, yard):
-    with pytest.raises(
-        CameraError, match=r"^camera 'left' is unknown; valid: forward, down, up_left, up_right, up_rear$"
-    ):
+    valid = "forward, down, up_left, up_right, up_rear"
+    with pytest.raises(CameraError, match=f"^camera 'left' is unknown; valid: {valid}$"):
         renderer.render(yard.new_data(), "left", 0)
 
 
