@@ -106,7 +106,7 @@ class LandingPhases:
         if watch.is_hovering:
             watch.sway_m = max(watch.sway_m, flight.level_deviation_m)
         if not self._see(watch):
-            return self._blind()
+            return self._blind(watch)
         watch.n_hovering += watch.is_hovering
         if watch.n_frames < SEARCH_FRAMES or watch.n_hovering < HOVERING_FRAMES:
             return None
@@ -180,7 +180,7 @@ class LandingPhases:
             flight.site = watch.again(flight.chosen)
             if reason := watch.objection(flight.chosen):
                 return self._climb_back(f"the touchdown point no longer looks safe: {reason}")
-        elif step := self._blind():
+        elif step := self._blind(watch):
             return step
         if not flight.has_arrived and not self._sinks_steadily():
             return None
@@ -268,12 +268,12 @@ class LandingPhases:
         watch.fuse(flight.time_us, image)
         return True
 
-    def _blind(self) -> Step:
+    def _blind(self, watch: LandingWatch) -> Step:
         """Abandon the area if there was no depth for too long."""
-        n_blind = self._flight.senses.n_blind
+        n_blind = watch.n_blind
         if n_blind < MAX_BLIND_FRAMES:
             return None
-        self._flight.senses.n_blind = 0
+        watch.n_blind = 0
         return self.ways_out.hold(f"camera {CAMERA} measured nothing in {n_blind} images")
 
     def _watching(self) -> LandingWatch:

@@ -66,6 +66,7 @@ class LandingWatch:
 
     Attributes:
         n_frames: Depth images fused so far.
+        n_blind: Images without a measured pixel since the last one fused.
         is_hovering: Whether the vehicle has come to the hover point.
         n_hovering: Depth images since then.
         sway_m: Greatest level deviation from the hover point while it was observed.
@@ -100,6 +101,7 @@ class LandingWatch:
         )
         self._due_us = 0
         self.n_frames = 0
+        self.n_blind = 0
         self.is_hovering = False
         self.n_hovering = 0
         self.sway_m = 0.0
@@ -110,13 +112,15 @@ class LandingWatch:
         return time_us >= self._due_us
 
     def miss(self, time_us: int) -> None:
-        """Skip a useless image; the next is due one period later."""
+        """Skip an image without a measured pixel; the next is due one period later."""
+        self.n_blind += 1
         self._due_us = time_us + FRAME_PERIOD_US
 
     def fuse(self, time_us: int, image: DepthImage) -> None:
         """Fuse a depth image of the downward camera."""
         self._due_us = time_us + FRAME_PERIOD_US
         self.elevation.add(image)
+        self.n_blind = 0
         self.n_frames += 1
         if not self._world.is_known:
             # Each image shows more of the air below.

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from autonomy.perception.map_anchor import MapAnchor
     from autonomy.perception.mover_tracker import MoverTracker
 
-WATCHING = ("forward", "up_left", "up_right", "up_rear")
+WATCHING = ("forward", "down", "up_left", "up_right", "up_rear")
 """Cameras that look out for movers."""
 LOOK_PERIOD_US = 200_000
 """Time between two looks ahead for what the map lacks."""
@@ -49,7 +49,6 @@ class Senses:
     Attributes:
         telemetry: Latest telemetry, in the map's frame.
         looks_ahead: Whether it looks ahead for what the map may lack.
-        n_blind: Number of consecutive images of the downward camera without a measured pixel.
     """
 
     def __init__(self, world: Surroundings, frames: Frames, *, expects_traffic: bool) -> None:
@@ -68,7 +67,6 @@ class Senses:
         self._time_us = 0
         self._due_us = 0
         self._fix_camera = "forward"
-        self.n_blind = 0
 
     def locate(self, time_us: int, estimate: Telemetry) -> None:
         """Convert telemetry to the map's frame."""
@@ -127,14 +125,7 @@ class Senses:
         """
         mount = camera_mount(self._world.airframe, camera)
         frame, time_s = self._frames(camera), self._time_us * 1e-6
-        is_down = camera == "down"
-        try:
-            image = posed_image(frame, mount, self._now())
-        except NoDepthError:
-            self.n_blind += is_down
-            raise
-        if is_down:
-            self.n_blind = 0
+        image = posed_image(frame, mount, self._now())
         if self._world.is_known or self._is_unsure:
             self._anchor.update(time_s, image)
         else:
