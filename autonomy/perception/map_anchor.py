@@ -85,6 +85,7 @@ class MapAnchor:
         self._followed: tuple[float, Vector3, Vector3] | None = None
         self._time_s: float | None = None
         self._used_at_s: float | None = None
+        self._held_at_s: float | None = None
         self.fix: AnchorFix | None = None
 
     @property
@@ -137,13 +138,14 @@ class MapAnchor:
             return
         velocity = self.vector_to_map(velocity_est_mps)
         way = np.add(velocity, self.vector_to_map(before[2])) / 2 * (time_s - before[0])
-        beyond = way - np.subtract(position_est_m, before[1])
+        beyond = self._cfg.share_beyond * (way - np.subtract(position_est_m, before[1]))
         self._x[:3] += beyond
         self._in_use[:3] += beyond
 
     def update(self, time_s: float, image: DepthImage) -> AnchorFix:
         """Register a depth image, posed by the estimate, with the map, and fuse the result."""
         self._let_drift(time_s)
+        self._hold_to_claim(time_s)
         match = self._matcher.match(image, self._x, self._covariance)
         if match.is_doubtful:
             self._doubt()
@@ -251,6 +253,19 @@ class MapAnchor:
         walk = np.diag([h, h, v, yaw]) * min(max(elapsed_s, 0.0), _LONGEST_PAUSE_S)
         self._covariance = self._covariance + walk
 
+    def _hold_to_claim(self, time_s: float) -> None:
+        """Fuse that the estimate is as far off as where the vehicle stood, to what it claims.
+
+        Its error stays alike for `claim_s`, in which all claims together count as one.
+        """
+        before_s, self._held_at_s = self._held_at_s, time_s
+        elapsed_s = 0.0 if before_s is None else min(time_s - before_s, self._cfg.claim_s)
+        if elapsed_s <= 0.0 or math.isinf(self._cfg.claim_s):
+            return
+        h, v = self._cfg.horizontal_sigma_m**2, self._cfg.vertical_sigma_m**2
+        variances = np.array([h, h, v]) * (self._cfg.claim_s / elapsed_s)
+        self._fuse(self._placed_m, np.eye(4)[:, :3], variances)
+
     def _objection(self, match: Match) -> str | None:
         """Reason to refuse a match, None if there is none."""
         if match.objection is not None:
@@ -261,8 +276,12 @@ class MapAnchor:
         return None
 
     def _doubt(self) -> None:
-        """Widen the search, because the map explains an image less well than it should."""
-        h, v = self._cfg.doubt_m**2, (0.5 * self._cfg.doubt_m) ** 2
+        """Widen the search, because the map explains an image less well than it should.
+
+        It may be that something moves there: no more is doubted than the estimate claims.
+        """
+        doubt_m = min(self._cfg.doubt_m, self._cfg.horizontal_sigma_m)
+        h, v = doubt_m**2, (0.5 * doubt_m) ** 2
         more = np.array([h, h, v, 0.0])
         self._covariance = self._covariance + np.diag(more)
         most = np.maximum(self._claimed_covariance().diagonal(), more)
