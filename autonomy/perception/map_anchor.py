@@ -85,7 +85,6 @@ class MapAnchor:
         self._followed: tuple[float, Vector3, Vector3] | None = None
         self._time_s: float | None = None
         self._used_at_s: float | None = None
-        self._held_at_s: float | None = None
         self.fix: AnchorFix | None = None
 
     @property
@@ -145,7 +144,6 @@ class MapAnchor:
     def update(self, time_s: float, image: DepthImage) -> AnchorFix:
         """Register a depth image, posed by the estimate, with the map, and fuse the result."""
         self._let_drift(time_s)
-        self._hold_to_claim(time_s)
         match = self._matcher.match(image, self._x, self._covariance)
         if match.is_doubtful:
             self._doubt()
@@ -252,19 +250,6 @@ class MapAnchor:
         h, v, yaw = cfg.horizontal_walk**2, cfg.vertical_walk**2, cfg.yaw_walk**2
         walk = np.diag([h, h, v, yaw]) * min(max(elapsed_s, 0.0), _LONGEST_PAUSE_S)
         self._covariance = self._covariance + walk
-
-    def _hold_to_claim(self, time_s: float) -> None:
-        """Fuse that the estimate is as far off as where the vehicle stood, to what it claims.
-
-        Its error stays alike for `claim_s`, in which all claims together count as one.
-        """
-        before_s, self._held_at_s = self._held_at_s, time_s
-        elapsed_s = 0.0 if before_s is None else min(time_s - before_s, self._cfg.claim_s)
-        if elapsed_s <= 0.0 or math.isinf(self._cfg.claim_s):
-            return
-        h, v = self._cfg.horizontal_sigma_m**2, self._cfg.vertical_sigma_m**2
-        variances = np.array([h, h, v]) * (self._cfg.claim_s / elapsed_s)
-        self._fuse(self._placed_m, np.eye(4)[:, :3], variances)
 
     def _objection(self, match: Match) -> str | None:
         """Reason to refuse a match, None if there is none."""

@@ -37,9 +37,8 @@ class MapAnchorCfg:
     """Least share of the points that the map must explain."""
     doubt_m: float = 0.4
     """Greatest deviation added by an image that the map does not wholly explain."""
-    claim_s: float = math.inf
-    """Time for which the error of the estimate stays alike; with infinity, what the estimate claims
-    of it since the start tells nothing."""
+    alike_s: float = 10.0
+    """Time for which the error of the estimate's position stays alike."""
     slew_s: float = 0.5
     """Time constant with which offset and yaw in use approach the fused ones."""
     slew_mps: float = 0.5
@@ -51,7 +50,7 @@ class MapAnchorCfg:
 
         The rest is the velocity's: departures are shared as the variances of the two walks.
         """
-        position = 2.0 * self.horizontal_sigma_m**2 / self.claim_s
+        position = 2.0 * self.horizontal_sigma_m**2 / self.alike_s
         return position / (position + self.least_walk**2)
 
     def for_accuracy(self, horizontal_m: float, vertical_m: float) -> MapAnchorCfg:
@@ -74,8 +73,7 @@ class MapAnchorCfg:
         )
 
 
-SEEN_SO_FAR = MapAnchorCfg(
-    fix_sigma_m=0.015, walk_of_sigma=0.0, least_walk=0.05, doubt_m=0.0, claim_s=10.0
-)
+SEEN_SO_FAR = MapAnchorCfg(fix_sigma_m=0.015, walk_of_sigma=0.0, least_walk=0.05, doubt_m=0.0)
 """For a map that the same camera makes, with the velocity followed. It errs as the images do, and
-what a fix lags behind would be learned: so images are believed more than the velocity."""
+what a fix lags behind would be learned: so images are believed more than the velocity. An image
+that does not fit is no reason to doubt that."""

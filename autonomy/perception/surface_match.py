@@ -113,7 +113,8 @@ def judge(
     Returns:
         The number of points where a surface is known, then of these: half the sum of squared
         deviations, as `worth` counts them; the share that lies at the surface; their mean distance
-        in m; the information about offset and yaw; and how many good points lie across each direction.
+        in m; the information about offset and yaw; and how many good points lie across each
+        direction.
     """
     points, sigmas, camera, _, _, worth = view
     information, support = np.zeros((4, 4)), np.zeros((3, 3))

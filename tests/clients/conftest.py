@@ -41,7 +41,7 @@ class TestbenchProcess:
 
     @property
     def sdk_server_port(self) -> int:
-        """Port for the gRPC server of the MAVSDK that connects: two at one port mix their vehicles."""
+        """Port for the server of a MAVSDK that connects: two at one port mix their vehicles."""
         return 50_100 + self.instance
 
     @property
