@@ -73,7 +73,13 @@ class MapAnchorCfg:
         )
 
 
-SEEN_SO_FAR = MapAnchorCfg(fix_sigma_m=0.015, walk_of_sigma=0.0, least_walk=0.05, doubt_m=0.0)
+SEEN_SO_FAR = MapAnchorCfg(
+    yaw_sigma_rad=math.radians(0.1),
+    fix_sigma_m=0.015,
+    walk_of_sigma=0.0,
+    least_walk=0.05,
+    doubt_m=0.0,
+)
 """For a map that the same camera makes, with the velocity followed. It errs as the images do, and
 what a fix lags behind would be learned: so images are believed more than the velocity. An image
 that does not fit is no reason to doubt that."""

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from autonomy.planning import PlanningError
 from flightsim.mavlink.client.client import MavlinkClient
 from flightsim.sensors.cameras import Cameras
 from flightsim.sensors.cameras.depth_noise import depth_noise
@@ -20,27 +21,60 @@ KINDS = {
 }
 
 
-@pytest.mark.parametrize("cfg", KINDS.values(), ids=KINDS)
-def test_a_container_that_nobody_told_of_is_seen_and_landed_on(cfg):
+def fly(cfg, prepare=None):
+    """Flight to the container without a map: the pilot, its score, and the map that it made."""
     bench = Testbench(yard(), cfg, has_network=False)
     with bench:
         noise = depth_noise(cfg.depth_camera, cfg.seed, "yard")
         cameras = Cameras(bench.plant, depth_noise=noise)
         mission = plan_mission(yard(), bench.airframe, area=ON_CONTAINER, map_source="onboard")
         world = mission.surroundings
-        hover = np.array(mission.hover_enu_m)
-        assert world.field.distance_m[tuple(world.field.cells(hover))] == 0.0
+        hover = world.field.cells(np.array(mission.hover_enu_m))
+        assert world.field.distance_m[tuple(hover)] == 0.0
         client = MavlinkClient(bench.pilot_link.client, bench.frame)
         pilot = Pilot(client, mission, cameras.render, PilotCfg())
+        if prepare is not None:
+            prepare(pilot)
         log = FlightLog(bench.plant)
         bench.observers += [log.on_tick, lambda: pilot.update(bench.plant.time_us)]
         bench.simulator.run(until_us=round(90e6), stop=lambda: pilot.is_done)
         score = log.score(Goal(area=pilot.area, chosen_enu_m=pilot.touchdown_enu_m))
         cameras.close()
+    assert world.field.distance_m[tuple(hover)] > world.radius_m
+    return pilot, score
+
+
+@pytest.mark.parametrize("cfg", KINDS.values(), ids=KINDS)
+def test_a_container_that_nobody_told_of_is_seen_and_landed_on(cfg):
+    pilot, score = fly(cfg)
     assert pilot.phase is Phase.DONE
     assert score.contacts_before_touchdown == 0
     assert score.touchdown_error_m is not None
     # A receiver of 1.3 m that nothing ties to the map lands 1.6 m off.
     assert score.touchdown_error_m < (0.3 if cfg.gnss == "rtk" else 1.2)
-    assert world.field.distance_m[tuple(world.field.cells(hover))] > world.radius_m
     assert all(change.target is not Phase.HAND_OVER for change in pilot.transitions)
+
+
+def test_noise_in_the_way_down_is_looked_at_again():
+    refused = []
+
+    def refuse_twice(pilot):
+        leg = pilot._flight.leg
+
+        def refusing(to, *args, **kwargs):
+            if pilot.phase in {Phase.SEARCH, Phase.ALIGN} and len(refused) < 4:
+                refused.append(to)
+                raise PlanningError("something in the air")
+            return leg(to, *args, **kwargs)
+
+        pilot._flight.leg = refusing
+
+    pilot, score = fly(KINDS["sure"], refuse_twice)
+    again = [(change.source, change.target) for change in pilot.transitions]
+    print(
+        [f"{c.time_us * 1e-6:.2f} {c.source} {c.target} {c.reason}" for c in pilot.transitions],
+        len(refused),
+    )
+    assert (Phase.ALIGN, Phase.SEARCH) in again
+    assert pilot.phase is Phase.DONE
+    assert score.touchdown_error_m < 0.3
