@@ -129,13 +129,8 @@ class LandingPhases:
         try:
             flight.go((x, y, flight.hover_enu_m[2]))
         except PlanningError as error:
-            return self._find_blocked(f"no certified way above ({x:.2f}, {y:.2f}): {error}")
+            return self.give_up(f"no certified way above ({x:.2f}, {y:.2f}): {error}")
         return Phase.ALIGN, chose
-
-    def _find_blocked(self, reason: str) -> Step:
-        """Give the area up; but a growing map may take noise for something, until it sees more."""
-        is_sure = self._flight.mission.surroundings.is_known
-        return self.give_up(reason) if is_sure else self.look(reason)
 
     def _goes_straight_down(self) -> bool:
         """Begin a straight line to above the chosen place, if it is steep and free."""
@@ -175,7 +170,10 @@ class LandingPhases:
             self._go_down()
         except PlanningError as error:
             x, y, _ = flight.chosen.position_enu_m
-            return self._find_blocked(f"no certified way down at ({x:.2f}, {y:.2f}): {error}")
+            reason = f"no certified way down at ({x:.2f}, {y:.2f}): {error}"
+            # A growing map may take noise for something in the way, until it has seen more.
+            is_sure = flight.mission.surroundings.is_known
+            return self.give_up(reason) if is_sure else self.look(reason)
         return Phase.DESCEND, "above the touchdown point"
 
     def descend(self) -> Step:

@@ -48,7 +48,7 @@ TRANSITIONS: Mapping[Phase, frozenset[Phase]] = MappingProxyType(
         _P.NAVIGATE: frozenset({_P.SEARCH}) | _WAYS_OUT,
         # Interaction; NAVIGATE leads on to the next area
         _P.SEARCH: frozenset({_P.ALIGN, _P.DESCEND, _P.NAVIGATE}) | _WAYS_OUT,
-        _P.ALIGN: frozenset({_P.DESCEND, _P.NAVIGATE}) | _WAYS_OUT,
+        _P.ALIGN: frozenset({_P.DESCEND, _P.SEARCH, _P.NAVIGATE}) | _WAYS_OUT,
         _P.DESCEND: frozenset({_P.TOUCHDOWN, _P.CLIMB}) | _WAYS_OUT,
         _P.TOUCHDOWN: frozenset({_P.DISARM, _P.CLIMB}) | _WAYS_OUT,
         _P.CLIMB: frozenset({_P.SEARCH, _P.NAVIGATE}) | _WAYS_OUT,
