@@ -115,8 +115,11 @@ class Client:
         while (asked := self._wait(kinds)).get_type() != "MISSION_ACK":
             command, params, (latitude_deg, longitude_deg, height_m) = items[asked.seq]
             place = round(latitude_deg * 1e7), round(longitude_deg * 1e7), height_m
+            # PX4 takes a jump, which has no place, in no frame but this.
+            is_jump = command == mavlink.MAV_CMD_DO_JUMP
+            frame = mavlink.MAV_FRAME_MISSION if is_jump else _RELATIVE
             self._link.mav.mission_item_int_send(
-                *(system, component, asked.seq, _RELATIVE, command, 0, 1), *params, *place, 0
+                *(system, component, asked.seq, frame, command, 0, 1), *params, *place, 0
             )
         if asked.type != mavlink.MAV_MISSION_ACCEPTED:
             raise StackError(f"mission of {len(items)} items: refused with {asked.type}")
