@@ -9,7 +9,7 @@ from autonomy.types import State
 from flightsim.autopilot.events import Severity
 from flightsim.autopilot.modes import LandedState
 from flightsim.bridges.pipes import Tap, Wire
-from flightsim.frames import LocalFrame
+from flightsim.frames import Geodetic, LocalFrame
 from flightsim.mavlink.client import Habits, MavlinkClient, Telemetry
 from flightsim.mavlink.dialect import dialect as mavlink
 from flightsim.mavlink.personalities import Personality
@@ -55,7 +55,7 @@ class Monitor:
         *,
         names: Personality,
         habits: Habits,
-        tells_origin: bool = False,
+        origin: Geodetic | None = None,
         tells_obstacles: bool = False,
     ) -> None:
         """Prepare to listen.
@@ -66,12 +66,12 @@ class Monitor:
             frame: Local frame of the scene.
             names: Our imitation of it, which has the names of its modes.
             habits: What a client must know of it.
-            tells_origin: Whether it flies by odometry alone at first, which counts from the origin
-                of the scene: then nobody but us can tell it where on earth that is.
+            origin: Where on earth its odometry counts from, if it flies by that alone at first:
+                then nobody but us can tell it.
             tells_obstacles: Whether it is told, ten times a second, what is around the vehicle.
         """
         self._wire, self._plant = wire, plant
-        self._origin = frame.origin if tells_origin else None
+        self._origin = origin
         self._taps: list[Tap] = []
         self._client = MavlinkClient(Tap(wire, self._taps), frame, habits=habits)
         self.telemetry: Telemetry = self._client.telemetry

@@ -144,7 +144,7 @@ class ExternalStack:
             frame,
             names=PERSONALITIES[name],
             habits=self.kind.habits,
-            tells_origin=self.kind.takes_odometry and start.is_by_odometry,
+            origin=start.place if self.kind.takes_odometry and start.is_by_odometry else None,
             tells_obstacles=self.kind.takes_obstacles,
         )
         self._folder = Path(tempfile.mkdtemp(prefix=f"aeroscene-{name}-"))
