@@ -13,7 +13,7 @@ from flightsim.bridges.physics.bridge import BridgeError
 from flightsim.bridges.physics.odometry import OdometryPoses
 from flightsim.bridges.physics.px4 import PORT, Px4Bridge
 from flightsim.bridges.physics.px4_messages import SensorMessages
-from flightsim.frames import Geodetic, LocalFrame
+from flightsim.frames import Geodetic, LocalFrame, swap_flu_frd
 from flightsim.mavlink.dialect import dialect as mavlink
 from flightsim.plant import Plant, PlantCfg
 from flightsim.sensors.optical_flow import OpticalFlowCfg
@@ -29,7 +29,6 @@ ARMED = mavlink.MAV_MODE_FLAG_SAFETY_ARMED
 LOCKSTEP = 1
 YAW = 0.4
 START_ENU_M = (7.0, -5.0, 0.0)
-"""Away from the scene's origin, from which nothing is told to PX4."""
 
 
 class StandIn:
@@ -64,7 +63,7 @@ def start_with(*, is_in_room=False, **sensors):
 
 @pytest.fixture(scope="module")
 def world():
-    return build_world(empty_scene(start=START_ENU_M, yaw_rad=YAW), airframe_by_name("iris"))
+    return build_world(empty_scene(yaw_rad=YAW), airframe_by_name("iris"))
 
 
 @pytest.fixture
@@ -130,6 +129,10 @@ def test_samples_come_in_the_units_and_frames_of_px4(plant, bridge, stand_in):
     assert sensor.id == 0
     assert sensor.fields_updated == 0x1BFF
     assert sensor.zacc == pytest.approx(-9.81, abs=0.5)
+    assert (sensor.xgyro, sensor.ygyro, sensor.zgyro) == pytest.approx(
+        swap_flu_frd(plant.sensors.imu.gyro_flu_radps), abs=1e-7
+    )
+    assert 0.0 not in {sensor.xgyro, sensor.ygyro, sensor.zgyro}
     field = (sensor.xmag, sensor.ymag, sensor.zmag)
     assert field == pytest.approx((0.091, -0.195, 0.428), abs=0.03)  # gauss
     assert sensor.abs_pressure == pytest.approx(956.0, abs=15.0)
@@ -217,11 +220,18 @@ def test_what_passes_in_lockstep_is_counted(plant, bridge, stand_in):
     assert (count.repeated, count.left_out) == (2, 1)
 
 
+@pytest.fixture(scope="module")
+def away():
+    """A world in which the vehicle does not stand at the origin of the scene."""
+    scene = empty_scene(start=START_ENU_M, yaw_rad=YAW)
+    return build_world(scene, airframe_by_name("iris"))
+
+
 @pytest.fixture
-def odometry(world):
+def odometry(away):
     """A plant with odometry and optical flow, and what its bridge tells in a second."""
     cfg = PlantCfg(seed=1, aiding="vio", optical_flow=OpticalFlowCfg(is_fitted=True))
-    plant, told = Plant(world, cfg), []
+    plant, told = Plant(away, cfg), []
     messages, parser = SensorMessages(LocalFrame(ZURICH)), mavlink.MAVLink(None)
     plant.hand_over(
         lambda: told.extend(
@@ -253,8 +263,8 @@ def test_odometry_arrives_late_and_counts_from_the_start_by_north_and_east(odome
         assert math.isnan(pose.vx)
 
 
-def test_odometry_turns_with_the_start(world):
-    plant = Plant(world, PlantCfg(seed=1, aiding="vio"))
+def test_odometry_turns_with_the_start(away):
+    plant = Plant(away, PlantCfg(seed=1, aiding="vio"))
     poses = OdometryPoses()
     assert poses.arrived(plant) is None
     plant._record["vio"]["tick"] = 10
