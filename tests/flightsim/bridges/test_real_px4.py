@@ -204,5 +204,5 @@ def test_its_collision_prevention_stops_before_a_wall_that_our_ring_scan_shows()
         # Without a report of obstacles it would not move at all: CP_GO_NO_DATA is 0.
         ahead = FULL_AHEAD
         bench.run(20.0)
-        assert bench.external.reports.mode.value == "POSCTL"
+        assert bench.external.reports.mode.value == "Position"
         assert nearest_m == pytest.approx(4.0, abs=1.0)
