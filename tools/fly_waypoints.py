@@ -2,7 +2,7 @@
 
     python tools/fly_waypoints.py px4 ~/PX4-Autopilot/build/px4_sitl_default/bin/px4
     python tools/fly_waypoints.py ardupilot arducopter --vehicle hummingbird
-    python tools/fly_waypoints.py px4 px4 --laps 7          # ten simulated minutes of lockstep
+    python tools/fly_waypoints.py px4 px4 --laps 17         # ten simulated minutes of lockstep
 
 The client (`waypoints/client.py`, pymavlink) has it arm, take off, fly ten waypoints on a circle
 above all that stands in the scene, hover, return and land. Prints a JSON object: the errors of the
