@@ -137,7 +137,7 @@ class MapAnchor:
             return
         velocity = self.vector_to_map(velocity_est_mps)
         way = np.add(velocity, self.vector_to_map(before[2])) / 2 * (time_s - before[0])
-        beyond = way - np.subtract(position_est_m, before[1])
+        beyond = self._cfg.share_beyond * (way - np.subtract(position_est_m, before[1]))
         self._x[:3] += beyond
         self._in_use[:3] += beyond
 
@@ -261,8 +261,12 @@ class MapAnchor:
         return None
 
     def _doubt(self) -> None:
-        """Widen the search, because the map explains an image less well than it should."""
-        h, v = self._cfg.doubt_m**2, (0.5 * self._cfg.doubt_m) ** 2
+        """Widen the search, because the map explains an image less well than it should.
+
+        It may be that something moves there: no more is doubted than the estimate claims.
+        """
+        doubt_m = min(self._cfg.doubt_m, self._cfg.horizontal_sigma_m)
+        h, v = doubt_m**2, (0.5 * doubt_m) ** 2
         more = np.array([h, h, v, 0.0])
         self._covariance = self._covariance + np.diag(more)
         most = np.maximum(self._claimed_covariance().diagonal(), more)

@@ -36,11 +36,22 @@ class MapAnchorCfg:
     least_inlier_share: float = 0.6
     """Least share of the points that the map must explain."""
     doubt_m: float = 0.4
-    """Deviation added by an image that the map does not wholly explain."""
+    """Greatest deviation added by an image that the map does not wholly explain."""
+    alike_s: float = 10.0
+    """Time for which the error of the estimate's position stays alike."""
     slew_s: float = 0.5
     """Time constant with which offset and yaw in use approach the fused ones."""
     slew_mps: float = 0.5
     """Greatest speed of the offset in use."""
+
+    @property
+    def share_beyond(self) -> float:
+        """Share of a position's departure from the velocity that is the position's error.
+
+        The rest is the velocity's: departures are shared as the variances of the two walks.
+        """
+        position = 2.0 * self.horizontal_sigma_m**2 / self.alike_s
+        return position / (position + self.least_walk**2)
 
     def for_accuracy(self, horizontal_m: float, vertical_m: float) -> MapAnchorCfg:
         """Settings for an estimate that claims these standard deviations.
@@ -62,6 +73,7 @@ class MapAnchorCfg:
         )
 
 
-SEEN_SO_FAR = MapAnchorCfg(fix_sigma_m=0.015, walk_of_sigma=0.0, least_walk=0.05)
+SEEN_SO_FAR = MapAnchorCfg(fix_sigma_m=0.015, walk_of_sigma=0.0, least_walk=0.05, doubt_m=0.0)
 """For a map that the same camera makes, with the velocity followed. It errs as the images do, and
-what a fix lags behind would be learned: so images are believed more than the velocity."""
+what a fix lags behind would be learned: so images are believed more than the velocity. An image
+that does not fit is no reason to doubt that."""

@@ -30,6 +30,9 @@ _LEAST_COUNT, _FULL_COUNT = 12, 300
 first was seen with the least drift."""
 _THIN_M, _FLAT = 0.08, 0.25
 """Greatest deviation of points from a plane; greatest share of it in the next wider direction."""
+_LEAST_WIDTH_M = 0.06
+"""Least deviation of points along a plane, across the way that they spread most: about a line of
+points, as at the edge of a roof, a plane may be turned anyhow."""
 _LEAST_SIGMA_M = 0.02
 
 
@@ -121,7 +124,8 @@ def _fit_plane(i: int, j: int, k: int, surfaces: Surfaces) -> None:
             n += 1
     variances, axes = np.linalg.eigh(spread)
     sigma = math.sqrt(max(variances[0], 0.0))
-    if sigma > _THIN_M or variances[0] > _FLAT * variances[1]:
+    is_line = variances[1] < _LEAST_WIDTH_M**2
+    if is_line or sigma > _THIN_M or variances[0] > _FLAT * variances[1]:
         planes[i, j, k, 4] = 0.0
         return
     offset = 0.0

@@ -22,9 +22,14 @@ from autonomy.types import Vector3
 
 _N_INDEPENDENT = 150.0
 """Unlike a given map, one that was seen errs as the images do, so more of them is independent."""
+_GOOD_SIGMA_M = 0.06
+"""Deviation up to which a point counts whole for a direction: a few that err more may all lie on
+one surface that was seen wrongly."""
 _LEAST_KNOWN = 60
 """Number of points that must lie in cells whose surface is known."""
-_WIDTHS_M = np.array([0.6, 0.4, 0.3, 0.2, 0.2])
+_WIDTHS_M = np.array([0.4, 0.3, 0.2, 0.2, 0.2, 0.2])
+"""The last must come to rest: what is left of a step counts as a measurement once the prior is
+removed."""
 _LEARN_STRIDE = 3
 _LEARN_SIGMA_M = 0.12
 """Deviation of a point above which it tells nothing new about a surface."""
@@ -108,7 +113,8 @@ def judge(
     Returns:
         The number of points where a surface is known, then of these: half the sum of squared
         deviations, as `worth` counts them; the share that lies at the surface; their mean distance
-        in m; the information about offset and yaw; and how many points lie across each direction.
+        in m; the information about offset and yaw; and how many good points lie across each
+        direction.
     """
     points, sigmas, camera, _, _, worth = view
     information, support = np.zeros((4, 4)), np.zeros((3, 3))
@@ -131,9 +137,10 @@ def judge(
         for a in range(4):
             for b in range(4):
                 information[a, b] += weight * j[a] * j[b]
+        count = min(1.0, (_GOOD_SIGMA_M / sigma) ** 2)
         for a in range(3):
             for b in range(3):
-                support[a, b] += j[a] * j[b]
+                support[a, b] += count * j[a] * j[b]
     n = max(n_inliers, 1)
     return n_known, cost, n_inliers / max(n_known, 1), away / n, information, support
 

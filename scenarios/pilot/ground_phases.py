@@ -48,8 +48,7 @@ class GroundPhases:
         if flight.senses.looks_ahead:
             # Building the solvers for plans made in flight takes seconds.
             prepare()
-        x, y, _ = flight.mission.takeoff_enu_m
-        flight.senses.stand_at((x, y, flight.home_resting_height_m))
+        self._stand()
         here = flight.telemetry.position_enu_m
         # Setpoints at the resting place: offboard mode requires a stream.
         flight.begin_with(flight.mission.surroundings.leg(here, here, telemetry.yaw_rad))
@@ -60,6 +59,9 @@ class GroundPhases:
         flight = self._flight
         telemetry, offboard = flight.telemetry, flight.client.habits.offboard
         if telemetry.is_armed and telemetry.custom_mode == offboard:
+            if not flight.mission.surroundings.is_known:
+                # Its map begins here, and the receiver has wandered since.
+                self._stand()
             return self._lift_off() if flight.client.habits.takes_off_by_itself else self._rise()
         is_waiting = not all(command.is_done for command in flight.commands)
         if is_waiting or flight.elapsed_s < max(_STREAM_BEFORE_ARMING_S, self._patience_s):
@@ -75,6 +77,11 @@ class GroundPhases:
             flight.commands.append(flight.client.arm())
         self._patience_s = flight.elapsed_s + flight.client.habits.report_delay_s
         return None
+
+    def _stand(self) -> None:
+        flight = self._flight
+        x, y, _ = flight.mission.takeoff_enu_m
+        flight.senses.stand_at((x, y, flight.home_resting_height_m))
 
     def _is_clear_above(self) -> bool:
         """Whether nothing that moves would come into the climb; a growing map cannot tell yet."""

@@ -40,7 +40,9 @@ itself, so that nothing is taken for a mover."""
 MOST_AGE_S = 0.1
 """Longest time by which telemetry is extrapolated to an image."""
 PLACED_SIGMA_M = 0.1
-"""Standard deviation of the vehicle's placement at its start."""
+"""Standard deviation of the vehicle's placement at its start, in a given map."""
+BEGIN_SIGMA_M = 0.01
+"""The same in a map that begins where the vehicle stands: what else it is off, the map is too."""
 
 
 class Senses:
@@ -91,7 +93,8 @@ class Senses:
     def stand_at(self, position_enu_m: Vector3) -> None:
         """Use a known resting place to measure the error of the estimate."""
         here = self._estimate.position_enu_m
-        self._anchor.stand_at(self._time_us * 1e-6, here, position_enu_m, PLACED_SIGMA_M)
+        sigma_m = PLACED_SIGMA_M if self._world.is_known else BEGIN_SIGMA_M
+        self._anchor.stand_at(self._time_us * 1e-6, here, position_enu_m, sigma_m)
         self.locate(self._time_us, self._estimate)
         if not self._world.is_known:
             # From here on it is tied to what it sees from this place.

@@ -1,5 +1,6 @@
 """Real testbench process on real ports."""
 
+import re
 import signal
 import socket
 import subprocess
@@ -12,6 +13,7 @@ import pytest
 
 from tests.instances import own_instance
 
+DOCS = Path(__file__).parents[2] / "docs"
 SPEED = 4
 """Simulated seconds per wall second: clients use wall time."""
 
@@ -36,6 +38,11 @@ class TestbenchProcess:
     @property
     def sdk_address(self) -> str:
         return f"udpin://0.0.0.0:{14540 + self.instance}"
+
+    @property
+    def sdk_server_port(self) -> int:
+        """Port for the server of a MAVSDK that connects: two at one port mix their vehicles."""
+        return 50_100 + self.instance
 
     @property
     def tcp_port(self) -> int:
@@ -91,6 +98,27 @@ def testbench():
 def copter():
     """A testbench as ArduPilot is."""
     yield from _running("--personality", "ardupilot")
+
+
+def run_page(page: str, bench: TestbenchProcess) -> list[str]:
+    """Lines that the only script of a page of docs prints, with the ports of this testbench."""
+    source = (DOCS / page).read_text(encoding="utf-8")
+    (script,) = re.findall(r"```python\n(.*?)```", source, re.DOTALL)
+    for there, here in (
+        ("14540", str(14540 + bench.instance)),
+        ("5760", str(bench.tcp_port)),
+        ("System()", f"System(port={bench.sdk_server_port})"),
+    ):
+        script = script.replace(there, here)
+    done = subprocess.run(
+        [sys.executable, "-c", script],
+        capture_output=True,
+        text=True,
+        timeout=100,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout.splitlines()
 
 
 @pytest.fixture

@@ -17,7 +17,7 @@ pytestmark = pytest.mark.timeout(150)
     ],
 )
 def test_published_style_scripts_fly(script, testbench, run_script):
-    run_script(script, testbench.sdk_address, str(50_100 + testbench.instance))
+    run_script(script, testbench.sdk_address, str(testbench.sdk_server_port))
 
 
 def test_the_native_api_flies(testbench, run_script):

@@ -147,8 +147,12 @@ def read_cameras(
         _camera(table.table("forward"), "forward", ahead_m, 15.0, height_m),
         _camera(table.table("down"), "down", below_m, 90.0, height_m),
         *(
-            _camera(table.table(name), name, above_m, -40.0, height_m, fov_deg=115.0, yaw_deg=yaw)
-            for name, yaw in (("up_left", 65.0), ("up_right", -65.0), ("up_rear", 180.0))
+            _camera(table.table(name), name, above_m, pitch, height_m, fov_deg=107.0, yaw_deg=yaw)
+            for name, pitch, yaw in (
+                ("up_left", -40.0, 66.0),
+                ("up_right", -40.0, -66.0),
+                ("up_rear", -30.0, 180.0),
+            )
         ),
     )
     table.check_all_known()

@@ -149,6 +149,20 @@ def test_noise_of_the_camera_is_borne():
     assert np.abs(lacking(anchor, error)).max() < 0.08
 
 
+@pytest.mark.parametrize(("claimed_m", "least_m", "most_m"), [(0.05, 0.0, 0.13), (1.8, 0.4, 2.0)])
+def test_no_more_is_doubted_than_the_estimate_claims(claimed_m, least_m, most_m):
+    # Above a bare floor nothing takes a doubt away again, and who doubts sees nothing move.
+    anchor = MapAnchor(matcher([]))
+    anchor.claim(claimed_m)
+    anchor.update(0.0, seen([], (0.0, 0.0, 0.0)))
+    shares = []
+    for n in range(1, 6):
+        mover = ((0.3 * n - 0.9, 0.0, 4.0), (0.6, 0.6, 0.3))
+        shares.append(anchor.update(0.2 * n, seen([mover], (0.0, 0.0, 0.0))).inlier_share)
+    assert max(shares) < 0.93
+    assert least_m < anchor.sigma_m < most_m
+
+
 def test_a_place_that_is_known_is_taken_over_at_once():
     anchor = MapAnchor(matcher(YARD))
     anchor.stand_at(0.0, (1.3, -2.1, 4.0), (0.0, 0.0, 0.2), 0.05)

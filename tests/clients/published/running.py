@@ -271,7 +271,7 @@ def _wait(example: Example, process: subprocess.Popen[str], output: list[str]) -
 
 def _addressed(source: str, bench: TestbenchProcess, package: str) -> str:
     """Source of an example with its address, its server's port and its package put in."""
-    server = 50_100 + bench.instance
+    server = bench.sdk_server_port
     for there, here in (
         ("udpin://0.0.0.0:14540", bench.sdk_address),
         ("serial:///dev/ttyACM0:57600", bench.sdk_address),
