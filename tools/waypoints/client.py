@@ -83,9 +83,8 @@ class Client:
             Number of waypoints that the stack has reported to have reached.
         """
         customs, first = self._customs, self._customs.first_item
-        items: list[Item] = [
-            (mavlink.MAV_CMD_NAV_WAYPOINT, (0.0,) * 4, place) for place in waypoints
-        ]
+        plain = (0.0, 0.0, 0.0, 0.0)
+        items: list[Item] = [(mavlink.MAV_CMD_NAV_WAYPOINT, plain, place) for place in waypoints]
         if laps > 1:
             jump = (float(first), laps - 1.0, 0.0, 0.0)
             items.append((mavlink.MAV_CMD_DO_JUMP, jump, (0.0, 0.0, 0.0)))
