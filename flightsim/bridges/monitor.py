@@ -9,13 +9,15 @@ from autonomy.types import State
 from flightsim.autopilot.events import Severity
 from flightsim.autopilot.modes import LandedState
 from flightsim.bridges.pipes import Tap, Wire
-from flightsim.frames import LocalFrame
+from flightsim.frames import Geodetic, LocalFrame
 from flightsim.mavlink.client import Habits, MavlinkClient, Telemetry
 from flightsim.mavlink.dialect import dialect as mavlink
 from flightsim.mavlink.personalities import Personality
+from flightsim.mavlink.ring_report import OBSTACLE_DISTANCE, RingReport
 from flightsim.plant import Plant
 
 _ASK_EVERY_US = 1_000_000
+_OBSTACLES_EVERY_US = 100_000
 _STREAMS_HZ = {
     mavlink.MAVLINK_MSG_ID_LOCAL_POSITION_NED: 50,
     mavlink.MAVLINK_MSG_ID_ATTITUDE_QUATERNION: 50,
@@ -53,7 +55,8 @@ class Monitor:
         *,
         names: Personality,
         habits: Habits,
-        tells_origin: bool = False,
+        origin: Geodetic | None = None,
+        tells_obstacles: bool = False,
     ) -> None:
         """Prepare to listen.
 
@@ -63,11 +66,12 @@ class Monitor:
             frame: Local frame of the scene.
             names: Our imitation of it, which has the names of its modes.
             habits: What a client must know of it.
-            tells_origin: Whether it flies by odometry alone at first, which counts from the origin
-                of the scene: then nobody but us can tell it where on earth that is.
+            origin: Where on earth its odometry counts from, if it flies by that alone at first:
+                then nobody but us can tell it.
+            tells_obstacles: Whether it is told, ten times a second, what is around the vehicle.
         """
         self._wire, self._plant = wire, plant
-        self._origin = frame.origin if tells_origin else None
+        self._origin = origin
         self._taps: list[Tap] = []
         self._client = MavlinkClient(Tap(wire, self._taps), frame, habits=habits)
         self.telemetry: Telemetry = self._client.telemetry
@@ -77,6 +81,8 @@ class Monitor:
             entry.custom_mode: entry.title or entry.mode.value for entry in reversed(names.modes)
         }
         self._ask_due_us, self._asked_at_ms = 0, -1
+        self._ring = RingReport(plant) if tells_obstacles else None
+        self._obstacles_due_us, self._n_scans = 0, 0
 
     def tap(self) -> Tap:
         """A byte pipe of one's own to the stack, for a companion."""
@@ -98,10 +104,19 @@ class Monitor:
             if not has_position or telemetry.local_origin_enu_m is None:
                 self._ask()
             self._asked_at_ms = telemetry.position_time_ms
+        if self._ring is not None and telemetry.system_id and time_us >= self._obstacles_due_us:
+            self._obstacles_due_us = time_us + _OBSTACLES_EVERY_US
+            self._tell_obstacles(self._ring.payload(time_us))
         for severity, text in telemetry.texts:
             for listener in self.listeners:
                 listener(Severity(min(severity, Severity.DEBUG)), text)
         telemetry.texts.clear()
+
+    def _tell_obstacles(self, payload: bytes) -> None:
+        """Send a ring scan as a sensor of the vehicle does."""
+        self._n_scans = (self._n_scans + 1) % 256
+        sender = self.telemetry.system_id, mavlink.MAV_COMP_ID_OBSTACLE_AVOIDANCE
+        self._wire.send(OBSTACLE_DISTANCE.frame_v2(payload, self._n_scans, *sender))
 
     def _ask(self) -> None:
         """Ask for the origin of its local frame, and for what is recorded."""

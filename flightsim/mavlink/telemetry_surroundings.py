@@ -6,15 +6,14 @@ import math
 from collections.abc import Callable, Mapping
 
 from autonomy.types import vector3
-from flightsim.frames import euler_rpy_rad, swap_enu_ned, swap_yaw_enu_ned
+from flightsim.frames import swap_enu_ned, swap_yaw_enu_ned
 from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.dialect import layout
+from flightsim.mavlink.ring_report import RingReport
 from flightsim.mavlink.view import VehicleView
-from flightsim.sensors.ring_scanner import MAX_RANGE_M, MIN_RANGE_M, N_BEAMS, RingScanner
 
 _ADSB_VEHICLE = layout("ADSB_VEHICLE")
 _RC_CHANNELS = layout("RC_CHANNELS")
-_OBSTACLE_DISTANCE = layout("OBSTACLE_DISTANCE")
 
 _FIRST_ICAO_ADDRESS = 0xF00000
 """Of a block that the ICAO has given to nobody."""
@@ -30,7 +29,7 @@ class SurroundingsTelemetry:
         kinds = view.plant.obstacles_true.kinds
         self._aircraft = [index for index, kind in enumerate(kinds) if kind == "drone"]
         self._n_sent = 0
-        self._scanner = RingScanner(view.plant.world, view.plant.data)
+        self._ring = RingReport(view.plant)
         self.producers: Mapping[str, Callable[[], bytes | None]] = {
             "ADSB_VEHICLE": self._aircraft_report,
             "RC_CHANNELS": self._sticks,
@@ -67,22 +66,8 @@ class SurroundingsTelemetry:
         )
 
     def _obstacles(self) -> bytes:
-        """Report the nearest solid in each of 72 level directions, clockwise from the nose."""
-        v = self._view
-        truth = v.plant.truth
-        yaw_rad = euler_rpy_rad(truth.quat_wxyz)[2]
-        ranges_m = self._scanner.scan_m(truth.position_enu_m, yaw_rad)
-        none_cm = round(100.0 * MAX_RANGE_M) + 1
-        return _OBSTACLE_DISTANCE.encode(
-            time_usec=v.time_us,
-            sensor_type=mav.MAV_DISTANCE_SENSOR_LASER,
-            distances=[round(100.0 * r) if r < MAX_RANGE_M else none_cm for r in ranges_m],
-            increment=360 // N_BEAMS,
-            increment_f=360.0 / N_BEAMS,
-            min_distance=round(100.0 * MIN_RANGE_M),
-            max_distance=none_cm - 1,
-            frame=mav.MAV_FRAME_BODY_FRD,
-        )
+        """Report the ring scan."""
+        return self._ring.payload(self._view.time_us)
 
     def _sticks(self) -> bytes | None:
         """Report the sticks as pulses: roll, pitch, throttle, yaw; none if there are none."""

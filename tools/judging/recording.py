@@ -6,7 +6,7 @@ import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from rerun.chunk import RrdReader
@@ -16,7 +16,16 @@ from judging.solids import Solid, solids_of
 
 _STEP_M = 0.015
 """Distance between two points on the vehicle's hull."""
-_VEHICLE = "/world/vehicle"
+_VEHICLE, _PLANNED = "/world/vehicle", "/world/trajectory/planned"
+
+
+class Plan(NamedTuple):
+    """A trajectory that the pilot took up."""
+
+    begun_s: float
+    duration_s: float
+    points_enu_m: np.ndarray
+    """Places along it, evenly in time."""
 
 
 @dataclass(eq=False)
@@ -39,6 +48,8 @@ class Recording:
     chosen_enu_m: np.ndarray | None = None
     """Point to touch down on that the pilot chose last."""
     verdict: dict[str, Any] = field(default_factory=dict)
+    plans: list[Plan] = field(default_factory=list)
+    """In the order in which they were taken up."""
 
     @property
     def area(self) -> dict[str, Any]:
@@ -73,6 +84,8 @@ def read_recording(path: Path) -> Recording:
             hull += _hull_points(_only(columns))
         elif entity == "/world/landing_map/touchdown" and len(time_s):
             found.chosen_enu_m = np.array(columns["Points3D:positions"][-1][0])
+        elif entity == _PLANNED and len(time_s):
+            found.plans += _plans(time_s, columns)
         elif entity == "/run/scene":
             found.scene = json.loads(_only(columns)["json"][0])
         elif entity == "/__properties/run":
@@ -83,6 +96,7 @@ def read_recording(path: Path) -> Recording:
         raise ValueError(f"recording {str(path)!r} has no flight with a verdict")
     times_s, positions_m, quats_xyzw = map(np.concatenate, zip(*motion, strict=True))
     found.time_s, found.position_enu_m = times_s, positions_m
+    found.plans.sort(key=lambda plan: plan.begun_s)
     found.attitude = Rotation.from_quat(quats_xyzw)
     found.rotor_time_s, found.rotor_speed_radps = map(np.concatenate, zip(*rotors, strict=True))
     found.hull_flu_m = np.concatenate([points_m for points_m, _ in hull])
@@ -111,6 +125,13 @@ def _pose(columns: Mapping[str, Any]) -> tuple[np.ndarray, np.ndarray]:
     names = ("Transform3D:translation", "Transform3D:quaternion")
     position_m, quat_xyzw = (np.array([row[0] for row in columns[name]]) for name in names)
     return position_m.astype(float), quat_xyzw.astype(float)
+
+
+def _plans(time_s: np.ndarray, columns: Mapping[str, Any]) -> Iterator[Plan]:
+    strips, durations = columns["LineStrips3D:strips"], columns["duration_s"]
+    for begun_s, strip, duration in zip(time_s, strips, durations, strict=True):
+        if strip:
+            yield Plan(float(begun_s), float(duration[0]), np.array(strip[0], dtype=float))
 
 
 def _hull_points(columns: Mapping[str, Any]) -> Iterator[tuple[np.ndarray, np.ndarray]]:

@@ -74,7 +74,7 @@ STACK_PORT, OUR_PORT = 13530, 13780
 """UDP ports of a MAVLink link for our recorder and pilot, besides PX4's own links for clients."""
 _LINK = f"""#!/bin/sh
 . ${{R}}etc/init.d-posix/px4-rc.mavlink
-mavlink start -x -u $(({STACK_PORT}+px4_instance)) -r 400000 -f -m onboard \\
+mavlink start -x -u $(({STACK_PORT}+px4_instance)) -r 400000 -f -m custom \\
   -o $(({OUR_PORT}+px4_instance))
 """
 

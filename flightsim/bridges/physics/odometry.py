@@ -1,8 +1,9 @@
 """Poses of visual-inertial odometry for an external flight stack, each when it arrives.
 
-Odometry counts from the start, and whoever flies by it knows where that is, as our own filter does:
-so its poses are told in the scene's frame, in which they drift. Tilt does not drift, since gravity
-shows it; our sensor has no error of it.
+Odometry counts from the start, where PX4's local frame has its origin as well, by its first fix or
+because it is told. So it is told positions from there, by north and east, in which they drift: when
+PX4 gives up its receiver it goes on with them as they are. Tilt does not drift, since gravity shows
+it; our sensor has no error of it.
 """
 
 from __future__ import annotations
@@ -20,17 +21,18 @@ class OdometryPose(NamedTuple):
 
     time_us: int
     """When it was true."""
-    position_enu_m: Vector3
+    from_start_enu_m: Vector3
+    """Way from the start, east, north and up."""
     quat_wxyz: Quaternion
     """FLU to ENU."""
 
 
 class OdometryPoses:
-    """Poses of a plant's odometry in the scene's frame; call `arrived` at every control tick."""
+    """Poses of a plant's odometry, level and north-up; call `arrived` at every control tick."""
 
     def __init__(self) -> None:
-        self._start: tuple[Vector3, float] | None = None
-        """Position and heading at which odometry began."""
+        self._start_yaw_rad: float | None = None
+        """Heading at which odometry began."""
         self._seen_us = 0
         self._under_way: deque[tuple[int, OdometryPose]] = deque()
         """Times of arrival, and what arrives then."""
@@ -38,17 +40,17 @@ class OdometryPoses:
     def arrived(self, plant: Plant) -> OdometryPose | None:
         """The pose that arrives at this tick; None between two, and without odometry."""
         truth = plant.truth
-        if self._start is None:
-            self._start = truth.position_enu_m, yaw_of(truth.quat_wxyz)
+        if self._start_yaw_rad is None:
+            self._start_yaw_rad = yaw_of(truth.quat_wxyz)
         reading = plant.sensors.vio
         if reading.time_us != self._seen_us:
             self._seen_us = reading.time_us
-            (x0, y0, z0), yaw0_rad = self._start
+            yaw0_rad = self._start_yaw_rad
             (x, y, z), c, s = reading.position_vio_m, math.cos(yaw0_rad), math.sin(yaw0_rad)
             yaw_error_rad = yaw0_rad + reading.yaw_vio_rad - yaw_of(truth.quat_wxyz)
             pose = OdometryPose(
                 reading.time_us,
-                (x0 + c * x - s * y, y0 + s * x + c * y, z0 + z),
+                (c * x - s * y, s * x + c * y, z),
                 _turned(truth.quat_wxyz, yaw_error_rad),
             )
             self._under_way.append((reading.arrives_us, pose))

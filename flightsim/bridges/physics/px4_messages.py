@@ -142,13 +142,13 @@ class SensorMessages:
 
 
 def _pose(plant: Plant, pose: OdometryPose) -> bytes:
-    """What odometry says: in the scene's frame, without velocity, with its white noise."""
+    """What odometry says: from the start, without velocity, with its white noise."""
     vio = plant.cfg.vio
     position_m2, yaw_rad2 = vio.position_noise_m**2, vio.yaw_noise_rad**2
     covariance = [0.0] * (_DIAGONAL[-1] + 1)
     for k, variance in zip(_DIAGONAL, (position_m2,) * 3 + (yaw_rad2,) * 3, strict=True):
         covariance[k] = variance
-    x, y, z = swap_enu_ned(pose.position_enu_m)
+    x, y, z = swap_enu_ned(pose.from_start_enu_m)
     return _ODOMETRY.encode(
         time_usec=pose.time_us + _FIRST_US,
         frame_id=mavlink.MAV_FRAME_LOCAL_NED,

@@ -77,8 +77,19 @@ PX4_HABITS = Habits(
 )
 """PX4's, and our own autopilot's."""
 
-REAL_PX4_HABITS = replace(PX4_HABITS, report_delay_s=1.5, land=PX4_LAND)
-"""PX4's own, whose heartbeats come once a second whatever is asked for."""
+REAL_PX4_HABITS = replace(
+    PX4_HABITS,
+    streams_hz={
+        **PX4_HABITS.streams_hz,
+        mavlink.MAVLINK_MSG_ID_SYS_STATUS: 2,
+        mavlink.MAVLINK_MSG_ID_HOME_POSITION: 1,
+    },
+    unwanted=(),
+    report_delay_s=1.5,
+    land=PX4_LAND,
+)
+"""PX4's own, whose heartbeats come once a second whatever is asked for, and whose link for us sends
+nothing else unasked."""
 
 ARDUPILOT_HABITS = Habits(
     offboard=_GUIDED,

@@ -6,14 +6,11 @@ import socket
 import numpy as np
 import pytest
 
-from autonomy.types import yaw_of
 from flightsim.bridges.launch.launch import Start
 from flightsim.bridges.launch.px4 import parameter_file, parameters, sensor_parameters
 from flightsim.bridges.physics.bridge import BridgeError
-from flightsim.bridges.physics.odometry import OdometryPoses
 from flightsim.bridges.physics.px4 import PORT, Px4Bridge
-from flightsim.bridges.physics.px4_messages import SensorMessages
-from flightsim.frames import Geodetic, LocalFrame
+from flightsim.frames import Geodetic, LocalFrame, swap_flu_frd
 from flightsim.mavlink.dialect import dialect as mavlink
 from flightsim.plant import Plant, PlantCfg
 from flightsim.sensors.optical_flow import OpticalFlowCfg
@@ -128,6 +125,10 @@ def test_samples_come_in_the_units_and_frames_of_px4(plant, bridge, stand_in):
     assert sensor.id == 0
     assert sensor.fields_updated == 0x1BFF
     assert sensor.zacc == pytest.approx(-9.81, abs=0.5)
+    assert (sensor.xgyro, sensor.ygyro, sensor.zgyro) == pytest.approx(
+        swap_flu_frd(plant.sensors.imu.gyro_flu_radps), abs=1e-7
+    )
+    assert 0.0 not in {sensor.xgyro, sensor.ygyro, sensor.zgyro}
     field = (sensor.xmag, sensor.ymag, sensor.zmag)
     assert field == pytest.approx((0.091, -0.195, 0.428), abs=0.03)  # gauss
     assert sensor.abs_pressure == pytest.approx(956.0, abs=15.0)
@@ -213,80 +214,6 @@ def test_what_passes_in_lockstep_is_counted(plant, bridge, stand_in):
     count = bridge.exchanges
     assert (count.told, count.answered, count.unanswered) == (3, 2, 1)
     assert (count.repeated, count.left_out) == (2, 1)
-
-
-@pytest.fixture
-def odometry(world):
-    """A plant with odometry and optical flow, and what its bridge tells in a second."""
-    cfg = PlantCfg(seed=1, aiding="vio", optical_flow=OpticalFlowCfg(is_fitted=True))
-    plant, told = Plant(world, cfg), []
-    messages, parser = SensorMessages(LocalFrame(ZURICH)), mavlink.MAVLink(None)
-    plant.hand_over(
-        lambda: told.extend(
-            (plant.time_us, message) for message in parser.parse_buffer(messages.frames(plant)[0])
-        )
-    )
-    for _ in range(50):
-        plant.advance()
-    return plant, told
-
-
-def test_odometry_arrives_late_in_the_frame_of_the_scene(odometry):
-    plant, told = odometry
-    poses = [(at_us, m) for at_us, m in told if m.get_type() == "ODOMETRY"]
-    assert len(poses) == 23  # 25 a second, but for those under way: of 0.96 s and of 1 s
-    east, north, up = plant.truth.position_enu_m
-    heading_rad = math.pi / 2 - YAW
-    for at_us, pose in poses:
-        assert at_us + 1_000_000 - pose.time_usec == 40_000
-        assert (pose.frame_id, pose.estimator_type) == (
-            mavlink.MAV_FRAME_LOCAL_NED,
-            mavlink.MAV_ESTIMATOR_TYPE_VIO,
-        )
-        assert (pose.x, pose.y, pose.z) == pytest.approx((north, east, -up), abs=0.06)
-        w, x, y, z = pose.q
-        assert (x, y) == pytest.approx((0.0, 0.0), abs=1e-3)
-        assert 2.0 * math.atan2(z, w) == pytest.approx(heading_rad, abs=0.02)
-        assert pose.pose_covariance[0] == pytest.approx(1e-4)
-        assert pose.pose_covariance[20] == pytest.approx(1.6e-5)
-        assert math.isnan(pose.vx)
-
-
-def test_odometry_turns_with_the_start(world):
-    plant = Plant(world, PlantCfg(seed=1, aiding="vio"))
-    poses = OdometryPoses()
-    assert poses.arrived(plant) is None
-    start = plant.truth.position_enu_m
-    plant._record["vio"]["tick"] = 10
-    plant._record["vio"]["position_vio_m"] = (2.0, 1.0, 0.5)  # forward, left, up
-    plant._record["vio"]["yaw_vio_rad"] = 0.3
-    plant._read_afresh()
-    assert poses.arrived(plant) is None  # It is under way.
-    for _ in range(4):
-        plant._record["vio"]["is_enabled"] = 0
-        plant.advance()
-        if (pose := poses.arrived(plant)) is not None:
-            break
-    assert pose is not None
-    forward, left = (
-        np.array((math.cos(YAW), math.sin(YAW))),
-        np.array((-math.sin(YAW), math.cos(YAW))),
-    )
-    assert pose.position_enu_m[:2] == pytest.approx(start[:2] + 2.0 * forward + left)
-    assert pose.position_enu_m[2] == pytest.approx(start[2] + 0.5)
-    assert yaw_of(pose.quat_wxyz) == pytest.approx(YAW + 0.3, abs=1e-6)
-
-
-def test_optical_flow_is_told_where_it_is_fitted(odometry, plant, bridge, stand_in):
-    _, told = odometry
-    flows = [m for _, m in told if m.get_type() == "HIL_OPTICAL_FLOW"]
-    assert len(flows) == 49
-    assert flows[-1].integration_time_us == 20_000
-    assert flows[-1].quality == 255
-    assert 0.0 < flows[-1].distance < 0.3
-    plant.advance()
-    bridge.tell(plant)
-    assert not {"ODOMETRY", "HIL_OPTICAL_FLOW"} & stand_in.take().keys()
 
 
 def test_the_estimator_of_px4_is_told_what_there_is_to_fuse():

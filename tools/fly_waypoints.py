@@ -1,0 +1,224 @@
+"""Fly a mission with a real flight stack by a client outside, and measure what it does here.
+
+    python tools/fly_waypoints.py px4 ~/PX4-Autopilot/build/px4_sitl_default/bin/px4
+    python tools/fly_waypoints.py ardupilot arducopter --vehicle hummingbird
+    python tools/fly_waypoints.py px4 px4 --laps 17         # ten simulated minutes of lockstep
+
+The client (`waypoints/client.py`, pymavlink) has it arm, take off, fly ten waypoints on a circle
+above all that stands in the scene, hover, return and land. Prints a JSON object: the errors of the
+stack's estimate against the truth while armed, its throttle in hover against the one of the
+airframe's mass and rotors, what passed in lockstep, and where the time went. The exit status is 1
+where one of them misses its limit.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import resource
+import subprocess
+import sys
+import time
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from aeroscene.scene.box import rotation_matrix
+from aeroscene.sources import open_scene
+from autonomy.types import Vector3
+from flightsim.bridges.launch import ardupilot, px4
+from flightsim.bridges.physics.bridge import Exchanges
+from flightsim.testbench import Testbench, TestbenchCfg
+from flightsim.vehicles import Airframe
+from scenarios.trials.measures.estimation import EstimationErrors
+
+N_WAYPOINTS = 10
+_RADIUS_M, _CLEARANCE_M = 15.0, 3.0
+_HOVER_S = 20.0
+_MOST_POSITION_RMSE_M, _MOST_ATTITUDE_RMSE_DEG = 1.0, 2.0
+_MOST_THROTTLE_ERROR_PERCENT = 3.0
+_MOST_MISS_M = 2.5
+"""Both stacks take a waypoint for reached within 2 m by their estimate."""
+_LONGEST_LAP_S = 300.0
+_PROGRAM = Path(__file__).parent / "waypoints" / "client.py"
+
+
+class Watch:
+    """What is measured in the process that holds the truth; an observer of the run."""
+
+    def __init__(self, bench: Testbench, places_enu_m: Sequence[Vector3]) -> None:
+        self._bench = bench
+        self._places_enu_m = np.array(places_enu_m)
+        self._miss_m = np.full(len(self._places_enu_m), np.inf)
+        self.errors = EstimationErrors()
+
+    def __call__(self) -> None:
+        """Look at the 20 ms that have passed."""
+        bench = self._bench
+        self.errors.add(bench.plant.history)
+        away_m = np.linalg.norm(self._places_enu_m - bench.plant.truth.position_enu_m, axis=1)
+        np.minimum(self._miss_m, away_m, out=self._miss_m)
+
+    @property
+    def farthest_miss_m(self) -> float:
+        """Distance from the waypoint that was passed the farthest, by the truth."""
+        return float(self._miss_m.max())
+
+
+def places(bench: Testbench) -> list[Vector3]:
+    """Ten places on a circle about the start, above all that stands in the scene."""
+    x, y, z = bench.plant.truth.position_enu_m
+    tops_m = [
+        box.p[2] + 0.5 * float(np.abs(rotation_matrix(box.q)[2]) @ np.asarray(box.s))
+        for box in (thing.bbox for thing in bench.scene.objects)
+    ]
+    height_m = max([*tops_m, z + _CLEARANCE_M]) + _CLEARANCE_M
+    turns = 2.0 * np.pi * np.arange(N_WAYPOINTS) / N_WAYPOINTS
+    return [(x + _RADIUS_M * math.cos(a), y + _RADIUS_M * math.sin(a), height_m) for a in turns]
+
+
+def mission(bench: Testbench, places_enu_m: Sequence[Vector3]) -> list[tuple[float, float, float]]:
+    """The places as a client says them: degrees, and metres above where the vehicle stands."""
+    z0 = bench.plant.truth.position_enu_m[2]
+    on_earth = [(bench.frame.geodetic_from_enu(place), place[2] - z0) for place in places_enu_m]
+    return [(place.latitude_deg, place.longitude_deg, up_m) for place, up_m in on_earth]
+
+
+def hover_throttle(name: str, airframe: Airframe) -> float:
+    """Throttle at which a stack hovers, by the mass and the rotors of an airframe."""
+    if name == "px4":
+        return px4.parameters(airframe)["MPC_THR_HOVER"]
+    return ardupilot.parameters(airframe)["MOT_THST_HOVER"]
+
+
+def address(name: str, instance: int) -> str:
+    """Where the stack serves clients, as pymavlink says it."""
+    if name == "px4":
+        return f"udpin:127.0.0.1:{min(14540 + instance, 14549)}"
+    return f"tcp:127.0.0.1:{5760 + 10 * instance}"
+
+
+def fly(options: argparse.Namespace) -> dict[str, Any]:
+    """Fly it.
+
+    Returns:
+        What was measured; with `fault` where the client or the stack did not get to the end.
+    """
+    cfg = TestbenchCfg(
+        autopilot=options.autopilot,
+        autopilot_binary=options.binary,
+        vehicle=options.vehicle,
+        aiding=options.aiding,
+        seed=options.seed,
+        instance=options.instance,
+        speed="max",
+    )
+    began_s, cpu_s = time.perf_counter(), time.process_time()
+    with Testbench(open_scene(options.scene), cfg) as bench:
+        places_enu_m = places(bench)
+        watch = Watch(bench, places_enu_m)
+        bench.observers.append(watch)
+        task = {
+            "waypoints": mission(bench, places_enu_m),
+            "laps": options.laps,
+            "hover_s": _HOVER_S,
+        }
+        told = _with_client(bench, options, task)
+        start, end = bench.scene.start_position_enu_m, bench.plant.truth.position_enu_m
+        external, sim_s = bench.external, bench.plant.time_us * 1e-6
+        assert external is not None
+        expected = hover_throttle(options.autopilot, bench.airframe)
+    wall_s, cpu_s = time.perf_counter() - began_s, time.process_time() - cpu_s
+    children = resource.getrusage(resource.RUSAGE_CHILDREN)
+    throttle, client_cpu_s = told.get("hover_throttle", math.nan), told.get("cpu_s", 0.0)
+    return {
+        "autopilot": options.autopilot,
+        "vehicle": options.vehicle,
+        "scene": options.scene,
+        "fault": external.fault or told.get("fault", ""),
+        "waypoints_reported": told.get("waypoints_reported", 0),
+        "farthest_miss_m": round(watch.farthest_miss_m, 2),
+        "landed_off_m": round(math.dist(start[:2], end[:2]), 2),
+        "position_rmse_m": round(watch.errors.position_rmse_m, 3),
+        "attitude_rmse_deg": round(watch.errors.attitude_rmse_deg, 2),
+        "hover_throttle": round(throttle, 4),
+        "hover_throttle_expected": round(expected, 4),
+        "hover_throttle_error_percent": round(100.0 * (throttle / expected - 1.0), 2),
+        "lockstep": asdict(external.exchanges),
+        "sim_s": round(sim_s, 2),
+        "wall_s": round(wall_s, 1),
+        "cpu_s": round(cpu_s, 1),
+        "stack_cpu_s": round(children.ru_utime + children.ru_stime - client_cpu_s, 1),
+        "client_cpu_s": round(client_cpu_s, 1),
+        "waiting_s": round(wall_s - cpu_s, 1),
+    }
+
+
+def _with_client(
+    bench: Testbench, options: argparse.Namespace, task: dict[str, Any]
+) -> dict[str, Any]:
+    """Run until the client ends; what it has told."""
+    command = [sys.executable, str(_PROGRAM), options.autopilot]
+    with subprocess.Popen(  # noqa: S603 - our own program
+        [*command, address(options.autopilot, options.instance)],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    ) as client:
+        assert client.stdin is not None
+        client.stdin.write(json.dumps(task))
+        client.stdin.close()
+        client.stdin = None
+        try:
+            bench.run(
+                _LONGEST_LAP_S * options.laps,
+                until=lambda: client.poll() is not None or bench.is_over,
+            )
+            is_late = client.poll() is None
+        finally:
+            client.kill()
+        out, _ = client.communicate()
+    if is_late:
+        return {"fault": "the client has not come to an end"}
+    return json.loads(out or '{"fault": "the client has failed"}')
+
+
+def misses(row: dict[str, Any]) -> list[str]:
+    """Names of the figures that miss their limits."""
+    count = Exchanges(**row["lockstep"])
+    # The state of the last step has no answer when the run ends.
+    is_whole = count.told - count.answered - count.unanswered in {0, 1} and not count.left_out
+    limits = {
+        "fault": not row["fault"],
+        "farthest_miss_m": row["farthest_miss_m"] <= _MOST_MISS_M,
+        "position_rmse_m": row["position_rmse_m"] < _MOST_POSITION_RMSE_M,
+        "attitude_rmse_deg": row["attitude_rmse_deg"] < _MOST_ATTITUDE_RMSE_DEG,
+        "hover_throttle": abs(row["hover_throttle_error_percent"]) <= _MOST_THROTTLE_ERROR_PERCENT,
+        "lockstep": is_whole,
+    }
+    return [name for name, is_kept in limits.items() if not is_kept]
+
+
+def main() -> int:
+    """Fly as the command line says."""
+    parser = argparse.ArgumentParser(description="A mission with a real flight stack")
+    parser.add_argument("autopilot", choices=("px4", "ardupilot"))
+    parser.add_argument("binary", help="the stack's program, built for simulation")
+    parser.add_argument("--scene", default="42")
+    parser.add_argument("--vehicle", default="iris")
+    parser.add_argument("--aiding", choices=("gnss", "auto"), default="auto")
+    parser.add_argument("--laps", type=int, default=1, help="times that the circle is flown")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--instance", type=int, default=9, help="shifts all ports")
+    row = fly(parser.parse_args())
+    row["misses"] = misses(row)
+    print(json.dumps(row, indent=2))
+    return 1 if row["misses"] else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

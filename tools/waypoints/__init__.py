@@ -1,0 +1,1 @@
+"""Part of `fly_waypoints.py`: the client outside."""

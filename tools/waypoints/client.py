@@ -1,0 +1,229 @@
+"""A client outside the lockstep: it arms a flight stack, has a mission flown, and brings it home.
+
+Plain pymavlink over the port that the stack offers its clients. Prints one JSON object of what it
+has seen, or of the `fault` where the stack does not do what it is told; then its status is 1.
+
+    python tools/waypoints/client.py px4 udpin:127.0.0.1:14540 < mission.json
+"""
+
+from __future__ import annotations
+
+import json
+import statistics
+import sys
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from pymavlink import mavutil
+from pymavlink.dialects.v20 import common as mavlink
+
+_PATIENCE_S = 30.0
+"""Wall time within which an answer must come, or another try at arming succeed."""
+_SLOW_MPS, _SETTLED_S = 0.3, 5.0
+"""Hover is told from flight by the speed, and is steady after so long."""
+_TAKEOFF_M = 5.0
+_RELATIVE = mavlink.MAV_FRAME_GLOBAL_RELATIVE_ALT_INT
+_STREAMS_HZ = {
+    mavlink.MAVLINK_MSG_ID_ATTITUDE_TARGET: 10,
+    mavlink.MAVLINK_MSG_ID_LOCAL_POSITION_NED: 10,
+}
+
+Message = Any
+Waypoint = tuple[float, float, float]
+"""Latitude and longitude in degrees, metres above home."""
+Item = tuple[int, tuple[float, float, float, float], Waypoint]
+"""Command, four parameters, place."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Customs:
+    """Where PX4 and ArduCopter want it said differently."""
+
+    before_arming: tuple[float, ...]
+    """Mode to arm in: the last parameters of MAV_CMD_DO_SET_MODE; none keeps its own."""
+    mission_mode: tuple[float, ...]
+    takeoff_m: float
+    """Height told at take-off; PX4 takes its own, MIS_TAKEOFF_ALT, for not a number."""
+    first_item: int
+    """Number of the first item of a mission; ArduCopter's number 0 is home."""
+
+
+CUSTOMS = {
+    "px4": Customs(before_arming=(), mission_mode=(4, 4), takeoff_m=float("nan"), first_item=0),
+    "ardupilot": Customs(before_arming=(4,), mission_mode=(3,), takeoff_m=_TAKEOFF_M, first_item=1),
+}
+
+
+class StackError(RuntimeError):
+    """The flight stack did not do what it was told."""
+
+
+class Client:
+    """Commands one flight stack, and keeps what it says of its hover."""
+
+    def __init__(self, name: str, address: str) -> None:
+        """Connect, and ask for what is measured."""
+        self._customs = CUSTOMS[name]
+        self._link = mavutil.mavlink_connection(address, source_system=254, retries=60)
+        if self._link.wait_heartbeat(timeout=2 * _PATIENCE_S) is None:
+            raise StackError(f"no heartbeat at {address}")
+        self._beat_due_s = 0.0
+        self._slow_since_ms: int | None = None
+        self._height_m = 0.0
+        self.hover_throttles: list[float] = []
+        for message_id, hz in _STREAMS_HZ.items():
+            self._command(mavlink.MAV_CMD_SET_MESSAGE_INTERVAL, message_id, 1e6 / hz)
+
+    def fly(self, waypoints: Sequence[Waypoint], laps: int, hover_s: float) -> int:
+        """Fly a mission some times over, hover at its end, return and land.
+
+        Returns:
+            Number of waypoints that the stack has reported to have reached.
+        """
+        customs, first = self._customs, self._customs.first_item
+        plain = (0.0, 0.0, 0.0, 0.0)
+        items: list[Item] = [(mavlink.MAV_CMD_NAV_WAYPOINT, plain, place) for place in waypoints]
+        if laps > 1:
+            jump = (float(first), laps - 1.0, 0.0, 0.0)
+            items.append((mavlink.MAV_CMD_DO_JUMP, jump, (0.0, 0.0, 0.0)))
+        self._upload([items[0]] * first + items)
+        _say(f"has {len(items)} items of a mission")
+        self._arm()
+        _say("takes off")
+        self._demand(mavlink.MAV_CMD_NAV_TAKEOFF, *(float("nan"),) * 6, customs.takeoff_m)
+        self._wait("LOCAL_POSITION_NED", lambda _: self._height_m > 2.0)
+        self._set_mode(customs.mission_mode)
+        n_reached = 0
+        while n_reached < laps * len(waypoints):
+            reached = self._wait("MISSION_ITEM_REACHED", lambda m: m.seq >= first)
+            n_reached += reached.seq - first < len(waypoints)
+            _say(f"reached {n_reached} of {laps * len(waypoints)}")
+        self._hover(hover_s)
+        self._demand(mavlink.MAV_CMD_NAV_RETURN_TO_LAUNCH)
+        armed = mavlink.MAV_MODE_FLAG_SAFETY_ARMED
+        _say("returns")
+        self._wait("HEARTBEAT", lambda m: _is_vehicle(m) and not m.base_mode & armed)
+        return n_reached
+
+    def _upload(self, items: Sequence[Item]) -> None:
+        system, component = self._link.target_system, self._link.target_component
+        self._link.mav.mission_count_send(system, component, len(items), 0)
+        kinds = ["MISSION_REQUEST_INT", "MISSION_REQUEST", "MISSION_ACK"]
+        while (asked := self._wait(kinds)).get_type() != "MISSION_ACK":
+            command, params, (latitude_deg, longitude_deg, height_m) = items[asked.seq]
+            place = round(latitude_deg * 1e7), round(longitude_deg * 1e7), height_m
+            # PX4 takes a jump, which has no place, in no frame but this.
+            is_jump = command == mavlink.MAV_CMD_DO_JUMP
+            frame = mavlink.MAV_FRAME_MISSION if is_jump else _RELATIVE
+            self._link.mav.mission_item_int_send(
+                *(system, component, asked.seq, frame, command, 0, 1), *params, *place, 0
+            )
+        if asked.type != mavlink.MAV_MISSION_ACCEPTED:
+            raise StackError(f"mission of {len(items)} items: refused with {asked.type}")
+
+    def _arm(self) -> None:
+        """Arm as soon as the stack lets us: it is ready only when its estimator is."""
+        deadline_s = time.monotonic() + 2 * _PATIENCE_S
+        while True:
+            self._set_mode(self._customs.before_arming)
+            result = self._command(mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 1)
+            if result == mavlink.MAV_RESULT_ACCEPTED:
+                return
+            if time.monotonic() > deadline_s:
+                raise StackError(f"arming: refused with {result}")
+            self._wait("HEARTBEAT")
+
+    def _set_mode(self, numbers: tuple[float, ...]) -> None:
+        if numbers:
+            flag = mavlink.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED
+            self._demand(mavlink.MAV_CMD_DO_SET_MODE, flag, *numbers)
+
+    def _hover(self, seconds: float) -> None:
+        """Wait for so much steady hover, and keep the throttle meanwhile."""
+        self._slow_since_ms = None
+        self.hover_throttles.clear()
+        n_wanted = round(seconds * _STREAMS_HZ[mavlink.MAVLINK_MSG_ID_ATTITUDE_TARGET])
+        while len(self.hover_throttles) < n_wanted:
+            target = self._wait("ATTITUDE_TARGET")
+            since_ms = self._slow_since_ms
+            if since_ms is not None and target.time_boot_ms > since_ms + 1e3 * _SETTLED_S:
+                self.hover_throttles.append(target.thrust)
+
+    def _demand(self, number: int, *params: float) -> None:
+        if (result := self._command(number, *params)) != mavlink.MAV_RESULT_ACCEPTED:
+            raise StackError(f"command {number}: refused with {result}")
+
+    def _command(self, number: int, *params: float) -> int:
+        """Send a command and return what it is answered with."""
+        padded = (*params, *(0.0,) * (7 - len(params)))
+        system, component = self._link.target_system, self._link.target_component
+        self._link.mav.command_long_send(system, component, number, 0, *padded)
+        return self._wait("COMMAND_ACK", lambda m: m.command == number).result
+
+    def _wait(
+        self, kinds: str | list[str], is_it: Callable[[Message], bool] = lambda _: True
+    ) -> Message:
+        """Wait for a message; everything that comes in the meantime is looked at."""
+        wanted = [kinds] if isinstance(kinds, str) else kinds
+        heard_s = time.monotonic()
+        while time.monotonic() < heard_s + _PATIENCE_S:
+            self._beat()
+            message = self._link.recv_match(blocking=True, timeout=1.0)
+            if message is None:
+                continue
+            kind = message.get_type()
+            if kind == "LOCAL_POSITION_NED":
+                self._look(message)
+                # The stack lives, however slowly it flies here.
+                heard_s = time.monotonic()
+            if kind in wanted and is_it(message):
+                return message
+        raise StackError(f"{' or '.join(wanted)}: not what was waited for within {_PATIENCE_S:g} s")
+
+    def _look(self, position: Message) -> None:
+        self._height_m = -position.z
+        speed_mps = (position.vx**2 + position.vy**2 + position.vz**2) ** 0.5
+        if speed_mps > _SLOW_MPS:
+            self._slow_since_ms = None
+        elif self._slow_since_ms is None:
+            self._slow_since_ms = position.time_boot_ms
+
+    def _beat(self) -> None:
+        if time.monotonic() >= self._beat_due_s:
+            self._beat_due_s = time.monotonic() + 1.0
+            self._link.mav.heartbeat_send(
+                mavlink.MAV_TYPE_GCS, mavlink.MAV_AUTOPILOT_INVALID, 0, 0, 0
+            )
+
+
+def _is_vehicle(heartbeat: Message) -> bool:
+    return heartbeat.autopilot != mavlink.MAV_AUTOPILOT_INVALID
+
+
+def _say(line: str) -> None:
+    print(line, file=sys.stderr, flush=True)
+
+
+def main() -> int:
+    """Fly what comes as JSON on standard input: waypoints, laps and hover_s."""
+    name, address = sys.argv[1:]
+    task = json.load(sys.stdin)
+    try:
+        client = Client(name, address)
+        n_reached = client.fly(task["waypoints"], task["laps"], task["hover_s"])
+    except StackError as error:
+        print(json.dumps({"fault": str(error)}))
+        return 1
+    told = {
+        "waypoints_reported": n_reached,
+        "hover_throttle": statistics.fmean(client.hover_throttles),
+        "cpu_s": time.process_time(),
+    }
+    print(json.dumps(told))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
