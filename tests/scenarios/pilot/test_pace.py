@@ -42,8 +42,9 @@ def test_wind_that_the_autopilot_reports_slows_plans_for_the_rest_of_the_flight(
 
 
 @pytest.mark.parametrize("airframe", AIRFRAMES.values(), ids=AIRFRAMES)
-def test_some_camera_watches_each_direction_from_the_level_to_the_zenith(airframe):
-    azimuth, elevation = np.radians(np.mgrid[0:360:5, 0:91:5].reshape(2, -1))
+def test_some_camera_watches_each_direction_from_the_level_to_the_zenith_and_below(airframe):
+    above, below = np.mgrid[0:360:5, 0:91:5], np.mgrid[0:360:5, -90:-60:5]
+    azimuth, elevation = np.radians(np.hstack([above.reshape(2, -1), below.reshape(2, -1)]))
     level = np.cos(elevation)
     rays = np.stack([level * np.cos(azimuth), level * np.sin(azimuth), np.sin(elevation)])
     is_seen = np.zeros(rays.shape[1], dtype=bool)
