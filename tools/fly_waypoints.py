@@ -205,14 +205,19 @@ def misses(row: dict[str, Any]) -> list[str]:
 
 def main() -> int:
     """Fly as the command line says."""
-    parser = argparse.ArgumentParser(description="A mission with a real flight stack")
+    parser = argparse.ArgumentParser(
+        description="A mission with a real flight stack",
+        formatter_class=argparse.ArgumentDefaultsHelpFormatter,
+    )
     parser.add_argument("autopilot", choices=("px4", "ardupilot"))
     parser.add_argument("binary", help="the stack's program, built for simulation")
-    parser.add_argument("--scene", default="42")
-    parser.add_argument("--vehicle", default="iris")
-    parser.add_argument("--aiding", choices=("gnss", "auto"), default="auto")
+    parser.add_argument("--scene", default="42", help="number or file of the scene")
+    parser.add_argument("--vehicle", default="iris", help="airframe with four rotors")
+    parser.add_argument(
+        "--aiding", choices=("gnss", "auto"), default="auto", help="auto: odometry too"
+    )
     parser.add_argument("--laps", type=int, default=1, help="times that the circle is flown")
-    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--seed", type=int, default=0, help="of sensors and wind")
     parser.add_argument("--instance", type=int, default=9, help="shifts all ports")
     row = fly(parser.parse_args())
     row["misses"] = misses(row)
