@@ -15,8 +15,9 @@ from autonomy.jit import kernel
 from autonomy.perception.cell_distances import CellDistances, StaticDistance
 from autonomy.perception.depth_image import DepthImage, sample
 
-STRIDE_PX = 2
-"""Step between the sampled pixels and rows."""
+_STRIDE_PX, _FINE_PX = 2, 150.0
+"""Step between the sampled pixels and rows; focal length from which on pixels are small enough to
+pass some over. At 10 m a small drone has five pixels in a view of 107 degrees."""
 _SIGMAS = 4.0
 _ALONG_SIGHT = (-0.5, 0.5, -1.0, 1.0)
 _BRIDGED = 2
@@ -27,6 +28,8 @@ class Foreground:
     """Samples of an image that the map does not explain, row by row."""
 
     points_enu_m: Float[np.ndarray, "n 3"]
+    stride_px: int
+    """Step between the sampled pixels and rows."""
     pixels: Int[np.ndarray, "n 2"]
     """Row and column of each sample in the image."""
     depth_m: Float[np.ndarray, " n"]
@@ -46,7 +49,8 @@ def find_foreground(
 
     A surface explains points within `within_m`, the error of map, pose and cells.
     """
-    points, pixels, depth_m = sample(image.pixels, STRIDE_PX, range_m)
+    stride_px = _STRIDE_PX if image.fx >= _FINE_PX else 1
+    points, pixels, depth_m = sample(image.pixels, stride_px, range_m)
     distance_m = cells.at(points, static_distance_m)
     is_far = distance_m > within_m
     points, pixels, depth_m = points[is_far], pixels[is_far], depth_m[is_far]
@@ -63,6 +67,7 @@ def find_foreground(
     kept = ~is_explained
     return Foreground(
         points_enu_m=points[kept],
+        stride_px=stride_px,
         pixels=pixels[kept],
         depth_m=depth_m[kept],
         static_distance_m=distance_m[kept],
@@ -77,8 +82,9 @@ def find_blobs(
     Neighbours whose depths differ by less than `gap_m` plus noise are of one blob. A blob counts if
     at least `least_samples` of its samples are farther than `beyond_m` from the map.
     """
-    n_rows, n_columns = (-(-n // STRIDE_PX) for n in image.depth_m.shape)
-    places, error = foreground.pixels // STRIDE_PX, _SIGMAS * image.inverse_depth_sigma_pm
+    stride_px, error = foreground.stride_px, _SIGMAS * image.inverse_depth_sigma_pm
+    n_rows, n_columns = (-(-n // stride_px) for n in image.depth_m.shape)
+    places = foreground.pixels // stride_px
     labels = connect(places, foreground.depth_m, n_rows, n_columns, gap_m, error)
     order = np.argsort(labels, kind="stable")
     borders = np.flatnonzero(np.diff(labels[order])) + 1

@@ -46,7 +46,8 @@ class MoverTrackerCfg:
     most_depth_sigma_m: float = 0.3
     """Standard deviation of depth above which pixels are ignored."""
     least_samples: int = 5
-    """Number of samples so far from the map that make a mover; one stands for two by two pixels."""
+    """Number of samples so far from the map that make a mover; one stands for two by two pixels, in
+    a wide view for one."""
     most_size_m: float = 7.0
     """Size above which a blob is no mover but something large that the map lacks."""
     hits_to_confirm: int = 3

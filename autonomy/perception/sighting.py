@@ -15,7 +15,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from autonomy.perception.depth_image import DepthImage
-from autonomy.perception.foreground import STRIDE_PX, Foreground
+from autonomy.perception.foreground import Foreground
 
 LEAST_HALF_M = 0.15
 """Least half extent of an obstacle: nothing that matters is thinner."""
@@ -148,7 +148,7 @@ def see(
     aside = points[:, 1] * forward[0] - points[:, 0] * forward[1]
     right_m, left_m = np.percentile(aside, [_EDGE_PERCENT, 100.0 - _EDGE_PERCENT])
     low_m, top_m = np.percentile(points[:, 2], [_EDGE_PERCENT, 100.0 - _EDGE_PERCENT])
-    half_px_m = STRIDE_PX * depth_m / image.fx / 2
+    half_px_m = foreground.stride_px * depth_m / image.fx / 2
     lowest = foreground.static_distance_m[blob][points[:, 2] <= low_m]
     below_m = float(np.median(lowest))
     behind_m = foreground.depth_m[blob] + _BEHIND_M
