@@ -7,8 +7,9 @@ import tempfile
 from pathlib import Path
 from typing import TextIO
 
-_NUMBERS = (*range(60, 70), *range(80, 90))
-"""Ports of instances that differ by 10, 30 or 40 meet: no two of these do."""
+_NUMBERS = (*range(60, 70, 2), *range(80, 90, 2))
+"""Ports of instances that differ by 10, 30 or 40 meet: no two of these do. A second vehicle takes
+the number after."""
 _UDP_PORTS, _TCP_PORTS = (14540, 14550, 14580, 18570), (5760, 5762, 5763)
 _held: list[TextIO] = []
 
@@ -26,6 +27,7 @@ def new_instance() -> int:
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
             _bind_all(number)
+            _bind_all(number + 1)
         except OSError:
             lock.close()
             continue

@@ -170,8 +170,8 @@ def _load_plans(proxy, directory, latitude_deg, longitude_deg, altitude_m):
 
 
 def _fly_guided_and_the_mission(proxy, latitude_deg, longitude_deg):
-    proxy.type("mode guided")
-    proxy.ask("status HEARTBEAT", r"custom_mode : 4\b")
+    # The prompt has the vehicle's mode; of heartbeats, `status` has whatever component's came last.
+    proxy.ask("mode guided", "GUIDED>")
     proxy.type("arm throttle")
     proxy.expect("ARMED")
     proxy.type("takeoff 6")
