@@ -17,8 +17,9 @@ from aeroscene.learning.generation.given import PlacedPart
 from aeroscene.learning.generation.proposal import OnStep
 from aeroscene.learning.program import DecodingCfg, Program, decode
 from aeroscene.learning.program.batch import channels_in, program_batch, slots_of
+from aeroscene.learning.program.kinds import Kind
 from aeroscene.learning.program.program import COS, N_CHANNELS, SIN, SIZE, U, V
-from aeroscene.learning.program.statistics import ProgramExample, from_example
+from aeroscene.learning.program.statistics import ProgramExample, from_example, on_atoms
 from aeroscene.learning.tokens.batch import TokenBatch
 from aeroscene.learning.tokens.skeleton import Wish
 from aeroscene.learning.writer.language import Language
@@ -55,12 +56,13 @@ class ProgramProposal:
         """The program, what is given as it was given, in or out of the range of training."""
         known, draft = self.language, self.draft
         program = from_example(self.example, known.vocabulary, known.statistics)
+        program = on_atoms(program, known.statistics.atoms)
         if draft.given is not None:
             return draft.given.imposed_on(program)
         if draft.outline_m is not None:
             place, numbers = frame_of(self.example, known)
             channels = program.channels.copy()
-            channels[place, numbers] = frame_values(draft.outline_m)
+            channels[place, numbers] = frame_values(draft.outline_m, program.kinds[place])
             return program.with_channels(channels)
         return program
 
@@ -142,10 +144,12 @@ class Denoising:
                 x0[row, slots[given.places]] = given.part.example.x0[given.own]
             elif draft.outline_m is not None:
                 place, channels = frame_of(draft.example, self._language)
-                number, known = draft.example.skeleton.kind_id[place], self._language.statistics
-                values = frame_values(draft.outline_m) - known.mean[number, channels]
-                mask[row, slots[place], channels] = known.is_free[number, channels]
-                x0[row, slots[place], channels] = values / known.spread[number, channels]
+                number, known = draft.example.skeleton.kind_id[place], self._language
+                statistics = known.statistics
+                kind = known.vocabulary.kinds[number]
+                values = frame_values(draft.outline_m, kind) - statistics.mean[number, channels]
+                mask[row, slots[place], channels] = statistics.is_free[number, channels]
+                x0[row, slots[place], channels] = values / statistics.spread[number, channels]
         if not mask.any():
             return None
         return Fixed(*(torch.from_numpy(array).to(self.device) for array in (mask, x0)))
@@ -161,6 +165,10 @@ def frame_of(example: ProgramExample, language: Language) -> tuple[int, list[int
     return next((i for i in bearers if nodes[i] == "unit"), 0), list(_UNIT_FRAME)
 
 
-def frame_values(outline_m: tuple[float, float]) -> Float[np.ndarray, " 6"]:
-    """Channels of an outline about the origin, along the axes of the world."""
-    return np.array([0.0, 0.0, 1.0, 0.0, *np.log(outline_m)])
+def frame_values(outline_m: tuple[float, float], kind: Kind) -> Float[np.ndarray, " 6"]:
+    """Channels of an outline about the origin, along the axes of the world.
+
+    A site may lie across them, by as many quarter turns as its kind has.
+    """
+    sides_m = outline_m[::-1] if kind.node == "site" and kind.turn % 2 else outline_m
+    return np.array([0.0, 0.0, 1.0, 0.0, *np.log(sides_m)])

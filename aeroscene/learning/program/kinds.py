@@ -7,6 +7,9 @@ rank of the host, the array of a group, and which object of the parent's token b
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Literal
+
 import msgspec
 
 from aeroscene.relations.relation import Align, Gap, Relation
@@ -27,6 +30,16 @@ OPENINGS: tuple[str, ...] = (
 SHAPING = ("form", "is_enterable", "is_start", "rows", "storeys", "use", "zebra_end")
 """Discrete attributes that decide what shape an object has; the others are its looks."""
 Attributes = tuple[tuple[str, AttributeValue], ...]
+What = tuple[str, str, Attributes]
+"""Category, domain and the attributes that shape."""
+AsLast = Literal["", "size", "plan", "height"]
+AS_LAST_AXES: Mapping[AsLast, tuple[int, ...]] = {
+    "": (),
+    "size": (0, 1, 2),
+    "plan": (0, 1),
+    "height": (2,),
+}
+"""Axes of the extents that are those of the last one."""
 
 
 class Kind(msgspec.Struct, frozen=True, order=True, omit_defaults=True):
@@ -56,7 +69,13 @@ class Kind(msgspec.Struct, frozen=True, order=True, omit_defaults=True):
     align: str = ""
     slot: int = 0
     turn: int = 0
-    """Quarter turns of the heading from the host's side."""
+    """Quarter turns of the heading from the host's side; of a site's frame from east."""
+    is_turned: bool = False
+    """Whether the heading is off these quarter turns; where it is not it has no numbers."""
+    is_even: bool = False
+    """Whether the share of a part is that of the last part before it that is the same."""
+    as_last: AsLast = ""
+    """Extents that a unit has of the last one before it that is the same, see `what`."""
     is_group: bool = False
     is_on_top: bool = False
     """Whether the height of a unit counts from its bearer's top, not from its underside."""
@@ -65,8 +84,8 @@ class Kind(msgspec.Struct, frozen=True, order=True, omit_defaults=True):
     """Whether the object has no parent in the scene, though it stands on something."""
 
     @property
-    def what(self) -> tuple[str, str, Attributes]:
-        """What looks depend on."""
+    def what(self) -> What:
+        """What looks depend on, and what a size is the same as the last one's of."""
         return self.category, self.domain, self.attributes
 
     @property
@@ -122,6 +141,11 @@ def shaping(obj: SceneObject) -> Attributes:
     return tuple((name, obj.attributes[name]) for name in SHAPING if name in obj.attributes)
 
 
+def what_of(obj: SceneObject) -> What:
+    """What an object is, as its kind has it."""
+    return obj.category, obj.domain, shaping(obj)
+
+
 def openings(obj: SceneObject) -> tuple[str, ...]:
     """The openings that an object has."""
     return tuple(name for name in OPENINGS if name in obj.attributes)
@@ -130,6 +154,11 @@ def openings(obj: SceneObject) -> tuple[str, ...]:
 def looks(obj: SceneObject) -> dict[str, AttributeValue]:
     """The attributes that are neither."""
     return {k: v for k, v in obj.attributes.items() if k not in SHAPING and k not in OPENINGS}
+
+
+def same_part(kind: Kind) -> tuple[str, str]:
+    """What parts have in common that may be equally wide."""
+    return kind.node, kind.category
 
 
 class Word(msgspec.Struct, frozen=True, array_like=True):

@@ -21,13 +21,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
 
+from aeroscene.learning.program import kinds
 from aeroscene.relations.hosts import level_m
-from aeroscene.relations.plane import Half, Place, Rectangle, turned_reach_m
+from aeroscene.relations.plane import QUARTER, Half, Place, Rectangle, turned_reach_m
 from aeroscene.relations.relation import Kind, Relation
 from aeroscene.scene import OrientedBox, Vector3
 from aeroscene.scene.box import MIN_SIZE_M
@@ -59,18 +60,25 @@ def scales(relation: Relation, host: Rectangle, reach_m: Half) -> tuple[Scale, S
     return found[0], found[1]
 
 
-def site_rectangle(site: Float[np.ndarray, " 19"] | None) -> Rectangle:
+BARE_SITE = Rectangle(Place(0.0, 0.0, 0.0), (BARE_M / 2, BARE_M / 2))
+"""What stands in for the host of what has none, where the ground has no covers."""
+
+
+def site_rectangle(kind: kinds.Kind, site: Float[np.ndarray, " 19"]) -> Rectangle:
     """What stands in for the host of what has none: about the origin, as large as the ground.
 
     Args:
-        site: Channels of the `site` record, or None where the ground has no covers.
+        kind: Kind of the `site` record.
+        site: Its channels.
     """
-    half_m = BARE_M / 2, BARE_M / 2
-    if site is not None:
-        cos, sin, *logs = site[3:7].tolist()
-        x_m, y_m = (math.exp(min(log, 6.5)) / 2 for log in logs)
-        half_m = turned_reach_m((x_m, y_m), math.atan2(sin, cos))
-    return Rectangle(Place(0.0, 0.0, 0.0), half_m)
+    x_m, y_m = (math.exp(min(log, 6.5)) / 2 for log in site[5:7].tolist())
+    yaw_rad = kind.turn * QUARTER + own_heading_rad(*site[3:5].tolist())
+    return replace(BARE_SITE, half_m=turned_reach_m((x_m, y_m), yaw_rad))
+
+
+def own_heading_rad(cos: float, sin: float) -> float:
+    """A heading beside its quarter turns, from channels that are NaN where it is not turned."""
+    return 0.0 if math.isnan(cos) or math.isnan(sin) else math.atan2(sin, cos)
 
 
 def reach_of(relation: Relation, yaw_rad: float, half_m: Half) -> Half:

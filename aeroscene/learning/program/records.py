@@ -4,7 +4,7 @@
 |---|---|
 | any part of its parent | 0: log of the share, about the mean of those beside it |
 | `width` | 1: log m |
-| `site` | 1 to 7: x, y, cos, sin, log length, log width, base |
+| `site` | 1 to 7: x, y, cos, sin beside the quarter turns, log length, log width, base |
 | `storey` | 1 to 10: middle, cos, sin, length and width in the host's, level, walls, outer, drop |
 | `leaf`, `lane` | 1 on: log height, of each piece |
 | `pinwheel` | 1 to 4: log of the sides' shares over the middle's |

@@ -14,8 +14,8 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from aeroscene.learning.program.encoding.encode import EncodedProgram
-from aeroscene.learning.program.kinds import Kind
-from aeroscene.learning.program.program import REFERENCED, Program
+from aeroscene.learning.program.kinds import AS_LAST_AXES, Kind
+from aeroscene.learning.program.program import REFERENCED, SIZE, Program
 from aeroscene.relations.hosts import AT_LEVELS
 
 MIN_COUNT = 5
@@ -82,4 +82,7 @@ def with_references(encoded: EncodedProgram, references: References) -> Program:
     is_unit = np.array([kind.node == "unit" for kind in program.kinds])
     rows = np.flatnonzero(is_unit)[:, None]
     channels[rows, list(REFERENCED)] = chosen[is_unit]
+    for row, kind in enumerate(program.kinds):
+        # What is as it was the last time has no numbers of its own.
+        channels[row, [SIZE.start + axis for axis in AS_LAST_AXES[kind.as_last]]] = np.nan
     return replace(program, channels=channels, references=table)

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from aeroscene.learning.program.atoms import NO_ATOMS, Atoms, Reaches, atoms_of
 from aeroscene.learning.program.clearances import Clearances, measure_clearances
 from aeroscene.learning.program.encoding.encode import EncodedProgram
 from aeroscene.learning.program.program import COS, N_CHANNELS, SIN, Program
@@ -28,6 +29,8 @@ _LEAST_SPREAD = 3e-4
 """Channels that vary by less are constant."""
 _PLAIN_SPREAD, _LEAST_WEIGHT = 0.1, 0.1
 """Channels that vary by at least so much, in m or shares, count whole, others down to a tenth."""
+_HEADED = {"site", "storey", "item", "bend"}
+"""Records with a heading in their channels 3 and 4."""
 _LIMIT = 5.0
 """Values are cut at this many spreads."""
 
@@ -48,6 +51,7 @@ class ProgramStatistics:
     """Which channels a kind has."""
     references: References
     clearances: Clearances
+    atoms: Atoms = NO_ATOMS
 
     @property
     def importance(self) -> Float[np.ndarray, "kinds channels"]:
@@ -80,11 +84,13 @@ def measure_programs(
     groups: defaultdict[Hashable, list[int]] = defaultdict(list)
     for number, kind in enumerate(vocabulary.kinds):
         groups[group_of(kind)].append(number)
+    atoms: dict[Hashable, dict[int, Reaches]] = {}
     shape = len(vocabulary.kinds), N_CHANNELS
     mean, spread, low, high = (np.zeros(shape) for _ in range(4))
     has = np.zeros(shape, dtype=bool)
-    for numbers in groups.values():
+    for group, numbers in groups.items():
         common = rows[np.isin(ids, numbers)]
+        atoms[group] = atoms_of(common, _with_atoms(vocabulary.kinds[numbers[0]].node))
         common_mean, common_var = _moments(common)
         for number in numbers:
             own = rows[ids == number]
@@ -109,6 +115,7 @@ def measure_programs(
         has,
         references,
         measure_clearances([each.gaps for each in encoded]),
+        Atoms({group: found for group, found in atoms.items() if found}),
     )
     return vocabulary, statistics
 
@@ -171,5 +178,19 @@ def from_example(
     )
 
 
+def on_atoms(program: Program, atoms: Atoms) -> Program:
+    """A drawn program, its numbers those that come back in training where they are near them."""
+    channels = program.channels.copy()
+    for row, kind in zip(channels, program.kinds, strict=True):
+        atoms.snap(group_of(kind), row)
+    return program.with_channels(channels)
+
+
 def _domain(name: str) -> SceneDomain:
     return "indoor" if name == "indoor" else "mixed" if name == "mixed" else "outdoor"
+
+
+def _with_atoms(node: str) -> list[int]:
+    """Channels in which tokens of a node may have atoms: all but headings, which are pairs."""
+    headings = {COS, SIN} if node in {"unit", "member"} else {3, 4} if node in _HEADED else set()
+    return [channel for channel in range(N_CHANNELS) if channel not in headings]

@@ -10,11 +10,9 @@ from functools import cached_property
 import msgspec
 import numpy as np
 
-from aeroscene.learning.program.kinds import Attributes, Kind
+from aeroscene.learning.program.kinds import Kind, What
 from aeroscene.learning.program.program import Program, Shape
 from aeroscene.scene import AttributeValue
-
-What = tuple[str, str, Attributes]
 
 
 @dataclass(frozen=True)

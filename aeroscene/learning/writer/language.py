@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections import defaultdict
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import cast
 
 import msgspec
 import numpy as np
+from jaxtyping import Float
 
+from aeroscene.learning.program.atoms import Atoms, Reaches
 from aeroscene.learning.program.clearances import Clearances
 from aeroscene.learning.program.encoding.encode import EncodedProgram
 from aeroscene.learning.program.kinds import Attributes, Kind, theme_of
@@ -80,7 +83,23 @@ class Language:
             "always": syntax.always,
             "bears_fine": syntax.bears_fine,
             "most_children": syntax.most_children.astype(np.int16),
+            "atoms": self._atoms(),
         }
+
+    def _atoms(self) -> Float[np.ndarray, "k 4"]:
+        """Every atom as the number of the first kind of its group, channel, value and reach."""
+        by_group = self.statistics.atoms.by_group
+        rows: list[tuple[float, float, float, float]] = []
+        seen: set[Hashable] = set()
+        for number, kind in enumerate(self.vocabulary.kinds):
+            group = group_of(kind)
+            if group in seen:
+                continue
+            seen.add(group)
+            for channel, (values, reaches) in by_group.get(group, {}).items():
+                pairs = zip(values.tolist(), reaches.tolist(), strict=True)
+                rows += [(number, channel, value, reach) for value, reach in pairs]
+        return np.array(rows, dtype=np.float32).reshape(-1, 4)
 
     @staticmethod
     def restored(text: str, arrays: Mapping[str, np.ndarray]) -> Language:
@@ -99,6 +118,7 @@ class Language:
             **{name: arrays[name] for name in _FLAGS},
             references=References({group_of(kind): tuple(row) for kind, row in rows}),
             clearances=Clearances(document.clearances),
+            atoms=_restored_atoms(document.kinds, arrays.get("atoms", np.zeros((0, 4)))),
         )
         syntax = Syntax(
             vocabulary=vocabulary,
@@ -109,6 +129,16 @@ class Language:
             most_children=arrays["most_children"].astype(np.int64),
         )
         return Language(vocabulary, statistics, syntax)
+
+
+def _restored_atoms(kinds: Sequence[Kind], rows: Float[np.ndarray, "k 4"]) -> Atoms:
+    """The atoms that `Language.to_arrays` has put in rows."""
+    found: defaultdict[Hashable, dict[int, Reaches]] = defaultdict(dict)
+    for number, channel in np.unique(rows[:, :2].astype(int), axis=0).tolist():
+        own = rows[(rows[:, 0] == number) & (rows[:, 1] == channel)].astype(np.float64)
+        # Single precision is enough for where they are, not for how long a metre is.
+        found[group_of(kinds[number])][channel] = own[:, 2].round(6), own[:, 3]
+    return Atoms(found)
 
 
 def learn_language(encoded: Sequence[EncodedProgram]) -> Language:

@@ -33,7 +33,8 @@ from aeroscene.learning.program.decoding.neighbours import (
 )
 from aeroscene.learning.program.decoding.sites import add_site
 from aeroscene.learning.program.decoding.units import member_boxes, openings_of, read_unit
-from aeroscene.learning.program.kinds import CATEGORY_IDS, Kind, theme_of
+from aeroscene.learning.program.encoding.units import unit_size_m
+from aeroscene.learning.program.kinds import CATEGORY_IDS, Kind, What, theme_of
 from aeroscene.learning.program.program import Program
 from aeroscene.relations import Kind as RelationKind
 from aeroscene.relations import Unit
@@ -116,6 +117,8 @@ class Builder:
         """Upper slabs that were drawn of the building at hand, each with its token."""
         self._n_given = 0
         """Objects that stand as they are, and do not move."""
+        self._last_m: dict[What, Vector3] = {}
+        """Extents of the last unit of each kind of thing."""
 
     def build(self) -> None:
         """Everything, from the ground up: turn by turn, and object by object as it was read.
@@ -136,9 +139,13 @@ class Builder:
                     self._add_storeys(bearer)
                     n_built += 1
                 for place in making.below(bearer, "unit"):
-                    is_due = turn_of(CATEGORY_IDS[kinds[place].category]) <= turn
-                    if is_due and not making.made[place]:
+                    if turn_of(CATEGORY_IDS[kinds[place].category]) > turn:
+                        continue
+                    if not making.made[place]:
                         self._add_unit(place, bearer)
+                    elif making.made[place][0] < n_given:
+                        given = making.objects[making.made[place][0]]
+                        self._last_m[kinds[place].what] = given.bbox.s
                 self._lay_slabs(bearer)
                 queue += range(before, len(making.objects))
         if self._cfg.mends:
@@ -180,8 +187,16 @@ class Builder:
             bearer = next((obj.id for obj in making.objects if obj.category == "water"), bearer)
         members = [i for i in making.children[place] if program.kinds[i].node == "member"]
         unit = read_unit(
-            program, place, members, bearer, making.standing, making.outline, making.box
+            program,
+            place,
+            members,
+            bearer,
+            making.standing,
+            making.outline,
+            making.box,
+            self._last_m.get(kind.what),
         )
+        self._last_m[kind.what] = unit_size_m(unit)
         table = unit.host_id if unit.relation.kind == RelationKind.SEAT else None
         boxes = self._boxes(unit, kind)
         if not self._cfg.makes_room:

@@ -13,12 +13,13 @@ from dataclasses import replace
 
 import msgspec
 
-from aeroscene.learning.program.kinds import Kind, Word
+from aeroscene.learning.program.kinds import Kind, Word, same_part
 from aeroscene.learning.program.nesting import Nested
 from aeroscene.learning.program.program import Program
 from aeroscene.learning.program.records import PARTS, shares_of, values_of
 from aeroscene.partition import Record
 from aeroscene.partition.tree import VOID
+from aeroscene.relations.plane import QUARTER
 from aeroscene.scene import ObjectDomain
 
 NODES = frozenset({"leaf", "slice", "cross", "grid", "pinwheel", "overlay", "bend"})
@@ -57,12 +58,25 @@ class Grower:
         return found
 
     def _logit(self, place: int | None) -> float:
-        value = math.nan if place is None else float(self._program.channels[place, 0])
+        if place is None:
+            return 0.0
+        kinds = self._program.kinds
+        if kinds[place].is_even:
+            beside = self.children[int(self._program.parent[place])]
+            what = same_part(kinds[place])
+            alike = (i for i in beside[: beside.index(place)] if same_part(kinds[i]) == what)
+            with_share = [i for i in alike if not kinds[i].strip]
+            return self._logit(with_share[-1]) if with_share else 0.0
+        value = float(self._program.channels[place, 0])
         return 0.0 if math.isnan(value) else value
 
     def _record(self, place: int) -> Record:
-        record = record_of(self._program.kinds[place])
-        return replace(record, values=values_of(record, self._program.channels[place]))
+        kind = self._program.kinds[place]
+        record = record_of(kind)
+        values = values_of(record, self._program.channels[place])
+        if record.node == "site":
+            values = (*values[:2], values[2] + kind.turn * QUARTER, *values[3:])
+        return replace(record, values=values)
 
     def _node(self, place: int | None) -> Grown:
         """A node of a tree with all below it; a void leaf for nothing."""

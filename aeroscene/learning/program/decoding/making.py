@@ -9,7 +9,7 @@ from aeroscene.feasibility.doors import air_of
 from aeroscene.learning.program.decoding.growing import Grower
 from aeroscene.learning.program.decoding.neighbours import Neighbours
 from aeroscene.learning.program.kinds import CATEGORY_IDS
-from aeroscene.learning.program.measures import site_rectangle
+from aeroscene.learning.program.measures import BARE_SITE, site_rectangle
 from aeroscene.learning.program.program import Program
 from aeroscene.relations.hosts import Standing
 from aeroscene.relations.plane import Rectangle, footprint
@@ -44,8 +44,11 @@ class Making:
         """Objects of each token."""
         self._place_of: list[tuple[int | None, int]] = []
         """The token of each object, and which of the token's objects it is."""
-        heads = [i for i in self.children[0] if self.program.kinds[i].node == "site"]
-        self._site = site_rectangle(self.program.channels[heads[0]] if heads else None)
+        kinds = self.program.kinds
+        heads = [i for i in self.children[0] if kinds[i].node == "site"]
+        self._site = BARE_SITE
+        if heads:
+            self._site = site_rectangle(kinds[heads[0]], self.program.channels[heads[0]])
 
     def begin_with(self, given: Given) -> None:
         """Let objects stand that are given, in the order of their scene."""

@@ -14,9 +14,10 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from aeroscene.learning.program.encoding.units import pitch_base_m, underside_m
-from aeroscene.learning.program.kinds import CATEGORY_IDS, OPENINGS
+from aeroscene.learning.program.kinds import AS_LAST_AXES, CATEGORY_IDS, OPENINGS
 from aeroscene.learning.program.measures import (
     Surroundings,
+    own_heading_rad,
     reach_of,
     scales,
     size_and_base,
@@ -59,6 +60,7 @@ def read_unit(
     standing: Standing,
     outline: Outline,
     box_of: BoxOf,
+    last_m: Vector3 | None = None,
 ) -> Unit:
     """The unit that a token is, on what bears it.
 
@@ -70,11 +72,12 @@ def read_unit(
         standing: What stands already.
         outline: An object from above by its id; the site for None.
         box_of: An object's box by its id.
+        last_m: Extents of the last unit that is the same, for what is as large; None without one.
     """
     kind = program.kinds[token]
     c = np.nan_to_num(program.channels[token]).tolist()
     relation, host = _related(program, token, bearer, standing, box_of)
-    residual_rad = math.atan2(c[SIN], c[COS])
+    residual_rad = own_heading_rad(*program.channels[token, [COS, SIN]].tolist())
     turn = 0 if relation.quadrant == ANY_TURN else relation.quadrant
     host_box = box_of(host)
     host_rad = 0.0 if host_box is None else host_box.yaw_rad
@@ -87,6 +90,10 @@ def read_unit(
         yaw_rad,
         is_on_top=kind.is_on_top,
     )
+    if last_m is not None:
+        as_last = AS_LAST_AXES[kind.as_last]
+        x_m, y_m, z_m = (last_m[i] if i in as_last else size_m[i] for i in range(3))
+        size_m = x_m, y_m, z_m
     shape = _shape(program, token, relation.kind)
     n_members = len(shape.array().cells(relation.kind)) if kind.is_group else 1
     own_m = base_m - _low_m(around.bearer)

@@ -13,9 +13,17 @@ from jaxtyping import Float
 from aeroscene.learning.program.clearances import gaps_between
 from aeroscene.learning.program.encoding.bearers import covers_under, find_boxes
 from aeroscene.learning.program.encoding.partitions import Cells, site_node, storey_node
-from aeroscene.learning.program.encoding.units import underside_m, unit_node
-from aeroscene.learning.program.kinds import Word, looks, openings, scene_kind, shaping
-from aeroscene.learning.program.measures import site_rectangle
+from aeroscene.learning.program.encoding.units import underside_m, unit_node, unit_size_m
+from aeroscene.learning.program.kinds import (
+    What,
+    Word,
+    looks,
+    openings,
+    scene_kind,
+    shaping,
+    what_of,
+)
+from aeroscene.learning.program.measures import BARE_SITE, site_rectangle
 from aeroscene.learning.program.program import Node, Program, in_order, to_program
 from aeroscene.partition import (
     ParsedBuilding,
@@ -26,7 +34,7 @@ from aeroscene.partition import (
 )
 from aeroscene.relations import scene_relations
 from aeroscene.relations.plane import Rectangle, footprint
-from aeroscene.scene import OrientedBox, Scene, SceneObject
+from aeroscene.scene import OrientedBox, Scene, SceneObject, Vector3
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -79,7 +87,7 @@ def _gaps(nodes: Sequence[Node], scene: Scene) -> dict[str, Float[np.ndarray, "k
 class _Encoder:
     scene: Scene
     root: Node
-    site: Rectangle = field(default_factory=lambda: site_rectangle(None))
+    site: Rectangle = field(default=BARE_SITE)
     given: list[int] = field(default_factory=list)
     """Objects that the partitions make, in the order in which they are built."""
     bearer: dict[int | None, tuple[Node, int]] = field(default_factory=dict)
@@ -95,7 +103,7 @@ class _Encoder:
             return
         head, cells = site_node(parsed.site)
         self.root.add(head)
-        self.site = site_rectangle(head.channels)
+        self.site = site_rectangle(head.kind, head.channels)
         covers = build_site(parsed.site)
         boxes = [cover.box for cover in covers]
         found = find_boxes(boxes, [self._object(each) for each in sorted(parsed.object_ids)])
@@ -150,8 +158,11 @@ class _Encoder:
             is_single = openings(obj) or obj.id in with_rooms
             return obj.category, obj.domain, shaping(obj), obj.id if is_single else None
 
+        last_m: dict[What, Vector3] = {}
         for unit in scene_relations(view, self.given, alike):
-            node = unit_node(unit, objects, self.site, roots)
+            what = what_of(objects[unit.members[0].id])
+            node = unit_node(unit, objects, self.site, roots, last_m.get(what))
+            last_m[what] = unit_size_m(unit)
             above, node.member = self.bearer[unit.parent_id]
             above.add(node)
             for number, member in enumerate(unit.members):

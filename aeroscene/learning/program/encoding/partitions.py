@@ -7,16 +7,19 @@ from collections.abc import Sequence
 
 import msgspec
 
-from aeroscene.learning.program.kinds import Kind, Word
+from aeroscene.learning.program.encoding.units import SAME_RAD
+from aeroscene.learning.program.kinds import Kind, Word, same_part
 from aeroscene.learning.program.nesting import Nested, cells, nest
 from aeroscene.learning.program.program import Node
 from aeroscene.learning.program.records import PARTS, channels_of, share_logits
 from aeroscene.partition import Record, SitePartition, StoreyPartition, storey_lines, to_sequence
 from aeroscene.partition.storeys.storey import NOBODY, Line, room_numbers, storey_cells
-from aeroscene.relations.plane import Rectangle
+from aeroscene.relations.plane import Rectangle, nearest_quadrant
 
 Cells = list[tuple[Node, int]]
 """The node of each leaf of a partition, and which of its objects it is."""
+_SAME_LOGIT = 1e-3
+"""Logs of shares that differ by less are of equal parts."""
 SIDES = {("y", True): 0, ("x", True): 1, ("y", False): 2, ("x", False): 3}
 """Side of a room by the axis of a line there, and whether the room is on its lower side."""
 
@@ -26,6 +29,11 @@ def site_node(site: SitePartition) -> tuple[Node, Cells]:
     records = to_sequence(site)
     n_widths = sum(record.node == "width" for record in records)
     head, found = _grown(records, n_widths)
+    quarters, own_rad = nearest_quadrant(site.frame.yaw_rad)
+    is_turned = abs(own_rad) > SAME_RAD
+    head.kind = msgspec.structs.replace(head.kind, turn=quarters, is_turned=is_turned)
+    own = (math.cos(own_rad), math.sin(own_rad)) if is_turned else (math.nan, math.nan)
+    head.channels[3:5] = own
     return head, found
 
 
@@ -100,18 +108,35 @@ def _name_doors(head: Node, records: Sequence[Record]) -> None:
         child.kind = _kind(Record("width", kind=_first_use(records, number)))
 
 
-def _with_nodes(nested: Nested[None], logit: float) -> Nested[Node]:
+def _with_nodes(nested: Nested[None], logit: float, *, is_even: bool = False) -> Nested[Node]:
     """A record's tree with a node for each of them."""
     record = nested.record
     logits = [math.nan] * len(nested.children)
+    even = [False] * len(nested.children)
     for low, high in PARTS.get(record.node, lambda _: ())(record):
         parts = [child.record for child in nested.children[low:high]]
         logits[low:high] = share_logits([part.share for part in parts])
-    node = Node(_kind(record), channels_of(record))
-    node.channels[0] = logit
-    children = [_with_nodes(*each) for each in zip(nested.children, logits, strict=True)]
+        even[low:high] = _are_even(parts, logits[low:high])
+    node = Node(msgspec.structs.replace(_kind(record), is_even=is_even), channels_of(record))
+    node.channels[0] = math.nan if is_even else logit
+    children = [
+        _with_nodes(child, own, is_even=same)
+        for child, own, same in zip(nested.children, logits, even, strict=True)
+    ]
     node.children += [child.token for child in children]
     return Nested(record, node, children)
+
+
+def _are_even(parts: Sequence[Record], logits: Sequence[float]) -> list[bool]:
+    """Which parts of a side have the share of the last one before them that is the same."""
+    last: dict[tuple[str, str], float] = {}
+    found: list[bool] = []
+    for part, logit in zip(parts, logits, strict=True):
+        what = same_part(_kind(part))
+        found.append(abs(logit - last.get(what, math.nan)) <= _SAME_LOGIT)
+        if not math.isnan(logit):
+            last[what] = logit
+    return found
 
 
 def _kind(record: Record, rows: int | None = None) -> Kind:

@@ -8,7 +8,15 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from aeroscene.learning.program.kinds import OPENINGS, Kind, looks, openings, shaping
+from aeroscene.learning.program.kinds import (
+    AS_LAST_AXES,
+    OPENINGS,
+    AsLast,
+    Kind,
+    looks,
+    openings,
+    shaping,
+)
 from aeroscene.learning.program.measures import (
     Surroundings,
     choices_of,
@@ -34,10 +42,13 @@ from aeroscene.relations.placing import array_half_m, foot_m
 from aeroscene.relations.plane import QUARTER, Half, Rectangle, footprint
 from aeroscene.relations.relation import ANY_TURN, Residual
 from aeroscene.relations.relation import Kind as RelationKind
-from aeroscene.scene import OrientedBox, SceneObject
+from aeroscene.scene import OrientedBox, SceneObject, Vector3
 
 SAME_M = 0.002
-"""Members of a group that differ by less have no numbers of their own."""
+"""Members of a group that differ by less have no numbers of their own, nor has what differs by less
+from the last one that is the same."""
+SAME_RAD = math.radians(0.05)
+"""Headings that are off quarter turns by less are not turned."""
 
 
 def unit_node(
@@ -45,6 +56,7 @@ def unit_node(
     objects: Mapping[int, SceneObject],
     site: Rectangle,
     roots: frozenset[int],
+    last_m: Vector3 | None = None,
 ) -> Node:
     """The node of a unit, with one below it for each member where they differ.
 
@@ -53,12 +65,13 @@ def unit_node(
         objects: All objects of the scene under their ids.
         site: The scene from above: the host of what has none.
         roots: Ids of the objects that have no parent in the scene.
+        last_m: Extents of the last unit before it that is the same; None for the first one.
     """
     first = objects[unit.members[0].id]
     members = [objects[member.id] for member in unit.members]
-    sizes_m = np.array([member.size_m for member in unit.members])
-    x_m, y_m, z_m = sizes_m.max(axis=0).tolist()
-    node = Node(_kind(unit, first, is_root=first.id in roots), host=unit.relation.host)
+    size_m = x_m, y_m, z_m = unit_size_m(unit)
+    kind = _kind(unit, first, is_root=first.id in roots, as_last=_as_last(size_m, last_m))
+    node = Node(kind, host=unit.relation.host)
     node.shape = Shape.of(unit.array)
     node.ids, node.looks = [each.id for each in members], [looks(each) for each in members]
     halves_m = [foot_m(member.category_id, member.size_m) for member in unit.members]
@@ -69,7 +82,7 @@ def unit_node(
     around = Surroundings(_box(unit.parent_id, objects), host_box)
     base_m = underside_m(first.bbox)
     node.choices = choices_of(
-        around, (x_m, y_m, z_m), yaw_rad, base_m, is_on_top=node.kind.is_on_top
+        around, size_m, yaw_rad, base_m, is_on_top=node.kind.is_on_top
     )
     node.channels[[RISE, 5, 6, 7]] = node.choices[:, 0]
     node.channels[OPENING] = opening_values(first)
@@ -78,11 +91,26 @@ def unit_node(
         rotation = Rotation.from_quat(tilt, scalar_first=True)
         node.channels[TILT] = rotation.as_rotvec()[:2]
     if unit.is_group:
-        node.children += _members(unit, members, (x_m, y_m, z_m), base_m, node.kind)
+        node.children += _members(unit, members, size_m, base_m, node.kind)
     return node
 
 
-def _kind(unit: Unit, obj: SceneObject, *, is_root: bool) -> Kind:
+def unit_size_m(unit: Unit) -> Vector3:
+    """Extents of a unit's largest member, axis by axis."""
+    x_m, y_m, z_m = np.array([member.size_m for member in unit.members]).max(axis=0).tolist()
+    return x_m, y_m, z_m
+
+
+def _as_last(size_m: Vector3, last_m: Vector3 | None) -> AsLast:
+    """Which extents are those of the last unit."""
+    if last_m is None:
+        return ""
+    is_same = [abs(own - last) <= SAME_M for own, last in zip(size_m, last_m, strict=True)]
+    fitting = (name for name, axes in AS_LAST_AXES.items() if all(is_same[i] for i in axes))
+    return max(fitting, key=lambda name: len(AS_LAST_AXES[name]))
+
+
+def _kind(unit: Unit, obj: SceneObject, *, is_root: bool, as_last: AsLast) -> Kind:
     r = unit.relation
     return Kind(
         "unit",
@@ -96,6 +124,8 @@ def _kind(unit: Unit, obj: SceneObject, *, is_root: bool) -> Kind:
         align=r.align.name,
         slot=r.slot,
         turn=r.quadrant,
+        is_turned=abs(unit.residual.yaw_rad) > SAME_RAD,
+        as_last=as_last,
         is_group=unit.is_group,
         is_on_top=unit.members[0].is_on_top,
         is_tilted=unit.members[0].tilt_wxyz is not None,
@@ -118,7 +148,8 @@ def _put_place(
     (u0, u1), (v0, v1) = scales(relation, host, reach_m)
     c = node.channels
     c[U], c[V] = (residual.u_m - u0) / u1, (residual.v_m - v0) / v1
-    c[COS], c[SIN] = math.cos(residual.yaw_rad), math.sin(residual.yaw_rad)
+    if node.kind.is_turned:
+        c[COS], c[SIN] = math.cos(residual.yaw_rad), math.sin(residual.yaw_rad)
     if array is not None:
         extents_m = pitch_base_m(relation.kind, halves_m)
         counts = (array.rows, array.columns)
@@ -144,7 +175,7 @@ def unit_yaw_rad(unit: Unit, objects: Mapping[int, SceneObject]) -> float:
 def _members(
     unit: Unit,
     members: Sequence[SceneObject],
-    size_m: tuple[float, float, float],
+    size_m: Vector3,
     base_m: float,
     kind: Kind,
 ) -> list[Node]:

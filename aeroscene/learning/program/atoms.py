@@ -1,0 +1,82 @@
+"""Numbers that come back exactly: a door is 2.35 or 2.85 m high, and nothing between.
+
+A diffusion blurs them. So what is drawn near one of them is it, as near as training has little else
+there.
+
+| symbol | meaning | value |
+|---|---|---|
+| a | an atom: a value that a group's channel has exactly, and often | - |
+| r_a | its reach: of the training values within it at least a share of q are the atom | - |
+| q | purity | 0.95 |
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+_SAME = 1e-3
+"""Values that differ by less are the same: a millimetre, or a thousandth of a size."""
+_LEAST_COUNT, _LEAST_SHARE = 4, 0.02
+"""How often at least an atom occurs."""
+_PURITY = 0.95
+
+Reaches = tuple[np.ndarray, np.ndarray]
+"""Atoms of one channel, rising, and the reach of each."""
+
+
+@dataclass(frozen=True, eq=False)
+class Atoms:
+    """The atoms of a corpus, by what kinds have in common and by channel."""
+
+    by_group: Mapping[Hashable, Mapping[int, Reaches]]
+
+    def snap(self, group: Hashable, row: Float[np.ndarray, " channels"]) -> None:
+        """Put the channels of a token of a group, NaN where it has none, on atoms near them."""
+        for channel, (values, reaches) in self.by_group.get(group, {}).items():
+            away = np.abs(values - row[channel])
+            nearest = int(np.argmin(away))
+            if away[nearest] <= reaches[nearest]:
+                row[channel] = values[nearest]
+
+
+NO_ATOMS = Atoms({})
+
+
+def atoms_of(rows: Float[np.ndarray, "k channels"], channels: Sequence[int]) -> dict[int, Reaches]:
+    """The atoms of a group's rows in some channels, those channels that have any."""
+    found: dict[int, Reaches] = {}
+    for channel in channels:
+        values = rows[~np.isnan(rows[:, channel]), channel]
+        reaches = _reaches(np.sort(values)) if len(values) >= _LEAST_COUNT else None
+        if reaches is not None:
+            found[channel] = reaches
+    return found
+
+
+def _reaches(values: Float[np.ndarray, " k"]) -> Reaches | None:
+    """Atoms among rising values, with how far each reaches."""
+    runs = np.split(values, np.flatnonzero(np.diff(values) > _SAME) + 1)
+    least = max(_LEAST_COUNT, _LEAST_SHARE * len(values))
+    often = [run for run in runs if len(run) >= least and run[-1] - run[0] <= _SAME]
+    if not often or (len(often) == 1 and len(runs) == 1):
+        return None
+    rest = np.concatenate([np.zeros(0), *(run for run in runs if not any(run is o for o in often))])
+    atoms = np.array([run.mean() for run in often])
+    half = np.diff(atoms) / 2
+    room = np.minimum(np.append(half, np.inf), np.insert(half, 0, np.inf))
+    reaches = [
+        min(_pure_reach(atom, len(run), rest), most)
+        for atom, run, most in zip(atoms, often, room, strict=True)
+    ]
+    return atoms, np.array(reaches)
+
+
+def _pure_reach(atom: float, count: int, rest: Float[np.ndarray, " k"]) -> float:
+    """How far it is to where other values begin to be more than the purity allows."""
+    away = np.sort(np.abs(rest - atom))
+    most = int(count * (1 - _PURITY) / _PURITY)
+    return float(away[most]) if most < len(away) else np.inf
