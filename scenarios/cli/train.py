@@ -74,6 +74,9 @@ class TrainCfg:
     take: Annotated[Path | None, default_hint("none")] = None
     """Checkpoint from which the parts that are not trained are copied; it must be of the same
     data."""
+    begin: Annotated[str | None, default_hint("random weights")] = None
+    """Checkpoint with whose weights the parts begin that are trained, or `shipped` for the one that
+    ships: a model of other scenes learns these in less time."""
     save_minutes: float = 5.0
     """Minutes between two saves."""
     json: bool = False

@@ -10,6 +10,7 @@ from aeroscene.processes import default_jobs
 from scenarios.cli.progress import progress_bar
 
 if TYPE_CHECKING:
+    from aeroscene.learning.training.checkpoint import Part, Weights
     from aeroscene.learning.training.data import TrainingData
     from aeroscene.learning.training.procedure import Plan
     from aeroscene.learning.training.state import TrainingState
@@ -84,8 +85,28 @@ def training_plan(cfg: TrainCfg, state: TrainingState | None) -> Plan:
         save_seconds=60.0 * cfg.save_minutes,
         parts=parts,
         n_workers=n_workers,
+        begun=_begun(cfg, preset, sections, data),
         taken={} if cfg.take is None else taken_parts(cfg.take, data, parts),
     )
+
+
+def _begun(
+    cfg: TrainCfg, preset: str, sections: Mapping[str, Any], data: TrainingData
+) -> dict[Part, Weights]:
+    """The weights that the parts begin with; none begin at random."""
+    from aeroscene.learning.generation.loading import SHIPPED  # noqa: PLC0415 - PyTorch
+    from aeroscene.learning.training.carried import begun_parts  # noqa: PLC0415
+    from aeroscene.learning.training.config import require  # noqa: PLC0415
+    from aeroscene.learning.writer.language import Language  # noqa: PLC0415
+
+    if cfg.begin is None:
+        return {}
+    known = data.train.known
+    valid = "none with preset paper, which has another network"
+    require(ok=isinstance(known, Language), name="begin", value=cfg.begin, valid=valid)
+    assert isinstance(known, Language)
+    path = SHIPPED[preset] if cfg.begin == "shipped" else Path(cfg.begin)
+    return begun_parts(path, known, sections)
 
 
 def _n_workers(cfg: TrainCfg) -> int:

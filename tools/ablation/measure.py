@@ -24,7 +24,7 @@ from aeroscene.learning.diffusion.schedule import Schedule
 from aeroscene.learning.generation.denoising import Denoising, Draft
 from aeroscene.learning.generation.loading import DEFAULT_SAMPLER
 from aeroscene.learning.model.network import new_denoiser
-from aeroscene.learning.tokens.skeleton import UnencodableError
+from aeroscene.learning.tokens.skeleton import UnencodableError, Wish
 from aeroscene.learning.training.batches.source import drawn_from
 from aeroscene.learning.training.checkpoint import Checkpoint, CheckpointError, DataSource
 from aeroscene.learning.training.config import Budget
@@ -106,7 +106,8 @@ class Model:
         picked = np.linspace(0, len(entries), count, endpoint=False).astype(int)
         for index in np.unique(picked).tolist():
             with suppress(UnencodableError):
-                written = encode(dataset.read(entries[index]))
+                scene = dataset.read(entries[index])
+                written = encode(scene, Wish.of(scene))
                 found.append(Case(written, entries[index].index))
         return found
 

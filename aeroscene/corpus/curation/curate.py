@@ -45,9 +45,21 @@ class Budget:
 
 def curate_scene(index: int) -> Scene:
     """Scene `index` of the procedural corpus; equal on every call."""
-    streams = np.random.SeedSequence((_SEED_SPACE, index)).spawn(2)
-    layout, size = (np.random.default_rng(stream) for stream in streams)
-    budget = draw_budget(size)
+    layout = curate_layout(index)
+    areas = derive_interaction_areas(layout, limits=_budget(index).areas)
+    return replace(layout, interaction_areas=areas)
+
+
+def most_landing_areas(index: int) -> int:
+    """How many landing areas scene `index` has at most."""
+    limits = _budget(index).areas
+    return limits.small + limits.medium + limits.large
+
+
+def curate_layout(index: int) -> Scene:
+    """Scene `index` without its areas, which take ten times as long as all else together."""
+    budget = _budget(index)
+    layout = _streams(index)[0]
     builder = Builder(f"corpus-{index:04d}")
     domain = scene_domain(index)
     composition = _COMPOSERS[domain](builder, layout)
@@ -56,8 +68,17 @@ def curate_scene(index: int) -> Scene:
     pad = composition.place_start()
     n_fine = round(composition.fulness * budget.n_fine)
     fill([place.details() for place in places], lambda: builder.n_fine >= n_fine)
-    scene = _finish(builder, composition, pad, index)
-    return replace(scene, interaction_areas=derive_interaction_areas(scene, limits=budget.areas))
+    return _finish(builder, composition, pad, index)
+
+
+def _streams(index: int) -> list[np.random.Generator]:
+    """Randomness of a scene's layout and of its size."""
+    streams = np.random.SeedSequence((_SEED_SPACE, index)).spawn(2)
+    return [np.random.default_rng(stream) for stream in streams]
+
+
+def _budget(index: int) -> Budget:
+    return draw_budget(_streams(index)[1])
 
 
 def draw_budget(rng: np.random.Generator) -> Budget:

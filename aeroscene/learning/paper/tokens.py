@@ -76,14 +76,14 @@ def _rows(scene: Scene) -> Float[np.ndarray, "n 10"]:
     return np.array([(*o.bbox.p, *o.bbox.q, *o.bbox.s) for o in token_order(scene)])
 
 
-def encode_flat(scene: Scene, statistics: FlatStatistics) -> FlatExample:
-    """One scene as the paper's x_0."""
+def encode_flat(scene: Scene, wish: Wish, *, statistics: FlatStatistics) -> FlatExample:
+    """One scene as the paper's x_0, as it would come of a wish."""
     order = token_order(scene)
     x0 = np.zeros((len(order), N_FLAT_CHANNELS))
     x0[:, :N_GEOMETRY] = (_rows(scene) - statistics.mean) / statistics.spread
     categories = [obj.category_id for obj in order]
     x0[np.arange(len(order)), N_GEOMETRY - 1 + np.array(categories)] = 1.0
-    return FlatExample(x0, sum(obj.is_coarse for obj in order), Wish.of(scene))
+    return FlatExample(x0, sum(obj.is_coarse for obj in order), wish)
 
 
 def random_flat_symmetry(example: FlatExample, rng: np.random.Generator) -> FlatExample:
@@ -128,7 +128,7 @@ class FlatTrainingSet:
         return digest.hexdigest()[:16]
 
     @property
-    def encoder(self) -> Callable[[Scene], FlatExample]:
+    def encoder(self) -> Callable[[Scene, Wish], FlatExample]:
         """From other scenes to examples like these, without these."""
         return partial(encode_flat, statistics=self.statistics)
 
@@ -149,7 +149,7 @@ class FlatTrainingSet:
 def flat_training_set(scenes: Sequence[Scene]) -> FlatTrainingSet:
     """The scenes of a corpus and their statistics."""
     statistics = measure_flat(scenes)
-    examples = tuple(encode_flat(scene, statistics) for scene in scenes)
+    examples = tuple(encode_flat(scene, Wish.of(scene), statistics=statistics) for scene in scenes)
     return FlatTrainingSet(count_kinds(scenes), statistics, examples)
 
 

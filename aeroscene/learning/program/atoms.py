@@ -65,14 +65,9 @@ def _reaches(values: Float[np.ndarray, " k"]) -> Reaches | None:
     if not often or (len(often) == 1 and len(runs) == 1):
         return None
     rest = np.concatenate([np.zeros(0), *(run for run in runs if not any(run is o for o in often))])
-    atoms = np.array([run.mean() for run in often])
-    half = np.diff(atoms) / 2
-    room = np.minimum(np.append(half, np.inf), np.insert(half, 0, np.inf))
-    reaches = [
-        min(_pure_reach(atom, len(run), rest), most)
-        for atom, run, most in zip(atoms, often, room, strict=True)
-    ]
-    return atoms, np.array(reaches)
+    atoms = np.array([run[len(run) // 2] for run in often])
+    pairs = zip(atoms.tolist(), often, strict=True)
+    return atoms, np.array([_pure_reach(atom, len(run), rest) for atom, run in pairs])
 
 
 def _pure_reach(atom: float, count: int, rest: Float[np.ndarray, " k"]) -> float:

@@ -34,12 +34,12 @@ What = tuple[str, str, Attributes]
 """Category, domain and the attributes that shape."""
 AsLast = Literal["", "size", "plan", "height"]
 AS_LAST_AXES: Mapping[AsLast, tuple[int, ...]] = {
-    "": (),
     "size": (0, 1, 2),
     "plan": (0, 1),
     "height": (2,),
+    "": (),
 }
-"""Axes of the extents that are those of the last one."""
+"""Axes of the extents that are those of the last one; what says most comes first."""
 
 
 class Kind(msgspec.Struct, frozen=True, order=True, omit_defaults=True):

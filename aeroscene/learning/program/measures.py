@@ -164,4 +164,5 @@ def _extent(value: float, reference: int, along_m: float, less_m: float) -> floa
         found_m = less_m + value
     else:
         found_m = math.exp(min(value, 6.5)) * (along_m if reference == 1 else 1.0)
-    return min(max(found_m, _LEAST_M if reference else MIN_SIZE_M), _MOST_M)
+    # To a tenth of a millimetre: statistics in single precision know no more.
+    return round(min(max(found_m, _LEAST_M if reference else MIN_SIZE_M), _MOST_M), 4)

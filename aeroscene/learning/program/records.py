@@ -99,11 +99,11 @@ def values_of(record: Record, channels: Float[np.ndarray, " 19"]) -> tuple[float
     found: tuple[float, ...] = ()
     match record.node:
         case "width":
-            found = (_exp(c[0]),)
+            found = (_metres(c[0]),)
         case "leaf":
-            found = (0.0 if math.isnan(channels[1]) else _exp(c[0]),)
+            found = (0.0 if math.isnan(channels[1]) else _metres(c[0]),)
         case "lane":
-            found = tuple(_exp(each) for each in channels[1:].tolist() if not math.isnan(each))
+            found = tuple(_metres(each) for each in channels[1:].tolist() if not math.isnan(each))
         case "site":
             found = (c[0], c[1], math.atan2(c[3], c[2]), _exp(c[4]), _exp(c[5]), c[6])
         case "pinwheel":
@@ -157,6 +157,11 @@ def _shares(values: Sequence[float]) -> list[float]:
 
 def _log(value: float) -> float:
     return math.log(max(value, _LEAST))
+
+
+def _metres(log: float) -> float:
+    """A length to a tenth of a millimetre: statistics in single precision know no more."""
+    return round(_exp(log), 4)
 
 
 def _exp(value: float) -> float:

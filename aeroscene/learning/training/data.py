@@ -191,5 +191,5 @@ def _encoded(scenes: Sequence[Scene], encode: Encoder) -> list[Any]:
     found: list[Any] = []
     for scene in scenes:
         with suppress(UnencodableError):
-            found.append(encode(scene))
+            found.append(encode(scene, Wish.of(scene)))
     return found

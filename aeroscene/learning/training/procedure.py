@@ -77,6 +77,8 @@ class Plan:
     """Parts to train, see `presets.PARTS`."""
     taken: Mapping[Part, Weights] = field(default_factory=dict)
     """Parts that another training has made."""
+    begun: Mapping[Part, Weights] = field(default_factory=dict)
+    """Weights that parts begin with, of those that do not begin at random."""
     n_workers: int = 1
     """Processes that make the scenes of a stream."""
     clock: Callable[[], float] = time.perf_counter
@@ -174,6 +176,8 @@ class Training:
                 model = new_writer(sections["writer"], language)
             else:
                 model = new_denoiser(sections["model"], language)
+        if part in self.plan.begun:
+            model.load_state_dict(dict(self.plan.begun[part]))
         return PartTraining(model, cfg, self.plan.device)
 
     def _course(self, part: Part, stream: StreamedBatches | None) -> Course:

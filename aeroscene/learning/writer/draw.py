@@ -19,6 +19,9 @@ from aeroscene.learning.writer.lesson import recent_of, seen_of, wish_numbers
 from aeroscene.learning.writer.model import Memory, Writer
 from aeroscene.learning.writer.syntax import Syntax
 
+TEMPERATURE = 1.0
+"""Logarithms of chances are divided by it, so that below 1 what is seldom becomes more so."""
+
 
 @torch.inference_mode()
 def draw_program(
@@ -182,7 +185,7 @@ class _Draw:
         return torch.as_tensor(np.asarray(values), device=self._device)
 
     def _choose(self, logits: Tensor, allowed: Bool[np.ndarray, " choices"] | None = None) -> int:
-        scaled = logits[0].double().cpu().numpy()
+        scaled = logits[0].double().cpu().numpy() / TEMPERATURE
         if allowed is not None and allowed.any():
             scaled = np.where(allowed, scaled, -np.inf)
         weight = np.exp(scaled - scaled.max())

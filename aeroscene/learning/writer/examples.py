@@ -30,13 +30,13 @@ class ProgramEncoder:
 
     language: Language
 
-    def __call__(self, scene: Scene) -> Written:
-        """The scene as its program.
+    def __call__(self, scene: Scene, wish: Wish) -> Written:
+        """The scene as its program, as it would come of a wish.
 
         Raises:
             UnencodableError: If it has none, or an object is of a category that is unknown.
         """
-        return written(encoded_program(scene), Wish.of(scene), self.language)
+        return written(encoded_program(scene), wish, self.language)
 
 
 def encoded_program(scene: Scene) -> EncodedProgram:

@@ -69,7 +69,7 @@ def unit_node(
     """
     first = objects[unit.members[0].id]
     members = [objects[member.id] for member in unit.members]
-    size_m = x_m, y_m, z_m = unit_size_m(unit)
+    size_m = unit_size_m(unit)
     kind = _kind(unit, first, is_root=first.id in roots, as_last=_as_last(size_m, last_m))
     node = Node(kind, host=unit.relation.host)
     node.shape = Shape.of(unit.array)
@@ -81,9 +81,7 @@ def unit_node(
     host_box = up_to_level(host_category, _box(unit.host_id, objects))
     around = Surroundings(_box(unit.parent_id, objects), host_box)
     base_m = underside_m(first.bbox)
-    node.choices = choices_of(
-        around, size_m, yaw_rad, base_m, is_on_top=node.kind.is_on_top
-    )
+    node.choices = choices_of(around, size_m, yaw_rad, base_m, is_on_top=node.kind.is_on_top)
     node.channels[[RISE, 5, 6, 7]] = node.choices[:, 0]
     node.channels[OPENING] = opening_values(first)
     tilt = unit.members[0].tilt_wxyz
@@ -106,8 +104,7 @@ def _as_last(size_m: Vector3, last_m: Vector3 | None) -> AsLast:
     if last_m is None:
         return ""
     is_same = [abs(own - last) <= SAME_M for own, last in zip(size_m, last_m, strict=True)]
-    fitting = (name for name, axes in AS_LAST_AXES.items() if all(is_same[i] for i in axes))
-    return max(fitting, key=lambda name: len(AS_LAST_AXES[name]))
+    return next(name for name, axes in AS_LAST_AXES.items() if all(is_same[i] for i in axes))
 
 
 def _kind(unit: Unit, obj: SceneObject, *, is_root: bool, as_last: AsLast) -> Kind:

@@ -75,7 +75,7 @@ def test_sampled_noise_still_makes_a_document(scene_42: Scene) -> None:
 
 def test_symmetries_keep_distances_and_unit_quaternions(scene_42: Scene) -> None:
     statistics = flat_training_set([scene_42]).statistics
-    example = encode_flat(scene_42, statistics)
+    example = encode_flat(scene_42, Wish.of(scene_42), statistics=statistics)
     rng = np.random.default_rng(0)
     for _ in range(8):
         other = random_flat_symmetry(example, rng)

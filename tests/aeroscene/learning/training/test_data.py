@@ -10,7 +10,7 @@ import pytest
 from aeroscene.corpus.dataset import DatasetError, store_scene, write_manifest
 from aeroscene.layouts.document import LayoutError
 from aeroscene.learning.paper.tokens import FlatTrainingSet
-from aeroscene.learning.tokens.skeleton import UnencodableError
+from aeroscene.learning.tokens.skeleton import UnencodableError, Wish
 from aeroscene.learning.training.config import TrainingError
 from aeroscene.learning.training.data import count_scenes, open_training_data, prepared
 from tests.aeroscene.conftest import cached_scene
@@ -78,7 +78,7 @@ def test_encoder_makes_the_same_examples_in_another_process(small_scenes, is_fla
     text = pickle.dumps(known.encoder)
     other = pickle.loads(text)
     for scene, example in zip(small_scenes, known.examples, strict=True):
-        made = other(scene)
+        made = other(scene, Wish.of(scene))
         if is_flat:
             assert np.array_equal(made.x0, example.x0)
         else:
@@ -99,7 +99,7 @@ def test_held_out_scenes_that_cannot_be_encoded_are_counted(small_scenes):
     data = prepared("small", indoor, [indoor[0], outdoor])
     assert (len(data.held_out.examples), data.n_skipped) == (1, 1)
     with pytest.raises(UnencodableError, match=r"^kind .* is unknown"):
-        data.train.encoder(outdoor)
+        data.train.encoder(outdoor, Wish.of(outdoor))
 
 
 def test_neutral_layouts_train_too_and_every_tenth_is_held_out(tmp_path):

@@ -11,7 +11,7 @@ class OneKind:
     def __init__(self, example, refused=()):
         self.example, self.refused = example, refused
 
-    def __call__(self, scene):
+    def __call__(self, scene, _wish):
         if scene.seed in self.refused:
             raise UnencodableError("kind hovercraft is unknown")
         wish = replace(self.example.wish, n_areas=scene.seed)

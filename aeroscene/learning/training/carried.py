@@ -1,0 +1,113 @@
+"""Weights of a model in another language: what a training begins with that goes on from a model.
+
+Of kinds, traits and arrays that the other language has not, the nearest stands for them; everything
+else of the networks is the same. So a model that knows one corpus learns another in less time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from aeroscene.learning.program.kinds import Kind
+from aeroscene.learning.program.vocabulary import ProgramVocabulary
+from aeroscene.learning.training.checkpoint import CheckpointError, Part, Weights, read_checkpoint
+from aeroscene.learning.training.presets import Sections, sections_from_plain
+from aeroscene.learning.writer.language import Language
+
+_BY_ARRAY = {"writer": "numbers.5.weight", "denoiser": "embedding.extra.2.weight"}
+"""Rows for the arrays of groups."""
+_ARRAYS_LAST = ("rest.3.weight", "rest.3.bias")
+"""Rows of which the last ones are for the arrays of groups."""
+_NETWORKS = {"writer": "writer", "denoiser": "model"}
+"""Section of the network of each part."""
+
+
+def begun_parts(path: Path, language: Language, sections: Sections) -> dict[Part, Weights]:
+    """The parts of a checkpoint in a language, for networks of some sections.
+
+    Raises:
+        CheckpointError: If it cannot be used, or its networks are others.
+    """
+    found = read_checkpoint(path)
+    where = f"checkpoint {str(path)!r}"
+    if not isinstance(found.known, Language):
+        raise CheckpointError(f"{where} is of preset {found.facts.preset!r}, valid: 'default'")
+    theirs = sections_from_plain(found.facts.configs)
+    parts: dict[Part, Weights] = {}
+    for part, weights in found.parts.items():
+        name = _NETWORKS[part]
+        own, other = (_without_kinds(each[name]) for each in (sections, theirs))
+        if own != other:
+            raise CheckpointError(
+                f"{where} has a network of other sizes than [{name}], valid: {other}"
+            )
+        parts[part] = carried(part, weights, found.known.vocabulary, language.vocabulary)
+    return parts
+
+
+def _without_kinds(cfg: object) -> dict[str, object]:
+    return {name: value for name, value in vars(cfg).items() if name != "n_kinds"}
+
+
+def carried(
+    part: Part, weights: Mapping[str, Tensor], old: ProgramVocabulary, new: ProgramVocabulary
+) -> Weights:
+    """Weights of a part from one vocabulary to another.
+
+    What the old one has no category of begins as its mean.
+    """
+    rows = [_nearest(old, kind) for kind in new.kinds]
+    arrays = [old.nearest_shape(shape) for shape in new.shapes]
+    found: dict[str, Tensor] = {}
+    for name, value in weights.items():
+        whole = value.float()
+        if name == "bias":
+            found[name] = _rows(whole, rows) + _shares(rows, new)
+        elif name == "embedding.own":
+            # The writer's last row is that of no kind.
+            none = whole[len(old.kinds) :]
+            found[name] = torch.cat([_rows(whole[: len(old.kinds)], rows), none])
+        elif name == "embedding.shared":
+            found[name] = _by_trait(whole, old, new)
+        elif name == _BY_ARRAY[part]:
+            found[name] = whole[arrays]
+        elif name in _ARRAYS_LAST:
+            n_others = len(whole) - len(old.shapes)
+            found[name] = torch.cat([whole[:n_others], whole[n_others:][arrays]])
+        else:
+            found[name] = whole
+    return found
+
+
+def _nearest(old: ProgramVocabulary, kind: Kind) -> int:
+    try:
+        return old.nearest(kind)
+    except KeyError:
+        return -1
+
+
+def _rows(value: Tensor, rows: list[int]) -> Tensor:
+    """Rows by number; the mean of all for -1."""
+    return torch.cat([value, value.mean(0, keepdim=True)])[rows]
+
+
+def _shares(rows: list[int], new: ProgramVocabulary) -> Tensor:
+    """Logarithm of how often each of those kinds occurs that one old kind stands for."""
+    counts = np.array(new.counts, dtype=float)
+    numbers = np.array(rows)
+    total = np.zeros(numbers.max() + 2)
+    np.add.at(total, numbers, counts)
+    return torch.from_numpy(np.log(counts / total[numbers])).float()
+
+
+def _by_trait(value: Tensor, old: ProgramVocabulary, new: ProgramVocabulary) -> Tensor:
+    """Rows by the name of a trait; a new one adds nothing at first."""
+    names = [sorted(set().union(*each.traits)) for each in (old, new)]
+    number = {name: index for index, name in enumerate(names[0])}
+    empty = torch.zeros_like(value[0])
+    return torch.stack([value[number[name]] if name in number else empty for name in names[1]])
