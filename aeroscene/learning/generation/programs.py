@@ -20,6 +20,7 @@ from aeroscene.learning.writer.draw import draw_program
 from aeroscene.learning.writer.growth import Growth
 from aeroscene.learning.writer.language import Language
 from aeroscene.learning.writer.model import Writer
+from aeroscene.learning.writer.stepwise import StepwiseWriter
 
 
 class ProgramProposer:
@@ -27,7 +28,7 @@ class ProgramProposer:
 
     def __init__(self, language: Language, writer: Writer, denoising: Denoising) -> None:
         self._language = language
-        self._writer = writer
+        self._writer = StepwiseWriter(writer)
         self._denoising = denoising
 
     @property

@@ -5,9 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-import torch
-from jaxtyping import Bool
-from torch import Tensor
+from jaxtyping import Bool, Float
 
 from aeroscene.learning.program.kinds import theme_of
 from aeroscene.learning.tokens.skeleton import Wish
@@ -16,16 +14,15 @@ from aeroscene.learning.writer.config import WriterError
 from aeroscene.learning.writer.furnishing import Furnishing
 from aeroscene.learning.writer.growth import Choice, Growth
 from aeroscene.learning.writer.lesson import recent_of, seen_of, wish_numbers
-from aeroscene.learning.writer.model import Memory, Writer
+from aeroscene.learning.writer.stepwise import StepwiseWriter
 from aeroscene.learning.writer.syntax import Syntax
 
 TEMPERATURE = 1.0
 """Logarithms of chances are divided by it, so that below 1 what is seldom becomes more so."""
 
 
-@torch.inference_mode()
 def draw_program(
-    writer: Writer,
+    writer: StepwiseWriter,
     syntax: Syntax,
     wish: Wish,
     rng: np.random.Generator,
@@ -35,7 +32,7 @@ def draw_program(
     """A program as wished for.
 
     Args:
-        writer: The network, in evaluation.
+        writer: The network.
         syntax: What it keeps to.
         wish: Domain and numbers of objects, about.
         rng: Draws all of it.
@@ -84,7 +81,7 @@ class _Next(NamedTuple):
 
     depth: int
     kind: int | None
-    local: Tensor | None
+    local: Float[np.ndarray, " l"] | None
     """What the network knows there."""
 
 
@@ -92,17 +89,15 @@ _END = _Next(0, None, None)
 
 
 class _Draw:
-    """The network's memory of one program."""
+    """A program as it is drawn, and what the network knows of it."""
 
     def __init__(
-        self, writer: Writer, syntax: Syntax, wish: Wish, rng: np.random.Generator
+        self, writer: StepwiseWriter, syntax: Syntax, wish: Wish, rng: np.random.Generator
     ) -> None:
         self._writer, self._syntax, self._rng = writer, syntax, rng
-        self._table = writer.embedding()
-        self._device = self._table.device
-        self._wish = torch.from_numpy(wish_numbers(wish))[None].to(self._device)
-        self._memory: Memory | None = None
-        self._known: list[Tensor] = []
+        self._reading = writer.begin(wish_numbers(wish))
+        self.known: list[Float[np.ndarray, " w"]] = []
+        """What is known after each element."""
         self._kin: list[Bool[np.ndarray, " t"]] = []
         self._is_fine = False
 
@@ -120,7 +115,7 @@ class _Draw:
     def _next(self, growth: Growth) -> _Next:
         """The depth and the kind of the token after the latest element."""
         self.read(growth)
-        known = self._known[-1]
+        known = self.known[-1]
         depth = self._choose(self._writer.depth(known), growth.allowed_depths())
         if depth == 0:
             return _END
@@ -128,48 +123,37 @@ class _Draw:
         recent, n_siblings = recent_of(growth, above)
         local = self._writer.local(
             known,
-            self._known[above],
-            self._tensor([growth.elements[above].kind]),
-            self._tensor([recent]),
-            self._tensor(bucket(np.array([n_siblings]))),
-            self._tensor([depth]),
-            self._table,
+            self.known[above],
+            growth.elements[above].kind,
+            recent,
+            int(bucket(np.array([n_siblings]))[0]),
+            depth,
         )
-        kind = self._choose(
-            self._writer.kind_logits(local, self._table), growth.allowed_kinds(depth)
-        )
+        allowed = growth.allowed_kinds(depth)
+        kinds = np.flatnonzero(allowed if allowed.any() else ~allowed)
+        kind = int(kinds[self._choose(self._writer.kind_logits(local, kinds))])
         return _Next(depth, kind, local)
 
-    def _choice(self, kind: int, local: Tensor) -> Choice:
+    def _choice(self, kind: int, local: Float[np.ndarray, " l"]) -> Choice:
         """A token of a kind with its member, host and shape."""
-        rest = self._writer.rest_logits(local, self._tensor([kind]), self._table)
+        rest = self._writer.rest_logits(local, kind)
         member, host, shape = (self._choose(logits) for logits in rest)
         is_group = self._syntax.vocabulary.kinds[kind].is_group
         return Choice(kind, member, host, shape if is_group else 0)
 
     def read(self, growth: Growth) -> None:
         """Read the elements that are new."""
-        for index in range(len(self._known), len(growth.elements)):
+        for index in range(len(self.known), len(growth.elements)):
             element = growth.elements[index]
             self._is_fine |= element.is_mark
             seen = np.array(seen_of(growth, element))
             seen[11] = self._is_fine
             seen[8:11] = bucket(seen[8:11])
-            mask = torch.from_numpy(
-                np.stack([np.ones(index + 1, dtype=bool), self._kin_of(growth)])
-            )
-            known, self._memory = self._writer.read(
-                self._tensor([[seen.tolist()]])[0],
-                self._wish,
-                mask[None, :, None].to(self._device),
-                self._table,
-                self._memory,
-            )
-            self._known.append(known[0])
+            self.known.append(self._reading.read(seen.tolist(), self._kin_of(growth)))
 
     def _kin_of(self, growth: Growth) -> Bool[np.ndarray, " t"]:
         """Elements above the next one to read, itself included, or its earlier siblings."""
-        index = len(self._known)
+        index = len(self.known)
         parent = growth.elements[index].parent
         kin = np.zeros(index + 1, dtype=bool)
         if index:
@@ -181,11 +165,12 @@ class _Draw:
         self._kin.append(kin)
         return kin
 
-    def _tensor(self, values: object) -> Tensor:
-        return torch.as_tensor(np.asarray(values), device=self._device)
-
-    def _choose(self, logits: Tensor, allowed: Bool[np.ndarray, " choices"] | None = None) -> int:
-        scaled = logits[0].double().cpu().numpy() / TEMPERATURE
+    def _choose(
+        self,
+        logits: Float[np.ndarray, " choices"],
+        allowed: Bool[np.ndarray, " choices"] | None = None,
+    ) -> int:
+        scaled = logits.astype(np.float64) / TEMPERATURE
         if allowed is not None and allowed.any():
             scaled = np.where(allowed, scaled, -np.inf)
         weight = np.exp(scaled - scaled.max())

@@ -25,8 +25,6 @@ from aeroscene.learning.writer.language import Language
 from aeroscene.learning.writer.lesson import N_WISHES
 
 _SMALL = 12
-Memory = list[tuple[Tensor, Tensor]]
-"""Keys and values of each layer, [b, heads, t, w]."""
 
 
 def program_traits(vocabulary: ProgramVocabulary) -> Bool[Tensor, "kinds traits"]:
@@ -55,21 +53,18 @@ class Block(nn.Module):
     def forward(
         self,
         x: Float[Tensor, "b t w"],
-        mask: Bool[Tensor, "b h t s"],
-        known: tuple[Tensor, Tensor] | None = None,
-    ) -> tuple[Float[Tensor, "b t w"], tuple[Tensor, Tensor]]:
-        """Update elements; `known` are keys and values of those before."""
+        mask: Bool[Tensor, "b h t t"],
+    ) -> Float[Tensor, "b t w"]:
+        """Update elements."""
         packed = self.inward(self.norm(x)).unflatten(-1, (3, self.heads, -1))
         query, key, value = packed.permute(2, 0, 3, 1, 4).unbind(0)
-        if known is not None:
-            key, value = (torch.cat(pair, dim=2) for pair in zip(known, (key, value), strict=True))
         mixed = functional.scaled_dot_product_attention(query, key, value, attn_mask=mask)
         x = x + self.drop(self.outward(mixed.transpose(1, 2).flatten(-2)))
-        return x + self.drop(self.ffn(self.norm_ffn(x))), (key, value)
+        return x + self.drop(self.ffn(self.norm_ffn(x)))
 
 
 class Writer(nn.Module):
-    """Programs by wish; see `aeroscene.learning.writer.draw` for its use."""
+    """Programs by wish; `aeroscene.learning.writer.stepwise` is the same, to draw by."""
 
     def __init__(self, cfg: WriterCfg, traits: Bool[Tensor, "kinds traits"], n_shapes: int) -> None:
         super().__init__()
@@ -100,21 +95,18 @@ class Writer(nn.Module):
         self,
         seen: Int[Tensor, "b t 12"],
         wish: Float[Tensor, "b 6"],
-        mask: Bool[Tensor, "b 2 t s"],
+        mask: Bool[Tensor, "b 2 t t"],
         table: Float[Tensor, "kinds_and_none k"],
-        memory: Memory | None = None,
-    ) -> tuple[Float[Tensor, "b t w"], Memory]:
+    ) -> Float[Tensor, "b t w"]:
         """What is known after each element; `mask` is for wide heads and for narrow ones."""
         x = self.of_kind(table[seen[..., 0]]) + self.of_parent(table[seen[..., 1]])
         x = x + self.of_wish(wish).unsqueeze(1)
         for column, numbers in enumerate(self.numbers, 2):
             x = x + numbers(seen[..., column])
         heads = mask.repeat_interleave(self.cfg.heads // 2, dim=1)
-        found: Memory = []
-        for index, block in enumerate(self.blocks):
-            x, kept = block(x, heads, None if memory is None else memory[index])
-            found.append(kept)
-        return self.norm(x), found
+        for block in self.blocks:
+            x = block(x, heads)
+        return self.norm(x)
 
     def local(
         self,
@@ -168,7 +160,7 @@ def surprise(writer: Writer, lesson: LessonBatch) -> dict[str, Float[Tensor, ""]
     n = lesson.seen.shape[1]
     before = torch.ones(n, n, dtype=torch.bool, device=lesson.kin.device).tril()
     mask = torch.stack([before.expand_as(lesson.kin), lesson.kin & before], dim=1)
-    known, _ = writer.read(lesson.seen, lesson.wish, mask, table)
+    known = writer.read(lesson.seen, lesson.wish, mask, table)
     places = lesson.kind >= 0
     row, _ = torch.nonzero(places, as_tuple=True)
     above = lesson.above[places]

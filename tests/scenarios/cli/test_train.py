@@ -140,6 +140,37 @@ def test_resume_takes_the_steps_that_are_left(trained, corpus, config, tmp_path,
         assert all(torch.equal(value, right[part][name]) for name, value in weights.items())
 
 
+def test_a_training_begins_with_another_models_weights(trained, corpus, config, tmp_path, capsys):
+    losses = {}
+    for name, more in {
+        "random": (),
+        "begun": ("--begin", trained / "checkpoint.safetensors"),
+    }.items():
+        args = command(corpus, config, tmp_path / name, "--steps", 1, "--json", *more)
+        status, text, _ = run(capsys, args)
+        assert status == 0
+        losses[name] = json.loads(text)["writer_loss"]
+    assert losses["begun"] < losses["random"]
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        (("--begin", "shipped"), "network of other sizes than"),
+        (("--begin", "nowhere.safetensors"), "'nowhere.safetensors'"),
+    ],
+)
+def test_a_model_that_cannot_be_begun_with_is_named_in_a_line(
+    more, said, corpus, config, tmp_path, capsys
+):
+    out = tmp_path / "out"
+    status, _, errors = run(capsys, command(corpus, config, out, "--steps", 1, *more))
+    assert status == 2
+    assert said in errors
+    assert len(errors.splitlines()) <= 2
+    assert not out.exists()
+
+
 @pytest.mark.timeout(600)
 def test_ctrl_c_saves_and_a_resume_goes_on(corpus, config, tmp_path):
     out = tmp_path / "out"

@@ -25,7 +25,7 @@ def test_values_spread_evenly_stay_as_they_are_drawn():
 
 
 def test_an_atom_reaches_no_further_than_there_is_little_else():
-    """Four in five lie on the wall, the others anywhere from 0.1 m on: these are not drawn to it."""
+    """Four in five lie on the wall, others anywhere from 0.1 m on: these are not drawn to it."""
     values = np.concatenate([np.zeros(400), np.linspace(0.1, 1.0, 100)])
     assert snapped(values, 0.05) == 0.0
     assert snapped(values, 0.6) == 0.6

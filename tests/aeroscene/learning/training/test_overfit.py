@@ -14,6 +14,7 @@ from aeroscene.learning.training.writer_stage import writer_loss
 from aeroscene.learning.writer.config import WriterCfg
 from aeroscene.learning.writer.draw import draw_program
 from aeroscene.learning.writer.model import new_writer
+from aeroscene.learning.writer.stepwise import StepwiseWriter
 
 CPU = torch.device("cpu")
 SCHEDULE = Schedule()
@@ -72,7 +73,9 @@ def test_a_writer_learns_few_programs_by_heart(data):
     known = {tuple(each.example.skeleton.kind_id.tolist()) for each in lessons.examples}
     wish = lessons.examples[0].wish
     drawn = [
-        draw_program(writer, language.syntax, wish, np.random.default_rng(seed)).kinds
+        draw_program(
+            StepwiseWriter(writer), language.syntax, wish, np.random.default_rng(seed)
+        ).kinds
         for seed in range(6)
     ]
     assert sum(tuple(kinds) in known for kinds in drawn) >= 4

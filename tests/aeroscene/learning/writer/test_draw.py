@@ -14,22 +14,31 @@ from aeroscene.learning.writer.draw import _Draw, draw_program
 from aeroscene.learning.writer.examples import written
 from aeroscene.learning.writer.furnishing import Furnishing
 from aeroscene.learning.writer.growth import replay
-from aeroscene.learning.writer.lesson import lesson_of
+from aeroscene.learning.writer.lesson import lesson_of, wish_numbers
+from aeroscene.learning.writer.stepwise import StepwiseWriter
 
 
 def test_reading_token_by_token_is_reading_at_once(corpus, language, writer, rng):
     encoded, wish = corpus[0][1], corpus[1][1]
     growth, said = replay(language.syntax, encoded.program, wish)
-    draw = _Draw(writer, language.syntax, wish, rng)
+    draw = _Draw(StepwiseWriter(writer), language.syntax, wish, rng)
     with torch.inference_mode():
         draw.read(growth)
         lesson = lesson_batch([lesson_of(growth, said, wish)])
         n = len(growth.elements)
         before = torch.ones(n, n, dtype=torch.bool).tril()
         mask = torch.stack([before[None], lesson.kin & before], dim=1)
-        known, _ = writer.read(lesson.seen, lesson.wish, mask, writer.embedding())
-    one_by_one = torch.cat(draw._known)
+        known = writer.read(lesson.seen, lesson.wish, mask, writer.embedding())
+    one_by_one = torch.from_numpy(np.stack(draw.known))
     torch.testing.assert_close(one_by_one, known[0], rtol=1e-4, atol=1e-4)
+
+
+def test_a_program_longer_than_usual_is_read_to_its_end(language, writer, wish):
+    reading = StepwiseWriter(writer).begin(wish_numbers(wish))
+    known = [reading.read([0] * 12, np.ones(n + 1, dtype=bool)) for n in range(1100)]
+    assert np.isfinite(known).all()
+    # All elements are alike, so each sees the same, however many come before it.
+    np.testing.assert_allclose(known[-1], known[0], atol=1e-4)
 
 
 def test_padding_changes_no_loss(corpus, language, writer):
@@ -44,7 +53,7 @@ def test_padding_changes_no_loss(corpus, language, writer):
 
 def test_draws_keep_the_syntax_and_are_the_same_again(language, writer, wish):
     first, again, other = (
-        draw_program(writer, language.syntax, wish, np.random.default_rng(seed))
+        draw_program(StepwiseWriter(writer), language.syntax, wish, np.random.default_rng(seed))
         for seed in (1, 1, 2)
     )
     assert (first.kinds, first.parents) == (again.kinds, again.parents)
@@ -66,7 +75,7 @@ def test_what_is_kept_comes_first_and_is_furnished(corpus, language, writer, rng
     )
     given = Furnishing(language.syntax, coarse, wish)
     before = list(given.growth.kinds)
-    grown = draw_program(writer, language.syntax, wish, rng, given)
+    grown = draw_program(StepwiseWriter(writer), language.syntax, wish, rng, given)
     assert grown.n_coarse == len(before)
     assert grown.kinds[: len(before)] == before
     assert len(grown.kinds) > len(before)
@@ -78,4 +87,4 @@ def test_a_domain_that_was_never_seen_is_refused(corpus, writer, rng):
     one = learn_language(corpus[0][:1])
     strange = next(each for each in corpus[1] if each.domain != corpus[1][0].domain)
     with pytest.raises(WriterError, match=r"which the model never saw, valid: \w+$"):
-        draw_program(writer, one.syntax, replace(strange), rng)
+        draw_program(StepwiseWriter(writer), one.syntax, replace(strange), rng)

@@ -7,6 +7,7 @@ import pytest
 
 from aeroscene.learning.writer.draw import draw_program
 from aeroscene.learning.writer.furnishing import Furnishing
+from aeroscene.learning.writer.stepwise import StepwiseWriter
 from aeroscene.relations.hosts import SEATS
 
 
@@ -14,7 +15,7 @@ from aeroscene.relations.hosts import SEATS
 def test_a_program_with_nothing_open_comes_back_as_it_is(corpus, language, writer, rng, number):
     program, wish = corpus[0][number].program, corpus[1][number]
     given = Furnishing(language.syntax, program, wish, is_open=())
-    growth = draw_program(writer, language.syntax, wish, rng, given)
+    growth = draw_program(StepwiseWriter(writer), language.syntax, wish, rng, given)
     numbers = language.vocabulary.number
     assert growth.kinds == [numbers[kind] for kind in program.kinds]
     assert growth.parents == program.parent.tolist()
@@ -26,7 +27,7 @@ def test_a_program_with_nothing_open_comes_back_as_it_is(corpus, language, write
 def test_what_is_given_stays_among_what_is_drawn(corpus, language, writer, rng, number):
     program, wish = corpus[0][number].program, corpus[1][number]
     given = Furnishing(language.syntax, program, wish)
-    growth = draw_program(writer, language.syntax, wish, rng, given)
+    growth = draw_program(StepwiseWriter(writer), language.syntax, wish, rng, given)
     assert len(growth.kinds) > len(program)
     place_of = given.place_of
     assert sorted(place_of) == list(range(len(program)))
@@ -43,7 +44,7 @@ def test_more_comes_only_below_what_is_open(corpus, language, writer, rng):
     bearers = set(program.parent[program.n_coarse :].tolist()) & set(range(1, program.n_coarse))
     one = max(bearers, key=program.parent.tolist().count)
     given = Furnishing(language.syntax, program, wish, is_open=[one])
-    growth = draw_program(writer, language.syntax, wish, rng, given)
+    growth = draw_program(StepwiseWriter(writer), language.syntax, wish, rng, given)
     known = set(given.place_of.values())
     new = [place for place in range(len(growth.kinds)) if place not in known]
     assert new
@@ -64,7 +65,9 @@ def test_larger_things_come_before_what_is_given_and_smaller_ones_after_it(
     before = 0
     for seed in range(3):
         given = Furnishing(language.syntax, program, wish)
-        growth = draw_program(writer, language.syntax, wish, np.random.default_rng(seed), given)
+        growth = draw_program(
+            StepwiseWriter(writer), language.syntax, wish, np.random.default_rng(seed), given
+        )
         kinds = language.vocabulary.kinds
         known = set(given.place_of.values())
         for bearer in range(growth.n_coarse):
@@ -90,5 +93,5 @@ def test_chairs_come_last():
 def test_no_second_start_is_drawn_where_there_is_one(corpus, language, writer, rng):
     program, wish = corpus[0][0].program, corpus[1][0]
     given = Furnishing(language.syntax, program, wish, has_start=True)
-    growth = draw_program(writer, language.syntax, wish, rng, given)
+    growth = draw_program(StepwiseWriter(writer), language.syntax, wish, rng, given)
     assert language.syntax.is_start[growth.kinds].sum() == 1

@@ -8,7 +8,7 @@ from dataclasses import fields, replace
 import pytest
 import torch
 
-from aeroscene.corpus.curation import curate_scene
+from aeroscene.corpus.curation import curate_layout, curate_scene, most_landing_areas
 from aeroscene.learning.training.batches.curation import (
     fresh_example,
     numbers_after,
@@ -174,6 +174,12 @@ def test_scene_from_its_file_is_the_one_that_was_made(tmp_path):
     read = fresh_example(encode, tmp_path, number)
     assert (made.example.example.x0 == read.example.example.x0).all()
     assert (made.example.lesson.kind == read.example.lesson.kind).all()
+
+
+def test_scene_of_the_stream_is_that_of_its_number_without_areas():
+    scene = curate_scene(13)
+    assert curate_layout(13) == replace(scene, interaction_areas=())
+    assert 0 < len(scene.landing_areas) <= most_landing_areas(13)
 
 
 def test_scene_of_a_new_kind_is_skipped_with_its_reason(known, tmp_path):

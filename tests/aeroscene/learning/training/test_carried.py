@@ -1,0 +1,90 @@
+"""A model goes on in another language: what both have stays, what is new is as the nearest."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+
+from aeroscene.learning.generation.loading import SHIPPED
+from aeroscene.learning.training.carried import _nearest, begun_parts, carried
+from aeroscene.learning.training.checkpoint import CheckpointError
+from aeroscene.learning.training.data import prepared
+from aeroscene.learning.training.presets import fitted
+from aeroscene.learning.training.procedure import CHECKPOINT, Training
+from aeroscene.learning.writer.model import new_writer
+from tests.aeroscene.conftest import cached_scene
+from tests.aeroscene.learning.training.conftest import Watcher, small_sections, ten_objects
+
+
+@pytest.fixture(scope="module")
+def other(small_scenes):
+    """The same scenes and two more."""
+    more = [ten_objects(cached_scene(index)) for index in (3, 8)]
+    return prepared("other", [*small_scenes, *more], [])
+
+
+@pytest.fixture
+def checkpoint(plan):
+    Training(plan, Watcher()).run()
+    return plan.folder / CHECKPOINT
+
+
+def test_weights_carried_to_their_own_language_are_the_same(data):
+    language = data.train.known
+    weights = new_writer(small_sections(data)["writer"], language).state_dict()
+    found = carried("writer", weights, language.vocabulary, language.vocabulary)
+    assert found.keys() == weights.keys()
+    for name, value in weights.items():
+        torch.testing.assert_close(found[name], value)
+
+
+def test_kinds_of_both_languages_keep_their_vectors_and_new_ones_have_the_nearest(data, other):
+    old, new = data.train.known.vocabulary, other.train.known.vocabulary
+    torch.manual_seed(1)
+    weights = new_writer(small_sections(data)["writer"], data.train.known).state_dict()
+    own = carried("writer", weights, old, new)["embedding.own"]
+    assert len(own) == len(new.kinds) + 1 > len(old.kinds) + 1
+    for number, kind in enumerate(new.kinds):
+        row = own[number]
+        if kind in old.number:
+            torch.testing.assert_close(row, weights["embedding.own"][old.number[kind]])
+        elif (nearest := _nearest(old, kind)) >= 0:
+            torch.testing.assert_close(row, weights["embedding.own"][nearest])
+
+
+def test_kinds_that_one_stood_for_share_its_chance(data, other):
+    old, new = data.train.known.vocabulary, other.train.known.vocabulary
+    weights = new_writer(small_sections(data)["writer"], data.train.known).state_dict()
+    bias = carried("writer", weights | {"bias": torch.zeros(len(old.kinds))}, old, new)["bias"]
+    known = [(i, row) for i, kind in enumerate(new.kinds) if (row := _nearest(old, kind)) >= 0]
+    assert len(known) > len(old.kinds)
+    chance = np.zeros(len(old.kinds))
+    for number, row in known:
+        chance[row] += np.exp(float(bias[number]))
+    assert chance[chance > 0] == pytest.approx(1.0, abs=1e-5)
+
+
+def test_a_training_begun_with_a_model_begins_where_that_one_ended(plan, checkpoint, tmp_path):
+    begun = begun_parts(checkpoint, plan.data.train.known, plan.sections)
+    again = Training(replace(plan, folder=tmp_path / "again", begun=begun), Watcher())
+    for part in ("writer", "denoiser"):
+        weights = again._begun(part).model.state_dict()
+        for name, value in begun[part].items():
+            torch.testing.assert_close(weights[name], value)
+
+
+def test_a_model_of_other_scenes_is_taken_by_networks_of_the_same_size(checkpoint, other, data):
+    sections = fitted(small_sections(data), other.train.known)
+    parts = begun_parts(checkpoint, other.train.known, sections)
+    new_writer(sections["writer"], other.train.known).load_state_dict(dict(parts["writer"]))
+
+
+def test_networks_of_another_size_are_refused_in_a_line(data):
+    with pytest.raises(CheckpointError, match=r"network of other sizes than \[\w+\], valid: "):
+        begun_parts(SHIPPED["default"], data.train.known, small_sections(data))
+
+
+def test_the_papers_model_is_refused_in_a_line(data):
+    with pytest.raises(CheckpointError, match="is of preset 'paper', valid: 'default'"):
+        begun_parts(SHIPPED["paper"], data.train.known, small_sections(data))
