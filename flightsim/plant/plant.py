@@ -195,6 +195,15 @@ class Plant:
         self._engine["has_new_setpoint"] = 1
 
     @property
+    def is_clear_below(self) -> bool:
+        """Whether whoever flies knows that nothing can carry the legs; nobody does at first."""
+        return bool(self._controller["is_clear_below"])
+
+    @is_clear_below.setter
+    def is_clear_below(self, is_clear: bool) -> None:
+        self._controller["is_clear_below"] = is_clear
+
+    @property
     def truth(self) -> State:
         """True state now."""
         if self._truth is None:
