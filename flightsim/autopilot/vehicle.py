@@ -14,9 +14,6 @@ TICK_S = 0.02
 _RANGE_PATIENCE_US, _IMU_PATIENCE_US = 500_000, 100_000
 _MOST_ACCEL_MPS2, _MOST_RATE_RADPS = 150.0, 60.0
 """Nearly the 16 g of a usual sensor, and more than twice the spin of a vehicle on three rotors."""
-_CLEAR_M = 0.12
-"""Height by the rangefinder from which nothing can carry the legs: leaning on those of one side,
-the vehicle is up to 0.1 m higher than at rest."""
 _STEEP_COSINE = 0.7
 """Of the tilt beyond which the rangefinder looks aside."""
 _MOST_WILD = 2
@@ -63,9 +60,9 @@ class Vehicle:
         is_heard = sensors.is_delivering(RANGEFINDER, self.time_us, _RANGE_PATIENCE_US)
         self.range_m = sensors.range_m if is_heard else nan
         if self.cos_tilt >= _STEEP_COSINE:
-            # Infinite where nothing is within its range; NaN is above nothing.
+            # Infinite where nothing is within its range.
             height_m = self.range_m * self.cos_tilt - self.resting_range_m
-            self._plant.is_clear_below = height_m > _CLEAR_M
+            self._plant.room_below_m = height_m if height_m > 0.0 else 0.0
 
     def read_slowly(self) -> None:
         """Read what changes slowly or is costly; call it a few times a second."""

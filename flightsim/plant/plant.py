@@ -195,13 +195,13 @@ class Plant:
         self._engine["has_new_setpoint"] = 1
 
     @property
-    def is_clear_below(self) -> bool:
-        """Whether whoever flies knows that nothing can carry the legs; nobody does at first."""
-        return bool(self._controller["is_clear_below"])
+    def room_below_m(self) -> float:
+        """Height under the legs that whoever flies knows to be free; 0 where nobody knows."""
+        return float(self._controller["room_below_m"])
 
-    @is_clear_below.setter
-    def is_clear_below(self, is_clear: bool) -> None:
-        self._controller["is_clear_below"] = is_clear
+    @room_below_m.setter
+    def room_below_m(self, room_m: float) -> None:
+        self._controller["room_below_m"] = room_m
 
     @property
     def truth(self) -> State:
