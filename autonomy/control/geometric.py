@@ -140,7 +140,8 @@ def _limit_force(c: np.record, weight_mps2: float) -> None:
     """Limit the vertical part, then the tilt and the thrust.
 
     With little thrust the tilt is limited to a few degrees, unless the ground is far: a vehicle
-    that presses down on its legs stays on them. `weight_mps2` is the thrust that neither climbs nor sinks.
+    that presses down on its legs stays on them. `weight_mps2` is the thrust that neither climbs nor
+    sinks.
     """
     force = c.force_enu_mps2
     least = _LEAST_VERTICAL_FRACTION * c.gravity_mps2

@@ -27,6 +27,8 @@ CARRIED_OFF_M = 0.5
 MOST_WIND_MPS = 12.0
 """Wind, as the autopilot reports it, beyond which it waits higher up: at 16 m/s legs that
 slide as they meet the ground trip, and it tips over."""
+MOST_TILT_RAD = math.radians(40.0)
+"""Tilt beyond which it waits there as well: it tells of a gust before the wind's estimate does."""
 LEAVE_M = 1.0
 """Height above a touched place up to which the map is not checked."""
 
@@ -84,11 +86,18 @@ class LastStretch:
             else:
                 flight.begin_with(up)
                 return Phase.CLIMB, f"carried {away_m:.2f} m off above the touchdown point"
-        if flight.is_windy and flight.telemetry.wind_mps > MOST_WIND_MPS:
+        if flight.is_windy and self._is_blowing():
             flight.course.pause(flight.time_us, flight.resting_height_m + COMMIT_HEIGHTS_M[0])
         elif away_m > most_m or speed_mps > most_mps:
             flight.course.pause(flight.time_us)
         return None
+
+    def _is_blowing(self) -> bool:
+        """Whether the wind is too strong now to meet the ground in."""
+        telemetry = self._flight.telemetry
+        _, x, y, _ = telemetry.quat_wxyz
+        tilt_rad = math.acos(max(1.0 - 2.0 * (x * x + y * y), -1.0))
+        return telemetry.wind_mps > MOST_WIND_MPS or tilt_rad > MOST_TILT_RAD
 
     def _settle_below(self, away_m: float) -> float:
         """Choose the place right below, if it is safe; return how far off the chosen place is.

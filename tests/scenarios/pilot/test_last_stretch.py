@@ -10,6 +10,7 @@ from scenarios.pilot.flight_state import FlightState
 from scenarios.pilot.last_stretch import (
     COMMIT_HEIGHTS_M,
     LAST_HEIGHT_M,
+    MOST_TILT_RAD,
     MOST_WIND_MPS,
     LastStretch,
 )
@@ -24,7 +25,7 @@ def low(demo):
     return flight
 
 
-def be_at(flight, *, aside_m=0.0, height_m=0.5, speed_mps=0.0, wind_mps=8.0):
+def be_at(flight, *, aside_m=0.0, height_m=0.5, speed_mps=0.0, wind_mps=8.0, tilt_rad=0.0):
     """Put the vehicle aside of the chosen place, at a height above that where it rests."""
     x, y, _ = flight.chosen.position_enu_m
     flight.senses.telemetry = dataclasses.replace(
@@ -32,6 +33,7 @@ def be_at(flight, *, aside_m=0.0, height_m=0.5, speed_mps=0.0, wind_mps=8.0):
         position_enu_m=(x + aside_m, y, flight.resting_height_m + height_m),
         velocity_enu_mps=(speed_mps, 0.0, 0.0),
         wind_mps=wind_mps,
+        quat_wxyz=(math.cos(tilt_rad / 2), math.sin(tilt_rad / 2), 0.0, 0.0),
     )
 
 
@@ -76,9 +78,12 @@ def test_without_wind_it_goes_to_the_place_that_it_chose(low):
     assert low.chosen == before
 
 
-def test_where_it_blows_it_waits_at_the_height_of_the_commitment(low):
+@pytest.mark.parametrize(
+    "blow", [{"wind_mps": MOST_WIND_MPS + 1.0}, {"tilt_rad": MOST_TILT_RAD + 0.1}]
+)
+def test_where_it_blows_it_waits_at_the_height_of_the_commitment(low, blow):
     stay(low, 0.8)
-    be_at(low, wind_mps=MOST_WIND_MPS + 1.0)
+    be_at(low, **blow)
     z_m = low.setpoint.position_enu_m[2]
     assert z_m < low.resting_height_m + COMMIT_HEIGHTS_M[0] - 0.1
     stay(low, 2.0)
