@@ -31,7 +31,7 @@ class Leaps:
         self._waiting: tuple[float, Float[np.ndarray, " 3"]] | None = None
 
     def see(self, match: Match) -> None:
-        """Forget a leap by an image that tells of the place and that the map explains without it."""
+        """Forget a leap by an image of the place that the map explains without it."""
         if len(match.measured) >= _TELLS_OF_PLACE:
             self._waiting = None
 

@@ -24,7 +24,7 @@ A gust from below carries it too, for up to half a second, and a fall from 0.1 m
 One that leans on the legs of one side is up to 0.1 m higher than at rest.
 """
 _SINKING_SHARE, _SINKING_MPS = 0.6, 0.12
-"""Share of the commanded speed, and least speed, beyond which it still sinks: nothing carries it."""
+"""Share of the commanded speed, and least speed, beyond which it sinks: nothing carries it."""
 _CONTACT_S = 0.4
 _NEAR_GROUND_M = 0.25
 _TOUCH_S = 0.04

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import hypot, isfinite, nan
+from math import hypot, isfinite, isnan, nan
 
 from autonomy.types import LEVEL, ZERO3, yaw_of
 from flightsim.autopilot.parameters import Parameters
@@ -62,7 +62,7 @@ class Vehicle:
         if self.cos_tilt >= _STEEP_COSINE:
             # Infinite where nothing is within its range.
             height_m = self.range_m * self.cos_tilt - self.resting_range_m
-            self._plant.room_below_m = height_m if height_m > 0.0 else 0.0
+            self._plant.room_below_m = 0.0 if isnan(height_m) else max(height_m, 0.0)
 
     def read_slowly(self) -> None:
         """Read what changes slowly or is costly; call it a few times a second."""

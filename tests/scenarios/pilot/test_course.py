@@ -95,6 +95,8 @@ def test_it_sinks_on_from_another_place_onto_another_surface():
     later = course.reference(12 * SECOND_US).position_enu_m
     assert later[:2] == pytest.approx((2.2, 3.1))
     assert later[2] == pytest.approx(2.85, abs=0.03)
+    lowest = course.reference(30 * SECOND_US).position_enu_m
+    assert lowest == pytest.approx((2.2, 3.1, 2.5))  # as far below that surface as before
 
 
 def test_until_a_plan_takes_over_the_one_before_is_followed():
