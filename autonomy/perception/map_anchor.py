@@ -132,7 +132,8 @@ class MapAnchor:
         if match.is_doubtful:
             self._doubt()
             match = self._matcher.match(image, self._x, self._covariance)
-            is_leap = self._leaps.is_first(time_s, match, self._x, before)
+            searched_wider = self._cfg.doubt_m > 0.0
+            is_leap = searched_wider and self._leaps.is_first(time_s, match, self._x, before)
         else:
             self._leaps.see(match)
         reason = "another place, by one image alone" if is_leap else self._objection(match)
