@@ -27,7 +27,6 @@ _MAX_FEEDBACK_RATE_RADPS = 6.0
 _DISTURBANCE_RESPONSE_S = 0.1
 _PRESSING_FRACTION = 0.7  # of the weight: the demand is below it on the ground
 _LEANING_M = 0.12  # leaning on the legs of one side it is up to 0.1 m higher than at rest
-_FREE_M = 1.0  # from there it meets no ground before it is level again
 _UPSIDE_DOWN_COSINE = 1e-4  # of half the tilt: nearer to 180 degrees its axis is rounding error
 
 
@@ -139,18 +138,15 @@ def _integrate(c: np.record, e_x: np.ndarray) -> None:
 def _limit_force(c: np.record, weight_mps2: float) -> None:
     """Limit the vertical part, then the tilt and the thrust.
 
-    With little thrust the tilt is limited to a few degrees, unless the ground is far: a vehicle
-    that presses down on its legs stays on them. `weight_mps2` is the thrust that neither climbs nor
-    sinks.
+    With little thrust the tilt is limited to a few degrees: a vehicle that presses down on its legs
+    stays on them. `weight_mps2` is the thrust that neither climbs nor sinks.
     """
     force = c.force_enu_mps2
     least = _LEAST_VERTICAL_FRACTION * c.gravity_mps2
     wanted = force[2]
     force[2] = min(max(wanted, least), c.max_thrust_mps2)
-    share = min(max(force[2] / least - 1.0, _LEAST_TILT_SHARE), 1.0)
-    if c.room_below_m > _FREE_M:
-        share = 1.0
-    factor = _limit_horizontal(force, share * c.max_tilt_tangent * force[2])
+    tangent = c.max_tilt_tangent * min(max(force[2] / least - 1.0, _LEAST_TILT_SHARE), 1.0)
+    factor = _limit_horizontal(force, tangent * force[2])
     factor *= _share_thrust(c, min(weight_mps2, force[2]))
     c.is_limited[0] = 1 if factor < 1.0 else 0
     c.is_limited[1] = 1 if wanted != force[2] else 0

@@ -75,10 +75,11 @@ class LandDetector:
             if not is_armed and isfinite(vehicle.range_m):
                 vehicle.resting_range_m = vehicle.range_m * vehicle.cos_tilt
             return vehicle.is_landed
+        is_told = is_descending and not isnan(commanded_up_mps)
+        is_carried = self._is_carried(vehicle, commanded_up_mps if is_told else 0.0)
+        self._carried_s = self._carried_s + TICK_S if is_carried else 0.0
         if isnan(commanded_up_mps):
             commanded_up_mps = _BARE_DESCENT_MPS
-        is_carried = self._is_carried(vehicle, commanded_up_mps if is_descending else 0.0)
-        self._carried_s = self._carried_s + TICK_S if is_carried else 0.0
         self._follow_contact(vehicle, commanded_up_mps if is_descending else inf)
         vehicle.is_landed = self._carried_s >= _LANDED_S and _is_still(vehicle)
         return vehicle.is_landed

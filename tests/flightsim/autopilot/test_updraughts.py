@@ -10,7 +10,7 @@ from tests.flightsim.autopilot.bench import Bench
 def test_an_updraught_takes_neither_the_hold_nor_the_flight():
     bench = Bench().take_off(4.0)
     place_enu_m = bench.plant.truth.position_enu_m[:2]
-    bench.plant.wind = WindCfg(speed_mps=10.0, from_deg=270.0, up_mps=5.0)
+    bench.plant.wind = WindCfg(speed_mps=8.0, from_deg=270.0, up_mps=3.0)
     away_m = []
     for _ in range(300):
         bench.step()
