@@ -62,7 +62,7 @@ class Vehicle:
         if self.cos_tilt >= _STEEP_COSINE:
             # Infinite where nothing is within its range.
             height_m = self.range_m * self.cos_tilt - self.resting_range_m
-            self._plant.room_below_m = 0.0 if isnan(height_m) else max(height_m, 0.0)
+            self._plant.tell_room_below(0.0 if isnan(height_m) else max(height_m, 0.0))
 
     def read_slowly(self) -> None:
         """Read what changes slowly or is costly; call it a few times a second."""
