@@ -25,7 +25,8 @@ _LEAST_VERTICAL_FRACTION = 0.35  # of the weight; the tilt is limited further be
 _LEAST_TILT_SHARE = 0.05
 _MAX_FEEDBACK_RATE_RADPS = 6.0
 _DISTURBANCE_RESPONSE_S = 0.1
-_PRESSING_FRACTION = 0.7  # of the weight: the demand is below it on the ground, seldom in the air
+_PRESSING_FRACTION = 0.7  # of the weight: the demand is below it on the ground
+_LEANING_M = 0.12  # leaning on the legs of one side it is up to 0.1 m higher than at rest
 _UPSIDE_DOWN_COSINE = 1e-4  # of half the tilt: nearer to 180 degrees its axis is rounding error
 
 
@@ -66,14 +67,15 @@ def estimate_acceleration(c: np.record, x: np.record) -> None:
     """Estimate the acceleration by the modelled rotors and, beyond them, by the IMU (such as wind).
 
     The first part has no delay and no noise, the second is low-passed and limited. Nothing is
-    compensated horizontally while the vehicle presses down: leaning against what holds its legs
-    would tip it over.
+    compensated horizontally while the vehicle may press down: leaning against what holds its legs
+    would tip it over. In an updraught little thrust is no sign of that, where nothing is below.
     """
     thrust = 0.0
     for i in range(c.n_rotors):
         thrust += c.thrust_constant[i] * c.rotor_model_radps[i] * c.rotor_model_radps[i]
     drag, along = rotor_drag(c), _along_thrust(c, x.velocity_enu_mps)
-    is_pressing = c.force_enu_mps2[2] < _PRESSING_FRACTION * c.gravity_mps2
+    has_little = c.force_enu_mps2[2] < _PRESSING_FRACTION * c.gravity_mps2
+    is_pressing = has_little and c.room_below_m < _LEANING_M
     share = min(c.dt_s / _DISTURBANCE_RESPONSE_S, 1.0)
     for i in range(3):
         v_perp = x.velocity_enu_mps[i] - along * c.R[i, 2]

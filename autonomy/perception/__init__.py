@@ -1,5 +1,6 @@
 """Perception: from depth images to landing sites, moving obstacles and the place in a map."""
 
+from autonomy.perception.anchor_fix import AnchorFix
 from autonomy.perception.camera_pose import camera_pose
 from autonomy.perception.depth_image import DepthImage
 from autonomy.perception.elevation import ElevationMap
@@ -11,7 +12,7 @@ from autonomy.perception.landing import (
     objection,
     site_at,
 )
-from autonomy.perception.map_anchor import AnchorFix, MapAnchor
+from autonomy.perception.map_anchor import MapAnchor
 from autonomy.perception.map_anchor_cfg import MapAnchorCfg
 from autonomy.perception.map_match import MapMatcher
 from autonomy.perception.mover_tracker import MoverTracker, MoverTrackerCfg

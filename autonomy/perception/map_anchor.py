@@ -20,12 +20,14 @@ optimization-based state estimation problems" (directions left alone).
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Float
 
+from autonomy.perception.anchor_fix import AnchorFix
 from autonomy.perception.depth_image import DepthImage
+from autonomy.perception.leaps import Leaps
 from autonomy.perception.map_anchor_cfg import MapAnchorCfg
 from autonomy.perception.match import Match, Matcher
 from autonomy.rotation import wrap_angle
@@ -38,26 +40,6 @@ _LONGEST_STEP_S = 0.5
 _HEIGHT_TO_ACROSS = 1.5
 """Ratio of a receiver's vertical deviation to the horizontal one: ionosphere, no satellites
 below."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class AnchorFix:
-    """Result of one depth image."""
-
-    accepted: bool
-    """Whether the image was fused."""
-    reason: str
-    """Reason in a few words."""
-    offset_enu_m: Vector3
-    """Offset from the estimate to the map, by this image and all earlier ones."""
-    yaw_rad: float
-    """Yaw from the estimate to the map, by the same images."""
-    residual_m: float
-    """Mean distance of the explained points from the map's surfaces."""
-    inlier_share: float
-    """Share of the points that the map explains."""
-    sigma_m: float
-    """Standard deviation of the offset, the worst horizontal direction."""
 
 
 class MapAnchor:
@@ -79,6 +61,7 @@ class MapAnchor:
         self._claimed_m = (math.nan, math.nan)
         self._x = np.zeros(4)
         self._covariance = self._claimed_covariance()
+        self._leaps = Leaps()
         self._in_use = np.zeros(4)
         self._rate = np.zeros(4)
         self._placed_m = np.zeros(3)
@@ -145,11 +128,18 @@ class MapAnchor:
         """Register a depth image, posed by the estimate, with the map, and fuse the result."""
         self._let_drift(time_s)
         match = self._matcher.match(image, self._x, self._covariance)
+        before, is_leap = self._covariance, False
         if match.is_doubtful:
             self._doubt()
             match = self._matcher.match(image, self._x, self._covariance)
-        reason = self._objection(match)
-        if reason is None:
+            searched_wider = self._cfg.doubt_m > 0.0
+            is_leap = searched_wider and self._leaps.is_first(time_s, match, self._x, before)
+        else:
+            self._leaps.see(match)
+        reason = "another place, by one image alone" if is_leap else self._objection(match)
+        if reason is not None:
+            self._covariance = before
+        else:
             self._fuse(match.measured, match.directions, self._variances(match))
         if match.objection is not None or reason is None:
             self._matcher.learn(image, self._x)

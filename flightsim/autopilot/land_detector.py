@@ -13,11 +13,18 @@ from flightsim.autopilot.vehicle import TICK_S, Vehicle
 
 _CARRIED_FRACTION = 0.8
 """Fraction of the hover thrust; in the air the vehicle would sink at 2 m/s within a second."""
-_CONTACT_BY_HEIGHT_S = ((0.06, 0.1), (0.25, 0.4), (inf, 1.2))
+_HIGH_M, _HIGH_FRACTION = 1.0, 0.5
+"""Height that the rangefinder sees, above which only less than that is too little: an updraught
+carries a part of the weight for seconds. PX4 finds no ground from 1 m on at all; a vehicle whose
+legs stand at an edge may see past it."""
+_CONTACT_BY_HEIGHT_S = ((0.06, 0.1), (0.12, 0.4), (inf, 1.2))
 """How long something has to carry the vehicle, by the height that the rangefinder sees below it.
 
 A gust from below carries it too, for up to half a second, and a fall from 0.1 m is a hard landing.
+One that leans on the legs of one side is up to 0.1 m higher than at rest.
 """
+_SINKING_SHARE, _SINKING_MPS = 0.6, 0.12
+"""Share of the commanded speed, and least speed, beyond which it sinks: nothing carries it."""
 _CONTACT_S = 0.4
 _NEAR_GROUND_M = 0.25
 _TOUCH_S = 0.04
@@ -68,7 +75,9 @@ class LandDetector:
             if not is_armed and isfinite(vehicle.range_m):
                 vehicle.resting_range_m = vehicle.range_m * vehicle.cos_tilt
             return vehicle.is_landed
-        self._carried_s = self._carried_s + TICK_S if self._is_carried(vehicle) else 0.0
+        is_told = is_descending and not isnan(commanded_up_mps)
+        is_carried = self._is_carried(vehicle, commanded_up_mps if is_told else 0.0)
+        self._carried_s = self._carried_s + TICK_S if is_carried else 0.0
         if isnan(commanded_up_mps):
             commanded_up_mps = _BARE_DESCENT_MPS
         self._follow_contact(vehicle, commanded_up_mps if is_descending else inf)
@@ -95,10 +104,13 @@ class LandDetector:
             enough_s = next(s for below_m, s in _CONTACT_BY_HEIGHT_S if height_m < below_m)
         self.has_contact = self._touching_s >= _TOUCH_S or self._carried_s >= enough_s
 
-    def _is_carried(self, vehicle: Vehicle) -> bool:
-        if _carries(vehicle):
+    def _is_carried(self, vehicle: Vehicle, commanded_up_mps: float) -> bool:
+        fraction = _HIGH_FRACTION if (vehicle.height_m or 0.0) > _HIGH_M else _CARRIED_FRACTION
+        if vehicle.thrust_fraction > fraction * vehicle.hover_thrust_fraction:
             return False
-        if abs(vehicle.velocity_enu_mps[2]) > self._parameters["LNDMC_Z_VEL_MAX"]:
+        most_mps, up_mps = self._parameters["LNDMC_Z_VEL_MAX"], vehicle.velocity_enu_mps[2]
+        sinking_mps = max(_SINKING_SHARE * -commanded_up_mps, _SINKING_MPS)
+        if abs(up_mps) > most_mps or (commanded_up_mps < 0.0 and -up_mps > sinking_mps):
             return False
         return not (
             vehicle.is_position_ok and vehicle.speed_xy_mps > self._parameters["LNDMC_XY_VEL_MAX"]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import hypot, isfinite, nan
+from math import hypot, isfinite, isnan, nan
 
 from autonomy.types import LEVEL, ZERO3, yaw_of
 from flightsim.autopilot.parameters import Parameters
@@ -14,6 +14,8 @@ TICK_S = 0.02
 _RANGE_PATIENCE_US, _IMU_PATIENCE_US = 500_000, 100_000
 _MOST_ACCEL_MPS2, _MOST_RATE_RADPS = 150.0, 60.0
 """Nearly the 16 g of a usual sensor, and more than twice the spin of a vehicle on three rotors."""
+_STEEP_COSINE = 0.7
+"""Of the tilt beyond which the rangefinder looks aside."""
 _MOST_WILD = 2
 """Readings beyond that, a tenth of a second apart; an impact makes one."""
 
@@ -57,6 +59,10 @@ class Vehicle:
         sensors = self._plant.sensors
         is_heard = sensors.is_delivering(RANGEFINDER, self.time_us, _RANGE_PATIENCE_US)
         self.range_m = sensors.range_m if is_heard else nan
+        if self.cos_tilt >= _STEEP_COSINE:
+            # Infinite where nothing is within its range.
+            height_m = self.range_m * self.cos_tilt - self.resting_range_m
+            self._plant.tell_room_below(0.0 if isnan(height_m) else max(height_m, 0.0))
 
     def read_slowly(self) -> None:
         """Read what changes slowly or is costly; call it a few times a second."""
@@ -99,6 +105,6 @@ class Vehicle:
     def height_m(self) -> float | None:
         """Height over the surface that the rangefinder sees, 0 at rest; None if it sees none."""
         cosine = self.cos_tilt
-        if not isfinite(self.range_m) or cosine < 0.7:
+        if not isfinite(self.range_m) or cosine < _STEEP_COSINE:
             return None
         return self.range_m * cosine - self.resting_range_m

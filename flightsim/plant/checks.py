@@ -7,8 +7,16 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from autonomy.types import Setpoint
-from flightsim.plant.cfg import PlantCfg, PlantError
+from flightsim.plant.cfg import NotAlignedError, PlantCfg, PlantError
 from flightsim.world import World
+
+
+def unaligned(setpoint: Setpoint, time_us: int) -> NotAlignedError:
+    """The refusal of a setpoint that comes before the estimator is aligned."""
+    return NotAlignedError(
+        f"setpoint at level {setpoint.level.name} after {1e-6 * time_us:.2f} s: the "
+        "estimator is not aligned yet; valid: OFF and IDLE, or call align() before"
+    )
 
 
 def check_alone(world: World) -> None:

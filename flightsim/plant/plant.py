@@ -16,7 +16,7 @@ from flightsim.environment.motion import MAX_RATE, obstacle_states
 from flightsim.environment.movers import ObstacleStates
 from flightsim.environment.wind import WindCfg
 from flightsim.plant.cfg import NotAlignedError, PhysicsDivergedError, PlantCfg, PlantError
-from flightsim.plant.checks import check_alone, normalised
+from flightsim.plant.checks import check_alone, normalised, unaligned
 from flightsim.plant.compiling import compile_kernels
 from flightsim.plant.failures import Failures
 from flightsim.plant.handover import Handover
@@ -172,17 +172,13 @@ class Plant:
     def apply(self, setpoint: Setpoint) -> None:
         """Follow this setpoint from the next advance on.
 
-        One that is not a number where it matters, at `ATTITUDE` or `RATE`, is refused: the setpoint
-        before stays, and `n_refused_setpoints` counts.
+        One that is not finite at `ATTITUDE` or `RATE` is refused: `n_refused_setpoints` counts.
 
         Raises:
             NotAlignedError: If it asks for more than idling before the estimator is aligned.
         """
         if setpoint.level >= ControlLevel.TRAJECTORY and not self.is_aligned:
-            raise NotAlignedError(
-                f"setpoint at level {setpoint.level.name} after {1e-6 * self.time_us:.2f} s: the "
-                "estimator is not aligned yet; valid: OFF and IDLE, or call align() before"
-            )
+            raise unaligned(setpoint, self.time_us)
         if setpoint.level >= ControlLevel.ATTITUDE:
             setpoint_or_none = normalised(setpoint)
             if setpoint_or_none is None:
@@ -193,6 +189,10 @@ class Plant:
             setpoint = setpoint_or_none
         self._memory.setpoint_flat[:] = setpoint_row(setpoint)
         self._engine["has_new_setpoint"] = 1
+
+    def tell_room_below(self, room_m: float) -> None:
+        """Tell the controller of the height under the legs that is free; 0 if nobody knows."""
+        self._controller["room_below_m"] = room_m
 
     @property
     def truth(self) -> State:

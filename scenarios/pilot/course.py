@@ -22,6 +22,8 @@ _AT_PLACE_M = 0.25
 _AT_REST_MPS = 0.2
 _SOON_US = 1_500_000
 _PAUSE_US = 100_000
+_RISE_M = 0.01
+"""Rise in a tick: 0.5 m/s."""
 _ENDING_S = 1.0
 
 
@@ -114,12 +116,30 @@ class Course:
         """
         self._touchdown = _Stretch(time_us, self.reference(time_us), resting_height_m, speed_mps)
 
-    def pause(self, time_us: int) -> None:
-        """Sink no further for a moment; call it again to stay at a height for longer."""
+    def pause(self, time_us: int, rise_to_m: float = -math.inf) -> None:
+        """Sink no further for a moment; call it again to stay at a height for longer.
+
+        Args:
+            time_us: Present time.
+            rise_to_m: Height up to which it rises meanwhile, a little at each call.
+        """
         if self._touchdown is not None:
-            begin = replace(self.reference(time_us), velocity_enu_mps=(0.0, 0.0, 0.0))
+            x, y, z = self.reference(time_us).position_enu_m
+            begin = replace(
+                self.reference(time_us),
+                position_enu_m=(x, y, max(z, min(z + _RISE_M, rise_to_m))),
+                velocity_enu_mps=(0.0, 0.0, 0.0),
+            )
             later_us = time_us + _PAUSE_US
             self._touchdown = replace(self._touchdown, begun_us=later_us, begin=begin)
+
+    def sink_from(self, time_us: int, here_enu_m: Vector3, resting_height_m: float) -> None:
+        """Go on sinking from another place, onto a surface on which the vehicle rests so high."""
+        if self._touchdown is not None:
+            begin = replace(self.reference(time_us), position_enu_m=here_enu_m)
+            self._touchdown = replace(
+                self._touchdown, begun_us=time_us, begin=begin, resting_height_m=resting_height_m
+            )
 
     def reference(self, time_us: int) -> FlatReference:
         """Setpoint at a given time."""

@@ -9,11 +9,8 @@ from autonomy.types import FlatReference, Vector3
 from flightsim.mavlink.client.telemetry import LANDED_ON_GROUND
 from scenarios.pilot.flight_state import FlightState
 from scenarios.pilot.gaze import Gaze
-from scenarios.pilot.landing_phases import (
-    COMMIT_HEIGHTS_M,
-    LAST_HEIGHT_M,
-    LandingPhases,
-)
+from scenarios.pilot.landing_phases import LandingPhases
+from scenarios.pilot.last_stretch import COMMIT_HEIGHTS_M, LAST_HEIGHT_M
 from scenarios.pilot.phases import Phase, Replan, Step
 
 MAX_HOLDS = 6

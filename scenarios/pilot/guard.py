@@ -10,7 +10,7 @@ from autonomy.planning import PlanningError, Trajectory
 from autonomy.types import FlatReference, Vector3
 from scenarios.pilot.en_route_phases import EnRoutePhases
 from scenarios.pilot.flight_state import FlightState
-from scenarios.pilot.landing_phases import LandingPhases
+from scenarios.pilot.last_stretch import LastStretch
 from scenarios.pilot.lookout import Lookout
 from scenarios.pilot.phases import IN_THE_AIR, ON_THE_WAY, TIME_LIMIT_S, Phase, Step
 
@@ -39,8 +39,8 @@ _GOING_DOWN = frozenset({Phase.DESCEND, Phase.TOUCHDOWN, Phase.RETURN, Phase.LAN
 class Guard:
     """Checks the conditions of every phase in the air."""
 
-    def __init__(self, flight: FlightState, way: EnRoutePhases, area: LandingPhases) -> None:
-        self._flight, self._way, self._area = flight, way, area
+    def __init__(self, flight: FlightState, way: EnRoutePhases, stretch: LastStretch) -> None:
+        self._flight, self._way, self._stretch = flight, way, stretch
         self._lookout = Lookout(flight, way)
         self._position_ms = -1
         self._heard_us = 0
@@ -188,7 +188,7 @@ class Guard:
             return None
         reason = f"phase {phase.value} took more than {limit_s:.0f} s"
         if phase is Phase.TOUCHDOWN:
-            return self._area.leave(reason)
+            return self._stretch.leave(reason)
         if phase not in IN_THE_AIR:
             return Phase.FAILED, reason + flight.last_words()
         if flight.given_up is not None:

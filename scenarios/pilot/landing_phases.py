@@ -8,18 +8,20 @@ from typing import Protocol
 
 from aeroscene.scene import InteractionArea
 from autonomy.planning import PlanningError
-from flightsim.mavlink.client.telemetry import LANDED_ON_GROUND
 from scenarios.pilot.eyes import NoDepthError
 from scenarios.pilot.flight_state import FlightState
 from scenarios.pilot.landing_watch import CAMERA, LandingWatch
+from scenarios.pilot.last_stretch import (
+    CARRIED_OFF_M,
+    COMMIT_HEIGHTS_M,
+    STEADY_M,
+    STEADY_MPS,
+)
 from scenarios.pilot.look_again import look_from_below, look_nearer
 from scenarios.pilot.phases import Phase, Step
 
 _LOG = logging.getLogger(__name__)
 
-COMMIT_HEIGHTS_M = (0.7, 1.0)
-"""Heights of the soles above the surface below which the landing is no longer aborted, the first of
-them where the way down to it can be certified."""
 SEARCH_FRAMES = 6
 """Number of depth images fused before a place is chosen."""
 HOVERING_FRAMES = 3
@@ -32,14 +34,6 @@ MAX_LOOKS = 4
 MAX_AREAS = 3
 MAX_BLIND_FRAMES = 5
 """Number of consecutive images without depth after which the area is abandoned for now."""
-LAST_HEIGHT_M = 0.15
-"""Height of the soles above the surface below which the vehicle sinks, come what may."""
-STEADY_M, STEADY_MPS = 0.15, 0.3
-"""Distance from the vertical above the place, and level speed, beyond which it sinks no further."""
-CARRIED_OFF_M = 0.5
-"""Distance from that vertical beyond which it climbs back: as far off as a landing may end."""
-LEAVE_M = 1.0
-"""Height above a touched place up to which the map is not checked."""
 
 
 class WaysOut(Protocol):
@@ -110,6 +104,8 @@ class LandingPhases:
         watch.n_hovering += watch.is_hovering
         if watch.n_frames < SEARCH_FRAMES or watch.n_hovering < HOVERING_FRAMES:
             return None
+        if flight.level_deviation_m > CARRIED_OFF_M:
+            return None  # A way down begins at the hover point.
         flight.site = watch.choose()
         has_room = flight.site is not None and flight.site.clearance_m >= watch.sway_m
         if not has_room and watch.n_frames < MAX_SEARCH_FRAMES:
@@ -198,50 +194,6 @@ class LandingPhases:
             and flight.level_deviation_m <= STEADY_M
             and math.hypot(*flight.telemetry.velocity_enu_mps[:2]) <= STEADY_MPS
         )
-
-    def touch_down(self) -> Step:
-        """Sink through the last stretch."""
-        flight = self._flight
-        if flight.telemetry.landed_state == LANDED_ON_GROUND:
-            return Phase.DISARM, "on the ground"
-        if flight.setpoint.position_enu_m[2] - flight.resting_height_m < LAST_HEIGHT_M:
-            flight.let_land()
-            return None
-        return self._keep_above()
-
-    def _keep_above(self) -> Step:
-        """Sink only above the place: wait while a gust pushes, climb back if it carries off."""
-        flight = self._flight
-        should, away_m = flight.setpoint.position_enu_m, flight.level_deviation_m
-        if away_m > CARRIED_OFF_M:
-            try:
-                x, y, _ = should
-                up = flight.leg((x, y, flight.hover_enu_m[2]), exempt_m=LEAVE_M)
-            except PlanningError as error:
-                _LOG.info("%s", error)
-            else:
-                flight.begin_with(up)
-                return Phase.CLIMB, f"carried {away_m:.2f} m off above the touchdown point"
-        speed_mps = math.hypot(*flight.telemetry.velocity_enu_mps[:2])
-        if away_m > STEADY_M or speed_mps > STEADY_MPS:
-            flight.course.pause(flight.time_us)
-        return None
-
-    def leave(self, reason: str) -> Step:
-        """Climb from a place that does not allow a landing."""
-        flight = self._flight
-        here, now = flight.telemetry.position_enu_m, flight.setpoint
-        x, y, _ = here
-        world = flight.mission.surroundings
-        try:
-            up = world.certified_leg(
-                here, (x, y, flight.hover_enu_m[2]), now.yaw_rad, exempt_m=LEAVE_M
-            )
-        except PlanningError as error:
-            flight.given_up = reason
-            return Phase.HAND_OVER, f"{reason}; no certified way up: {error}"
-        flight.begin_with(up)
-        return Phase.CLIMB, reason
 
     def climb(self) -> Step:
         """Climb back, then search again."""

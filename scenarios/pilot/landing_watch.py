@@ -142,6 +142,15 @@ class LandingWatch:
             return "nothing was seen yet"
         return objection(self.map, self.elevation, self._needs, site.position_enu_m)
 
+    def site_below(self, place_enu_m: Vector3) -> LandingSite | None:
+        """Place to land on right below a position, None unless it could have been chosen."""
+        if self.map is None:
+            return None
+        site = site_at(self.map, self.elevation, place_enu_m)
+        if site is None or site.clearance_m < self._least_m:
+            return None
+        return site if self.objection(site) is None else None
+
     def again(self, site: LandingSite) -> LandingSite:
         """A chosen place with its present height and slope."""
         latest = (

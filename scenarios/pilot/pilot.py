@@ -29,6 +29,7 @@ from scenarios.pilot.gaze import Gaze
 from scenarios.pilot.ground_phases import GroundPhases
 from scenarios.pilot.guard import Guard
 from scenarios.pilot.landing_phases import LandingPhases
+from scenarios.pilot.last_stretch import LastStretch
 from scenarios.pilot.pace import AMONG_MOVERS, USUAL
 from scenarios.pilot.phases import LOOKS_AROUND, Phase, PilotVerdict, Replan, Step, Transition
 from scenarios.pilot.senses import Senses
@@ -92,7 +93,8 @@ class Pilot:
         self._ground, area = GroundPhases(flight), LandingPhases(flight)
         way = EnRoutePhases(flight, area)
         area.ways_out = way
-        self._guard = Guard(flight, way, area)
+        stretch = LastStretch(flight)
+        self._guard = Guard(flight, way, stretch)
         self.phase = Phase.CONNECT
         self.verdict = _unfinished(self.phase)
         self.transitions: list[Transition] = []
@@ -105,7 +107,7 @@ class Pilot:
             Phase.SEARCH: area.search,
             Phase.ALIGN: area.align,
             Phase.DESCEND: area.descend,
-            Phase.TOUCHDOWN: area.touch_down,
+            Phase.TOUCHDOWN: stretch.touch_down,
             Phase.DISARM: self._ground.disarm,
             Phase.CLIMB: area.climb,
             Phase.HOLD: way.wait,

@@ -71,6 +71,16 @@ def test_the_ground_that_holds_a_pressing_vehicle_is_no_wind():
     np.testing.assert_allclose(c["disturbance_mps2"], (0.0, 0.0, -0.2), atol=1e-3)
 
 
+def test_wind_is_flown_against_in_an_updraught_too_where_nothing_is_below():
+    c, x = hovering()
+    c["room_below_m"] = 0.3
+    c["force_enu_mps2"] = (0.0, 0.0, 0.5 * G)
+    x["acceleration_enu_mps2"] = (1.5, 0.0, 5.0)
+    for _ in range(250):
+        estimate_acceleration(c, x)
+    np.testing.assert_allclose(c["disturbance_mps2"][:2], (1.5, 0.0), atol=1e-3)
+
+
 def test_a_vehicle_that_presses_down_hardly_leans():
     c, x = hovering()
     x["position_enu_m"] = (2.0, -1.0, 0.8)

@@ -73,6 +73,32 @@ def test_a_pause_of_the_last_metre_keeps_its_height():
     assert later.position_enu_m[2] == pytest.approx(3.6 - 0.42 * 0.4)
 
 
+def test_a_pause_may_rise_up_to_a_height():
+    course = Course(leg((2, 3, 6), (2, 3, 4)))
+    course.fly(course.trajectory, 0)
+    course.touch_down(10 * SECOND_US, resting_height_m=3.1, speed_mps=0.4)
+    heights = []
+    for time_us in range(11 * SECOND_US, 13 * SECOND_US, 20_000):
+        course.pause(time_us, rise_to_m=3.8)
+        heights.append(course.reference(time_us).position_enu_m[2])
+    assert heights[0] == pytest.approx(3.6, abs=0.02)
+    assert np.diff(heights).max() <= 0.0101
+    assert heights[-1] == pytest.approx(3.8)
+
+
+def test_it_sinks_on_from_another_place_onto_another_surface():
+    course = Course(leg((2, 3, 6), (2, 3, 4)))
+    course.fly(course.trajectory, 0)
+    course.touch_down(10 * SECOND_US, resting_height_m=3.1, speed_mps=0.4)
+    course.sink_from(11 * SECOND_US, (2.2, 3.1, 3.15), 2.9)
+    assert course.reference(11 * SECOND_US).position_enu_m == pytest.approx((2.2, 3.1, 3.15))
+    later = course.reference(12 * SECOND_US).position_enu_m
+    assert later[:2] == pytest.approx((2.2, 3.1))
+    assert later[2] == pytest.approx(2.85, abs=0.03)
+    lowest = course.reference(30 * SECOND_US).position_enu_m
+    assert lowest == pytest.approx((2.2, 3.1, 2.5))  # as far below that surface as before
+
+
 def test_until_a_plan_takes_over_the_one_before_is_followed():
     first, second = leg((0, 0, 1), (4, 0, 1)), leg((1, 2, 1), (1, 2, 5))
     course = Course(first)

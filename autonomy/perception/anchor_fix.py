@@ -1,0 +1,27 @@
+"""What one depth image told of the offset between estimate and map."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from autonomy.types import Vector3
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class AnchorFix:
+    """Result of one depth image."""
+
+    accepted: bool
+    """Whether the image was fused."""
+    reason: str
+    """Reason in a few words."""
+    offset_enu_m: Vector3
+    """Offset from the estimate to the map, by this image and all earlier ones."""
+    yaw_rad: float
+    """Yaw from the estimate to the map, by the same images."""
+    residual_m: float
+    """Mean distance of the explained points from the map's surfaces."""
+    inlier_share: float
+    """Share of the points that the map explains."""
+    sigma_m: float
+    """Standard deviation of the offset, the worst horizontal direction."""
