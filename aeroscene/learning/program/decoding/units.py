@@ -91,7 +91,10 @@ def read_unit(
         is_on_top=kind.is_on_top,
     )
     if last_m is not None:
-        as_last = AS_LAST_AXES[kind.as_last]
+        as_last = set(AS_LAST_AXES[kind.as_last])
+        if relation.kind == Kind.SIDE and kind.category in AT_LEVELS:
+            # Stairs are as high as the level that they lead to, whatever the last ones were.
+            as_last.discard(2)
         x_m, y_m, z_m = (last_m[i] if i in as_last else size_m[i] for i in range(3))
         size_m = x_m, y_m, z_m
     shape = _shape(program, token, relation.kind)

@@ -38,7 +38,10 @@ def pairs_as_last(program, decoded):
         box = decoded.scene.object_by_id[first].bbox
         if kind.node == "unit" and not kind.is_group:
             if kind.what in last and kind.as_last:
-                yield box, last[kind.what], AS_LAST_AXES[kind.as_last]
+                axes = AS_LAST_AXES[kind.as_last]
+                # Stairs are as high as the level that they lead to.
+                axes = axes[:2] if kind.category == "stairs" else axes
+                yield box, last[kind.what], axes
             last[kind.what] = box
         elif kind.node == "unit":
             last.pop(kind.what, None)
