@@ -69,7 +69,7 @@ def test_entries_are_added_replaced_and_ranked(tmp_path):
     assert entry["medians"]["navigation_s over least_navigation_s"] == 4.0
     lines = path.with_suffix(".md").read_text().splitlines()
     assert len({line.replace("\\|", "").count("|") for line in lines}) == 1
-    assert lines[2].startswith("| aeroscene-300 1 | demo | ")
+    assert lines[2].startswith(f"| aeroscene-300 {SMALL.version} | demo | ")
     assert "a\\|line" in lines[3]
 
 
