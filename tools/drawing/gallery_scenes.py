@@ -61,7 +61,7 @@ PLACES: tuple[Place, ...] = (
         title="Waterfront",
         text="A quay with a jetty and boats, a square with canopies and a basin, an office.",
         scene="corpus:46",
-        generated="43",
+        generated="49",
     ),
     Place(
         name="terraces",
