@@ -32,6 +32,7 @@ from aeroscene.learning.program.decoding.neighbours import (
     open_ways,
 )
 from aeroscene.learning.program.decoding.sites import add_site
+from aeroscene.learning.program.decoding.start import start_pad, top_of, yaw_inwards
 from aeroscene.learning.program.decoding.units import member_boxes, openings_of, read_unit
 from aeroscene.learning.program.encoding.units import unit_size_m
 from aeroscene.learning.program.kinds import CATEGORY_IDS, Kind, What, theme_of
@@ -40,7 +41,7 @@ from aeroscene.relations import Kind as RelationKind
 from aeroscene.relations import Unit
 from aeroscene.relations.hosts import AT_LEVELS, N_TURNS, turn_of
 from aeroscene.relations.relation import N_SIDES
-from aeroscene.scene import OrientedBox, Scene, SceneObject, Vector3
+from aeroscene.scene import OrientedBox, Scene, Vector3
 from aeroscene.scene.box import quat_from_yaw
 from aeroscene.scene.origin import ALTITUDE_M, LATITUDE_DEG, LONGITUDE_DEG
 
@@ -86,22 +87,6 @@ def decode(
         theme=theme_of(program.kinds[0]),
     )
     return DecodedProgram(scene=scene, object_ids=tuple(map(tuple, making.made)))
-
-
-def start_pad(objects: Sequence[SceneObject]) -> SceneObject | None:
-    """The pad from which flights start; None where there is none."""
-    return next((obj for obj in objects if obj.attributes.get("is_start")), None)
-
-
-def top_of(obj: SceneObject) -> Vector3:
-    """The middle of an object's upper face."""
-    x, y, z = obj.bbox.p
-    return x, y, round(z + obj.bbox.s[2] / 2, 4)
-
-
-def yaw_inwards(start: Sequence[float]) -> float:
-    """Heading from a place to the origin, rad."""
-    return round(math.atan2(-start[1], -start[0]), 6)
 
 
 class Builder:

@@ -6,8 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from aeroscene.learning.program.decoding.decode import Builder, start_pad, top_of, yaw_inwards
+from aeroscene.learning.program.decoding.decode import Builder
 from aeroscene.learning.program.decoding.making import Given
+from aeroscene.learning.program.decoding.start import start_pad, top_of, yaw_inwards
 from aeroscene.learning.program.program import Program
 from aeroscene.scene import Scene
 
