@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Int
 
 from aeroscene.learning.program.kinds import theme_of
 from aeroscene.learning.tokens.skeleton import Wish
@@ -52,6 +52,7 @@ def draw_program(
         growth.end()
     while not growth.is_done:
         draw.step(growth, given)
+    draw.add_start(growth)
     return growth
 
 
@@ -89,6 +90,18 @@ class _Next(NamedTuple):
 _END = _Next(0, None, None)
 
 
+class _Pad(NamedTuple):
+    """Where a start pad would have been likeliest."""
+
+    chance: float
+    above: int
+    """Token that would bear it."""
+    kinds: Int[np.ndarray, " k"]
+    """Kinds that it may be of."""
+    logits: Float[np.ndarray, " k"]
+    local: Float[np.ndarray, " l"]
+
+
 class _Draw:
     """A program as it is drawn, and what the network knows of it."""
 
@@ -101,6 +114,7 @@ class _Draw:
         """What is known after each element."""
         self._kin: list[Bool[np.ndarray, " t"]] = []
         self._is_fine = False
+        self._pad: _Pad | None = None
 
     def step(self, growth: Growth, given: Furnishing | None = None) -> None:
         """Draw what comes after the latest element; what is given comes back in its turn."""
@@ -132,8 +146,36 @@ class _Draw:
         )
         allowed = growth.allowed_kinds(depth)
         kinds = np.flatnonzero(allowed if allowed.any() else ~allowed)
-        kind = int(kinds[self._choose(self._writer.kind_logits(local, kinds))])
-        return _Next(depth, kind, local)
+        logits = self._writer.kind_logits(local, kinds)
+        self._watch_for_start(growth.elements[above].token, kinds, logits, local)
+        return _Next(depth, int(kinds[self._choose(logits)]), local)
+
+    def _watch_for_start(
+        self,
+        above: int,
+        kinds: Int[np.ndarray, " k"],
+        logits: Float[np.ndarray, " k"],
+        local: Float[np.ndarray, " l"],
+    ) -> None:
+        """Keep in mind where a start pad was likeliest so far."""
+        may_be = self._syntax.is_start[kinds]
+        if not may_be.any():
+            return
+        weight = np.exp(logits - logits.max())
+        chance = float(weight[may_be].sum() / weight.sum())
+        if self._pad is None or chance > self._pad.chance:
+            self._pad = _Pad(chance, above, kinds[may_be], logits[may_be], local)
+
+    def add_start(self, growth: Growth) -> None:
+        """Add the start pad where it was likeliest, if it was left out at every place.
+
+        Each place alone makes it seldom, so that a third of all programs would go without.
+        """
+        if growth.has_start or self._pad is None:
+            return
+        pad = self._pad
+        kind = int(pad.kinds[self._choose(pad.logits)])
+        growth.add_below(pad.above, self._choice(kind, pad.local))
 
     def _choice(self, kind: int, local: Float[np.ndarray, " l"]) -> Choice:
         """A token of a kind with its member, host and shape."""

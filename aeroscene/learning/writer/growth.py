@@ -74,6 +74,10 @@ class Growth:
         self._of_token: list[int] = []
         self._ahead: list[int] = []
         """Coarse tokens that are still to be furnished, the next one last."""
+        self._is_first = syntax.is_as_last.copy()
+        """Kinds that are as the last one, of which there is none."""
+        self._whats: set[int] = set()
+        """What there is one of."""
         self._put(Element(0, scene_kind, 0, 0, 0))
         self.path = [0]
 
@@ -105,6 +109,7 @@ class Growth:
         count = count_objects(syntax.vocabulary.kinds[choice.kind], shape)
         self._left[self.is_fine] -= count
         self.has_start |= bool(syntax.is_start[choice.kind])
+        self._count_as_last(choice.kind)
         element = Element(
             token,
             choice.kind,
@@ -118,6 +123,20 @@ class Growth:
         above.children.append(choice.kind)
         self.path[depth:] = [self._put(element)]
         self.n_coarse += not self.is_fine
+
+    def add_below(self, token: int, choice: Choice) -> None:
+        """A token below an earlier one, when all else has been said."""
+        self.kinds.append(choice.kind)
+        self.parents.append(token)
+        self.choices.append(choice)
+        self.has_start |= bool(self._syntax.is_start[choice.kind])
+
+    def _count_as_last(self, kind: int) -> None:
+        """Let what comes be as large as this, which may be the first of what it is."""
+        what = int(self._syntax.what[kind])
+        if self._syntax.node[kind] == "unit" and what not in self._whats:
+            self._whats.add(what)
+            self._is_first &= self._syntax.what != what
 
     def end(self) -> None:
         """End of the part: turn to the next coarse token that may be furnished."""
@@ -163,7 +182,7 @@ class Growth:
         needed = syntax.always[syntax.class_of[above.kind]].copy()
         needed[syntax.category[above.children]] = False
         of_level = syntax.is_coarse != self.is_fine
-        return needed[syntax.category] & of_level & ~syntax.is_start
+        return needed[syntax.category] & of_level & ~syntax.is_start & ~self._is_first
 
     def allowed_kinds(self, depth: int) -> Bool[np.ndarray, " kinds"]:
         """Which kinds may be at a depth from 1."""
@@ -171,7 +190,7 @@ class Growth:
         above = self.elements[self.path[depth - 1]]
         own = syntax.class_of[above.kind]
         cap = syntax.cap[own]
-        allowed = (cap > 0) & (syntax.is_coarse != self.is_fine)
+        allowed = (cap > 0) & (syntax.is_coarse != self.is_fine) & ~self._is_first
         if self.has_start:
             allowed &= ~syntax.is_start
         required = syntax.required[above.kind]

@@ -81,6 +81,17 @@ class Syntax:
         )
 
     @cached_property
+    def what(self) -> Int[np.ndarray, " kinds"]:
+        """Number of what each kind is, whatever it is to its host."""
+        number: dict[object, int] = {}
+        return np.array([number.setdefault(k.what, len(number)) for k in self.vocabulary.kinds])
+
+    @cached_property
+    def is_as_last(self) -> Bool[np.ndarray, " kinds"]:
+        """Kinds with an extent of the last one that is the same."""
+        return np.array([bool(kind.as_last) for kind in self.vocabulary.kinds])
+
+    @cached_property
     def category(self) -> Int[np.ndarray, " kinds"]:
         """Number of the category of each kind, by name."""
         names = [kind.category for kind in self.vocabulary.kinds]

@@ -33,7 +33,12 @@ from aeroscene.learning.program.decoding.neighbours import (
 )
 from aeroscene.learning.program.decoding.sites import add_site
 from aeroscene.learning.program.decoding.start import start_pad, top_of, yaw_inwards
-from aeroscene.learning.program.decoding.units import member_boxes, openings_of, read_unit
+from aeroscene.learning.program.decoding.units import (
+    member_boxes,
+    openings_of,
+    read_unit,
+    with_own_sizes,
+)
 from aeroscene.learning.program.encoding.units import unit_size_m
 from aeroscene.learning.program.kinds import CATEGORY_IDS, Kind, What, theme_of
 from aeroscene.learning.program.program import Program
@@ -93,7 +98,7 @@ class Builder:
     """Puts one object after the other."""
 
     def __init__(self, program: Program, cfg: DecodingCfg | None = None) -> None:
-        self._program = program
+        self._program = with_own_sizes(program)
         self._cfg = cfg or DecodingCfg()
         self.making = Making(program)
         self._buildings: dict[int | None, DecodedBuilding] = {}

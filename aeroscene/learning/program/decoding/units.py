@@ -14,7 +14,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from aeroscene.learning.program.encoding.units import pitch_base_m, underside_m
-from aeroscene.learning.program.kinds import AS_LAST_AXES, CATEGORY_IDS, OPENINGS
+from aeroscene.learning.program.kinds import AS_LAST_AXES, CATEGORY_IDS, OPENINGS, What
 from aeroscene.learning.program.measures import (
     Surroundings,
     own_heading_rad,
@@ -117,6 +117,25 @@ def read_unit(
         array=array,
         residual=Residual(u0 + u1 * c[U], v0 + v1 * c[V], residual_rad),
     )
+
+
+def with_own_sizes(program: Program) -> Program:
+    """A program in which what is as large as the last one has numbers too, if none came before.
+
+    They are those of the first unit that is the same and has its own. What is drawn in one order
+    and built in another may well come first.
+    """
+    channels, references = program.channels.copy(), program.references.copy()
+    like: dict[What, int] = {}
+    for token, kind in enumerate(program.kinds):
+        if kind.node == "unit" and not kind.as_last:
+            like.setdefault(kind.what, token)
+    for token, kind in enumerate(program.kinds):
+        other = like.get(kind.what)
+        for axis in AS_LAST_AXES[kind.as_last] if other is not None else ():
+            channels[token, SIZE.start + axis] = program.channels[other, SIZE.start + axis]
+            references[token, 1 + axis] = program.references[other, 1 + axis]
+    return replace(program, channels=channels, references=references)
 
 
 def member_boxes(unit: Unit, box_of: BoxOf) -> list[OrientedBox]:

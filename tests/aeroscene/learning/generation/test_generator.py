@@ -73,6 +73,15 @@ def test_places_are_what_was_asked_for(generator: Generator) -> None:
         assert any(obj.category == "water" for obj in made.projected.objects)
 
 
+def test_every_scene_has_a_start_pad(generator: Generator) -> None:
+    """At each single place a pad is seldom, so a third of all scenes went without."""
+    domains = ("mixed", "outdoor")
+    for seed in range(8):
+        scene = generator.sampled(Request(seed=seed, domain=domains[seed % 2]))
+        pads = [obj for obj in scene.objects if obj.attributes.get("is_start") is True]
+        assert [obj.category for obj in pads] == ["landing_pad"]
+
+
 def test_completion_keeps_coarse_objects_where_they_are(generator: Generator) -> None:
     given = cached_scene(311)
     raw = next(generator.generate([Request(seed=6, complete=given)])).raw

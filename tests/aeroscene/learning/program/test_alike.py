@@ -1,8 +1,10 @@
 """What is as large, as wide or as straight as something else is so whatever the numbers are."""
 
+from collections import Counter
 from dataclasses import replace
 from functools import cache
 
+import msgspec
 import numpy as np
 import pytest
 
@@ -12,6 +14,7 @@ from aeroscene.learning.program import DecodingCfg, decode, encode
 from aeroscene.learning.program.decoding.growing import Grower
 from aeroscene.learning.program.kinds import AS_LAST_AXES, Kind
 from aeroscene.learning.program.references import measure_references, with_references
+from aeroscene.relations.hosts import AT_LEVELS
 
 AS_DRAWN = DecodingCfg(mends=False, makes_room=False)
 SEEDS = (1, 3, 7, 14)
@@ -55,6 +58,32 @@ def test_what_was_as_large_as_the_last_one_is_so_by_other_numbers(seed):
     assert len(found) > 5
     for box, last, axes in found:
         assert [box.s[i] for i in axes] == pytest.approx([last.s[i] for i in axes], abs=1e-4)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_the_first_of_its_kind_is_as_large_as_the_next_with_numbers(seed):
+    """A drawn program may say of the first table built that it is as large as the last one."""
+    program = with_references(encoded(seed), measure_references([encoded(seed)]))
+    units = [i for i, kind in enumerate(program.kinds) if kind.node == "unit"]
+    own = [i for i in units if not program.kinds[i].as_last and not program.kinds[i].is_group]
+    # Floors are as large as their rooms ask for.
+    n_of = Counter(program.kinds[i].what for i in own if program.kinds[i].category != "floor")
+    kinds, channels = list(program.kinds), program.channels.copy()
+    swapped = {}
+    for i in own:
+        what = kinds[i].what
+        if n_of[what] > 1 and what not in swapped and kinds[i].category not in AT_LEVELS:
+            swapped[what] = i
+            kinds[i] = msgspec.structs.replace(kinds[i], as_last="size")
+            channels[i, 5:8] = np.nan
+    assert swapped
+    decoded = decode(replace(program, kinds=tuple(kinds), channels=channels), cfg=AS_DRAWN)
+    for what, place in swapped.items():
+        others = [i for i in units if kinds[i].what == what and i != place]
+        first, *others = (
+            decoded.scene.object_by_id[decoded.object_ids[i][0]].bbox.s for i in (place, *others)
+        )
+        assert any(first == pytest.approx(size, abs=1e-3) for size in others)
 
 
 def test_what_is_as_the_last_one_has_no_numbers_of_its_own():

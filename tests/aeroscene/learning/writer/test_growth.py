@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from aeroscene.learning.writer.furnishing import Furnishing
@@ -60,6 +61,22 @@ def test_a_second_start_is_never_allowed(corpus, language):
         for growth, depth, choice in steps(syntax, encoded.program, wish):
             if growth.has_start and choice is not None:
                 assert not growth.allowed_kinds(depth)[syntax.is_start].any()
+
+
+def test_the_first_of_its_kind_is_never_as_large_as_the_last_one(corpus, language):
+    syntax, n_refused = language.syntax, 0
+    for encoded, wish in zip(*corpus, strict=True):
+        seen: set[int] = set()
+        for growth, depth, choice in steps(syntax, encoded.program, wish):
+            if choice is None:
+                continue
+            allowed = growth.allowed_kinds(depth)
+            is_first = syntax.is_as_last & ~np.isin(syntax.what, sorted(seen))
+            n_refused += is_first.sum()
+            assert not allowed[is_first].any()
+            if language.vocabulary.kinds[choice.kind].node == "unit":
+                seen.add(int(syntax.what[choice.kind]))
+    assert n_refused > 1000
 
 
 def test_objects_left_count_down_to_what_was_wished_for(corpus, language):
