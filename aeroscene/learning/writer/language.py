@@ -9,7 +9,7 @@ from typing import cast
 
 import msgspec
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float, Int
 
 from aeroscene.learning.program.atoms import Atoms, Reaches
 from aeroscene.learning.program.clearances import Clearances
@@ -19,7 +19,7 @@ from aeroscene.learning.program.program import Shape
 from aeroscene.learning.program.references import References, group_of
 from aeroscene.learning.program.statistics import ProgramStatistics, measure_programs
 from aeroscene.learning.program.vocabulary import ProgramVocabulary
-from aeroscene.learning.writer.syntax import Syntax, classes_of, learn_syntax
+from aeroscene.learning.writer.syntax import Syntax, classes_of, families_of, learn_syntax
 from aeroscene.scene import AttributeValue, SceneDomain
 
 _MEASURED = ("mean", "spread", "low", "high")
@@ -83,6 +83,7 @@ class Language:
             "always": syntax.always,
             "bears_fine": syntax.bears_fine,
             "most_children": syntax.most_children.astype(np.int16),
+            "has_shape": np.argwhere(syntax.has_shape).astype(np.int16),
             "atoms": self._atoms(),
         }
 
@@ -127,8 +128,20 @@ class Language:
             always=arrays["always"],
             bears_fine=arrays["bears_fine"],
             most_children=arrays["most_children"].astype(np.int64),
+            has_shape=_restored_shapes(vocabulary, arrays.get("has_shape")),
         )
         return Language(vocabulary, statistics, syntax)
+
+
+def _restored_shapes(
+    vocabulary: ProgramVocabulary, pairs: Int[np.ndarray, "k 2"] | None
+) -> Bool[np.ndarray, "families shapes"]:
+    """Which arrays each family had; all where nothing says which."""
+    n_families = int(families_of(vocabulary).max()) + 1
+    found = np.full((n_families, len(vocabulary.shapes)), pairs is None)
+    if pairs is not None:
+        found[tuple(pairs.T)] = True
+    return found
 
 
 def _restored_atoms(kinds: Sequence[Kind], rows: Float[np.ndarray, "k 4"]) -> Atoms:

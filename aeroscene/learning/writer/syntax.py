@@ -7,7 +7,7 @@ have as many children as they say; of everything else a corpus tells.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -67,6 +67,13 @@ class Syntax:
     bears_fine: Bool[np.ndarray, " classes"]
     """Coarse classes that had fine children."""
     most_children: Int[np.ndarray, " classes"]
+    has_shape: Bool[np.ndarray, "families shapes"]
+    """Which arrays the units of each family had, see `families_of`."""
+
+    @cached_property
+    def shapes(self) -> Bool[np.ndarray, "kinds shapes"]:
+        """Which arrays a token of each kind may have."""
+        return self.has_shape[families_of(self.vocabulary)]
 
     @cached_property
     def is_coarse(self) -> Bool[np.ndarray, " kinds"]:
@@ -138,9 +145,12 @@ def learn_syntax(vocabulary: ProgramVocabulary, programs: Iterable[Program]) -> 
     most = np.zeros((n, n), dtype=np.int16)
     n_with, n_seen = np.zeros((n, len(categories)), dtype=int), np.zeros(n, dtype=int)
     bears, most_children = np.zeros(n, dtype=bool), np.zeros(n, dtype=int)
+    family_of = families_of(vocabulary)
+    has_shape = np.zeros((int(family_of.max()) + 1, len(vocabulary.shapes)), dtype=bool)
     for program in programs:
         kinds = [vocabulary.nearest(kind) for kind in program.kinds]
         own = class_of[kinds]
+        has_shape[family_of[kinds], [vocabulary.nearest_shape(s) for s in program.shapes]] = True
         children = program.children()
         for place, below in enumerate(children):
             n_seen[own[place]] += 1
@@ -159,15 +169,20 @@ def learn_syntax(vocabulary: ProgramVocabulary, programs: Iterable[Program]) -> 
         always=always,
         bears_fine=bears,
         most_children=most_children,
+        has_shape=has_shape,
     )
 
 
 def classes_of(vocabulary: ProgramVocabulary) -> Int[np.ndarray, " kinds"]:
     """The class of each kind."""
-    keys = [_class_key(kind) for kind in vocabulary.kinds]
+    return _numbered([(kind.node, *kind.what) for kind in vocabulary.kinds])
+
+
+def families_of(vocabulary: ProgramVocabulary) -> Int[np.ndarray, " kinds"]:
+    """The family of each kind: what is the same thing in the same relation, alone or in a group."""
+    return _numbered([(k.node, *k.what, k.relation, k.is_group) for k in vocabulary.kinds])
+
+
+def _numbered(keys: Sequence[tuple[object, ...]]) -> Int[np.ndarray, " kinds"]:
     number = {key: index for index, key in enumerate(sorted(set(keys), key=repr))}
     return np.array([number[key] for key in keys])
-
-
-def _class_key(kind: Kind) -> tuple[object, ...]:
-    return kind.node, *kind.what
