@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from aeroscene.learning.program.clearances import NO_CLEARANCES, Clearances
+from aeroscene.learning.program.companions import ANY_COMPANIONS, Companions
 from aeroscene.learning.program.kinds import Kind
 from aeroscene.relations.relation import Array
 from aeroscene.scene import AttributeValue
@@ -67,6 +68,8 @@ class Node:
     choices: Float[np.ndarray, "4 4"] | None = None
     """For each of `REFERENCED` its value from each reference."""
     looks: list[Looks] = field(default_factory=list)
+    beside: str = ""
+    """Of a unit what its host is, see `aeroscene.learning.program.companions`."""
     ids: list[int] = field(default_factory=list)
     """Objects that the token stands for."""
     children: list[Node] = field(default_factory=list)
@@ -98,6 +101,8 @@ class Program:
     """For each token of its objects in turn; empty until drawn."""
     clearances: Clearances = NO_CLEARANCES
     """What units keep where they look for room; nothing of a program that was read off a scene."""
+    companions: Companions = ANY_COMPANIONS
+    """What units may stand beside; anything in a program that was read off a scene."""
 
     def __len__(self) -> int:
         return len(self.kinds)

@@ -11,6 +11,11 @@ from jaxtyping import Bool, Float, Int
 
 from aeroscene.learning.program.atoms import NO_ATOMS, Atoms, Reaches, atoms_of
 from aeroscene.learning.program.clearances import Clearances, measure_clearances
+from aeroscene.learning.program.companions import (
+    ANY_COMPANIONS,
+    Companions,
+    measure_companions,
+)
 from aeroscene.learning.program.encoding.encode import EncodedProgram
 from aeroscene.learning.program.program import COS, N_CHANNELS, SIN, Program
 from aeroscene.learning.program.references import (
@@ -51,6 +56,7 @@ class ProgramStatistics:
     """Which channels a kind has."""
     references: References
     clearances: Clearances
+    companions: Companions = ANY_COMPANIONS
     atoms: Atoms = NO_ATOMS
 
     @property
@@ -115,6 +121,14 @@ def measure_programs(
         has,
         references,
         measure_clearances([each.gaps for each in encoded]),
+        measure_companions(
+            [
+                (kind, host)
+                for each in encoded
+                for kind, host in zip(each.program.kinds, each.hosts, strict=True)
+                if kind.node == "unit"
+            ]
+        ),
         Atoms({group: found for group, found in atoms.items() if found}),
     )
     return vocabulary, statistics
@@ -175,6 +189,7 @@ def from_example(
         references=np.array([s.references.of(each) for each in kinds]),
         n_coarse=example.skeleton.n_coarse,
         clearances=s.clearances,
+        companions=s.companions,
     )
 
 

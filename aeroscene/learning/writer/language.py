@@ -13,6 +13,7 @@ from jaxtyping import Bool, Float, Int
 
 from aeroscene.learning.program.atoms import Atoms, Reaches
 from aeroscene.learning.program.clearances import Clearances
+from aeroscene.learning.program.companions import Bond, Companions, HostKey
 from aeroscene.learning.program.encoding.encode import EncodedProgram
 from aeroscene.learning.program.kinds import Attributes, Kind, theme_of
 from aeroscene.learning.program.program import Shape
@@ -39,6 +40,7 @@ class _Document(msgspec.Struct):
     shapes: tuple[Shape, ...]
     looks: tuple[_Looks, ...]
     clearances: dict[str, tuple[float, float]]
+    companions: dict[Bond, tuple[HostKey, ...]] = {}
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,6 +70,7 @@ class Language:
             known.shapes,
             looks,
             dict(self.statistics.clearances.by_category),
+            {bond: tuple(hosts) for bond, hosts in self.statistics.companions.by_bond.items()},
         )
         return msgspec.json.encode(document).decode()
 
@@ -119,6 +122,7 @@ class Language:
             **{name: arrays[name] for name in _FLAGS},
             references=References({group_of(kind): tuple(row) for kind, row in rows}),
             clearances=Clearances(document.clearances),
+            companions=Companions(document.companions),
             atoms=_restored_atoms(document.kinds, arrays.get("atoms", np.zeros((0, 4)))),
         )
         syntax = Syntax(

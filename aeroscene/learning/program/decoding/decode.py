@@ -100,7 +100,7 @@ class Builder:
     def __init__(self, program: Program, cfg: DecodingCfg | None = None) -> None:
         self._program = with_own_sizes(program)
         self._cfg = cfg or DecodingCfg()
-        self.making = Making(program)
+        self.making = Making(self._program)
         self._buildings: dict[int | None, DecodedBuilding] = {}
         """Those with storeys, by what they are in."""
         self._slabs: list[tuple[int, OrientedBox]] = []
@@ -175,17 +175,7 @@ class Builder:
         kind = program.kinds[place]
         if kind.category in AFLOAT and making.standing.category(bearer) != "water":
             bearer = next((obj.id for obj in making.objects if obj.category == "water"), bearer)
-        members = [i for i in making.children[place] if program.kinds[i].node == "member"]
-        unit = read_unit(
-            program,
-            place,
-            members,
-            bearer,
-            making.standing,
-            making.outline,
-            making.box,
-            self._last_m.get(kind.what),
-        )
+        unit = read_unit(making, place, bearer, self._last_m.get(kind.what))
         self._last_m[kind.what] = unit_size_m(unit)
         table = unit.host_id if unit.relation.kind == RelationKind.SEAT else None
         boxes = self._boxes(unit, kind)

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 from aeroscene.feasibility.doors import air_of
+from aeroscene.learning.program.companions import host_key
 from aeroscene.learning.program.decoding.growing import Grower
 from aeroscene.learning.program.decoding.neighbours import Neighbours
 from aeroscene.learning.program.kinds import CATEGORY_IDS
@@ -107,6 +108,14 @@ class Making:
         """Height of an object's underside; 0 of the bare world."""
         box = self.box(object_id)
         return 0.0 if box is None else box.p[2] - box.s[2] / 2
+
+    def host_key(self, object_id: int | None) -> str:
+        """What an object is as a host, see `aeroscene.learning.program.companions`."""
+        if object_id is None:
+            return host_key("", "")
+        place = self._place_of[object_id][0]
+        relation = "" if place is None else self.program.kinds[place].relation
+        return host_key(self.objects[object_id].category, relation)
 
     def outline(self, object_id: int | None) -> Rectangle:
         """An object from above; the site for None."""

@@ -13,6 +13,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from aeroscene.learning.program.decoding.making import Making
 from aeroscene.learning.program.encoding.units import pitch_base_m, underside_m
 from aeroscene.learning.program.kinds import AS_LAST_AXES, CATEGORY_IDS, OPENINGS, What
 from aeroscene.learning.program.measures import (
@@ -44,7 +45,6 @@ from aeroscene.relations.relation import ANY_TURN, Kind
 from aeroscene.scene import AttributeValue, OrientedBox, Quaternion, Vector3
 from aeroscene.scene.box import MIN_SIZE_M
 
-Outline = Callable[[int | None], Rectangle]
 BoxOf = Callable[[int | None], OrientedBox | None]
 _MOST_PITCH_M = 30.0
 _LEAST_PITCH_M = 0.05
@@ -53,36 +53,27 @@ LEAST_RISE_M = 0.15
 
 
 def read_unit(
-    program: Program,
-    token: int,
-    members: Sequence[int],
-    bearer: int | None,
-    standing: Standing,
-    outline: Outline,
-    box_of: BoxOf,
-    last_m: Vector3 | None = None,
+    making: Making, token: int, bearer: int | None, last_m: Vector3 | None = None
 ) -> Unit:
     """The unit that a token is, on what bears it.
 
     Args:
-        program: The program.
+        making: The program, and what is made of it already.
         token: Place of the unit's token.
-        members: Places of the tokens of its members, if they differ.
         bearer: Id of the object that bears it; None for the bare world.
-        standing: What stands already.
-        outline: An object from above by its id; the site for None.
-        box_of: An object's box by its id.
         last_m: Extents of the last unit that is the same, for what is as large; None without one.
     """
+    program, box_of = making.program, making.box
     kind = program.kinds[token]
+    members = [i for i in making.children[token] if program.kinds[i].node == "member"]
     c = np.nan_to_num(program.channels[token]).tolist()
-    relation, host = _related(program, token, bearer, standing, box_of)
+    relation, host = _related(making, token, bearer)
     residual_rad = own_heading_rad(*program.channels[token, [COS, SIN]].tolist())
     turn = 0 if relation.quadrant == ANY_TURN else relation.quadrant
     host_box = box_of(host)
     host_rad = 0.0 if host_box is None else host_box.yaw_rad
     yaw_rad = host_rad + (relation.side + turn) * QUARTER + residual_rad
-    around = Surroundings(box_of(bearer), up_to_level(standing.category(host), host_box))
+    around = Surroundings(box_of(bearer), up_to_level(making.standing.category(host), host_box))
     size_m, base_m = size_and_base(
         around,
         [c[RISE], *c[SIZE]],
@@ -102,7 +93,7 @@ def read_unit(
     own_m = base_m - _low_m(around.bearer)
     made = _members(program, token, members, size_m, own_m, n_members)
     halves_m = [foot_m(member.category_id, member.size_m) for member in made]
-    host_outline = outline(host)
+    host_outline = making.outline(host)
     array = None
     if kind.is_group:
         array = _array(program, token, shape, relation.kind, halves_m, host_outline)
@@ -165,13 +156,13 @@ def openings_of(program: Program, place: int, box: OrientedBox) -> dict[str, Att
     return found
 
 
-def _related(
-    program: Program, token: int, bearer: int | None, standing: Standing, box_of: BoxOf
-) -> tuple[Relation, int | None]:
+def _related(making: Making, token: int, bearer: int | None) -> tuple[Relation, int | None]:
     """The relation of a unit and its host: of the rank that was drawn, or the last before it.
 
-    Of stairs it is the next of those that are higher than what bears them.
+    Of stairs it is the next of those that are higher than what bears them, of all else the nearest
+    that such a unit may have.
     """
+    program, standing, box_of = making.program, making.standing, making.box
     kind = program.kinds[token]
     relation = kind.to_relation(0)
     hosts = standing.possible_hosts(relation.kind, CATEGORY_IDS[kind.category], bearer)
@@ -181,6 +172,8 @@ def _related(
     if kind.category in AT_LEVELS and relation.kind == Kind.SIDE:
         higher = [i for i, host in enumerate(hosts) if _is_higher(host, bearer, standing, box_of)]
         rank = next((i for i in higher if i >= rank), higher[0] if higher else rank)
+    elif len(hosts) > 1:
+        rank = program.companions.nearest(kind, rank, list(map(making.host_key, hosts)))
     return replace(relation, host=rank), hosts[rank]
 
 

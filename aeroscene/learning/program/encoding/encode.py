@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Float
 
 from aeroscene.learning.program.clearances import gaps_between
+from aeroscene.learning.program.companions import host_key
 from aeroscene.learning.program.encoding.bearers import covers_under, find_boxes
 from aeroscene.learning.program.encoding.partitions import Cells, site_node, storey_node
 from aeroscene.learning.program.encoding.units import underside_m, unit_node, unit_size_m
@@ -48,6 +49,8 @@ class EncodedProgram:
     """Channels that may count from several things, from each of them; NaN where there is none."""
     gaps: Mapping[str, Float[np.ndarray, "k 2"]]
     """Of each category what `gaps_between` finds between its units."""
+    hosts: tuple[str, ...]
+    """For each token what the host of its unit is, see `companions`; empty for other tokens."""
 
 
 def encode(scene: Scene) -> EncodedProgram:
@@ -72,6 +75,7 @@ def encode(scene: Scene) -> EncodedProgram:
         object_ids=tuple(tuple(node.ids) for node in nodes),
         choices=np.array([none if node.choices is None else node.choices for node in nodes]),
         gaps=_gaps(nodes, scene),
+        hosts=tuple(node.beside for node in nodes),
     )
 
 
@@ -163,10 +167,16 @@ class _Encoder:
             what = what_of(objects[unit.members[0].id])
             node = unit_node(unit, objects, self.site, roots, last_m.get(what))
             last_m[what] = unit_size_m(unit)
+            node.beside = self._host_key(unit.host_id)
             above, node.member = self.bearer[unit.parent_id]
             above.add(node)
             for number, member in enumerate(unit.members):
                 self.bearer[member.id] = node, number
+
+    def _host_key(self, host_id: int | None) -> str:
+        if host_id is None:
+            return host_key("", "")
+        return host_key(self._object(host_id).category, self.bearer[host_id][0].kind.relation)
 
     def hang_storeys(self, buildings: Sequence[ParsedBuilding]) -> None:
         """Storeys below their buildings, before all else there."""
