@@ -63,6 +63,11 @@ def aligned(
     return _with_lines(node, (length_m, width_m), partner, least_m)
 
 
+def lines_of(node: Node, length_m: float, width_m: float) -> list[Cut]:
+    """The lines of a storey's tree."""
+    return [cut for _, cut in _cuts(node, (0.0, 0.0, length_m, width_m))]
+
+
 def _with_lines(
     node: Node,
     sides_m: tuple[float, float],

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import permutations
 
-from aeroscene.learning.program.decoding.snapping import Cut, aligned
+from aeroscene.learning.program.decoding.snapping import Cut, aligned, lines_of
 from aeroscene.partition import BuildingPart
 from aeroscene.partition.cells import Cell, cells_of, merged
 from aeroscene.partition.frames import Bounds, Frame, hull_of
@@ -20,6 +20,8 @@ from aeroscene.solids.shapes.facade import SLAB_M
 
 _REACH_M = 4.0
 """Farthest that the edge of an upper floor moves to where high rooms end below it."""
+_BESIDE_M = 0.2
+"""Nearest that walls of two storeys run beside each other; nearer ones stand upon each other."""
 _MEET_M = 1e-3
 _LEAST_ROOM_M = 2.0
 """Least height of a room under a floor."""
@@ -52,6 +54,7 @@ def stacked(levels: Sequence[Level], frame: Frame, least_m: float) -> list[Node]
             continue
         below, above = trees[number - 1], trees[number]
         pairs = _pairs(_plan(below, frame), _plan(above, frame), rise_m)
+        pairs += _beside(below, above, frame)
         above = aligned(above, frame.length_m, frame.width_m, pairs, least_m)
         trees[number - 1] = _under(below, above, frame, rise_m)
         trees[number] = above
@@ -80,6 +83,23 @@ def _pairs(below: _Plan, above: _Plan, rise_m: float) -> list[tuple[Cut, Cut]]:
         ]
         if near:
             found.append((edge, min(near, key=lambda end: abs(end.at - edge.at))))
+    return found
+
+
+def _beside(below: Node, above: Node, frame: Frame) -> list[tuple[Cut, Cut]]:
+    """Each line of an upper storey that runs close beside one of the lower storey, with that."""
+    lower = lines_of(below, frame.length_m, frame.width_m)
+    found: list[tuple[Cut, Cut]] = []
+    for line in lines_of(above, frame.length_m, frame.width_m):
+        near = [
+            other
+            for other in lower
+            if other.is_across_x == line.is_across_x
+            and abs(other.at - line.at) < _BESIDE_M
+            and min(other.high, line.high) - max(other.low, line.low) > _MEET_M
+        ]
+        if near:
+            found.append((line, min(near, key=lambda other: abs(other.at - line.at))))
     return found
 
 

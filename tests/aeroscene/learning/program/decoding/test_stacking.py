@@ -53,6 +53,13 @@ def test_what_fits_stays_as_it_is():
     assert stacked([Level(HIGH, 0.15, WALL_M)], FRAME, 0.5) == [HIGH]
 
 
+@pytest.mark.parametrize(("share", "at_m"), [(0.405, 8.0), (0.392, 8.0), (0.42, 8.4)])
+def test_walls_close_beside_those_below_stand_upon_them(share, at_m):
+    low = Leaf("a", 3.6 - SLAB_M)
+    _, above = stacked(levels(split(0.4, low, low), split(share, UPPER, UPPER)), FRAME, 0.5)
+    assert cells(above)[0][0] == (0.0, 0.0, at_m, 10.0)
+
+
 def test_slabs_carry_each_room_or_all_of_a_storey():
     found = levels(LOW, split(0.4, UPPER, split(0.5, UPPER, OPEN)))
     slabs = upper_slabs(found, FRAME, [], n_slabs=2)
