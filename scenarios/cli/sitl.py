@@ -24,6 +24,7 @@ from scenarios.cli.command_line import (
     handling_signals,
     print_json,
 )
+from scenarios.cli.entry import lasting
 from scenarios.cli.sitl_words import announce, print_results
 from scenarios.cli.status_line import StatusLine
 from scenarios.run.cfg import SitlCfg
@@ -90,7 +91,9 @@ def run(command: SitlCommand) -> int:
     cfg = command.cfg
     _refuse_output_over_output(cfg)
     made = [path for path in _folders(cfg) if not path.exists()]
-    with SharedSitl(cfg) if len(cfg.airframes) > 1 else Sitl(cfg) as sitl:
+    with lasting():
+        opened = SharedSitl(cfg) if len(cfg.airframes) > 1 else Sitl(cfg)
+    with opened as sitl:
         flights = sitl.flights if isinstance(sitl, SharedSitl) else (sitl,)
         announce(console, flights)
         for folder in made:
