@@ -66,7 +66,7 @@ class TelemetryService:
         if channels is not self._served:
             self._meet(channels)
         now_us = self._now_us()
-        if now_us < self._next_us:  # As in half of the ticks of a ground station alone.
+        if now_us < self._next_us:  # As in 46% of the ticks of a ground station alone.
             for _, streamed in self._in_turn:
                 streamed.let_pass(now_us)
             return
