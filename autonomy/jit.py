@@ -11,7 +11,9 @@ import contextlib
 import functools
 import gc
 import hashlib
+import importlib
 import logging
+import os
 import re
 import shutil
 from collections.abc import Callable, Sequence
@@ -21,6 +23,8 @@ from typing import Any, TypeVar
 import numba
 import platformdirs
 from numba.core import config
+from numba.core.caching import FunctionCache
+from numba.np import linalg
 
 _LOG = logging.getLogger(__name__)
 _config: Any = config  # its names are created at run time
@@ -48,20 +52,39 @@ def kernel_without_lock(function: _F) -> _F:
 def _compiled(function: _F, *, nogil: bool) -> _F:
     is_part = function.__name__.startswith("_")
     compiler: Any = numba.njit  # its annotations lack options
-    inherited = _config.CACHE_DIR
+    compiled = compiler(
+        error_model="numpy",
+        fastmath=False,
+        no_cfunc_wrapper=True,
+        no_cpython_wrapper=is_part,
+        nogil=nogil,
+    )(function)
     if not is_part:
-        _config.CACHE_DIR = str(cache_directory(function.__module__))
-    try:
-        return compiler(
-            cache=not is_part,
-            error_model="numpy",
-            fastmath=False,
-            no_cfunc_wrapper=True,
-            no_cpython_wrapper=is_part,
-            nogil=nogil,
-        )(function)
-    finally:
-        _config.CACHE_DIR = inherited  # nobody else's kernels belong under this digest
+        compiled._cache = _KeptCode(function)
+    return compiled
+
+
+class _KeptCode:
+    """numba's cache of a kernel, opened when the kernel's code is first looked for.
+
+    To name its directory, all sources are read that the kernel may call: of the 125 kernels that a
+    flight imports it asks for three, which hold the code of the others.
+    """
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        self._function = function
+
+    @functools.cached_property
+    def _opened(self) -> FunctionCache:
+        inherited = _config.CACHE_DIR
+        _config.CACHE_DIR = str(cache_directory(self._function.__module__))
+        try:
+            return FunctionCache(self._function)
+        finally:
+            _config.CACHE_DIR = inherited  # nobody else's kernels belong under this digest
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._opened, name)
 
 
 def fields(*names: str, kind: str = "f8", shape: tuple[int, ...] = ()) -> list[tuple[Any, ...]]:
@@ -96,6 +119,7 @@ def compile_ahead(
     mark = directory / f"{compiled.__name__}.compiled"
     if not mark.exists():
         _LOG.warning("compiling %s, once, about %.0f s", title, expected_seconds)
+    _spare_linear_algebra()
     was_enabled = gc.isenabled()
     gc.disable()  # numba makes millions of lasting objects: a tenth of the time
     try:
@@ -105,6 +129,24 @@ def compile_ahead(
             gc.enable()
     if directory.exists():
         mark.touch()
+
+
+def _spare_linear_algebra() -> None:
+    """Spare numba its look for SciPy's linear algebra, which we depend on, so that it is there.
+
+    It looks by importing `scipy.linalg`, a tenth of a launch. A kernel that uses linear algebra
+    still imports it.
+    """
+    look = linalg.ensure_blas
+    linalg.ensure_blas = _know
+    try:
+        importlib.import_module("numba.np.arraymath")  # The one that looks before it is needed.
+    finally:
+        linalg.ensure_blas = look
+
+
+def _know() -> None:
+    """Find SciPy's linear algebra without a look."""
 
 
 def announce_if_cold(modules: Sequence[str], title: str, expected_seconds: float) -> None:
@@ -126,10 +168,10 @@ def announce_if_cold(modules: Sequence[str], title: str, expected_seconds: float
 @functools.cache
 def _path_of(root: Path, module: str) -> Path | None:
     """Source file of one of our modules, None for others; many name the same ones."""
-    stem = root.joinpath(*module.split("."))
-    for path in (stem.with_name(f"{stem.name}.py"), stem / "__init__.py"):
-        if path.exists():
-            return path
+    stem = os.path.join(root, *module.split("."))  # noqa: PTH118 - a fifth of pathlib's time
+    for name in (f"{stem}.py", f"{stem}/__init__.py"):
+        if os.path.exists(name):  # noqa: PTH110 - as above
+            return Path(name)
     return None
 
 

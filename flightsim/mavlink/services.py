@@ -21,7 +21,7 @@ from flightsim.mavlink.logs import FlightRecorder, LogService
 from flightsim.mavlink.maintenance_commands import MaintenanceCommands
 from flightsim.mavlink.manual_control import ManualControlService
 from flightsim.mavlink.message_commands import IdentityCommands, MessageCommands
-from flightsim.mavlink.metadata import PACKED_PARAMETERS, MetadataService, packed_parameters
+from flightsim.mavlink.metadata import PACKED_PARAMETERS, MetadataService, PackedParameters
 from flightsim.mavlink.mission import FENCE, MISSION, RALLY, MissionService
 from flightsim.mavlink.mission_with_home import MissionWithHome
 from flightsim.mavlink.mode_report import ModeReport
@@ -99,10 +99,11 @@ class Services:
         metadata = MetadataService(view, setting.partners) if personality.has_metadata else None
         recorder = FlightRecorder(view, setting.statustext)
         parameters = _named_parameters(setting)
+        packed = PackedParameters(parameters, view.autopilot.parameters)
 
         def files() -> Mapping[str, bytes | bytearray]:
-            packed = {PACKED_PARAMETERS: packed_parameters(parameters)}
-            return {**recorder.files(), **packed, **(metadata.files if metadata else {})}
+            described = metadata.files if metadata else {}
+            return {**recorder.files(), PACKED_PARAMETERS: packed.file(), **described}
 
         self.telemetry = _telemetry(setting, modes, metadata.producers if metadata else {})
         self.missions = _missions(setting, guided)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
-from types import MappingProxyType
 
 from flightsim.vehicles.airframe import Airframe, AirframeError
 from flightsim.vehicles.definition import read_airframe
@@ -14,9 +14,28 @@ _SHIPPED = Path(__file__).parent / "shipped"
 _SUFFIX = ".toml"
 _NAMES = ("iris", "iris-rotors", "hummingbird", "crazyflie", "typhoon")
 
-AIRFRAMES: Mapping[str, Airframe] = MappingProxyType(
-    {name: read_airframe(_SHIPPED / f"{name}{_SUFFIX}") for name in _NAMES}
-)
+
+class _Shipped(Mapping[str, Airframe]):
+    """Airframes that ship, each read when it is first asked for."""
+
+    def __getitem__(self, name: str) -> Airframe:
+        if name not in _NAMES:
+            raise KeyError(name)
+        return _read(name)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(_NAMES)
+
+    def __len__(self) -> int:
+        return len(_NAMES)
+
+
+@cache
+def _read(name: str) -> Airframe:
+    return read_airframe(_SHIPPED / f"{name}{_SUFFIX}")
+
+
+AIRFRAMES: Mapping[str, Airframe] = _Shipped()
 """Airframes that ship."""
 
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import gc
 import importlib
 import os
 import signal
 import sys
+from collections.abc import Iterator
 from types import FrameType
 from typing import Any
 
@@ -40,14 +42,21 @@ def _start(module: str) -> int:
 
 
 def _import(module: str) -> Any:
-    """Import a module with all that it imports, none of which is ever garbage.
+    """Import a module with all that it imports."""
+    with lasting():
+        return importlib.import_module(module)
+
+
+@contextlib.contextmanager
+def lasting() -> Iterator[None]:
+    """Make what is not garbage before the process ends, such as imports and a run's parts.
 
     The collector would look through a million objects of numba's again and again: a tenth of a
     launch, and as much of every later collection.
     """
     gc.disable()
     try:
-        return importlib.import_module(module)
+        yield
     finally:
         gc.freeze()
         gc.enable()

@@ -7,7 +7,7 @@ import os
 import signal
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, Annotated, Any
@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import tyro
 from rich.console import Console
 
-from flightsim.testbench import TestbenchError
+from flightsim.testbench import TestbenchCfg, TestbenchError
 from scenarios.cli.command_line import (
     EXIT_BAD_INPUT,
     EXIT_DONE,
@@ -24,6 +24,7 @@ from scenarios.cli.command_line import (
     handling_signals,
     print_json,
 )
+from scenarios.cli.entry import lasting
 from scenarios.cli.sitl_words import announce, print_results
 from scenarios.cli.status_line import StatusLine
 from scenarios.run.cfg import SitlCfg
@@ -48,6 +49,10 @@ class SitlCommand(SitlCfg):
         Annotated[str, tyro.conf.arg(metavar="[SCENE]", help_behavior_hint="")]
     ] = ""
     """Scene to fly in; the same as --scene."""
+    # Without a text of its own here, tyro would look for one in the sources, at every launch.
+    bench: Annotated[TestbenchCfg, tyro.conf.arg(help="Settings of a simulation.")] = field(
+        default_factory=TestbenchCfg
+    )
     scene: Annotated[str, tyro.conf.arg(help_behavior_hint="(default: 42)")] = ""
     """Scene of the dataset by number, corpus:N, gen:SEED, field (open, flat), a scene file (.json,
     .json.gz), or one of a file of layouts (.jsonl, .jsonl.gz) as FILE#ID or FILE#N."""
@@ -86,7 +91,9 @@ def run(command: SitlCommand) -> int:
     cfg = command.cfg
     _refuse_output_over_output(cfg)
     made = [path for path in _folders(cfg) if not path.exists()]
-    with SharedSitl(cfg) if len(cfg.airframes) > 1 else Sitl(cfg) as sitl:
+    with lasting():
+        opened = SharedSitl(cfg) if len(cfg.airframes) > 1 else Sitl(cfg)
+    with opened as sitl:
         flights = sitl.flights if isinstance(sitl, SharedSitl) else (sitl,)
         announce(console, flights)
         for folder in made:

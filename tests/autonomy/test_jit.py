@@ -2,6 +2,8 @@
 
 import importlib
 import logging
+import os
+import subprocess
 import sys
 from pathlib import Path
 
@@ -115,3 +117,48 @@ def test_every_kernel_is_kept_under_a_digest_of_its_own(package):
     own = Path(jit.__file__)
     bare = [path for path in root.rglob("*.py") if path != own and "njit" in path.read_text()]
     assert bare == []
+
+
+def test_only_a_kernel_whose_code_is_asked_for_looks_through_its_sources(fresh_tree, monkeypatch):
+    """A flight imports 125 kernels and asks for three."""
+    (fresh_tree / "craft.py").write_text(
+        "from autonomy.jit import kernel\n\n\n@kernel\ndef double(x):\n    return 2.0 * x\n"
+    )
+    monkeypatch.syspath_prepend(fresh_tree)
+    monkeypatch.delitem(sys.modules, "craft", raising=False)
+    double = importlib.import_module("craft").double
+    assert jit.cache_directory.cache_info().currsize == 0
+    jit.compile_ahead(double, (1.0,), "the doubler", 3.0)
+    assert jit.cache_directory.cache_info().currsize == 1
+
+
+def test_kernels_load_without_scipys_linear_algebra_and_still_have_it(tmp_path):
+    """numba looks for it by importing it, a tenth of a launch."""
+    (tmp_path / "craft.py").write_text(
+        "import sys\n"
+        "import numpy as np\n"
+        "from autonomy import jit\n\n\n"
+        "@jit.kernel\n"
+        "def double(x):\n"
+        "    return 2.0 * x\n\n\n"
+        "@jit.kernel\n"
+        "def inner(a, b):\n"
+        "    return np.dot(a, b)\n\n\n"
+        "jit.compile_ahead(double, (1.0,), 'the doubler', 3.0)\n"
+        "print('scipy.linalg' in sys.modules, inner(np.arange(3.0), np.ones(3)))\n"
+        "print('scipy.linalg' in sys.modules)\n"
+    )
+    environment = {
+        **os.environ,
+        "XDG_CACHE_HOME": str(tmp_path / "cache"),
+        "PYTHONPATH": str(Path(jit.__file__).parents[1]),
+    }
+    printed = subprocess.run(
+        [sys.executable, "-c", "import craft"],
+        cwd=tmp_path,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout
+    assert printed.split() == ["False", "3.0", "True"]

@@ -29,6 +29,7 @@ from flightsim.plant.record import PLANT_DTYPE
 TICK_US = 20_000
 """Period of the server, and so the shortest interval of a stream."""
 
+_NOT_DUE_US = 1 << 62
 _N_VALUES = VALUES_DTYPE.itemsize // 8
 _COMPILE_SECONDS = 8.0
 
@@ -44,7 +45,7 @@ def stream(streamers: np.ndarray, now_us: int, asked: int) -> int:
 
     Returns:
         Number of messages that Python must pack before this is called again; their indexes are
-        where `wanted_address` says. 0 if all is done.
+        where `wanted_address` says. 0 if all is done; nothing is due again before `next_us` then.
     """
     s = streamers[0]
     messages = rows(s.messages_address, s.n_messages, MESSAGE_DTYPE)
@@ -55,12 +56,15 @@ def stream(streamers: np.ndarray, now_us: int, asked: int) -> int:
         return 0
     addresses = long_integers(s.partners_address, s.n_partners)
     n_wanted = 0
+    s.next_us = _NOT_DUE_US
     for k in range(len(addresses)):
         partner = rows(addresses[k], 1, PARTNER_DTYPE)
         partner[0].n_frames = partner[0].n_bytes = 0
-        if partner[0].way != WAITS:
-            mark_due(partner, s.n_messages, now_us)
-            n_wanted = _want(s, messages, partner[0], now_us, n_wanted)
+        if partner[0].way == WAITS:
+            s.next_us = now_us  # It may take what is overdue at any tick.
+            continue
+        s.next_us = min(s.next_us, mark_due(partner, s.n_messages, now_us))
+        n_wanted = _want(s, messages, partner[0], now_us, n_wanted)
     if n_wanted > 0:
         return n_wanted
     for k in range(len(addresses)):
@@ -71,25 +75,33 @@ def stream(streamers: np.ndarray, now_us: int, asked: int) -> int:
 
 
 @kernel
-def mark_due(partners: np.ndarray, n_messages: int, now_us: int) -> None:
+def mark_due(partners: np.ndarray, n_messages: int, now_us: int) -> int:
     """Mark what is due for a partner at a tick, and move its calendar on.
 
     Args:
         partners: `PARTNER_DTYPE` (1,), changed.
         n_messages: Number of types of messages.
         now_us: Simulated time.
+
+    Returns:
+        Time at which something is due again.
     """
     p = partners[0]
     next_us = long_integers(p.next_address, n_messages)
     interval_us = long_integers(p.interval_address, n_messages)
     is_due = bytes_at(p.due_address, n_messages)
     p.now_us = now_us
+    earliest_us = _NOT_DUE_US
     for i in range(n_messages):
-        if interval_us[i] >= 0 and next_us[i] <= now_us:
+        if interval_us[i] < 0:
+            continue
+        if next_us[i] <= now_us:
             is_due[i] = 1
             next_us[i] += interval_us[i]
             if next_us[i] <= now_us:  # Of ticks that were left out, one message makes up for all.
                 next_us[i] = now_us + TICK_US
+        earliest_us = min(earliest_us, next_us[i])
+    return earliest_us
 
 
 @kernel

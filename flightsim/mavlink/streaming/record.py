@@ -92,11 +92,12 @@ STREAMER_DTYPE = np.dtype(
     fields(
         *("plant_address", "view_address", "values_address", "fields_address"),
         *("messages_address", "partners_address", "wanted_address", "payloads_address"),
-        *("n_messages", "n_partners", "filled_us"),
+        *("n_messages", "n_partners", "filled_us", "next_us"),
         kind="i8",
     )
 )
-"""Where all that is. `partners_address` is of addresses, one for each partner."""
+"""Where all that is. `partners_address` is of addresses, one for each partner, and `next_us` the
+time at which something is due for one of them again."""
 
 
 _FIRST_VALUES = {

@@ -19,9 +19,11 @@ from flightsim.mavlink.streaming.record import (
 from flightsim.mavlink.streaming.told import Told
 
 _ANY = -1
-_WAY, _SEQUENCE, _N_FRAMES, _N_BYTES = range(4)
+_WAY, _SEQUENCE, _N_FRAMES, _N_BYTES, _NOW_US = range(5)
 assert PARTNER_DTYPE.names is not None
-assert PARTNER_DTYPE.names[:4] == ("way", "sequence", "n_frames", "n_bytes")
+assert PARTNER_DTYPE.names[:5] == ("way", "sequence", "n_frames", "n_bytes", "now_us")
+assert STREAMER_DTYPE.names is not None
+_NEXT_US = STREAMER_DTYPE.names.index("next_us")
 
 
 class Streamed:
@@ -43,6 +45,10 @@ class Streamed:
         """Say how it is served in this tick, and the number of its next frame."""
         self._numbers[_WAY] = way
         self._numbers[_SEQUENCE] = sequence
+
+    def let_pass(self, now_us: int) -> None:
+        """Note a tick at which nothing is due: rates that change count from the latest one."""
+        self._numbers[_NOW_US] = now_us
 
     @property
     def way(self) -> int:
@@ -93,6 +99,7 @@ class Streamer:
         self._fields = field_rows()
         self._addresses = np.zeros(0, np.int64)
         self._streamer = np.zeros(1, STREAMER_DTYPE)
+        self._numbers = self._streamer.data.cast("B").cast("q")
         record: np.void = self._streamer[0]
         record["filled_us"], record["n_messages"] = -1, len(layouts)
         arrays = {
@@ -124,12 +131,15 @@ class Streamer:
         self._streamer["partners_address"] = self._addresses.ctypes.data
         self._streamer["n_partners"] = len(partners)
 
-    def stream(self, now_us: int, pack: Callable[[int], tuple[bytes, ...]]) -> None:
+    def stream(self, now_us: int, pack: Callable[[int], tuple[bytes, ...]]) -> int:
         """Frame what is due at this tick.
 
         Args:
             now_us: Simulated time.
             pack: Packs the parts of a message that the kernel does not fill, by its index.
+
+        Returns:
+            Time at which something is due again, if neither rates nor partners change.
         """
         if self._told is not None:
             self._told.listen()
@@ -138,6 +148,7 @@ class Streamer:
             for index in self._wanted[:n_wanted].tolist():
                 self._put(index, now_us, pack(index))
             stream(self._streamer, now_us, _ANY)
+        return self._numbers[_NEXT_US]
 
     def fill(self, index: int, now_us: int) -> tuple[bytes, ...]:
         """Payload of a message that the kernel fills, as it is now; nothing if it is unknown."""

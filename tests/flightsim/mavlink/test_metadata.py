@@ -10,6 +10,7 @@ from flightsim.autopilot.parameters import PARAMETER_SPECS
 from flightsim.mavlink.crc32 import crc32
 from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.dialect import layout
+from flightsim.mavlink.metadata import PackedParameters
 from flightsim.mavlink.personalities import ARDUPILOT
 from tests.flightsim.mavlink.conftest import Flight
 from tests.flightsim.mavlink.wire import named
@@ -141,6 +142,20 @@ def test_all_parameters_come_as_one_file(flight, wish):
     assert values == {name: flight.autopilot.parameters[name] for name in values}
     assert values["MIS_TAKEOFF_ALT"] == 7.5
     assert b"D@PARAM" in ftp(flight, LIST, b"/")[1]
+
+
+def test_parameters_are_packed_anew_only_after_one_has_changed(flight):
+    """To pack them takes as long as many answers, and a client may ask twenty times a tick."""
+    parameters = flight.autopilot.parameters
+    kept = PackedParameters(parameters, parameters)
+    before = kept.file()
+    assert kept.file() is before
+    parameters.set("RTL_RETURN_ALT", 47.0)
+    assert kept.file() == PackedParameters(parameters, parameters).file() != before
+    assert unpacked(kept.file())["RTL_RETURN_ALT"] == 47.0
+    parameters.set("RTL_RETURN_ALT", 47.0)
+    after = kept.file()
+    assert kept.file() is after
 
 
 def test_ardupilot_packs_its_own_names_and_has_no_metadata(field):

@@ -117,6 +117,39 @@ def test_a_diverged_estimate_is_not_told(flight):
         assert streamer.fill(attitude, flight.plant.time_us)
 
 
+def test_ticks_at_which_nothing_is_due_are_passed_over_and_nothing_else_changes(field, monkeypatch):
+    """The twin looks at every tick; rates change and streams begin and end at any."""
+    rng = random.Random(5)
+    passing, looking = Flight(field), Flight(field)
+    flights, calls = (passing, looking), []
+    streamer = passing.server.telemetry._streamer
+    told = streamer.stream
+    monkeypatch.setattr(streamer, "stream", lambda *of: calls.append(1) or told(*of))
+    for each in flights:
+        each.send("REQUEST_DATA_STREAM", 1, 1, 0, 0, 0)
+        for name in ("ALTITUDE", "ODOMETRY", "ATTITUDE_QUATERNION", "ATTITUDE_TARGET"):
+            each.send("COMMAND_LONG", 1, 1, 511, 0, LAYOUTS[name].message_id, -1, 0, 0, 0, 0, 0)
+    n_ticks, n_quiet, n_bytes = 1000, 0, 0
+    for _ in range(n_ticks):
+        if rng.random() < 0.05:
+            name, interval_us = rng.choice(TOLD), rng.choice((-1, 66_667, 100_000, 1e6))
+            asked = (511, 0, LAYOUTS[name].message_id, interval_us, 0, 0, 0, 0, 0)
+            for each in flights:
+                each.send("COMMAND_LONG", 1, 1, *asked)
+        looking.server.telemetry._next_us = 0
+        calls.clear()
+        for each in flights:
+            each.simulator.step()
+        came, expected = (each.link.client.recv() for each in flights)
+        assert came == expected
+        n_quiet += not calls
+        n_bytes += len(came)
+    for each in flights:
+        each.close()
+    assert n_bytes > 0
+    assert n_quiet > 0.1 * n_ticks
+
+
 class _Told:
     """Streams what Python packs, of any message, to a partner that gets it in each tick."""
 
