@@ -180,7 +180,7 @@ class _Draw:
     def _choice(self, kind: int, local: Float[np.ndarray, " l"]) -> Choice:
         """A token of a kind with its member, host and shape."""
         logits = self._writer.rest_logits(local, kind)
-        allowed = (None, None, self._syntax.shapes[kind])
+        allowed = (None, None, self._syntax.shapes(kind))
         member, host, shape = map(self._choose, logits, allowed)
         is_group = self._syntax.vocabulary.kinds[kind].is_group
         return Choice(kind, member, host, shape if is_group else 0)

@@ -70,10 +70,13 @@ class Syntax:
     has_shape: Bool[np.ndarray, "families shapes"]
     """Which arrays the units of each family had, see `families_of`."""
 
+    def shapes(self, kind: int) -> Bool[np.ndarray, " shapes"]:
+        """Which arrays a token of a kind may have."""
+        return self.has_shape[self._family_of[kind]]
+
     @cached_property
-    def shapes(self) -> Bool[np.ndarray, "kinds shapes"]:
-        """Which arrays a token of each kind may have."""
-        return self.has_shape[families_of(self.vocabulary)]
+    def _family_of(self) -> Int[np.ndarray, " kinds"]:
+        return families_of(self.vocabulary)
 
     @cached_property
     def is_coarse(self) -> Bool[np.ndarray, " kinds"]:

@@ -65,6 +65,15 @@ def test_draws_keep_the_syntax_and_are_the_same_again(language, writer, wish):
         assert language.syntax.most[above, own] > 0
 
 
+def test_groups_have_arrays_that_the_same_thing_had(language, writer, wish, rng):
+    draw = _Draw(StepwiseWriter(writer), language.syntax, wish, rng)
+    for kind, each in enumerate(language.vocabulary.kinds):
+        known = rng.normal(size=writer.kind[0].in_features).astype(np.float32)
+        choice = draw._choice(kind, known)
+        assert language.syntax.shapes(kind)[choice.shape]
+        assert each.is_group or choice.shape == 0
+
+
 def test_what_is_kept_comes_first_and_is_furnished(corpus, language, writer, rng):
     program, wish = corpus[0][2].program, corpus[1][2]
     coarse = replace(
