@@ -87,9 +87,10 @@ def test_bad_numbers_and_names_are_refused_in_a_line(capsys, tmp_path, vehicles,
 
 def test_more_vehicles_than_the_start_has_room_for_open_nothing(capsys, tmp_path):
     path = tmp_path / "never.rrd"
+    # A circle of 15 m has no room for so many, 3 m apart, whatever stands in it.
     with pytest.raises(SystemExit) as ending:
-        main(["--scene", "42", "--vehicles", "40", "--record", str(path)])
+        main(["--scene", "42", "--vehicles", "90", "--record", str(path)])
     assert ending.value.code == 2
     (line,) = [each for each in capsys.readouterr().err.splitlines() if "error" in each]
-    assert "vehicles 40: the start of scene 'aeroscene-0042' has room for" in line
+    assert "vehicles 90: the start of scene 'aeroscene-0042' has room for" in line
     assert not path.exists()

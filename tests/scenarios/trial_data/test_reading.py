@@ -133,9 +133,13 @@ def test_a_file_that_is_no_flight_is_named(tmp_path):
 def test_a_torn_recording_gives_what_is_whole(flight, tmp_path):
     torn = tmp_path / "torn.rrd"
     data = flight.path.read_bytes()
-    torn.write_bytes(data[: round(0.65 * len(data))])
-    trial = read_trial(torn)
-    n = len(trial.tables["states"])
+    # States come in a few pieces, among pictures of other sizes in every scene.
+    for share in (0.7, 0.65, 0.6, 0.55, 0.5):
+        torn.write_bytes(data[: round(share * len(data))])
+        trial = read_trial(torn)
+        n = len(trial.tables["states"])
+        if n < len(flight.history[4::5]):
+            break
     assert 0 < n < len(flight.history[4::5])
     found = trial.array("states", "position_true", "m", ENU)
     np.testing.assert_array_equal(found, flight.history["position_true_enu_m"][4::5][:n])
