@@ -6,7 +6,7 @@ low rooms meet below, or a floor runs through the air of a hall.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import permutations
 
@@ -72,35 +72,30 @@ def _pairs(below: _Plan, above: _Plan, rise_m: float) -> list[tuple[Cut, Cut]]:
     """Each edge of an upper floor with the nearest edge of a high room that it may move to."""
     is_high = [cell.leaf.kind == VOID or cell.top_m > rise_m for _, cell in below]
     ends = list(_edges([bounds for bounds, _ in below], is_high))
-    found: list[tuple[Cut, Cut]] = []
-    for edge in _edges([b for b, _ in above], [cell.leaf.kind == VOID for _, cell in above]):
-        near = [
-            end
-            for end in ends
-            if end.is_across_x == edge.is_across_x
-            and abs(end.at - edge.at) < _REACH_M
-            and min(end.high, edge.high) - max(end.low, edge.low) > _MEET_M
-        ]
-        if near:
-            found.append((edge, min(near, key=lambda end: abs(end.at - edge.at))))
-    return found
+    edges = _edges([b for b, _ in above], [cell.leaf.kind == VOID for _, cell in above])
+    return list(_nearest(edges, ends, _REACH_M))
 
 
 def _beside(below: Node, above: Node, frame: Frame) -> list[tuple[Cut, Cut]]:
     """Each line of an upper storey that runs close beside one of the lower storey, with that."""
-    lower = lines_of(below, frame.length_m, frame.width_m)
-    found: list[tuple[Cut, Cut]] = []
-    for line in lines_of(above, frame.length_m, frame.width_m):
+    lower, upper = (lines_of(tree, frame.length_m, frame.width_m) for tree in (below, above))
+    return list(_nearest(upper, lower, _BESIDE_M))
+
+
+def _nearest(
+    cuts: Iterable[Cut], others: Sequence[Cut], reach_m: float
+) -> Iterator[tuple[Cut, Cut]]:
+    """Each line with the nearest of other lines that run along it within reach, if there is one."""
+    for cut in cuts:
         near = [
             other
-            for other in lower
-            if other.is_across_x == line.is_across_x
-            and abs(other.at - line.at) < _BESIDE_M
-            and min(other.high, line.high) - max(other.low, line.low) > _MEET_M
+            for other in others
+            if other.is_across_x == cut.is_across_x
+            and abs(other.at - cut.at) < reach_m
+            and min(other.high, cut.high) - max(other.low, cut.low) > _MEET_M
         ]
         if near:
-            found.append((line, min(near, key=lambda other: abs(other.at - line.at))))
-    return found
+            yield cut, min(near, key=lambda other: abs(other.at - cut.at))
 
 
 def _edges(cells: Sequence[Bounds], is_marked: Sequence[bool]) -> Iterator[Cut]:
