@@ -41,7 +41,7 @@ def begun_parts(path: Path, language: Language, sections: Sections) -> dict[Part
     parts: dict[Part, Weights] = {}
     for part, weights in found.parts.items():
         name = _NETWORKS[part]
-        own, other = (_without_kinds(each[name]) for each in (sections, theirs))
+        own, other = (_sizes_of(each[name]) for each in (sections, theirs))
         if own != other:
             raise CheckpointError(
                 f"{where} has a network of other sizes than [{name}], valid: {other}"
@@ -50,8 +50,9 @@ def begun_parts(path: Path, language: Language, sections: Sections) -> dict[Part
     return parts
 
 
-def _without_kinds(cfg: object) -> dict[str, object]:
-    return {name: value for name, value in vars(cfg).items() if name != "n_kinds"}
+def _sizes_of(cfg: object) -> dict[str, object]:
+    """What of a network's section says which weights it has, but for what the language says."""
+    return {k: v for k, v in vars(cfg).items() if k not in {"n_kinds", "dropout"}}
 
 
 def carried(

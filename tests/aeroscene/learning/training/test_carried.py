@@ -10,7 +10,7 @@ from aeroscene.learning.generation.loading import SHIPPED
 from aeroscene.learning.training.carried import _nearest, begun_parts, carried
 from aeroscene.learning.training.checkpoint import CheckpointError
 from aeroscene.learning.training.data import prepared
-from aeroscene.learning.training.presets import fitted
+from aeroscene.learning.training.presets import fitted, preset_sections
 from aeroscene.learning.training.procedure import CHECKPOINT, Training
 from aeroscene.learning.writer.model import new_writer
 from tests.aeroscene.conftest import cached_scene
@@ -78,6 +78,15 @@ def test_a_model_of_other_scenes_is_taken_by_networks_of_the_same_size(checkpoin
     sections = fitted(small_sections(data), other.train.known)
     parts = begun_parts(checkpoint, other.train.known, sections)
     new_writer(sections["writer"], other.train.known).load_state_dict(dict(parts["writer"]))
+
+
+def test_the_model_that_ships_is_begun_with_by_the_usual_networks(data):
+    """Which of their activations a training leaves out is its own affair."""
+    known = data.train.known
+    sections = fitted(preset_sections("default"), known)
+    parts = begun_parts(SHIPPED["default"], known, sections)
+    new_writer(sections["writer"], known).load_state_dict(dict(parts["writer"]))
+    assert set(parts) == {"writer", "denoiser"}
 
 
 def test_networks_of_another_size_are_refused_in_a_line(data):
