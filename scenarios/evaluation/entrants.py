@@ -11,8 +11,8 @@ import numpy as np
 from aeroscene.learning.baselines.fitting import Lessons, Spent
 from aeroscene.learning.baselines.model import BaselineCfg
 from aeroscene.learning.baselines.named import METHODS, Fitted, fit
-from aeroscene.learning.baselines.presets import FittedPreset, shipped_preset, without
-from aeroscene.learning.program import DecodingCfg
+from aeroscene.learning.baselines.presets import FittedPreset, fit_preset, shipped_preset, without
+from aeroscene.learning.program import DecodingCfg, EncodingCfg
 from aeroscene.learning.training.course import Watcher
 from aeroscene.metrics.damage import DAMAGES
 from aeroscene.scene import Scene, SceneDomain
@@ -106,6 +106,23 @@ _DECODING = {
 be switched off for coarse to fine: fine objects have no place but in the frames of coarse ones."""
 
 
+_ENCODING = {
+    "without_partitions": EncodingCfg(has_partitions=False),
+    "without_relations": EncodingCfg(has_relations=False),
+    "without_either": EncodingCfg(has_partitions=False, has_relations=False),
+}
+"""What programs say of scenes: each is learnt anew."""
+
+
+def _less_encoded(name: str, encoding: EncodingCfg) -> Entrant:
+    method = f"ours_{name}"
+    return Entrant(
+        name=method,
+        title=f"{METHODS['ours'].title}, {name.replace('_', ' ')}",
+        begin=lambda means: fit_preset("default", means.lessons(method), means.watcher, encoding),
+    )
+
+
 def _less_guided(preset: str, name: str, weights: Sequence[str], *, is_shipped: bool) -> Entrant:
     changes: Mapping[str, Any] = {"guidance": dict.fromkeys(weights, 0.0)}
     return Entrant(
@@ -167,4 +184,6 @@ def _others(table: TableName, data: Data) -> list[Entrant]:
         *(_less_guided(paper, name, w, is_shipped=is_shipped) for name, w in _GUIDANCE.items()),
         whole[ours],
         *(_less_decoded(ours, name, is_shipped=is_shipped) for name in _DECODING),
+        *([whole["ours"]] if is_shipped else []),
+        *(_less_encoded(name, encoding) for name, encoding in _ENCODING.items()),
     ]

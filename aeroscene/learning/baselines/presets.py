@@ -14,7 +14,7 @@ from aeroscene.learning.baselines.budget import flop_per_step
 from aeroscene.learning.baselines.fitting import Lessons, Spent
 from aeroscene.learning.generation.generator import Generator
 from aeroscene.learning.generation.request import Request
-from aeroscene.learning.program import DecodingCfg
+from aeroscene.learning.program import WHOLE, DecodingCfg, EncodingCfg
 from aeroscene.learning.tokens.skeleton import Wish
 from aeroscene.learning.training.batches.source import batch_generator
 from aeroscene.learning.training.checkpoint import Part
@@ -55,8 +55,16 @@ class FittedPreset:
         return self.generator.sampled(Request(seed=seed, domain=domain))
 
 
-def fit_preset(preset: Preset, lessons: Lessons, watcher: Watcher) -> FittedPreset:
+def fit_preset(
+    preset: Preset, lessons: Lessons, watcher: Watcher, encoding: EncodingCfg = WHOLE
+) -> FittedPreset:
     """Train a preset as `aeroscene train` does, its budget told in CPU seconds.
+
+    Args:
+        preset: Which preset.
+        lessons: What it learns, how long, and where it is kept.
+        watcher: What is told how far it is.
+        encoding: What programs say of scenes; the paper's preset has none.
 
     Raises:
         TrainingError: If the folder holds a training of other data, or too few scenes can be read.
@@ -71,6 +79,7 @@ def fit_preset(preset: Preset, lessons: Lessons, watcher: Watcher) -> FittedPres
         is_flat=is_flat,
         wishes=[Wish.of(scene) for scene in lessons.train] if has_wishes else [],
         is_corpus=lessons.is_corpus,
+        encoding=encoding,
     )
     parts = PARTS[preset]
     steps, seconds = lessons.budget.steps, lessons.budget.seconds

@@ -46,7 +46,7 @@ class GivenPart:
         Raises:
             RequestError: If it has objects of categories that the model never saw.
         """
-        encoded = encode(_without(kept, unread))
+        encoded = encode(_without(kept, unread), language.encoding)
         try:
             example = to_example(encoded, language.vocabulary, language.statistics)
         except KeyError as error:

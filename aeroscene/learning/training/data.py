@@ -14,6 +14,7 @@ from aeroscene.corpus.dataset import DatasetError, open_dataset
 from aeroscene.corpus.provenance import curation_digest
 from aeroscene.layouts.kept import count_layouts, mapped_scenes
 from aeroscene.learning.paper.tokens import FlatTrainingSet, flat_training_set
+from aeroscene.learning.program import WHOLE, EncodingCfg
 from aeroscene.learning.tokens.skeleton import UnencodableError, Wish
 from aeroscene.learning.training.batches.curation import Encoder
 from aeroscene.learning.training.checkpoint import DataSource
@@ -92,6 +93,7 @@ def prepared(
     is_flat: bool = False,
     wishes: Sequence[Wish] = (),
     is_corpus: bool = True,
+    encoding: EncodingCfg = WHOLE,
 ) -> TrainingData:
     """Scenes as examples, to train on and to watch by.
 
@@ -103,7 +105,7 @@ def prepared(
     Raises:
         TrainingError: If too few scenes have a program.
     """
-    known = flat_training_set(train) if is_flat else _program_set(train)
+    known = flat_training_set(train) if is_flat else _program_set(train, encoding)
     if len(known.examples) < _LEAST_SCENES:
         raise TrainingError(
             f"data {name!r} has {len(known.examples)} scenes that have a program, "
@@ -124,14 +126,14 @@ def prepared(
     )
 
 
-def _program_set(scenes: Sequence[Scene]) -> ProgramSet:
-    encoded, wishes = encodable(scenes)
+def _program_set(scenes: Sequence[Scene], encoding: EncodingCfg) -> ProgramSet:
+    encoded, wishes = encodable(scenes, encoding)
     if not encoded:
         raise TrainingError(
             "none of the scenes has a program, valid: scenes whose floors, walls "
             "and covers do not overlap"
         )
-    language = learn_language(encoded)
+    language = learn_language(encoded, encoding)
     pairs = zip(encoded, wishes, strict=True)
     return ProgramSet(language, tuple(written(each, wish, language) for each, wish in pairs))
 

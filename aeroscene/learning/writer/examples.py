@@ -5,7 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from aeroscene.learning.program import EncodedProgram, ProgramError, encode
+from aeroscene.learning.program import (
+    WHOLE,
+    EncodedProgram,
+    EncodingCfg,
+    ProgramError,
+    encode,
+)
 from aeroscene.learning.program.statistics import ProgramExample, to_example
 from aeroscene.learning.tokens.skeleton import UnencodableError, Wish
 from aeroscene.learning.writer.growth import replay
@@ -36,17 +42,18 @@ class ProgramEncoder:
         Raises:
             UnencodableError: If it has none, or an object is of a category that is unknown.
         """
-        return written(encoded_program(scene), wish, self.language)
+        encoded = encoded_program(scene, self.language.encoding)
+        return written(encoded, wish, self.language)
 
 
-def encoded_program(scene: Scene) -> EncodedProgram:
+def encoded_program(scene: Scene, cfg: EncodingCfg = WHOLE) -> EncodedProgram:
     """The program of a scene.
 
     Raises:
         UnencodableError: If it has none.
     """
     try:
-        return encode(scene)
+        return encode(scene, cfg)
     except (PartitionError, ProgramError) as error:
         raise UnencodableError(f"scene {scene.scene_id!r} has no program: {error}") from None
 
@@ -65,13 +72,15 @@ def written(encoded: EncodedProgram, wish: Wish, language: Language) -> Written:
     return Written(example, lesson_of(growth, said, wish), wish)
 
 
-def encodable(scenes: Iterable[Scene]) -> tuple[list[EncodedProgram], list[Wish]]:
+def encodable(
+    scenes: Iterable[Scene], cfg: EncodingCfg = WHOLE
+) -> tuple[list[EncodedProgram], list[Wish]]:
     """Those scenes that have a program, and what they have."""
     found: list[EncodedProgram] = []
     wishes: list[Wish] = []
     for scene in scenes:
         try:
-            found.append(encoded_program(scene))
+            found.append(encoded_program(scene, cfg))
         except UnencodableError:
             continue
         wishes.append(Wish.of(scene))

@@ -14,6 +14,7 @@ from jaxtyping import Bool, Float, Int
 from aeroscene.learning.program.atoms import Atoms, Reaches
 from aeroscene.learning.program.clearances import Clearances
 from aeroscene.learning.program.companions import Bond, Companions, HostKey
+from aeroscene.learning.program.encoding.cfg import WHOLE, EncodingCfg
 from aeroscene.learning.program.encoding.encode import EncodedProgram
 from aeroscene.learning.program.kinds import Attributes, Kind, theme_of
 from aeroscene.learning.program.program import Shape
@@ -34,13 +35,14 @@ class _Looks(msgspec.Struct, array_like=True):
     found: tuple[tuple[dict[str, AttributeValue], int], ...]
 
 
-class _Document(msgspec.Struct):
+class _Document(msgspec.Struct, omit_defaults=True):
     kinds: tuple[Kind, ...]
     counts: tuple[int, ...]
     shapes: tuple[Shape, ...]
     looks: tuple[_Looks, ...]
     clearances: dict[str, tuple[float, float]]
     companions: dict[Bond, tuple[HostKey, ...]] = {}
+    encoding: EncodingCfg = WHOLE
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,6 +52,8 @@ class Language:
     vocabulary: ProgramVocabulary
     statistics: ProgramStatistics
     syntax: Syntax
+    encoding: EncodingCfg = WHOLE
+    """How scenes become programs of it."""
 
     @property
     def themes(self) -> dict[SceneDomain, set[str]]:
@@ -71,6 +75,7 @@ class Language:
             looks,
             dict(self.statistics.clearances.by_category),
             {bond: tuple(hosts) for bond, hosts in self.statistics.companions.by_bond.items()},
+            self.encoding,
         )
         return msgspec.json.encode(document).decode()
 
@@ -134,7 +139,7 @@ class Language:
             most_children=arrays["most_children"].astype(np.int64),
             has_shape=_restored_shapes(vocabulary, arrays.get("has_shape")),
         )
-        return Language(vocabulary, statistics, syntax)
+        return Language(vocabulary, statistics, syntax, document.encoding)
 
 
 def _restored_shapes(
@@ -158,8 +163,8 @@ def _restored_atoms(kinds: Sequence[Kind], rows: Float[np.ndarray, "k 4"]) -> At
     return Atoms(found)
 
 
-def learn_language(encoded: Sequence[EncodedProgram]) -> Language:
-    """The language of a corpus; equal corpora give equal ones."""
+def learn_language(encoded: Sequence[EncodedProgram], encoding: EncodingCfg = WHOLE) -> Language:
+    """The language of a corpus that was encoded so; equal corpora give equal ones."""
     vocabulary, statistics = measure_programs(encoded)
     syntax = learn_syntax(vocabulary, [each.program for each in encoded])
-    return Language(vocabulary, statistics, syntax)
+    return Language(vocabulary, statistics, syntax, encoding)

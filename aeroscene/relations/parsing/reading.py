@@ -24,7 +24,11 @@ def _category(obj: SceneObject) -> Hashable:
 
 
 def scene_relations(
-    scene: Scene, given: Sequence[int] | None = None, alike: Alike = _category
+    scene: Scene,
+    given: Sequence[int] | None = None,
+    alike: Alike = _category,
+    *,
+    is_related: bool = True,
 ) -> tuple[Unit, ...]:
     """What the objects of a scene are to their hosts, in drawing order.
 
@@ -38,10 +42,12 @@ def scene_relations(
         given: Ids of the objects that need no relation, in the order in which they stand; by
             default all coarse ones.
         alike: What objects of one row or grid share, their category at least.
+        is_related: Whether relations are looked for; else each object is by itself, and strewn
+            where it is on what bears it.
     """
     if given is None:
         given = [obj.id for obj in scene.objects if obj.is_coarse]
-    return tuple(_Reader(scene, given, alike).units())
+    return tuple(_Reader(scene, given, alike, is_related=is_related).units())
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,8 +67,10 @@ class _Group:
 
 
 class _Reader:
-    def __init__(self, scene: Scene, given: Sequence[int], alike: Alike) -> None:
-        self._scene, self._alike = scene, alike
+    def __init__(
+        self, scene: Scene, given: Sequence[int], alike: Alike, *, is_related: bool
+    ) -> None:
+        self._scene, self._alike, self._is_related = scene, alike, is_related
         standing = Standing(tuple(scene.object_by_id[each] for each in given))
         self._ground = Ground(scene, standing)
         self._rank = {object_id: rank for rank, object_id in enumerate(given)}
@@ -97,6 +105,9 @@ class _Reader:
 
     def _units_on(self, parent_id: int | None, objects: list[SceneObject]) -> Iterator[Unit]:
         """Units of one parent: rows and grids and single things by size, then chairs."""
+        if not self._is_related:
+            yield from self._strewn(objects, parent_id)
+            return
         yield from self._related([obj for obj in objects if obj.category not in SEATS], parent_id)
         chairs = {obj.id: obj for obj in objects if obj.category in SEATS}
         if not chairs:
@@ -118,6 +129,14 @@ class _Reader:
             relation, host_id = best_relation(self._ground, group.objects[0], group.outline)
             residual = residual_of(relation, self._ground.outline(host_id), group.outline)
             yield self._unit(group, relation, host_id, residual)
+
+    def _strewn(self, objects: Sequence[SceneObject], parent_id: int | None) -> Iterator[Unit]:
+        """Each object by itself, somewhere on what bears it."""
+        groups = [_Group([obj], None, self._ground.foot(obj)) for obj in objects]
+        relation = Relation(kind=Kind.SCATTER)
+        for group in sorted(groups, key=lambda group: group.order):
+            residual = residual_of(relation, self._ground.outline(parent_id), group.outline)
+            yield self._unit(group, relation, parent_id, residual)
 
     def _groups(self, objects: Sequence[SceneObject], parent_id: int | None) -> Iterator[_Group]:
         """Rows and grids of one kind, and what is in none."""

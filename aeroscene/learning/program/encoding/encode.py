@@ -13,6 +13,7 @@ from jaxtyping import Float
 from aeroscene.learning.program.clearances import gaps_between
 from aeroscene.learning.program.companions import host_key
 from aeroscene.learning.program.encoding.bearers import covers_under, find_boxes
+from aeroscene.learning.program.encoding.cfg import WHOLE, EncodingCfg
 from aeroscene.learning.program.encoding.partitions import Cells, site_node, storey_node
 from aeroscene.learning.program.encoding.units import underside_m, unit_node, unit_size_m
 from aeroscene.learning.program.kinds import (
@@ -53,7 +54,7 @@ class EncodedProgram:
     """For each token what the host of its unit is, see `companions`; empty for other tokens."""
 
 
-def encode(scene: Scene) -> EncodedProgram:
+def encode(scene: Scene, cfg: EncodingCfg = WHOLE) -> EncodedProgram:
     """The program of a scene, by boxes, categories, parents and the attributes that shape.
 
     Raises:
@@ -61,9 +62,9 @@ def encode(scene: Scene) -> EncodedProgram:
         ProgramError: If an object is not built again from the partition that it was read into.
     """
     root = Node(scene_kind(scene.domain, scene.theme))
-    encoder = _Encoder(scene, root)
+    encoder = _Encoder(scene, root, cfg)
     encoder.add_site()
-    buildings = building_partitions(scene, Word.of)
+    buildings = building_partitions(scene, Word.of) if cfg.has_partitions else []
     for building in buildings:
         encoder.add_building(building)
     encoder.add_units()
@@ -91,6 +92,7 @@ def _gaps(nodes: Sequence[Node], scene: Scene) -> dict[str, Float[np.ndarray, "k
 class _Encoder:
     scene: Scene
     root: Node
+    cfg: EncodingCfg
     site: Rectangle = field(default=BARE_SITE)
     given: list[int] = field(default_factory=list)
     """Objects that the partitions make, in the order in which they are built."""
@@ -102,7 +104,7 @@ class _Encoder:
     def add_site(self) -> None:
         """The covers of the ground."""
         self.bearer[None] = self.root, 0
-        parsed = site_partition(self.scene, Word.of)
+        parsed = site_partition(self.scene, Word.of) if self.cfg.has_partitions else None
         if parsed is None:
             return
         head, cells = site_node(parsed.site)
@@ -163,7 +165,8 @@ class _Encoder:
             return obj.category, obj.domain, shaping(obj), obj.id if is_single else None
 
         last_m: dict[What, Vector3] = {}
-        for unit in scene_relations(view, self.given, alike):
+        is_related = self.cfg.has_relations
+        for unit in scene_relations(view, self.given, alike, is_related=is_related):
             what = what_of(objects[unit.members[0].id])
             node = unit_node(unit, objects, self.site, roots, last_m.get(what))
             last_m[what] = unit_size_m(unit)

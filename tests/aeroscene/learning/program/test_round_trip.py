@@ -9,7 +9,14 @@ import numpy as np
 import pytest
 
 from aeroscene.corpus.curation import curate_scene
-from aeroscene.learning.program import EncodedProgram, Program, decode, encode
+from aeroscene.learning.program import (
+    DecodingCfg,
+    EncodedProgram,
+    EncodingCfg,
+    Program,
+    decode,
+    encode,
+)
 from aeroscene.learning.program.references import measure_references
 from aeroscene.learning.program.statistics import (
     ProgramStatistics,
@@ -40,9 +47,11 @@ def measured(scenes: dict[int, Scene]) -> Measured:
     return encoded, *measure_programs(list(encoded.values()))
 
 
-def assert_same(scene: Scene, encoded: EncodedProgram, program: Program) -> None:
+def assert_same(
+    scene: Scene, encoded: EncodedProgram, program: Program, cfg: DecodingCfg | None = None
+) -> None:
     """Within a centimetre and a degree, with the same words and parents."""
-    decoded = decode(program)
+    decoded = decode(program, cfg=cfg)
     assert len(decoded.scene.objects) == len(scene.objects)
     found = {
         own: made
@@ -71,6 +80,22 @@ def test_scene_comes_back_from_its_program(
 ) -> None:
     encoded = measured[0][seed]
     assert_same(scenes[seed], encoded, encoded.program)
+
+
+@pytest.mark.parametrize("has_partitions", [True, False])
+@pytest.mark.parametrize("has_relations", [True, False])
+def test_scene_comes_back_from_a_program_that_says_less(
+    scenes: dict[int, Scene], has_partitions: bool, has_relations: bool
+) -> None:
+    cfg = EncodingCfg(has_partitions=has_partitions, has_relations=has_relations)
+    for scene in scenes.values():
+        encoded = encode(scene, cfg)
+        assert_same(scene, encoded, encoded.program, DecodingCfg(makes_room=False, mends=False))
+        kinds = encoded.program.kinds
+        assert any(kind.node in {"site", "storey"} for kind in kinds) == has_partitions
+        relations = {kind.relation for kind in kinds if kind.node == "unit"}
+        assert (relations == {"SCATTER"}) != has_relations
+        assert any(kind.is_group for kind in kinds) == has_relations
 
 
 @pytest.mark.parametrize("seed", SEEDS)

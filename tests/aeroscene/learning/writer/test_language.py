@@ -2,7 +2,11 @@
 
 import json
 
-from aeroscene.learning.writer.language import Language
+from aeroscene.learning.program import EncodingCfg
+from aeroscene.learning.tokens.skeleton import Wish
+from aeroscene.learning.writer.examples import ProgramEncoder, encodable
+from aeroscene.learning.writer.language import Language, learn_language
+from tests.aeroscene.conftest import cached_scene
 
 
 def test_a_checkpoint_keeps_arrays_and_companions_of_its_scenes(language):
@@ -12,6 +16,19 @@ def test_a_checkpoint_keeps_arrays_and_companions_of_its_scenes(language):
     assert kept.statistics.companions == companions
     assert 0.0 < language.syntax.has_shape.mean() < 0.5
     assert (kept.syntax.has_shape == language.syntax.has_shape).all()
+
+
+def test_a_checkpoint_encodes_scenes_as_its_training_was():
+    scenes = [cached_scene(number) for number in (7, 42)]
+    cfg = EncodingCfg(has_partitions=False, has_relations=False)
+    encoded, _ = encodable(scenes, cfg)
+    language = learn_language(encoded, cfg)
+    kept = Language.restored(language.to_json(), language.to_arrays())
+    assert kept.encoding == cfg
+    written = [ProgramEncoder(kept)(scene, Wish.of(scene)) for scene in scenes]
+    assert [len(each.example.skeleton) for each in written] == [
+        len(each.program.kinds) for each in encoded
+    ]
 
 
 def test_an_older_checkpoint_allows_all_arrays_and_companions(language):
