@@ -31,6 +31,7 @@ from aeroscene.learning.tokens.assembly import assemble
 from aeroscene.learning.tokens.batch import TokenBatch
 from aeroscene.learning.tokens.kinds import DOMAINS, Vocabulary, count_kinds
 from aeroscene.learning.tokens.skeleton import Wish, token_order
+from aeroscene.learning.tokens.symmetry import draw_symmetry
 from aeroscene.metrics.arrays import N_CATEGORIES, scene_arrays
 from aeroscene.scene import Scene, SceneDomain
 
@@ -187,7 +188,7 @@ class LayoutSet:
         return digest.hexdigest()[:16]
 
     def sample_batch(self, size: int, rng: np.random.Generator) -> TokenBatch:
-        """Scenes drawn with replacement, each turned by a quarter turn and mirrored at random."""
+        """Scenes drawn with replacement, each turned at random, indoors mirrored too."""
         picked = rng.integers(len(self.examples), size=size)
         return self._batch([_symmetric(self.examples[i], rng) for i in picked])
 
@@ -227,7 +228,7 @@ def empty_batch(domains: Sequence[int], n_slots: int) -> TokenBatch:
 
 
 def _symmetric(example: LayoutExample, rng: np.random.Generator) -> LayoutExample:
-    turns, is_mirrored = divmod(int(rng.integers(8)), 2)
+    turns, is_mirrored = draw_symmetry(DOMAINS[example.domain], rng)
     x = example.x.copy()
     for _ in range(turns):
         for a, b in ((0, 1), (6, 7)):

@@ -25,6 +25,7 @@ from aeroscene.learning.tokens.batch import TokenBatch, scaled_wish
 from aeroscene.learning.tokens.geometry import Geometry
 from aeroscene.learning.tokens.kinds import DOMAINS, OPENINGS, Vocabulary, count_kinds
 from aeroscene.learning.tokens.skeleton import Skeleton, Wish, token_order
+from aeroscene.learning.tokens.symmetry import draw_symmetry
 from aeroscene.scene import Scene
 from aeroscene.scene.box import rotation_matrix
 from aeroscene.scene.catalogue import CATALOGUE, COARSE_COUNT
@@ -87,8 +88,8 @@ def encode_flat(scene: Scene, wish: Wish, *, statistics: FlatStatistics) -> Flat
 
 
 def random_flat_symmetry(example: FlatExample, rng: np.random.Generator) -> FlatExample:
-    """The scene turned by a quarter turn and mirrored at random."""
-    turns, is_mirrored = divmod(int(rng.integers(8)), 2)
+    """The scene turned by quarter turns at random, indoors mirrored too."""
+    turns, is_mirrored = draw_symmetry(example.wish.domain, rng)
     x0 = example.x0.copy()
     for _ in range(turns):
         x0[:, 0], x0[:, 1] = -x0[:, 1].copy(), x0[:, 0].copy()
@@ -137,7 +138,7 @@ class FlatTrainingSet:
         return replace(self, examples=tuple(examples))
 
     def sample_batch(self, size: int, rng: np.random.Generator) -> TokenBatch:
-        """Scenes drawn with replacement, each turned and mirrored at random."""
+        """Scenes drawn with replacement, each turned at random, indoors mirrored too."""
         picked = rng.integers(len(self.examples), size=size)
         return flat_batch([random_flat_symmetry(self.examples[i], rng) for i in picked])
 

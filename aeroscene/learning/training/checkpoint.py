@@ -61,6 +61,7 @@ class DataSource(msgspec.Struct, frozen=True, kw_only=True):
     digest: str
     """Digest of everything that was trained on, hexadecimal."""
     n_scenes: int
+    """Scenes that have a program, mirror images of layouts among them."""
     wishes: tuple[Wish, ...] = ()
     """Contents of scenes trained on, a sample of them: what is left open in a request is drawn from
     these, and without them as the corpus draws it."""

@@ -16,6 +16,7 @@ from aeroscene.layouts.kept import count_layouts, mapped_scenes
 from aeroscene.learning.paper.tokens import FlatTrainingSet, flat_training_set
 from aeroscene.learning.program import WHOLE, EncodingCfg
 from aeroscene.learning.tokens.skeleton import UnencodableError, Wish
+from aeroscene.learning.tokens.symmetry import may_be_mirrored, mirrored
 from aeroscene.learning.training.batches.curation import Encoder
 from aeroscene.learning.training.checkpoint import DataSource
 from aeroscene.learning.training.config import TrainingError
@@ -105,7 +106,11 @@ def prepared(
     Raises:
         TrainingError: If too few scenes have a program.
     """
-    known = flat_training_set(train) if is_flat else _program_set(train, encoding)
+    known = (
+        flat_training_set(train)
+        if is_flat
+        else _program_set(_varied(train, is_corpus=is_corpus), encoding)
+    )
     if len(known.examples) < _LEAST_SCENES:
         raise TrainingError(
             f"data {name!r} has {len(known.examples)} scenes that have a program, "
@@ -124,6 +129,16 @@ def prepared(
         held_out=known.with_examples(examples),
         n_skipped=len(held_out) - len(examples),
     )
+
+
+def _varied(scenes: Sequence[Scene], *, is_corpus: bool) -> Sequence[Scene]:
+    """Scenes to train on with their mirror images, which programs tell from them.
+
+    Turned scenes have the same programs. Of the corpus no more is needed: its grammar goes on.
+    """
+    if is_corpus:
+        return scenes
+    return [*scenes, *(mirrored(scene) for scene in scenes if may_be_mirrored(scene.domain))]
 
 
 def _program_set(scenes: Sequence[Scene], encoding: EncodingCfg) -> ProgramSet:

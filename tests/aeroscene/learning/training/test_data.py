@@ -104,7 +104,8 @@ def test_held_out_scenes_that_cannot_be_encoded_are_counted(small_scenes):
 
 def test_neutral_layouts_train_too_and_every_tenth_is_held_out(tmp_path):
     data = open_training_data(layouts(tmp_path / "rooms.jsonl.gz", 20))
-    assert data.source.n_scenes == 18
+    # With the mirror image of each.
+    assert data.source.n_scenes == 2 * 18
     assert len(data.held_out.examples) == 2
     categories = {kind.category for kind in data.train.language.vocabulary.kinds}
     assert {"table", "chair"} <= categories

@@ -1,0 +1,44 @@
+"""Symmetries of the square, by which scenes are varied while they are learnt."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from aeroscene.scene import OrientedBox, Scene, SceneDomain
+
+_N_SYMMETRIES = 8
+
+
+def draw_symmetry(domain: SceneDomain, rng: np.random.Generator) -> tuple[int, bool]:
+    """Quarter turns of a scene, and whether it is mirrored along y after them."""
+    turns, is_mirrored = divmod(int(rng.integers(_N_SYMMETRIES)), 2)
+    return turns, bool(is_mirrored) and may_be_mirrored(domain)
+
+
+def may_be_mirrored(domain: SceneDomain) -> bool:
+    """Whether the mirror image of a scene is one too: outdoors vehicles keep to the right."""
+    return domain == "indoor"
+
+
+def mirrored(scene: Scene) -> Scene:
+    """The mirror image of a scene along y, without its interaction areas."""
+    (x0, y0, z0), (x1, y1, z1) = scene.extent_min_enu_m, scene.extent_max_enu_m
+    x, y, z = scene.start_position_enu_m
+    return replace(
+        scene,
+        objects=tuple(replace(obj, bbox=_mirrored_box(obj.bbox)) for obj in scene.objects),
+        interaction_areas=(),
+        extent_min_enu_m=(x0, -y1, z0),
+        extent_max_enu_m=(x1, -y0, z1),
+        start_position_enu_m=(x, -y, z),
+        start_yaw_rad=-scene.start_yaw_rad,
+    )
+
+
+def _mirrored_box(box: OrientedBox) -> OrientedBox:
+    """The mirror image of a box, whose body axis x goes with it."""
+    x_m, y_m, z_m = box.p
+    w, x, y, z = box.q
+    return replace(box, p=(x_m, -y_m, z_m), q=(w, -x, y, -z))
