@@ -13,6 +13,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from aeroscene.scene import SceneObject
+from aeroscene.scene.rooms import NO_ROOM, tile_groups
 
 
 @dataclass(slots=True, eq=False)
@@ -27,7 +28,8 @@ class Boxes:
     parent: Int[np.ndarray, " n"]
     """Row of the parent, -1 without one."""
     is_kin: Bool[np.ndarray, "n n"]
-    """Whether two are the same, or one is the other's ancestor: such may overlap."""
+    """Whether two are the same, or one is the other's ancestor, or another tile of a room that is:
+    such may overlap."""
 
     def __len__(self) -> int:
         return len(self.yaw_rad)
@@ -80,7 +82,7 @@ def boxes_of(objects: Sequence[SceneObject]) -> Boxes:
         np.array([obj.bbox.s for obj in objects], dtype=float).reshape(n, 3) / 2,
         np.array([obj.bbox.yaw_rad for obj in objects], dtype=float),
         parent,
-        kinship(parent),
+        kinship(parent, tile_groups(objects)),
     )
 
 
@@ -94,15 +96,20 @@ def strangers(
     return Boxes(centre_m, half_m, yaw_rad, np.full(n, -1), np.ones((n, n), dtype=bool))
 
 
-def kinship(parent: Int[np.ndarray, " n"]) -> Bool[np.ndarray, "n n"]:
-    """Whether each pair is the same object, or ancestor and descendant."""
+def kinship(
+    parent: Int[np.ndarray, " n"], tile_group: Int[np.ndarray, " n"]
+) -> Bool[np.ndarray, "n n"]:
+    """Whether each pair is the same object, or ancestor and descendant; a room is all its tiles."""
     is_kin = np.eye(len(parent), dtype=bool)
     for row in range(len(parent)):
         above = int(parent[row])
         while above >= 0:
             is_kin[row, above] = is_kin[above, row] = True
             above = int(parent[above])
-    return is_kin
+    for group in range(tile_group.max(initial=NO_ROOM) + 1):
+        tiles = tile_group == group
+        is_kin[np.ix_(is_kin[:, tiles].any(axis=1), tiles)] = True
+    return is_kin | is_kin.T
 
 
 def joined(boxes: Boxes, obstacles: Boxes | None) -> Boxes:

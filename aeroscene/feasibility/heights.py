@@ -8,10 +8,12 @@ from functools import lru_cache
 import numpy as np
 from jaxtyping import Float, Int
 
+from aeroscene.feasibility.boxes import footprint_depth
 from aeroscene.feasibility.ground import covered
 from aeroscene.feasibility.layout import Layout
 from aeroscene.feasibility.roles import BUILDINGS, COVERS, is_chained, is_fitting
 from aeroscene.scene import SceneObject
+from aeroscene.scene.hanging import is_hung
 from aeroscene.solids.shapes.build import object_primitives
 from aeroscene.solids.shapes.shell import FINISH_M
 from aeroscene.solids.solids import Solids, colliding
@@ -68,6 +70,8 @@ def _within_m(layout: Layout, row: int, parent: SceneObject) -> float:
         faces_m = (low_m,)
     elif is_fitting(obj, parent):
         faces_m = (base_m,)
+    elif is_hung(obj):
+        faces_m = (top_m - 2 * float(boxes.half_m[row, 2]),)
     elif parent.category == "room":
         faces_m = (low_m + FINISH_M,)
     elif parent.category == "water":
@@ -129,15 +133,23 @@ def _highest_cover(layout: Layout, row: int) -> float:
 
 
 def _highest_room(layout: Layout, row: int) -> float:
-    """Top of the highest room or wall most of which lies under a roof that is no building's."""
-    return max(
-        (
-            float(layout.boxes.top_m[part])
-            for part in _left(layout, _WALLED)
-            if covered(layout, part, row) > _ROOFED
-        ),
-        default=0.0,
-    )
+    """Top of the highest room or wall most of which lies under a roof that is no building's.
+
+    Where there is none, of the highest of which any part does, so that no roof falls into its
+    house.
+    """
+    tops_m = {
+        part: float(layout.boxes.top_m[part])
+        for part in _left(layout, _WALLED)
+        if _meet(layout, part, row)
+    }
+    under = [part for part in tops_m if covered(layout, part, row) > _ROOFED]
+    return max((tops_m[part] for part in under or tops_m), default=0.0)
+
+
+def _meet(layout: Layout, part: int, row: int) -> bool:
+    """Whether the outlines of two objects overlap."""
+    return bool(footprint_depth(layout.boxes, np.array([part]), np.array([row]))[0] > 0)
 
 
 def _left(layout: Layout, categories: frozenset[str]) -> Iterator[int]:

@@ -20,6 +20,7 @@ from aeroscene.feasibility.boxes import (
 from aeroscene.feasibility.seats import tables_of
 from aeroscene.scene import AttributeValue, OrientedBox, Scene, SceneObject
 from aeroscene.scene.box import quat_from_yaw
+from aeroscene.scene.rooms import NO_ROOM, tile_groups
 
 _DIGITS = 4
 """Decimals of lengths in a scene document, as curation writes them."""
@@ -91,6 +92,12 @@ class Layout:
             found.append(int(self.host[found[-1]]))
         return found
 
+    def tiles(self, row: int) -> Int[np.ndarray, " k"]:
+        """What bears things as one with an object: the tiles of its room, or it alone."""
+        group = tile_groups(self.objects)
+        is_one = (group == group[row]) & self.is_left
+        return np.flatnonzero(is_one) if group[row] != NO_ROOM else np.array([row])
+
     def relink(self) -> None:
         """Update `moves_with` after hosts have changed."""
         self.moves_with = np.eye(len(self.host), dtype=bool)
@@ -121,7 +128,7 @@ class Layout:
     def adopt(self, row: int, parent: int) -> None:
         """Give an object, with all that belongs to it, another parent."""
         self.host[row] = self.boxes.parent[row] = parent
-        self.boxes.is_kin[:] = kinship(self.boxes.parent)
+        self.boxes.is_kin[:] = kinship(self.boxes.parent, tile_groups(self.objects))
         self.relink()
 
     def rehost(self, row: int, host: int) -> None:

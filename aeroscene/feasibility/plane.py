@@ -162,6 +162,9 @@ class PlaneProblem:
             parent = layout.parent_of(row)
             if parent is None or layout.host[row] != layout.boxes.parent[row]:
                 kept = 0.0
+            elif len(layout.tiles(int(layout.host[row]))) > 1:
+                # Its walls hold it, whichever of the tiles it is on.
+                continue
             else:
                 kept = margin_m(layout.objects[row], parent)
             if layout.host[row] >= 0 and kept is not None and not layout.is_balcony(row):

@@ -7,6 +7,7 @@ from aeroscene.layouts.house import ROOF_M
 from aeroscene.layouts.mapping import form_of
 from aeroscene.layouts.site import Kept, Site
 from aeroscene.scene import AttributeValue, ObjectDomain, OrientedBox, SceneObject
+from aeroscene.scene.hanging import PENDANT
 
 _ROOFED = ("building", "house")
 """Categories whose upper face becomes a roof of its own."""
@@ -40,6 +41,8 @@ def _add(
     attributes: dict[str, AttributeValue],
 ) -> int:
     box = kept.box
+    if attributes.get("form") == PENDANT and parent_id is not None:
+        box = _hung(box, site.assembly.objects[parent_id].bbox)
     if kept.category not in _ROOFED or not box.is_upright or box.s[2] < 4 * ROOF_M:
         return site.assembly.add(kept.category, box, domain, parent_id, attributes)
     (x, y, z), (depth, width, height) = box.p, box.s
@@ -48,6 +51,15 @@ def _add(
     number = site.assembly.add(kept.category, body, domain, parent_id, attributes)
     site.assembly.add("roof", roof, domain, number, {"form": "flat"})
     return number
+
+
+def _hung(box: OrientedBox, room: OrientedBox) -> OrientedBox:
+    """A lamp with its cord: up to the ceiling, which is higher here than where it comes from."""
+    low_m, ceiling_m = box.p[2] - box.s[2] / 2, room.p[2] + room.s[2] / 2
+    if not box.is_upright or ceiling_m <= low_m:
+        return box
+    height_m = round(ceiling_m - low_m, 4)
+    return OrientedBox((*box.p[:2], low_m + height_m / 2), box.q, (*box.s[:2], height_m))
 
 
 def _domain(site: Site, parent_id: int | None) -> ObjectDomain:
@@ -71,7 +83,7 @@ def _attributes(obj: LayoutObject, kept: Kept) -> dict[str, AttributeValue]:
     elif kept.category == "garage":
         form = "garage"
     elif kept.category == "lamp" and obj.parent is None and kept.low_m > _HANGS_M:
-        form = "pendant"
+        form = PENDANT
     if form is not None:
         attributes["form"] = form
     return attributes

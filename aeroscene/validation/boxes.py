@@ -5,15 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from jaxtyping import Int
+from jaxtyping import Bool, Int
 
 from aeroscene.scene import Scene
 from aeroscene.scene.box import box_corners
 from aeroscene.scene.overlap import near_pairs, pair_iou
+from aeroscene.scene.rooms import NO_ROOM, tile_groups
 from aeroscene.validation.findings import Finding
 
 MAX_IOU = 0.01
-"""Largest overlap of two boxes neither of which is the other's parent."""
+"""Largest overlap of two boxes neither of which is the other's parent, or a tile of the same room
+as its parent."""
 OUTSIDE_TOLERANCE_M = 0.01
 
 
@@ -47,8 +49,21 @@ def _candidates(
     # -1 is no object's id.
     parents = np.array([-1 if obj.parent_id is None else obj.parent_id for obj in scene.objects])
     is_family = (parents[b] == ids[a]) | (parents[a] == ids[b])
+    is_family |= _is_in_tiles(scene, a, b) | _is_in_tiles(scene, b, a)
     is_wanted = (ratio > MAX_IOU) & (ratio < 1 / MAX_IOU) & ~is_family
     return a[is_wanted], b[is_wanted]
+
+
+def _is_in_tiles(
+    scene: Scene, child: Int[np.ndarray, " pairs"], tile: Int[np.ndarray, " pairs"]
+) -> Bool[np.ndarray, " pairs"]:
+    """Whether the second of each pair is a tile of the room that the first one is in."""
+    group = tile_groups(scene.objects)
+    row = {obj.id: number for number, obj in enumerate(scene.objects)}
+    around = np.array(
+        [NO_ROOM if o.parent_id is None else group[row[o.parent_id]] for o in scene.objects]
+    )
+    return (group[tile] != NO_ROOM) & (around[child] == group[tile])
 
 
 def outside(scene: Scene) -> Iterator[Finding]:

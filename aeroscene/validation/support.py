@@ -12,6 +12,7 @@ from shapely.geometry.base import BaseGeometry
 from aeroscene.scene import Scene, SceneObject
 from aeroscene.scene.box import box_corners
 from aeroscene.scene.geometry import layer, penetration_depth
+from aeroscene.scene.hanging import is_hung
 from aeroscene.solids.outlines import outline_of
 from aeroscene.solids.solids import Solids
 from aeroscene.validation.columns import spans
@@ -100,8 +101,8 @@ def _on_one_box(
 
 
 def _may_hang(obj: SceneObject) -> bool:
-    """Parts of a building may be held from the side: galleries, canopies, floors."""
-    return obj.is_coarse and obj.parent_id is not None
+    """What is hung, and parts of a building, held from the side: galleries, canopies, floors."""
+    return is_hung(obj) or (obj.is_coarse and obj.parent_id is not None)
 
 
 def _touches(solids: Solids, own: Int[np.ndarray, " k"], is_other: np.ndarray) -> bool:

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import astuple, dataclass, replace
 
 from aeroscene.learning.program.decoding.growing import Grower
+from aeroscene.learning.program.decoding.roofing import roofs_over
 from aeroscene.learning.program.decoding.settling import settled
 from aeroscene.learning.program.decoding.snapping import snapped
 from aeroscene.learning.program.decoding.stacking import Level, stacked, upper_slabs
@@ -66,6 +67,10 @@ class DecodedBuilding:
     def upper_slabs(self, n_slabs: int) -> list[OrientedBox]:
         """Slabs under the rooms above the first storey, as nearly `n_slabs` as rooms allow."""
         return upper_slabs(self.levels, self.frame, [part for part, _ in self.parts], n_slabs)
+
+    def roofs(self, thickness_m: float) -> list[OrientedBox]:
+        """Tiles of a roof over all rooms and walls."""
+        return roofs_over([part for part, _ in self.parts], self.frame, thickness_m)
 
 
 def build_building(

@@ -6,7 +6,6 @@ It gives a scene for any program, so that a draw of a model needs no luck: see `
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
@@ -31,6 +30,7 @@ from aeroscene.learning.program.decoding.neighbours import (
     moved,
     open_ways,
 )
+from aeroscene.learning.program.decoding.overhead import Overhead
 from aeroscene.learning.program.decoding.sites import add_site
 from aeroscene.learning.program.decoding.start import start_pad, top_of, yaw_inwards
 from aeroscene.learning.program.decoding.units import (
@@ -103,8 +103,7 @@ class Builder:
         self.making = Making(self._program)
         self._buildings: dict[int | None, DecodedBuilding] = {}
         """Those with storeys, by what they are in."""
-        self._slabs: list[tuple[int, OrientedBox]] = []
-        """Upper slabs that were drawn of the building at hand, each with its token."""
+        self._overhead = Overhead()
         self._n_given = 0
         """Objects that stand as they are, and do not move."""
         self._last_m: dict[What, Vector3] = {}
@@ -175,6 +174,9 @@ class Builder:
         kind = program.kinds[place]
         if kind.category in AFLOAT and making.standing.category(bearer) != "water":
             bearer = next((obj.id for obj in making.objects if obj.category == "water"), bearer)
+        is_roof = kind.category == "roof" and bearer is None and bearer in self._buildings
+        if is_roof and self._overhead.has_roof:
+            return
         unit = read_unit(making, place, bearer, self._last_m.get(kind.what))
         self._last_m[kind.what] = unit_size_m(unit)
         table = unit.host_id if unit.relation.kind == RelationKind.SEAT else None
@@ -187,8 +189,11 @@ class Builder:
             boxes = self._free(unit, kind, boxes)
         building = self._buildings.get(bearer) if kind.category == "floor" else None
         for box in boxes:
+            if is_roof:
+                self._overhead.roofs.append((place, box))
+                continue
             if building is not None and building.is_upper(box):
-                self._slabs.append((place, box))
+                self._overhead.slabs.append((place, box))
                 continue
             making.add(
                 place,
@@ -202,13 +207,9 @@ class Builder:
             )
 
     def _lay_slabs(self, host: int | None) -> None:
-        """Upper slabs as the rooms upon them ask for, in place of those that were drawn."""
-        if not self._slabs:
-            return
-        drawn, self._slabs = self._slabs, []
-        for slab in self._buildings[host].upper_slabs(len(drawn)):
-            away_m = [math.dist(slab.p, box.p) for _, box in drawn]
-            place = drawn[away_m.index(min(away_m))][0]
+        """Upper slabs and roofs as rooms and walls ask for, in place of those that were drawn."""
+        building = self._buildings.get(host)
+        for place, slab in [] if building is None else self._overhead.laid(building):
             kind = self._program.kinds[place]
             parent = None if kind.is_root else host
             attributes = dict(kind.attributes)

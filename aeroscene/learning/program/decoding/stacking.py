@@ -156,7 +156,7 @@ def upper_slabs(
     for level, cells in zip(levels[1:], plans, strict=True):
         outlines = [frame.bounds_of(cell.frame) for cell in cells]
         for outline in outlines if is_each else [hull_of(outlines)] if outlines else []:
-            walls = [_outline(part, frame) for part in parts if _passes(part, level.base_m)]
+            walls = [outline_in(frame, part) for part in parts if _passes(part, level.base_m)]
             others = [each for each in outlines if is_each and each != outline]
             bounds = _borne(outline, frame, level.wall_m / 2, walls, others)
             found.append(frame.inner(bounds).box(0, level.base_m - SLAB_M, level.base_m))
@@ -169,7 +169,8 @@ def _passes(part: BuildingPart, level_m: float) -> bool:
     return part.category == "wall" and low_m < level_m - _MEET_M and high_m > level_m - SLAB_M / 2
 
 
-def _outline(part: BuildingPart, frame: Frame) -> Bounds:
+def outline_in(frame: Frame, part: BuildingPart) -> Bounds:
+    """A part of a building from above, in a frame that it is aligned with."""
     x, y, yaw_rad = part.box.p[0], part.box.p[1], part.box.yaw_rad
     return frame.bounds_of(Frame(x, y, yaw_rad, part.box.s[0], part.box.s[1]))
 

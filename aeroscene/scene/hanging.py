@@ -1,0 +1,12 @@
+"""What hangs from a ceiling instead of standing on something."""
+
+from __future__ import annotations
+
+from aeroscene.scene.scene import SceneObject
+
+PENDANT = "pendant"
+
+
+def is_hung(obj: SceneObject) -> bool:
+    """Whether an object hangs from the ceiling of its room."""
+    return obj.attributes.get("form") == PENDANT

@@ -1,0 +1,105 @@
+"""Mapped layouts, and draws of what has learnt them, come whole through the projection."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from aeroscene.feasibility import make_feasible
+from aeroscene.layouts.flyable import make_flyable
+from aeroscene.layouts.neutral import neutral_layout
+from aeroscene.learning.program import decode, encode
+from aeroscene.solids.shapes import scene_primitives
+from aeroscene.solids.solids import colliding
+from aeroscene.validation.boxes import overlaps
+from aeroscene.validation.support import floating
+from tests.aeroscene.layouts.samples import box
+
+CEILING_M = 3.02
+"""Of a room without anything high, its floor's finish included."""
+
+
+@pytest.fixture(scope="module")
+def scene():
+    """A room in the form of an L, whose bed stands on two of its tiles."""
+    corners = [[0, 0], [6, 0], [6, 3], [3.5, 3], [3.5, 6], [0, 6]]
+    record = {
+        "scene_id": "made-up/angle",
+        "domain": "indoor",
+        "floor": corners,
+        "objects": [
+            box("King-size Bed", (1.1, 3.2, 0.5), (1.8, 2.1, 1.0), 90),
+            box("Ceiling Lamp", (4.5, 1.5, 2.5), (0.5, 0.5, 0.2)),
+            box("Wardrobe", (5.6, 1.0, 1.0), (1.4, 0.6, 2.0), 90),
+        ],
+        "attributes": {"room_type": "bedroom"},
+    }
+    return make_flyable(neutral_layout(record))[0]
+
+
+def one(scene, category):
+    (found,) = (obj for obj in scene.objects if obj.category == category)
+    return found
+
+
+def test_a_lamp_hangs_from_the_ceiling_and_floats_nowhere(scene):
+    lamp = one(scene, "lamp")
+    assert lamp.bbox.p[2] + lamp.bbox.s[2] / 2 == pytest.approx(CEILING_M)
+    assert lamp.bbox.p[2] - lamp.bbox.s[2] / 2 == pytest.approx(2.42)
+    assert not list(floating(scene, colliding(scene_primitives(scene))))
+    lower = replace(lamp, bbox=replace(lamp.bbox, p=(*lamp.bbox.p[:2], lamp.bbox.p[2] - 0.1)))
+    fallen = replace(scene, objects=tuple(lower if obj is lamp else obj for obj in scene.objects))
+    (finding,) = floating(fallen, colliding(scene_primitives(fallen)))
+    assert finding.object_id == lamp.id
+    mended = one(make_feasible(fallen).scene, "lamp")
+    assert mended.bbox.p == pytest.approx(lamp.bbox.p, abs=1e-3)
+
+
+def test_what_stands_on_two_tiles_of_a_room_stays(scene):
+    tiles = [obj for obj in scene.objects if obj.category == "room"]
+    assert len(tiles) == 2
+    assert not list(overlaps(scene))
+    found = make_feasible(scene)
+    assert found.report.rejection is None
+    kept = found.scene.object_by_id
+    for obj in scene.objects:
+        assert kept[obj.id].bbox.p == pytest.approx(obj.bbox.p, abs=0.02)
+    # As a tile of another room it would be in the bed's way.
+    other = replace(tiles[1], attributes=tiles[1].attributes | {"room": 1})
+    parted = replace(
+        scene, objects=tuple(other if obj is tiles[1] else obj for obj in scene.objects)
+    )
+    assert [finding.kind for finding in overlaps(parted)] == ["overlap"]
+
+
+def test_a_roof_lies_on_its_house_wherever_it_was_drawn(scene):
+    roofs = [obj for obj in scene.objects if obj.category == "roof"]
+    encoded = encode(scene)
+    channels = encoded.program.channels.copy()
+    tokens = [
+        number for number, kind in enumerate(encoded.program.kinds) if kind.category == "roof"
+    ]
+    channels[tokens] += np.random.default_rng(0).normal(0.0, 0.3, channels[tokens].shape)
+    made = decode(replace(encoded.program, channels=channels)).scene
+    found = [obj for obj in made.objects if obj.category == "roof"]
+    assert len(found) == len(roofs)
+    for roof in roofs:
+        away_m = [np.abs(np.subtract(obj.bbox.p, roof.bbox.p))[:2].max() for obj in found]
+        assert min(away_m) < 0.02
+    assert {round(obj.bbox.p[2] - obj.bbox.s[2] / 2, 3) for obj in found} == {CEILING_M}
+
+
+def test_a_roof_beside_its_rooms_does_not_fall_into_them(scene):
+    """It covers most of no room, and most of no wall."""
+    low = min(
+        (obj for obj in scene.objects if obj.category == "roof"), key=lambda obj: obj.bbox.p[1]
+    )
+    x, y, z = low.bbox.p
+    beside = replace(low, bbox=replace(low.bbox, p=(x + 5.9, y + 2.85, z)))
+    objects = tuple(beside if obj is low else obj for obj in scene.objects)
+    found = make_feasible(replace(scene, objects=objects, interaction_areas=()))
+    kept = found.scene.object_by_id
+    for obj in scene.objects:
+        # The lamp hung from it.
+        if obj.category not in {"roof", "lamp"}:
+            assert kept[obj.id].bbox.p == pytest.approx(obj.bbox.p, abs=0.02)
