@@ -6,12 +6,13 @@ import platform
 import signal
 import sys
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
+import msgspec
 import tyro
 from rich.console import Console
 from rich.table import Table
@@ -28,12 +29,15 @@ from scenarios.cli.command_line import (
 from scenarios.cli.progress import progress_bar, share_bar
 
 if TYPE_CHECKING:
+    from aeroscene.metrics.scorecard import Metric
     from scenarios.evaluation.entrants import Entrant
     from scenarios.evaluation.evaluation import Evaluation
+    from scenarios.evaluation.leads import Lead
     from scenarios.evaluation.rows import Row
     from scenarios.evaluation.sources import Data
 
 _PROG = "aeroscene evaluate"
+_OURS = ("ours", "ours_shipped")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,8 +81,8 @@ class EvaluateCfg:
     threads: int = 1
     """CPU threads."""
     json: Annotated[bool, tyro.conf.arg(name="json")] = False
-    """Print one JSON object: what the table is of, files, and rows with method, metric, value,
-    interval_95 and n."""
+    """Print one JSON object: what the table is of, files, rows with method, metric, value,
+    interval_95 and n, and leads of our methods over the best of the others."""
 
 
 def run(cfg: EvaluateCfg) -> int:
@@ -193,7 +197,9 @@ def _tell(
         "machine": f"{platform.machine()}, {cfg.threads} thread(s), Python "
         f"{platform.python_version()}",
     }
-    files = write_table(cfg.out, cfg.table, head, rows, evaluation.judge.metrics(), titles)
+    metrics = evaluation.judge.metrics()
+    leads = _leads(entrants, rows, metrics) if cfg.table == "synthesis" else {}
+    files = write_table(cfg.out, cfg.table, head, rows, metrics, titles, leads)
     named = {name for row in rows for name in (row.method,)}
     shown = {
         titles[name]: (evaluation.draws(entrant, cfg.scenes), shown_stage(name))
@@ -209,10 +215,24 @@ def _tell(
         evaluation.camera,
     )
     if cfg.json:
-        print_json({**head, "files": [str(p) for p in (*files, gallery)], "rows": to_plain(rows)})
+        said = {"rows": to_plain(rows), "leads": msgspec.to_builtins(leads)}
+        print_json({**head, "files": [str(path) for path in (*files, gallery)], **said})
         return
     _print_table(rows, [*list(evaluation.judge.metrics())[:2], "CR", "CFC", "SP", "OP", "flies"])
     print(f"All figures: {', '.join(str(path) for path in (*files, gallery))}")
+
+
+def _leads(
+    entrants: Sequence[Entrant], rows: Sequence[Row], metrics: Mapping[str, Metric]
+) -> dict[str, list[Lead]]:
+    """Our own methods, each beside the best of those that are not ours."""
+    from scenarios.evaluation.leads import leads_of  # noqa: PLC0415 - PyTorch
+
+    drawn = {row.method for row in rows}
+    ours = [each.name for each in entrants if each.name in _OURS and each.name in drawn]
+    others = [each.name for each in entrants if each.name not in _OURS and not each.is_real]
+    found = {name: leads_of(name, others, rows, metrics) for name in ours}
+    return {name: leads for name, leads in found.items() if leads}
 
 
 def _print_table(rows: Sequence[Row], shown: Sequence[str]) -> None:

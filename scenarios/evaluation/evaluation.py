@@ -16,6 +16,7 @@ from aeroscene.learning.baselines.fitting import Lessons, Spent
 from aeroscene.learning.baselines.model import BaselineCfg
 from aeroscene.learning.baselines.named import Fitted
 from aeroscene.learning.training.config import Budget
+from aeroscene.learning.training.journal import least_held_out_at
 from aeroscene.metrics.appearance.features import FeatureNetwork
 from aeroscene.metrics.appearance.frechet import LEAST_PICTURES
 from aeroscene.metrics.scorecard import Yardstick
@@ -26,7 +27,7 @@ from scenarios.evaluation.renders import Camera
 from scenarios.evaluation.rows import Judge, Row, cost_rows, stage_name
 from scenarios.evaluation.sources import Data, EvaluationError
 
-_ASKED, _SPENT = "asked.json", "spent.json"
+_ASKED, _SPENT, _TRAINING = "asked.json", "spent.json", "training"
 OnProgress = Callable[[str, float], None]
 
 
@@ -129,7 +130,11 @@ class Evaluation:
         draws = list(drawer.drawn(count))
         tell("judging", 0.95)
         rows = self._judged(entrant, draws)
-        return rows + cost_rows(entrant.name, draws, spent, self.cfg.seed, is_real=entrant.is_real)
+        best_at = least_held_out_at(self._place(entrant) / _TRAINING)
+        costs = cost_rows(
+            entrant.name, draws, spent, best_at, self.cfg.seed, is_real=entrant.is_real
+        )
+        return rows + costs
 
     def _draw(
         self,
@@ -211,7 +216,7 @@ class Evaluation:
 
         def lessons(method: str) -> Lessons:
             return Lessons(
-                folder=self._folder / "methods" / method / "training",
+                folder=self._folder / "methods" / method / _TRAINING,
                 name=self._data.name,
                 train=self._data.train,
                 held_out=self._data.test,

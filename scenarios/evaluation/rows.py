@@ -33,6 +33,9 @@ COSTS: Mapping[str, Metric] = {
     "sample_cpu_s": Metric(title="sampling of a scene", unit="CPU s"),
     "sample_mb": Metric(title="peak memory while sampling", unit="MB"),
     "parameters": Metric(title="parameters", unit="millions", better=None),
+    "training_best_at": Metric(
+        title="when its held-out loss was least, of its training", unit="%", better=None
+    ),
     "training_steps": Metric(title="training steps", unit="steps", better=None),
     "training_cpu_s": Metric(title="training", unit="CPU s", better=None),
     "training_tflop": Metric(title="training", unit="TFLOP", better=None),
@@ -131,9 +134,18 @@ def _mean(figures: Sequence[Figure]) -> Figure:
 
 
 def cost_rows(
-    method: str, draws: Sequence[Draw], spent: Spent | None, seed: int, *, is_real: bool
+    method: str,
+    draws: Sequence[Draw],
+    spent: Spent | None,
+    best_at: float | None,
+    seed: int,
+    *,
+    is_real: bool,
 ) -> list[Row]:
-    """What a method's draws and its training took, and how many can be flown in."""
+    """What a method's draws and its training took, and how many can be flown in.
+
+    `best_at` is the share of the training that was over when its held-out loss was least.
+    """
     rng = np.random.default_rng(seed)
     facts = [draw.facts for draw in draws]
     is_sound = [fact.failure is None and fact.rejection is None for fact in facts]
@@ -151,7 +163,8 @@ def cost_rows(
         values["sample_mb"] = [fact.peak_mb for fact in drawn]
     rows = [_row(method, name, mean_figure(np.array(each), rng)) for name, each in values.items()]
     if spent is not None:
-        figures = {
+        figures: dict[str, float | None] = {
+            "training_best_at": None if best_at is None else 100.0 * best_at,
             "parameters": spent.parameters / 1e6,
             "training_steps": float(spent.steps),
             "training_cpu_s": spent.cpu_s,
@@ -160,6 +173,7 @@ def cost_rows(
         rows += [
             Row(method=method, metric=name, value=value, interval_95=None, n=1)
             for name, value in figures.items()
+            if value is not None
         ]
     return rows
 

@@ -7,10 +7,12 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import numpy as np
 
 from aeroscene.files import replacing
 from aeroscene.metrics.scorecard import Metric
+from scenarios.evaluation.leads import Lead, leads_markdown
 from scenarios.evaluation.rows import Row
 from scenarios.pictures.style import DPI, INK, PALE, PAPER, TRUE, plain, save
 
@@ -41,6 +43,7 @@ def write_table(
     rows: Sequence[Row],
     metrics: Mapping[str, Metric],
     titles: Mapping[str, str],
+    leads: Mapping[str, Sequence[Lead]],
 ) -> list[Path]:
     """Write a table in all its forms.
 
@@ -51,6 +54,7 @@ def write_table(
         rows: Its figures.
         metrics: What they are, in the order of the table.
         titles: Methods by name, in the order of the table.
+        leads: Of some methods what each is beside the best of the others.
 
     Returns:
         The files.
@@ -59,11 +63,16 @@ def write_table(
         OSError: If a file cannot be written.
     """
     paths = [folder / f"{name}.{kind}" for kind in _KINDS]
-    document = {**head, "rows": to_plain(rows)}
+    found = {name: msgspec.to_builtins(each) for name, each in leads.items()}
+    document = {**head, "rows": to_plain(rows), "leads": found}
     with replacing(paths[0]) as file:
         file.write(json.dumps(document, indent=1).encode())
     with replacing(paths[1]) as file:
-        file.write(markdown(rows, metrics, titles).encode())
+        text = markdown(rows, metrics, titles)
+        for method, each in leads.items():
+            text += f"\n{titles[method]}, beside the best of the others:\n\n"
+            text += leads_markdown(each, titles)
+        file.write(text.encode())
     draw_plot(paths[2], rows, metrics, titles)
     return paths
 

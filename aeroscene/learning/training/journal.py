@@ -51,3 +51,18 @@ def forget_after(folder: Path, stage: str, step: int) -> None:
     text = "".join(json.dumps(record) + "\n" for record in kept)
     with replacing(folder / LOG) as file:
         file.write(text.encode())
+
+
+def least_held_out_at(folder: Path) -> float | None:
+    """The share of a training that was over when its held-out loss was least; None if none tells.
+
+    A training of parts says it of the part that was best last: 1 where one still improved.
+    """
+    last: dict[str, int] = {}
+    least: dict[str, int] = {}
+    for record in read_log(folder):
+        if record.get("held_out") is not None:
+            last[record["stage"]] = record["step"]
+            if record["is_best"]:
+                least[record["stage"]] = record["step"]
+    return max((least[stage] / last[stage] for stage in least), default=None)

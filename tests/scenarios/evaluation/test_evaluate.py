@@ -95,6 +95,9 @@ def test_a_trained_method_is_in_the_table_with_its_budget(made):
     out, table = made
     cells = by_cell(table)
     assert cells["diffuscene", "training_steps"]["value"] == 1
+    # After a single step everything is still to come.
+    assert cells["diffuscene", "training_best_at"]["value"] == 100
+    assert table["leads"] == {}
     assert cells["diffuscene", "training_tflop"]["value"] > 0
     assert (out / "methods" / "diffuscene" / "training" / "log.jsonl").exists()
 

@@ -1,4 +1,10 @@
-from aeroscene.learning.training.journal import LOG, append_line, forget_after, read_log
+from aeroscene.learning.training.journal import (
+    LOG,
+    append_line,
+    forget_after,
+    least_held_out_at,
+    read_log,
+)
 
 
 def test_lines_come_back_in_order(tmp_path):
@@ -25,3 +31,14 @@ def test_only_later_lines_of_the_same_stage_are_forgotten(tmp_path):
     forget_after(tmp_path, "denoiser", 2)
     kept = [(line["stage"], line["step"]) for line in read_log(tmp_path)]
     assert kept == [("skeleton", 9), ("denoiser", 1), ("denoiser", 2)]
+
+
+def test_when_the_held_out_loss_was_least(tmp_path):
+    assert least_held_out_at(tmp_path) is None
+    for stage, losses in (("writer", (3.0, 2.0, 2.5, 2.6)), ("denoiser", (1.0, 0.9, 0.8, 0.85))):
+        for number, loss in enumerate(losses, 1):
+            is_best = loss == min(losses[:number])
+            line = {"stage": stage, "step": 100 * number, "held_out": loss, "is_best": is_best}
+            append_line(tmp_path, line)
+            append_line(tmp_path, {"stage": stage, "step": 100 * number + 10, "total": loss})
+    assert least_held_out_at(tmp_path) == 0.75
