@@ -21,8 +21,10 @@ def find_ground(layout: Layout) -> None:
     grounds = [
         i for i, obj in enumerate(layout.objects) if obj.category in BEARING and layout.is_left[i]
     ]
+    is_house = layout.is_house
     for i, obj in enumerate(layout.objects):
-        if boxes.parent[i] >= 0 or obj.category in COVERS or obj.category == "bridge":
+        is_none = boxes.parent[i] >= 0 or obj.category in COVERS or obj.category == "bridge"
+        if is_none or is_house[i]:
             continue
         layout.host[i] = _best_ground(layout, i, grounds)
     layout.relink()

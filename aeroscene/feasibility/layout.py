@@ -92,6 +92,17 @@ class Layout:
             found.append(int(self.host[found[-1]]))
         return found
 
+    @property
+    def is_house(self) -> Bool[np.ndarray, " n"]:
+        """Rooms and walls that are parts of nothing, where there are such rooms: a house of rooms
+        alone, which stands on the bare earth, its yard about it.
+        """
+        category = np.array([obj.category for obj in self.objects], dtype=str)
+        is_free = self.boxes.parent < 0
+        if not (is_free & (category == "room")).any():
+            return np.zeros(len(category), dtype=bool)
+        return is_free & np.isin(category, ["room", "wall"])
+
     def tiles(self, row: int) -> Int[np.ndarray, " k"]:
         """What bears things as one with an object: the tiles of its room, or it alone."""
         group = tile_groups(self.objects)

@@ -28,10 +28,15 @@ _LOYALTY_M = 1.0
 """Distance by which a place upon another host must be nearer than one upon the own host."""
 
 
-def cut_overlaps(layout: Layout, is_wanted: Bool[np.ndarray, " n"]) -> bool:
+def cut_overlaps(
+    layout: Layout,
+    is_wanted: Bool[np.ndarray, " n"],
+    is_whole: Bool[np.ndarray, " n"] | None = None,
+) -> bool:
     """Shorten what may be shorter until it reaches into no stranger; whether anything was cut.
 
-    Only wanted objects are looked at, and each stays long enough for its category.
+    Only wanted objects are looked at, and each stays long enough for its category; those that are
+    to be whole are not cut.
     """
     has_cut = False
     for _ in range(_ROUNDS):
@@ -40,7 +45,12 @@ def cut_overlaps(layout: Layout, is_wanted: Bool[np.ndarray, " n"]) -> bool:
         for i, j in overlaps.pairs[np.argsort(-overlaps.depth_m, kind="stable")].tolist():
             if not (is_wanted[i] and is_wanted[j]) or _are_apart(layout, i, j):
                 continue
-            cuts = [*_cuts(layout, i, j), *_cuts(layout, j, i)]
+            cuts = [
+                cut
+                for row, other in ((i, j), (j, i))
+                if is_whole is None or not is_whole[row]
+                for cut in _cuts(layout, row, other)
+            ]
             if cuts:
                 _, row, axis, sign, depth_m = min(cuts)
                 _cut(layout, row, axis, sign, depth_m)

@@ -94,6 +94,10 @@ def _is_chained(layout: Layout, row: int) -> bool:
 
 def _part_coarse(layout: Layout) -> None:
     is_coarse = layout.is_coarse
+    if layout.is_house.any():
+        # Cut first, or walls would make room for the lawn too.
+        is_ground = np.array([obj.category in GROUND for obj in layout.objects], dtype=bool)
+        cut_overlaps(layout, layout.is_house | is_ground, is_whole=layout.is_house)
     for _ in range(2):
         PlaneProblem(layout, is_coarse, among=is_coarse).solve()
         if not cut_overlaps(layout, is_coarse):

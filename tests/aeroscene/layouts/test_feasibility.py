@@ -103,3 +103,49 @@ def test_a_roof_beside_its_rooms_does_not_fall_into_them(scene):
         # The lamp hung from it.
         if obj.category not in {"roof", "lamp"}:
             assert kept[obj.id].bbox.p == pytest.approx(obj.bbox.p, abs=0.02)
+
+
+def changed(scene, change):
+    """A scene whose boxes are others, without areas."""
+    objects = tuple(replace(obj, bbox=change(obj)) for obj in scene.objects)
+    return replace(scene, objects=objects, interaction_areas=())
+
+
+def test_a_yard_ends_at_its_house_and_no_wall_makes_room_for_it(scene):
+    """Lawns that reach 0.3 m too far in, under the walls, are cut."""
+    boxes = [obj.bbox for obj in scene.objects if obj.category == "room"]
+    middle = np.mean([box.p[:2] for box in boxes], axis=0)
+
+    def nearer(obj):
+        x, y, z = obj.bbox.p
+        if obj.category != "lawn":
+            return obj.bbox
+        away = np.array([x, y]) - middle
+        step = 0.3 * np.sign(away) * (np.abs(away) == np.abs(away).max())
+        return replace(obj.bbox, p=(x - step[0], y - step[1], z))
+
+    drawn = changed(scene, nearer)
+    found = make_feasible(drawn).scene.object_by_id
+    assert sum(found[o.id].bbox.s != o.bbox.s for o in drawn.objects if o.category == "lawn") >= 3
+    for obj in drawn.objects:
+        if obj.category in {"room", "wall"}:
+            assert found[obj.id].bbox.p == pytest.approx(obj.bbox.p, abs=1e-3)
+
+
+def test_rooms_and_walls_under_one_roof_have_one_ceiling(scene):
+    """A tile of the room that was drawn 5% higher."""
+    program = encode(scene).program
+    channels = program.channels.copy()
+    leaves = [
+        number
+        for number, kind in enumerate(program.kinds)
+        if (kind.node, kind.category) == ("leaf", "room")
+    ]
+    channels[leaves[0], 1] += np.log(1.05)
+    made = decode(replace(program, channels=channels)).scene
+    tops_m = {
+        round(obj.bbox.p[2] + obj.bbox.s[2] / 2, 3)
+        for obj in made.objects
+        if obj.category in {"room", "wall"}
+    }
+    assert tops_m == {CEILING_M}

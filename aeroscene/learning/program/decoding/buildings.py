@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import astuple, dataclass, replace
 
 from aeroscene.learning.program.decoding.growing import Grower
-from aeroscene.learning.program.decoding.roofing import roofs_over
+from aeroscene.learning.program.decoding.roofing import roofs_over, with_one_ceiling
 from aeroscene.learning.program.decoding.settling import settled
 from aeroscene.learning.program.decoding.snapping import snapped
 from aeroscene.learning.program.decoding.stacking import Level, stacked, upper_slabs
@@ -67,6 +67,12 @@ class DecodedBuilding:
     def upper_slabs(self, n_slabs: int) -> list[OrientedBox]:
         """Slabs under the rooms above the first storey, as nearly `n_slabs` as rooms allow."""
         return upper_slabs(self.levels, self.frame, [part for part, _ in self.parts], n_slabs)
+
+    def with_one_ceiling(self) -> DecodedBuilding:
+        """The same where no building says how high its storeys are: by most rooms and walls."""
+        level = with_one_ceiling([part for part, _ in self.parts])
+        tokens = (token for _, token in self.parts)
+        return replace(self, parts=tuple(zip(level, tokens, strict=True)))
 
     def roofs(self, thickness_m: float) -> list[OrientedBox]:
         """Tiles of a roof over all rooms and walls."""

@@ -157,6 +157,8 @@ class Builder:
             return
         outline, base_m = making.outline(host), making.base_m(host)
         building = build_building(self._program, making.grower, storeys, outline, base_m)
+        if host is None:
+            building = building.with_one_ceiling()
         self._buildings[host] = building
         for part, token in building.parts:
             kind = Kind("leaf") if token is None else self._program.kinds[token]

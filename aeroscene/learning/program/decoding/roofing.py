@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
+from dataclasses import replace
 
 import shapely
 
@@ -17,6 +19,30 @@ _TILE_M = 40.0
 _SEAM_M = 0.05
 """Gaps between walls that a roof goes over."""
 _SAME_M = 1e-4
+_CEILING_M = 0.4
+"""Heights of rooms and walls that differ by less are of one storey under one roof."""
+
+
+def with_one_ceiling(parts: Sequence[BuildingPart]) -> list[BuildingPart]:
+    """Rooms and walls, those that end near the height at which most end all ending there."""
+    tops_m = Counter(round(_top_m(part.box), 2) for part in parts)
+    ceiling_m = max(tops_m, key=lambda top_m: (tops_m[top_m], top_m), default=0.0)
+    return [
+        replace(part, box=_up_to(part.box, ceiling_m))
+        if 0.0 < abs(_top_m(part.box) - ceiling_m) < _CEILING_M
+        else part
+        for part in parts
+    ]
+
+
+def _top_m(box: OrientedBox) -> float:
+    return box.p[2] + box.s[2] / 2
+
+
+def _up_to(box: OrientedBox, top_m: float) -> OrientedBox:
+    base_m = box.p[2] - box.s[2] / 2
+    middle, sides = (*box.p[:2], (base_m + top_m) / 2), (*box.s[:2], top_m - base_m)
+    return replace(box, p=middle, s=sides)
 
 
 def roofs_over(
@@ -28,6 +54,6 @@ def roofs_over(
     house = house.buffer(-_SEAM_M, join_style="mitre")
     # Tiles would be as wide as the widest of corners that are nearly at one height.
     house = shapely.set_precision(house, _SAME_M)
-    base_m = max(part.box.p[2] + part.box.s[2] / 2 for part in parts)
+    base_m = max(_top_m(part.box) for part in parts)
     tiles = cover(house, _TILE_M)
     return [frame.inner(tile).box(0, base_m, base_m + thickness_m) for tile in tiles]
