@@ -94,8 +94,9 @@ class Layout:
 
     @property
     def is_house(self) -> Bool[np.ndarray, " n"]:
-        """Rooms and walls that are parts of nothing, where there are such rooms: a house of rooms
-        alone, which stands on the bare earth, its yard about it.
+        """Rooms and walls that are parts of nothing, where there are such rooms.
+
+        A house of rooms alone stands on the bare earth, its yard about it.
         """
         category = np.array([obj.category for obj in self.objects], dtype=str)
         is_free = self.boxes.parent < 0
