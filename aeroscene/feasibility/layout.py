@@ -48,6 +48,8 @@ class Layout:
     """Row of the table that a chair is drawn up to, with which it moves too; -1 of all others."""
     is_pinned: Bool[np.ndarray, " n"]
     """Whether an object stays exactly as it is, whatever is beside it."""
+    tile_group: Int[np.ndarray, " n"]
+    """Which rooms are tiles of one room, see `aeroscene.scene.rooms`."""
     attributes: dict[int, dict[str, AttributeValue]] = field(default_factory=dict)
     """New attributes of the objects whose attributes have changed."""
 
@@ -106,9 +108,10 @@ class Layout:
 
     def tiles(self, row: int) -> Int[np.ndarray, " k"]:
         """What bears things as one with an object: the tiles of its room, or it alone."""
-        group = tile_groups(self.objects)
-        is_one = (group == group[row]) & self.is_left
-        return np.flatnonzero(is_one) if group[row] != NO_ROOM else np.array([row])
+        group = int(self.tile_group[row])
+        if group == NO_ROOM:
+            return np.array([row])
+        return np.flatnonzero((self.tile_group == group) & self.is_left)
 
     def relink(self) -> None:
         """Update `moves_with` after hosts have changed."""
@@ -140,7 +143,7 @@ class Layout:
     def adopt(self, row: int, parent: int) -> None:
         """Give an object, with all that belongs to it, another parent."""
         self.host[row] = self.boxes.parent[row] = parent
-        self.boxes.is_kin[:] = kinship(self.boxes.parent, tile_groups(self.objects))
+        self.boxes.is_kin[:] = kinship(self.boxes.parent, self.tile_group)
         self.relink()
 
     def rehost(self, row: int, host: int) -> None:
@@ -215,7 +218,17 @@ def layout_of(scene: Scene, pinned: Collection[int] = ()) -> Layout:
     chairs, tables = tables_of(scene.objects, boxes, is_left)
     table[chairs] = tables
     table[is_pinned] = -1
-    host = boxes.parent.copy()
-    layout = Layout(scene, boxes, host, is_left, extent, moves_with, is_coarse, table, is_pinned)
+    layout = Layout(
+        scene=scene,
+        boxes=boxes,
+        host=boxes.parent.copy(),
+        is_left=is_left,
+        extent_m=extent,
+        moves_with=moves_with,
+        is_coarse=is_coarse,
+        table=table,
+        is_pinned=is_pinned,
+        tile_group=tile_groups(scene.objects),
+    )
     layout.relink()
     return layout

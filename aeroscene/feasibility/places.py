@@ -142,11 +142,18 @@ def _region(layout: Layout, row: int, host: int) -> tuple[Float[np.ndarray, " 6"
         return np.array([0.0, 0.0, np.inf, np.inf, 1.0, 0.0]), _NO_HOST_M
     kept = 0.0 if parent is None else margin_m(layout.objects[row], parent)
     yaw = float(boxes.yaw_rad[host])
-    tiles = layout.tiles(host)
-    frame = boxes.frame(host)
-    local = (boxes.corners()[tiles].reshape(-1, 2)) @ frame.T
-    low, high = local.min(axis=0), local.max(axis=0)
-    middle, half = (low + high) / 2 @ frame, (high - low) / 2
+    middle, half = _floor(layout, host)
     region = np.array([*middle, *(half - (kept or 0.0)), math.cos(yaw), math.sin(yaw)])
     away_m = float(np.hypot(*(middle - boxes.centre_m[row, :2])))
     return region, away_m + float(np.hypot(*half))
+
+
+def _floor(layout: Layout, host: int) -> tuple[Float[np.ndarray, " 2"], Float[np.ndarray, " 2"]]:
+    """Middle and half extents, along the host's axes, of what things on it are on."""
+    boxes, tiles = layout.boxes, layout.tiles(host)
+    if len(tiles) == 1:
+        return boxes.centre_m[host, :2], boxes.half_m[host, :2]
+    frame = boxes.frame(host)
+    local = boxes.corners()[tiles].reshape(-1, 2) @ frame.T
+    low, high = local.min(axis=0), local.max(axis=0)
+    return (low + high) / 2 @ frame, (high - low) / 2
