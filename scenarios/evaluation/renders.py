@@ -11,7 +11,8 @@
 | renderer | ray casting on the processor, quality `fast`: the same picture on every machine |
 | vehicle, traffic | none |
 
-One scale, so that a room twice as large looks twice as large.
+One scale, so that a room twice as large looks twice as large. Of rooms without a building about
+them it is how far these reach: the yard about them is no part of what was learnt.
 """
 
 from __future__ import annotations
@@ -89,7 +90,8 @@ class Camera:
 
 
 def _reach_m(scene: Scene) -> float:
-    corners = np.concatenate([obj.bbox.corners() for obj in scene.objects])
+    rooms = [obj for obj in scene.objects if obj.category == "room" and obj.parent_id is None]
+    corners = np.concatenate([obj.bbox.corners() for obj in rooms or scene.objects])
     return float(np.abs(corners[:, :2]).max())
 
 

@@ -11,12 +11,15 @@ import torch
 from msgspec import structs
 
 from aeroscene.corpus.dataset import store_scene, write_manifest
+from aeroscene.layouts.flyable import make_flyable
+from aeroscene.layouts.neutral import neutral_layout
 from aeroscene.metrics.appearance.frechet import LEAST_PICTURES
 from aeroscene.scene.io import read_scene
 from scenarios.cli.main import main
 from scenarios.evaluation.renders import PIXELS, Camera
 from tests.aeroscene.conftest import cached_scene
 from tests.aeroscene.corpus.shipped.scenes import renamed
+from tests.aeroscene.layouts.samples import house
 from tests.aeroscene.learning.training.conftest import ten_objects
 
 pytestmark = pytest.mark.timeout(600)
@@ -191,3 +194,11 @@ def test_a_larger_scene_looks_larger():
     middle = far[corner:-corner, corner:-corner].astype(float)
     halved = near.astype(float).reshape(PIXELS // 2, 2, PIXELS // 2, 2, 3).mean(axis=(1, 3))
     assert np.abs(middle - halved).mean() < 12
+
+
+def test_rooms_fill_the_picture_and_not_the_yard_about_them():
+    scene, _ = make_flyable(neutral_layout(house()))
+    (reach_m,) = Camera.of([scene]).reach_m.values()
+    # Half of the ten metres of the two rooms; the yard reaches six farther.
+    assert reach_m == pytest.approx(5.0)
+    assert scene.extent_max_enu_m[0] > 10.0
