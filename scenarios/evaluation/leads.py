@@ -77,7 +77,7 @@ def leads_markdown(leads: Sequence[Lead], titles: Mapping[str, str]) -> str:
     lines = [["metric", "value", "best of the others", "its value", "ahead by, %", "intervals"]]
     lines.append(["---"] * len(lines[0]))
     for lead in leads:
-        ahead = "" if lead.lead_percent is None else f"{lead.lead_percent:.0f}"
+        ahead = "" if lead.lead_percent is None else f"{round(lead.lead_percent)}"
         apart = "apart" if lead.is_apart else "overlap or behind"
         values = f"{lead.value:.{_DIGITS}g}", f"{lead.other_value:.{_DIGITS}g}"
         other = titles.get(lead.other, lead.other)
