@@ -13,6 +13,7 @@ from msgspec import structs
 from aeroscene.corpus.dataset import store_scene, write_manifest
 from aeroscene.layouts.flyable import make_flyable
 from aeroscene.layouts.neutral import neutral_layout
+from aeroscene.learning.training.checkpoint import read_checkpoint
 from aeroscene.metrics.appearance.frechet import LEAST_PICTURES
 from aeroscene.scene.io import read_scene
 from scenarios.cli.main import main
@@ -202,3 +203,13 @@ def test_rooms_fill_the_picture_and_not_the_yard_about_them():
     # Half of the ten metres of the two rooms; the yard reaches six farther.
     assert reach_m == pytest.approx(5.0)
     assert scene.extent_max_enu_m[0] > 10.0
+
+
+def test_an_ablation_trains_ours_on_programs_that_say_less(corpus, tmp_path):
+    name = "ours_without_relations"
+    cells = by_cell(evaluate(corpus, tmp_path, "--table", "ablation", "--methods", name))
+    # One of each part.
+    assert cells[name, "training_steps"]["value"] == 2
+    path = tmp_path / "methods" / name / "training" / "checkpoint.safetensors"
+    encoding = read_checkpoint(path).known.encoding
+    assert (encoding.has_partitions, encoding.has_relations) == (True, False)
