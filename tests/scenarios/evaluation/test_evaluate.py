@@ -14,6 +14,7 @@ from aeroscene.corpus.dataset import store_scene, write_manifest
 from aeroscene.layouts.flyable import make_flyable
 from aeroscene.layouts.neutral import neutral_layout
 from aeroscene.learning.training.checkpoint import read_checkpoint
+from aeroscene.learning.writer.language import Language
 from aeroscene.metrics.appearance.frechet import LEAST_PICTURES
 from aeroscene.scene.io import read_scene
 from scenarios.cli.main import main
@@ -211,5 +212,7 @@ def test_an_ablation_trains_ours_on_programs_that_say_less(corpus, tmp_path):
     # One of each part.
     assert cells[name, "training_steps"]["value"] == 2
     path = tmp_path / "methods" / name / "training" / "checkpoint.safetensors"
-    encoding = read_checkpoint(path).known.encoding
+    language = read_checkpoint(path).known
+    assert isinstance(language, Language)
+    encoding = language.encoding
     assert (encoding.has_partitions, encoding.has_relations) == (True, False)
