@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import math
 
 from autonomy.planning import BlockedError, PlanningError, UnreachableError
@@ -12,9 +13,14 @@ from scenarios.pilot.gaze import Gaze
 from scenarios.pilot.landing_phases import LandingPhases
 from scenarios.pilot.last_stretch import COMMIT_HEIGHTS_M, LAST_HEIGHT_M
 from scenarios.pilot.phases import Phase, Replan, Step
+from scenarios.pilot.take_over import state_at_take_over
+
+_LOG = logging.getLogger(__name__)
 
 MAX_HOLDS = 6
 """Number of holds in one flight; one more and it goes home."""
+SET_OUT_M = 1.0
+"""Height above the resting place from which the way may begin while it still climbs."""
 MOST_RISE_M = 8.0
 """Greatest initial climb; the rest of the climb is part of the way."""
 RISE_SPEED_MPS = 1.5
@@ -32,6 +38,7 @@ class EnRoutePhases:
         self._area = area
         self._retry_us = 0
         self._has_risen = False
+        self._has_set_out = False
 
     @property
     def goal_enu_m(self) -> Vector3:
@@ -45,7 +52,7 @@ class EnRoutePhases:
         """Climb to above the start, then navigate."""
         flight = self._flight
         if not flight.has_arrived:
-            return None
+            return self._set_out()
         if flight.gaze is not None and not self._has_looked(flight.gaze):
             return None
         try:
@@ -54,6 +61,24 @@ class EnRoutePhases:
         except PlanningError as error:
             return self.hold(f"no way from above the start: {error}")
         return Phase.NAVIGATE, "above the start"
+
+    def _set_out(self) -> Step:
+        """Leave the climb for the way once, from where the vehicle is, as soon as it has room.
+
+        Where something may come, or the map grows, it looks from above the start first.
+        """
+        flight = self._flight
+        height_m = flight.telemetry.position_enu_m[2] - flight.home_resting_height_m
+        looks = flight.gaze is not None or not flight.mission.surroundings.is_known
+        if self._has_set_out or looks or height_m < SET_OUT_M:
+            return None
+        self._has_set_out = True
+        try:
+            flight.plan_to(flight.hover_enu_m, start=state_at_take_over(flight))
+        except PlanningError as error:
+            _LOG.info("no way from the climb: %s", error)
+            return None
+        return Phase.NAVIGATE, "clear of the start"
 
     def _has_looked(self, gaze: Gaze) -> bool:
         """Climb to the flight height and look all around once; return whether that is done."""

@@ -204,8 +204,19 @@ class FlightState:
                 return
         self.plan_to(goal_enu_m)
 
-    def plan_to(self, goal_enu_m: Vector3, prepared: Trajectory | None = None) -> None:
-        """Fly a prepared trajectory if it begins here, else a plan from the present setpoint.
+    def plan_to(
+        self,
+        goal_enu_m: Vector3,
+        prepared: Trajectory | None = None,
+        *,
+        start: FlatReference | None = None,
+    ) -> None:
+        """Fly a prepared trajectory if it begins here, else a plan.
+
+        Args:
+            goal_enu_m: Goal, at rest.
+            prepared: Trajectory that was planned before, if any.
+            start: State in which a plan takes over; None for the one on the course.
 
         Raises:
             PlanningError: If there is no plan, or none that avoids the movers.
@@ -215,7 +226,8 @@ class FlightState:
             math.dist(prepared.sample(0.0).position_enu_m, here) <= _ON_COURSE_M
         )
         if prepared is None or not is_here:
-            prepared = self._plan(self.course.reference(self.take_over_us), goal_enu_m)
+            start = start or self.course.reference(self.take_over_us)
+            prepared = self.mission.surroundings.plan(start, goal_enu_m)
         self.fly(self._past_movers(prepared))
 
     def go_on_from(self, start: FlatReference, goal_enu_m: Vector3, reason: str) -> None:
@@ -224,7 +236,7 @@ class FlightState:
         Raises:
             PlanningError: If there is no certified way from there.
         """
-        self.fly(self._past_movers(self._plan(start, goal_enu_m)))
+        self.plan_to(goal_enu_m, start=start)
         self.replans.append(Replan(time_us=self.time_us, reason=reason))
 
     def replan(self, reason: str) -> None:
@@ -261,9 +273,6 @@ class FlightState:
         else:
             stop = urgent.brake(plan, at_s, start=start)
         self.fly(stop)
-
-    def _plan(self, start: FlatReference, goal_enu_m: Vector3) -> Trajectory:
-        return self.mission.surroundings.plan(start, goal_enu_m)
 
     def _past_movers(self, plan: Trajectory) -> Trajectory:
         """The same plan, or one around movers that it would come too near to.

@@ -7,12 +7,13 @@ import math
 import numpy as np
 
 from autonomy.planning import PlanningError, Trajectory
-from autonomy.types import FlatReference, Vector3
+from autonomy.types import Vector3
 from scenarios.pilot.en_route_phases import EnRoutePhases
 from scenarios.pilot.flight_state import FlightState
 from scenarios.pilot.last_stretch import LastStretch
 from scenarios.pilot.lookout import Lookout
 from scenarios.pilot.phases import IN_THE_AIR, ON_THE_WAY, TIME_LIMIT_S, Phase, Step
+from scenarios.pilot.take_over import state_at_take_over
 
 SILENCE_S = 0.5
 """Time without a new position after which the position is unknown."""
@@ -132,7 +133,7 @@ class Guard:
             return None
         self._deviation_due_us = flight.time_us + round(1e6 * DEVIATION_PERIOD_S)
         reason = f"{away_m:.2f} m from the plan, {limit_m:.2f} m are allowed"
-        start = self._vehicle()
+        start = state_at_take_over(flight)
         if phase is Phase.HOLD:
             return self._way.stop_elsewhere(reason, start)
         if phase not in ON_THE_WAY:
@@ -156,29 +157,6 @@ class Guard:
         n = 2 + math.ceil(math.dist(here_enu_m, there_enu_m) / _PULL_STEP_M)
         line = np.linspace(here_enu_m, there_enu_m, n)
         return bool(np.all(self._flight.mission.surroundings.clearance_m(line) > 0.0))
-
-    def _vehicle(self) -> FlatReference:
-        """State of the vehicle when a new plan takes over, at its present velocity."""
-        flight = self._flight
-        telemetry = flight.telemetry
-        lead_s = (flight.take_over_us - flight.time_us) * 1e-6
-        (x, y, z), (u, v, w) = telemetry.position_enu_m, telemetry.velocity_enu_mps
-        return FlatReference(
-            position_enu_m=(x + u * lead_s, y + v * lead_s, z + w * lead_s),
-            velocity_enu_mps=self._within_limits((u, v, w)),
-            yaw_rad=flight.setpoint.yaw_rad,
-        )
-
-    def _within_limits(self, velocity_enu_mps: Vector3) -> Vector3:
-        """The same velocity, reduced to one with which a plan may begin."""
-        limits = self._flight.mission.surroundings.limits
-        u, v, w = velocity_enu_mps
-        share = min(
-            1.0,
-            limits.speed_horizontal_mps / max(math.hypot(u, v), 1e-6),
-            limits.speed_vertical_mps / max(abs(w), 1e-6),
-        )
-        return (share * u, share * v, share * w)
 
     def _clock(self, phase: Phase) -> Step:
         """Fail a phase that takes too long."""
