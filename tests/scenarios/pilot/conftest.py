@@ -82,6 +82,10 @@ class Demo:
         assert self.pilot.phase is phase, self.pilot.transitions[-1].reason
         return self.pilot
 
+    def fly_on(self, duration_s):
+        """Fly for some time more."""
+        return self.fly(limit_s=self.bench.plant.time_us * 1e-6 + duration_s)
+
     def deviation_m(self):
         """Level distance of the vehicle from its setpoint."""
         return self.pilot._flight.level_deviation_m

@@ -11,7 +11,7 @@ from flightsim.autopilot.modes import Mode
 from flightsim.sensors.failure import Failure
 from scenarios.pilot import Phase
 from scenarios.pilot.last_stretch import LAST_HEIGHT_M
-from tests.scenarios.landing_scenes import yard
+from tests.scenarios.landing_scenes import FAR_LAWN, field, yard
 
 
 def blind(render):
@@ -69,6 +69,7 @@ def test_a_camera_that_stays_blind_ends_in_a_landing_at_home(demo):
 def test_a_battery_that_runs_low_sends_it_home(demo):
     demo = demo(yard())
     pilot = demo.fly_to(Phase.NAVIGATE)
+    demo.fly_on(2.0)
     battery = demo.bench.plant.battery
     battery._used_c = 0.81 * battery._initial_c
     demo.fly_to(Phase.RETURN)
@@ -130,7 +131,7 @@ def test_a_hold_without_a_way_on_ends_after_20_s_in_a_landing_at_home(demo):
 def test_a_hold_that_ends_on_the_move_goes_on_and_leads_home(demo):
     demo = demo(yard())
     pilot = demo.fly_to(Phase.NAVIGATE)
-    demo.fly(until=lambda: False, limit_s=7.0)
+    demo.fly_on(2.0)
     push(demo, 30.0)
     demo.fly_to(Phase.HOLD)
     push(demo, 0.0)
@@ -149,7 +150,7 @@ def test_a_hold_that_ends_on_the_move_goes_on_and_leads_home(demo):
 
 
 def test_an_estimator_that_loses_its_place_is_held_for_until_the_autopilot_acts(demo):
-    demo = demo(yard())
+    demo = demo(field(), FAR_LAWN)
     pilot = demo.fly_to(Phase.NAVIGATE)
     # Neither satellites nor a camera that tells it how it moves any longer.
     for sensor in ("gnss", "vio"):
@@ -197,7 +198,7 @@ def test_a_link_that_comes_back_lets_it_go_on(demo):
 def test_blown_off_its_plan_it_makes_a_new_one_from_where_it_is(demo):
     demo = demo(yard())
     pilot = demo.fly_to(Phase.NAVIGATE)
-    demo.fly(until=lambda: bool(pilot.replans), limit_s=7.0)
+    demo.fly_on(2.0)
     assert not pilot.replans
     # Something pushes it to the north.
     demo.bench.plant.data.qfrc_applied[1] = 22.0
@@ -214,7 +215,7 @@ def test_blown_off_its_plan_it_makes_a_new_one_from_where_it_is(demo):
 def test_carried_far_off_it_stops_where_it_is_and_goes_on_from_there(demo):
     demo = demo(yard())
     pilot = demo.fly_to(Phase.NAVIGATE)
-    demo.fly(until=lambda: False, limit_s=7.0)
+    demo.fly_on(2.0)
     demo.bench.plant.data.qfrc_applied[1] = 30.0
     demo.fly_to(Phase.HOLD)
     assert "m from the plan" in pilot.transitions[-1].reason
@@ -282,7 +283,7 @@ def test_carried_off_in_the_last_metre_it_climbs_back(demo):
 def test_blown_where_no_stop_is_proved_it_is_pulled_back_to_its_course(demo):
     demo = demo(yard())
     pilot = demo.fly_to(Phase.NAVIGATE)
-    demo.fly(until=lambda: False, limit_s=7.0)
+    demo.fly_on(2.0)
     stop = pilot._flight.brake
 
     def only_on_the_course(start=None):

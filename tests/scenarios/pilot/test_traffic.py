@@ -13,10 +13,8 @@ from scenarios.pilot.pace import AMONG_MOVERS
 from tests.scenarios.landing_scenes import FAR_LAWN, ON_CONTAINER, field, yard
 from tests.scenarios.pilot.crossing import crosser
 
-BEGIN_S = 5.2
-"""When a pilot sets out from above the start that does not look around before,"""
 LOOKED_S = 13.5
-"""and one in the yard that rises and does."""
+"""When a pilot in the yard sets out that rises and looks around before."""
 VEHICLE_M = 0.38
 
 
@@ -61,9 +59,11 @@ def test_somebody_who_crosses_the_plan_is_evaded(demo, level, share, speed_mps, 
     assert any("something that moves would come within" in reason for reason in changes)
 
 
-def test_a_pilot_that_does_not_look_out_meets_them(demo, plan):
+def test_a_pilot_that_does_not_look_out_meets_them(demo):
     # Else the tests above would show nothing.
-    other = crosser(plan, BEGIN_S, 0.5, 2.0)
+    alone = demo(field(), FAR_LAWN)
+    begin_s = alone.fly_to(Phase.NAVIGATE)._flight.take_over_us * 1e-6
+    other = crosser(alone.pilot.trajectory, begin_s, 0.5, 2.0)
     demo = demo(field(), FAR_LAWN, traffic=[other], expects_traffic=False)
     demo.fly(until=lambda: demo.gap_m < VEHICLE_M, limit_s=20.0)
     assert demo.gap_m < VEHICLE_M
