@@ -23,7 +23,7 @@ from aeroscene.learning.program.decoding.buildings import DecodedBuilding, build
 from aeroscene.learning.program.decoding.cfg import DecodingCfg
 from aeroscene.learning.program.decoding.extent import extent_of
 from aeroscene.learning.program.decoding.making import Making
-from aeroscene.learning.program.decoding.mending import LAID, laid_for, mended
+from aeroscene.learning.program.decoding.mending import LAID, drawn_in, laid_for, mended
 from aeroscene.learning.program.decoding.neighbours import (
     clashing,
     free_shift,
@@ -226,7 +226,10 @@ class Builder:
         if not self._cfg.mends:
             return boxes
         boxes = mended(kind.category, boxes, making.objects)
-        is_on_table = making.standing.category(unit.parent_id) in TABLES
+        bearer = making.standing.category(unit.parent_id)
+        if bearer == "room" and unit.parent_id is not None and kind.category not in _FIXED:
+            return drawn_in(boxes, making.tiles(unit.parent_id))
+        is_on_table = bearer in TABLES
         return laid_for(boxes, making.objects) if kind.category in LAID and is_on_table else boxes
 
     def _free(self, unit: Unit, kind: Kind, boxes: Sequence[OrientedBox]) -> list[OrientedBox]:

@@ -121,6 +121,18 @@ class Making:
         """An object from above; the site for None."""
         return self._site if object_id is None else footprint(self.objects[object_id].bbox)
 
+    def tiles(self, room: int) -> list[Rectangle]:
+        """All tiles of the room that an object is one of, from above."""
+        own = self.objects[room]
+        if "room" not in own.attributes:
+            return [footprint(own.bbox)]
+        name = own.attributes["room"], own.parent_id
+        return [
+            footprint(obj.bbox)
+            for obj in self.objects
+            if obj.category == "room" and (obj.attributes.get("room"), obj.parent_id) == name
+        ]
+
     def add(
         self,
         place: int | None,

@@ -45,6 +45,14 @@ def mended(
     return list(boxes)
 
 
+def drawn_in(boxes: Sequence[OrientedBox], tiles: Sequence[Rectangle]) -> list[OrientedBox]:
+    """The boxes of what is in a room: one whose middle is in none of its tiles, in the nearest."""
+    return [
+        box if any(_is_middle_in(box, tile) for tile in tiles) else _moved_in(box, tiles)
+        for box in boxes
+    ]
+
+
 def laid_for(plates: Sequence[OrientedBox], objects: Sequence[SceneObject]) -> list[OrientedBox]:
     """The plates on a table that a chair stands before."""
     chairs = [obj.bbox.p[:2] for obj in objects if obj.category in SEATS]
@@ -101,6 +109,28 @@ def _inside(box: OrientedBox, outline: Rectangle, turns: int) -> OrientedBox | N
         min(max(value, -most_m), most_m) for value, most_m in zip((u_m, v_m), play_m, strict=True)
     )
     return _put(box, outline.place.moved(u_m, v_m, turn_rad))
+
+
+def _is_middle_in(box: OrientedBox, outline: Rectangle) -> bool:
+    u_m, v_m, _ = outline.place.local(footprint(box).place)
+    return abs(u_m) <= outline.half_m[0] and abs(v_m) <= outline.half_m[1]
+
+
+def _moved_in(box: OrientedBox, outlines: Sequence[Rectangle]) -> OrientedBox:
+    """A box inside the outline that takes the least way; in its middle where it has no room."""
+    found: list[OrientedBox] = []
+    for outline in outlines:
+        at = footprint(box)
+        u_m, v_m, turn_rad = outline.place.local(at.place)
+        reach_m = turned_reach_m(at.half_m, turn_rad)
+        play_m = [max(0.0, a - b) for a, b in zip(outline.half_m, reach_m, strict=True)]
+        u_m, v_m = (
+            min(max(value, -most_m), most_m)
+            for value, most_m in zip((u_m, v_m), play_m, strict=True)
+        )
+        to = outline.place.moved(u_m, v_m)
+        found.append(replace(box, p=(to.x_m, to.y_m, box.p[2])))
+    return min(found, key=lambda moved: math.dist(moved.p, box.p))
 
 
 def _over(box: OrientedBox, crossed: Sequence[Rectangle]) -> OrientedBox | None:

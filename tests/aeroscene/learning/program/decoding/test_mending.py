@@ -1,10 +1,11 @@
-"""Boats are afloat, bridges cross something, traffic has lanes, plates have chairs."""
+"""Boats float, bridges cross something, traffic has lanes, plates have chairs, rooms their own."""
 
 import math
 
 import pytest
 
-from aeroscene.learning.program.decoding.mending import laid_for, mended
+from aeroscene.learning.program.decoding.mending import drawn_in, laid_for, mended
+from aeroscene.relations.plane import Place, Rectangle
 from aeroscene.scene import OrientedBox
 from aeroscene.scene.box import quat_from_yaw
 from tests.aeroscene.feasibility.scenes import thing
@@ -57,3 +58,18 @@ def test_plates_need_a_chair_before_them():
     chair = thing(5, "chair", (-0.6, 0.0, 0.5), (0.5, 0.5, 0.9))
     assert laid_for(plates, [chair, WATER]) == plates[:1]
     assert laid_for(plates, [WATER]) == []
+
+
+def test_what_is_in_a_room_has_its_middle_in_one_of_its_tiles():
+    tiles = [
+        Rectangle(Place(0.0, 0.0, 0.0), (2.0, 1.5)),
+        Rectangle(Place(4.0, 0.0, math.pi / 2), (1.0, 2.0)),
+    ]
+    bed, reaches_over = box(0.5, 0.0, (2.0, 1.6, 0.5)), box(1.8, 0.0, (1.0, 0.4, 0.5))
+    next_door, long = box(3.0, 0.5, (0.4, 0.4, 0.5)), box(0.3, -2.0, (9.0, 0.4, 0.5))
+    assert drawn_in([bed, reaches_over, next_door], tiles) == [bed, reaches_over, next_door]
+    beside, along = drawn_in([box(0.3, 1.7, (0.6, 0.4, 0.5), 0.1), long], tiles)
+    assert beside.p[0] == pytest.approx(0.3)
+    assert beside.p[1] == pytest.approx(1.5 - 0.2 * math.cos(0.1) - 0.3 * math.sin(0.1))
+    assert beside.q == quat_from_yaw(0.1)
+    assert along.p[:2] == pytest.approx((0.0, -1.3))
