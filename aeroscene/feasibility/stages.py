@@ -28,6 +28,7 @@ from aeroscene.feasibility.strays import drop_strays
 from aeroscene.feasibility.tiling import fill_buildings, hold_children, make_room
 from aeroscene.feasibility.traffic import turns_with_traffic
 from aeroscene.scene import Scene
+from aeroscene.scene.rooms import strayed_to
 from aeroscene.solids.shapes import scene_primitives
 from aeroscene.solids.solids import colliding
 from aeroscene.validation.boxes import overlaps
@@ -217,6 +218,11 @@ def _nothing() -> Boxes:
 def finished(layout: Layout) -> Scene:
     """The scene as it is now, its start on its pad, its sky above the highest thing."""
     scene, boxes = layout.scene, layout.boxes
+    parents = [None if row < 0 else row for row in boxes.parent.tolist()]
+    whole = [layout.box(row) for row in range(len(boxes))]
+    for row, tile in strayed_to(layout.tile_group, parents, whole).items():
+        if layout.is_left[tile]:
+            boxes.parent[row] = tile
     low, high = layout.extent_m.tolist()
     start, yaw = tuple(np.clip(scene.start_position_enu_m, low, high).tolist()), scene.start_yaw_rad
     row = home_row(layout)

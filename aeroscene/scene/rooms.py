@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
 from jaxtyping import Int
 
+from aeroscene.scene.box import OrientedBox
 from aeroscene.scene.scene import SceneObject
 
 NO_ROOM = -1
@@ -24,3 +26,34 @@ def tile_groups(objects: Sequence[SceneObject]) -> Int[np.ndarray, " n"]:
             key = obj.attributes["room"], obj.parent_id
             groups[row] = numbers.setdefault(key, len(numbers))
     return groups
+
+
+def strayed_to(
+    groups: Int[np.ndarray, " n"], parent: Sequence[int | None], boxes: Sequence[OrientedBox]
+) -> dict[int, int]:
+    """What stands in another tile of its room than the one that is its parent.
+
+    Args:
+        groups: Group of tiles that each object is one of, see `tile_groups`.
+        parent: Row of each object's parent; None without one.
+        boxes: Boxes of the objects.
+
+    Returns:
+        For the row of each such object the row of the tile that its middle is in.
+    """
+    found: dict[int, int] = {}
+    for row, above in enumerate(parent):
+        if above is None or groups[above] == NO_ROOM or _holds(boxes[above], boxes[row]):
+            continue
+        tiles = np.flatnonzero(groups == groups[above]).tolist()
+        tile = next((tile for tile in tiles if _holds(boxes[tile], boxes[row])), None)
+        if tile is not None:
+            found[row] = tile
+    return found
+
+
+def _holds(tile: OrientedBox, box: OrientedBox) -> bool:
+    """Whether the middle of a box is in a tile, seen from above."""
+    u_m, v_m = box.p[0] - tile.p[0], box.p[1] - tile.p[1]
+    c, s = math.cos(tile.yaw_rad), math.sin(tile.yaw_rad)
+    return abs(c * u_m + s * v_m) <= tile.s[0] / 2 and abs(c * v_m - s * u_m) <= tile.s[1] / 2

@@ -68,7 +68,7 @@ TRANSITIONS: Mapping[Phase, frozenset[Phase]] = MappingProxyType(
 TIME_LIMIT_S: Mapping[Phase, float] = MappingProxyType(
     {
         _P.CONNECT: 10.0,
-        _P.PREPARE: 60.0,
+        _P.PREPARE: 150.0,
         _P.ARM: 60.0,
         _P.TAKEOFF: 45.0,
         _P.NAVIGATE: 120.0,

@@ -6,9 +6,13 @@ import numpy as np
 import pytest
 
 from aeroscene.feasibility import make_feasible
+from aeroscene.feasibility.layout import layout_of
+from aeroscene.feasibility.stages import finished
 from aeroscene.layouts.flyable import make_flyable
 from aeroscene.layouts.neutral import neutral_layout
 from aeroscene.learning.program import decode, encode
+from aeroscene.learning.program.decoding.cfg import DecodingCfg
+from aeroscene.metrics.consistency import coarse_to_fine_consistency
 from aeroscene.solids.shapes import scene_primitives
 from aeroscene.solids.solids import colliding
 from aeroscene.validation.boxes import overlaps
@@ -18,23 +22,23 @@ from tests.aeroscene.layouts.samples import box
 CEILING_M = 3.02
 """Of a room without anything high, its floor's finish included."""
 
+RECORD = {
+    "scene_id": "made-up/angle",
+    "domain": "indoor",
+    "floor": [[0, 0], [6, 0], [6, 3], [3.5, 3], [3.5, 6], [0, 6]],
+    "objects": [
+        box("King-size Bed", (1.1, 3.2, 0.5), (1.8, 2.1, 1.0), 90),
+        box("Ceiling Lamp", (4.5, 1.5, 2.5), (0.5, 0.5, 0.2)),
+        box("Wardrobe", (5.6, 1.0, 1.0), (1.4, 0.6, 2.0), 90),
+    ],
+    "attributes": {"room_type": "bedroom"},
+}
+
 
 @pytest.fixture(scope="module")
 def scene():
     """A room in the form of an L, whose bed stands on two of its tiles."""
-    corners = [[0, 0], [6, 0], [6, 3], [3.5, 3], [3.5, 6], [0, 6]]
-    record = {
-        "scene_id": "made-up/angle",
-        "domain": "indoor",
-        "floor": corners,
-        "objects": [
-            box("King-size Bed", (1.1, 3.2, 0.5), (1.8, 2.1, 1.0), 90),
-            box("Ceiling Lamp", (4.5, 1.5, 2.5), (0.5, 0.5, 0.2)),
-            box("Wardrobe", (5.6, 1.0, 1.0), (1.4, 0.6, 2.0), 90),
-        ],
-        "attributes": {"room_type": "bedroom"},
-    }
-    return make_flyable(neutral_layout(record))[0]
+    return make_flyable(neutral_layout(RECORD))[0]
 
 
 def one(scene, category):
@@ -149,3 +153,29 @@ def test_rooms_and_walls_under_one_roof_have_one_ceiling(scene):
         if obj.category in {"room", "wall"}
     }
     assert tops_m == {CEILING_M}
+
+
+def test_what_stands_in_another_tile_than_its_own_belongs_to_that_one(scene):
+    tiles = [obj for obj in scene.objects if obj.category == "room"]
+    wardrobe = one(scene, "wardrobe")
+    (far,) = (tile for tile in tiles if tile.id != wardrobe.parent_id)
+    strayed = replace(wardrobe, parent_id=far.id)
+    wrong = replace(scene, objects=tuple(strayed if o is wardrobe else o for o in scene.objects))
+    projected = finished(layout_of(wrong))
+    assert projected.object_by_id[wardrobe.id].parent_id == wardrobe.parent_id
+
+
+def test_what_is_drawn_beside_something_belongs_to_the_tile_that_it_is_in(scene):
+    bed = one(scene, "bed")
+    (near,) = (o for o in scene.objects if o.category == "room" and o.id != bed.parent_id)
+    stand = box("Nightstand", (1.1, 1.95, 0.25), (0.5, 0.4, 0.5), 180)
+    record = RECORD | {"objects": [*RECORD["objects"], stand]}
+    whole = make_flyable(neutral_layout(record))[0]
+    beside = one(whole, "nightstand")
+    assert beside.parent_id == near.id
+    strayed = replace(beside, parent_id=bed.parent_id)
+    wrong = replace(whole, objects=tuple(strayed if o is beside else o for o in whole.objects))
+    assert coarse_to_fine_consistency(wrong).border > 0.0
+    drawn = decode(encode(wrong).program, cfg=DecodingCfg(makes_room=False)).scene
+    assert one(drawn, "nightstand").bbox.p == pytest.approx(beside.bbox.p, abs=1e-3)
+    assert coarse_to_fine_consistency(drawn).border == 0.0

@@ -72,6 +72,7 @@ def decode(
     builder.build()
     making = builder.making
     low, high = extent_of(making.objects, program.kinds[0].domain)
+    making.let_tiles_bear()
     objects = tuple(replace(obj, scene_id=scene_id) for obj in making.objects)
     pad = start_pad(objects)
     start = (0.0, 0.0, 0.0) if pad is None else top_of(pad)

@@ -16,6 +16,7 @@ from aeroscene.relations.hosts import Standing
 from aeroscene.relations.plane import Rectangle, footprint
 from aeroscene.relations.relation import Kind
 from aeroscene.scene import AttributeValue, ObjectDomain, OrientedBox, Scene, SceneObject
+from aeroscene.scene.rooms import strayed_to, tile_groups
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,6 +133,13 @@ class Making:
             for obj in self.objects
             if obj.category == "room" and (obj.attributes.get("room"), obj.parent_id) == name
         ]
+
+    def let_tiles_bear(self) -> None:
+        """Give what stands in another tile of its room than its own the one that it is in."""
+        objects = self.objects
+        parents, boxes = [obj.parent_id for obj in objects], [obj.bbox for obj in objects]
+        for row, tile in strayed_to(tile_groups(objects), parents, boxes).items():
+            objects[row] = replace(objects[row], parent_id=tile)
 
     def add(
         self,
