@@ -6,7 +6,7 @@ something else. No contact sensor is needed, nor the rangefinder.
 
 from __future__ import annotations
 
-from math import inf, isfinite, isnan
+from math import inf, isfinite, isnan, sqrt
 
 from flightsim.autopilot.parameters import Parameters
 from flightsim.autopilot.vehicle import TICK_S, Vehicle
@@ -17,12 +17,14 @@ _HIGH_M, _HIGH_FRACTION = 1.0, 0.5
 """Height that the rangefinder sees, above which only less than that is too little: an updraught
 carries a part of the weight for seconds. PX4 finds no ground from 1 m on at all; a vehicle whose
 legs stand at an edge may see past it."""
-_CONTACT_BY_HEIGHT_S = ((0.06, 0.1), (0.12, 0.4), (inf, 1.2))
-"""How long something has to carry the vehicle, by the height that the rangefinder sees below it.
-
-A gust from below carries it too, for up to half a second, and a fall from 0.1 m is a hard landing.
-One that leans on the legs of one side is up to 0.1 m higher than at rest.
-"""
+_CARRIED_LOW_S, _CARRIED_LEANING_S, _CARRIED_HIGH_S = 0.1, 0.4, 1.2
+"""How long something has to carry the vehicle: at the ground, leaning on the legs of one side, and
+higher up, as at an edge. A gust from below carries it too, for half a second and more, and a fall
+from 0.1 m is a hard landing."""
+_LOW_M = 0.04
+_LEAN_M = 0.3
+"""Height that a tilt of 90 degrees would explain: one that leans by 20 degrees is 0.1 m higher than
+at rest."""
 _SINKING_SHARE, _SINKING_MPS = 0.6, 0.12
 """Share of the commanded speed, and least speed, beyond which it sinks: nothing carries it."""
 _CONTACT_S = 0.4
@@ -99,9 +101,7 @@ class LandDetector:
             and up_mps > commanded_up_mps + _TOUCH_STOP_MPS
         )
         self._touching_s = self._touching_s + TICK_S if is_touching else 0.0
-        enough_s = _CONTACT_S
-        if height_m is not None:
-            enough_s = next(s for below_m, s in _CONTACT_BY_HEIGHT_S if height_m < below_m)
+        enough_s = _enough_s(vehicle)
         self.has_contact = self._touching_s >= _TOUCH_S or self._carried_s >= enough_s
 
     def _is_carried(self, vehicle: Vehicle, commanded_up_mps: float) -> bool:
@@ -127,6 +127,17 @@ class LandDetector:
         )
         self._lifting_s = self._lifting_s + TICK_S if is_rising else 0.0
         return self._lifting_s >= _LIFT_OFF_S
+
+
+def _enough_s(vehicle: Vehicle) -> float:
+    """How long something has to carry the vehicle to be the ground."""
+    height_m = vehicle.height_m
+    if height_m is None:
+        return _CONTACT_S
+    if height_m < _LOW_M:
+        return _CARRIED_LOW_S
+    leaning_m = _LEAN_M * sqrt(1.0 - vehicle.cos_tilt**2)
+    return _CARRIED_LEANING_S if height_m < _LOW_M + leaning_m else _CARRIED_HIGH_S
 
 
 def _carries(vehicle: Vehicle) -> bool:
