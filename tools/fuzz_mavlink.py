@@ -13,7 +13,6 @@ limit.
 from __future__ import annotations
 
 import argparse
-import gc
 import json
 import math
 import sys
@@ -125,7 +124,6 @@ class Siege:
         if self._twin is not None:
             self._twin.close()
             self._twin = Vehicle(None, personality=self._personality)
-        gc.collect()  # Among a million objects of numba's, vehicles that are gone wait for long.
 
     def _count_faults(self) -> None:
         faults = self._vehicle.bench.server.faults

@@ -20,12 +20,11 @@ from autonomy.estimation.past import (
     restart_past,
     write_past_position_row,
 )
-from autonomy.estimation.update import scalar_update
+from autonomy.estimation.update import GROSS_RATIO, gate_ratio, scalar_update
 from autonomy.jit import kernel
 from autonomy.rotation import matrix_from_quat, wrap_angle
 
 _GNSS_POSITION, _GNSS_VELOCITY, _BARO, _HEADING = 0, 1, 2, 3  # rows of MEASUREMENTS
-_GROSS_RATIO = 100.0  # ten times the gate
 _MOST_REJECTED_STEP_M = 10.0  # from fix to fix: 50 m/s at 5 Hz
 _MOVES_MPS = 0.5
 _STEP_AT_REST_M = 0.03
@@ -49,7 +48,7 @@ def fuse_gnss(
     h = f.measurement_row
     ratio = _worst_ratio(f, position_enu_m, age_ticks, sigma_m)
     # While odometry carries the position, no fix moves it by more than a small step.
-    is_gross = f.has_vio == 0 and ratio > _GROSS_RATIO
+    is_gross = f.has_vio == 0 and ratio > GROSS_RATIO
     f.ratio_gnss_position = ratio if is_gross else 0.0
     f.ratio_gnss_velocity = 0.0
     for i in range(0 if is_gross else 3):
@@ -83,17 +82,12 @@ def _worst_ratio(
 
     A fix that is grossly wrong along one axis is not right along another by more than chance.
     """
-    P, h, worst = f.covariance, f.measurement_row, 0.0
+    h, worst = f.measurement_row, 0.0
     for i in range(3):
         write_past_position_row(f, h, age_ticks, i)
         h[GNSS_WANDER + i] = 1.0
-        variance = sigma_m[i] * sigma_m[i]
-        for j in range(N_STATES):
-            if h[j] != 0.0:
-                for k in range(N_STATES):
-                    variance += h[j] * P[j, k] * h[k]
         innovation = position_enu_m[i] - past_position(f, age_ticks, i) - f.gnss_wander_enu_m[i]
-        worst = max(worst, innovation * innovation / (variance * f.gate_sigma * f.gate_sigma))
+        worst = max(worst, gate_ratio(f, innovation, sigma_m[i] * sigma_m[i]))
     return worst
 
 

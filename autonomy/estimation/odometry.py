@@ -23,7 +23,7 @@ import numpy as np
 
 from autonomy.estimation.error_state import N_STATES, VIO_ORIGIN, VIO_YAW
 from autonomy.estimation.past import past_position, past_yaw, write_past_position_row
-from autonomy.estimation.update import scalar_update, write_heading_row
+from autonomy.estimation.update import GROSS_RATIO, gate_ratio, scalar_update, write_heading_row
 from autonomy.jit import kernel
 from autonomy.rotation import wrap_angle
 
@@ -42,19 +42,31 @@ def fuse_vio(f: np.record, position_vio_m: np.ndarray, yaw_vio_rad: float, age_t
     h = f.measurement_row
     worst = 0.0
     for i in range(3):
-        east, north = _turned(f, position_vio_m)
-        turned = east if i == 0 else (north if i == 1 else position_vio_m[2])
-        write_past_position_row(f, h, age_ticks, i)
-        h[VIO_ORIGIN + i] = -1.0
-        h[VIO_YAW] = north if i == 0 else (-east if i == 1 else 0.0)
-        innovation = f.vio_origin_enu_m[i] + turned - past_position(f, age_ticks, i)
-        worst = max(worst, scalar_update(f, _VIO_POSITION, innovation, f.vio_variance_m2))
-    h[:] = 0.0
-    if write_heading_row(f.quat_wxyz, h):
-        h[VIO_YAW] = -1.0
-        innovation = wrap_angle(yaw_vio_rad + f.vio_yaw_rad - past_yaw(f, age_ticks))
-        worst = max(worst, scalar_update(f, _VIO_YAW, innovation, f.vio_yaw_variance_rad2))
+        innovation = _innovation(f, position_vio_m, age_ticks, i)
+        worst = max(worst, gate_ratio(f, innovation, f.vio_variance_m2))
+    if worst <= GROSS_RATIO:
+        worst = 0.0
+        for i in range(3):
+            innovation = _innovation(f, position_vio_m, age_ticks, i)
+            worst = max(worst, scalar_update(f, _VIO_POSITION, innovation, f.vio_variance_m2))
+        h[:] = 0.0
+        if write_heading_row(f.quat_wxyz, h):
+            h[VIO_YAW] = -1.0
+            innovation = wrap_angle(yaw_vio_rad + f.vio_yaw_rad - past_yaw(f, age_ticks))
+            worst = max(worst, scalar_update(f, _VIO_YAW, innovation, f.vio_yaw_variance_rad2))
     _count(f, worst)
+
+
+@kernel
+def _innovation(f: np.record, position_vio_m: np.ndarray, age_ticks: int, i: int) -> float:
+    """Along an axis, what a pose says more than the estimate; its row is written."""
+    h = f.measurement_row
+    east, north = _turned(f, position_vio_m)
+    turned = east if i == 0 else (north if i == 1 else position_vio_m[2])
+    write_past_position_row(f, h, age_ticks, i)
+    h[VIO_ORIGIN + i] = -1.0
+    h[VIO_YAW] = north if i == 0 else (-east if i == 1 else 0.0)
+    return f.vio_origin_enu_m[i] + turned - past_position(f, age_ticks, i)
 
 
 @kernel

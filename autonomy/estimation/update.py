@@ -28,6 +28,11 @@ from autonomy.rotation import quat_from_rotation_vector, quat_multiply, quat_nor
 _LEAST_LEVEL = 0.01
 """Squared horizontal part of body x below which it has no heading."""
 
+GROSS_RATIO = 100.0
+"""Squared innovation over its squared gate from which a place is grossly wrong: ten times the gate.
+
+What is so along one axis is not right along another by more than chance."""
+
 
 @kernel
 def scalar_update(f: np.record, kind: int, innovation: float, variance: float) -> float:
@@ -67,6 +72,17 @@ def scalar_update(f: np.record, kind: int, innovation: float, variance: float) -
         gain[i] *= innovation / root
     inject(f, gain)
     return ratio
+
+
+@kernel
+def gate_ratio(f: np.record, innovation: float, variance: float) -> float:
+    """Squared innovation over its squared gate, as `scalar_update` has it, and nothing fused."""
+    P, h = f.covariance, f.measurement_row
+    for j in range(N_STATES):
+        if h[j] != 0.0:
+            for k in range(N_STATES):
+                variance += h[j] * P[j, k] * h[k]
+    return innovation * innovation / (variance * f.gate_sigma * f.gate_sigma)
 
 
 @kernel

@@ -183,7 +183,7 @@ IMU = Sensor(
     stream=2,
     start_stream=0,
     configure=_configure,
-    wrong=(2.0, 2.0, 0.0, 0.2, 0.2, 0.2),
+    wrong=(0.4, 0.4, 0.0, 0.01, 0.01, 0.01),
     garbage=(200.0, 200.0, 200.0, 80.0, 80.0, 80.0),
     read=reader(ImuReading),
 )

@@ -20,6 +20,7 @@ from flightsim.sensors.lidars import Lidar, lidar_by_name
 from flightsim.simulator import Controller, Server, Simulator
 from flightsim.testbench.cfg import TestbenchCfg, TestbenchError
 from flightsim.testbench.own_stack import OwnStack
+from flightsim.testbench.remains import free_ended, note_end
 from flightsim.vehicles import Airframe, airframe_by_name
 from flightsim.vehicles.camera_options import with_cameras
 from flightsim.world import World, build_world
@@ -69,6 +70,7 @@ class Testbench:
             TestbenchError: If the folder cannot be made, there is nothing to encode video with, or
                 the external flight stack cannot be had.
         """
+        free_ended()
         self.cfg, self.scene = cfg, scene
         if plant is None:
             airframe = with_cameras(airframe or airframe_by_name(cfg.vehicle), cfg.camera)
@@ -191,6 +193,7 @@ class Testbench:
     def close(self) -> None:
         """Close every link, and end what flies."""
         self.stack.close()
+        note_end(self.plant)
 
     def __enter__(self) -> Self:
         return self

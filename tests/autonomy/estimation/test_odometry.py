@@ -99,3 +99,13 @@ def test_odometry_that_restarts_elsewhere_gets_a_new_frame():
         fuse_vio(f, np.array([50.0, 0.0, 0.0]), 0.0, 0)
         assert abs(f["position_enu_m"][0]) < 0.01, k
     assert f["vio_origin_enu_m"][0] == pytest.approx(-50.0, abs=0.1)
+
+
+def test_a_pose_that_is_grossly_wrong_is_not_believed_along_the_axis_where_it_is_right():
+    f = moving_filter(np.zeros(3), sigma=0.05)
+    fuse_vio(f, np.zeros(3), 0.0, 0)
+    for _ in range(10):
+        fly(f, 10)
+        before = f["covariance"].copy()
+        fuse_vio(f, np.array([50.0, 0.0, -50.0]), 0.0, 0)
+        assert np.all(f["covariance"][:3, :3] >= before[:3, :3] - 1e-12)

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import re
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -23,7 +24,8 @@ from pathlib import Path
 from queue import SimpleQueue
 from typing import Any
 
-from tests.clients.published.running import EXAMPLES, NOT_RUN, Example, Outcome, Runner
+from tests.clients.published.examples import EXAMPLES, NOT_RUN, Example
+from tests.clients.published.running import Outcome, Runner
 from tests.instances import new_instance
 
 
@@ -78,7 +80,8 @@ def _rows(examples: Sequence[Example], chosen: argparse.Namespace) -> Iterator[M
 
 
 def _row(example: Example, outcome: Outcome) -> Mapping[str, Any]:
-    is_expected = outcome.finishes == (example.but is None)
+    is_raised = re.search(example.raises, outcome.output) is not None
+    is_expected = outcome.finishes == (example.but is None) and is_raised
     edited = [f"{there} is {here}" for there, here in example.edits.items()]
     says = outcome.note if is_expected and example.but is None else example.but or outcome.note
     return {

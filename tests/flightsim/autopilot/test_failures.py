@@ -12,6 +12,7 @@ from tests.flightsim.autopilot.bench import Bench
 
 HEIGHT_M = 8.0
 SENSORS_NOT_NEEDED = ("mag", "baro", "range", "airspeed")
+ALL_FAILURES = [failure for failure in Failure if failure is not Failure.NONE]
 
 
 def aloft(vehicle="iris", **parameters):
@@ -90,7 +91,7 @@ def test_a_motor_that_turns_wrongly_is_flown_with(failure):
 
 
 @pytest.mark.parametrize("sensor", SENSORS_NOT_NEEDED)
-@pytest.mark.parametrize("failure", [Failure.OFF, Failure.STUCK, Failure.GARBAGE, Failure.WRONG])
+@pytest.mark.parametrize("failure", ALL_FAILURES)
 def test_a_sensor_that_is_not_needed_is_flown_without(sensor, failure):
     bench = aloft()
     bench.plant.failures.fail_sensor(sensor, failure)
@@ -154,13 +155,68 @@ def test_satellites_that_are_consistently_wrong_are_believed_and_it_stays_contro
 
 
 @pytest.mark.parametrize("sensor", ["gyroscope", "accelerometer"])
-@pytest.mark.parametrize("failure", [Failure.OFF, Failure.STUCK, Failure.GARBAGE])
+@pytest.mark.parametrize("failure", [f for f in ALL_FAILURES if f is not Failure.WRONG])
 def test_without_its_only_inertial_sensor_the_flight_is_ended(sensor, failure):
     bench = aloft()
     bench.plant.failures.fail_sensor(sensor, failure)
     bench.run(0.6)
     assert bench.pilot.mode is Mode.TERMINATION
     assert bench.says("Failsafe activated: inertial sensor lost, switching to Termination")
+    bench.run(5.0)
+    assert not any(bench.plant.rotor_speed_commands_radps)
+    assert bench.position == pytest.approx((0.0, 0.0, 0.0), abs=2.0)
+    assert bench.speed_mps < 0.1
+
+
+@pytest.mark.parametrize(("sensor", "most_m"), [("gyroscope", 0.5), ("accelerometer", 2.0)])
+@pytest.mark.parametrize("vehicle", ["iris", "hummingbird"])
+def test_an_inertial_sensor_that_is_off_by_a_constant_is_learnt(vehicle, sensor, most_m):
+    bench = aloft(vehicle)
+    bench.plant.failures.fail_sensor(sensor, Failure.WRONG)
+    bench.run(20.0)
+    assert max(math.hypot(x, y) for x, y, _ in bench.positions) < most_m
+    away_m, fastest_mps = land(bench)
+    assert away_m < 0.5
+    assert fastest_mps < 2.0
+
+
+@pytest.mark.parametrize("failure", ALL_FAILURES)
+def test_odometry_is_flown_without_where_there_are_satellites(failure):
+    bench = Bench(aiding="auto").take_off(HEIGHT_M)
+    bench.plant.failures.fail_sensor("vio", failure)
+    bench.run(10.0)
+    assert bench.pilot.mode is Mode.HOLD
+    away_m, fastest_mps = land(bench)
+    assert away_m < 0.5
+    assert fastest_mps < 2.0
+
+
+@pytest.mark.parametrize("failure", [Failure.OFF, Failure.STUCK, Failure.GARBAGE])
+def test_without_odometry_or_satellites_it_comes_down_level(failure):
+    bench = Bench(aiding="vio").take_off(HEIGHT_M)
+    bench.plant.failures.fail_sensor("vio", failure)
+    assert bench.run(60.0, lambda: bench.pilot.mode is Mode.DESCEND)
+    assert bench.pilot.failsafe is FailsafeReason.POSITION_LOST
+    _, fastest_mps = come_down(bench)
+    assert fastest_mps < 2.5
+
+
+@pytest.mark.parametrize(
+    ("failure", "most_m"),
+    [
+        (Failure.WRONG, 0.5),
+        (Failure.SLOW, 0.5),
+        (Failure.INTERMITTENT, 0.5),
+        (Failure.DELAYED, 3.0),
+    ],
+)
+def test_odometry_that_is_poor_is_flown_with(failure, most_m):
+    bench = Bench(aiding="vio").take_off(HEIGHT_M)
+    bench.plant.failures.fail_sensor("vio", failure)
+    bench.run(10.0)
+    assert bench.pilot.mode is Mode.HOLD
+    away_m, _ = land(bench)
+    assert away_m < most_m
 
 
 @pytest.mark.parametrize(

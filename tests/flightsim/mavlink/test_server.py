@@ -74,11 +74,11 @@ def test_random_valid_frames_end_nothing(flight, seed):
     assert all(map(math.isfinite, flight.plant.truth.position_enu_m))
 
 
-def test_every_command_survives_every_parameter(flight):
+def test_every_command_is_answered_once_whatever_its_parameters(flight):
     rng = random.Random(1)
     flight.become_ready()
     values = [0.0, 1.0, 2.0, -1.0, math.nan, math.inf, -math.inf, 1e38, 47.4, 2**31, 65536.5]
-    for number in sorted({*range(300), *range(400, 530), 4501, 2000, 2500, 31000, 65535}):
+    for number in sorted({*range(300), *mav.enums["MAV_CMD"], 65535}):
         for is_int in (False, True):
             params = [rng.choice(values) for _ in range(7)]
             if is_int:
