@@ -168,6 +168,18 @@ def test_the_last_images_are_those_of_the_end():
             lambda: EnvironmentCfg(action_hz=60),
             r"action_hz = 60: 250, 125, 50, 25, 10, 5 are valid",
         ),
+        (
+            lambda: EnvironmentCfg(hz=50),
+            r"hz = 50: it is unknown; vehicle, action, action_hz, episode_s, observation, random",
+        ),
+        (
+            lambda: ObservationCfg(rgb=True),
+            r"observation\.rgb = True: it is unknown; state, target",
+        ),
+        (
+            lambda: RandomisationCfg(gusts=1.0),
+            r"randomisation\.gusts = 1\.0: it is unknown; mass, rotors, wind_mps, noise, latency_s",
+        ),
         (lambda: EnvironmentCfg(episode_s=math.nan), r"episode_s = nan: 1 to 600 are valid"),
         (
             lambda: ObservationCfg(state="best"),
