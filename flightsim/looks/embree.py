@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import ctypes
 import functools
-import importlib
+import inspect
 import weakref
 from typing import Any, NamedTuple
 
@@ -99,8 +99,10 @@ class TriangleScene:
 @functools.cache
 def _library() -> ctypes.CDLL:
     """Embree, by what links to it: a look-up there finds its symbols too."""
-    module = importlib.import_module("embreex.rtcore_scene")
-    library = ctypes.CDLL(module.__file__)
+    # Load it only when someone casts a ray.
+    from embreex.rtcore_scene import EmbreeScene  # noqa: PLC0415
+
+    library = ctypes.CDLL(inspect.getfile(EmbreeScene))
     pointer, integer, size = ctypes.c_void_p, ctypes.c_uint, ctypes.c_size_t
     for name, result, arguments in (
         ("rtcNewDevice", pointer, [pointer]),
