@@ -93,7 +93,7 @@ class PixelLight:
         for top in range(0, shape[0], _BAND_ROWS):
             band = slice(top, top + _BAND_ROWS)
             rays = rays_enu[band].reshape(-1, 3)
-            hits = seen.first_hits(np.broadcast_to(eye, rays.shape), rays)
+            hits = seen.first_hits(eye, rays)
             met = np.flatnonzero(hits.triangle != NOTHING)
             own = hits.triangle[met]
             weights = np.stack([1 - hits.u - hits.v, hits.u, hits.v], axis=1)[met]

@@ -7,6 +7,26 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from autonomy.jit import kernel_without_lock
+from flightsim.looks.embree import (
+    COHERENT,
+    HIT_MESH,
+    HIT_TRIANGLE,
+    HIT_U,
+    HIT_V,
+    LANES,
+    NO_MESH,
+    RAY_DIRECTION,
+    RAY_FAR,
+    RAY_ORIGIN,
+    TriangleScene,
+    call_rtc_packet,
+    functions,
+    new_arguments,
+    new_packet,
+    new_valid,
+)
+
 NOTHING = -1
 
 
@@ -31,59 +51,99 @@ class RayHits:
 
 
 class RayScene:
-    """Triangles (t, 3, 3) in m, prepared for rays."""
+    """Triangles (t, 3, 3) in m, prepared for rays.
+
+    Rays from one point that point nearly alike, as those of an image, cost least. The
+    interpreter's lock is free meanwhile, and several threads may ask at once.
+    """
 
     def __init__(self, triangles_m: np.ndarray) -> None:
-        # Load Embree only when someone casts a ray.
-        from embreex.mesh_construction import TriangleMesh  # noqa: PLC0415
-        from embreex.rtcore_scene import EmbreeScene  # noqa: PLC0415
+        self._scene = TriangleScene(triangles_m) if len(triangles_m) else None
 
-        self._scene = EmbreeScene()
-        self._is_empty = not len(triangles_m)
-        if not self._is_empty:
-            # Kept alive: the scene refers to it.
-            self._mesh = TriangleMesh(self._scene, triangles_m.astype(np.float32))
+    @property
+    def address(self) -> int:
+        """`flightsim.looks.embree.TriangleScene.address`; 0 without triangles."""
+        return 0 if self._scene is None else self._scene.address
 
     def is_hidden(self, origins_m: np.ndarray, directions: np.ndarray) -> Bool[np.ndarray, " n"]:
-        """Whether each ray hits anything."""
-        if self._is_empty or not len(origins_m):
-            return np.zeros(len(origins_m), dtype=bool)
-        hit = self._scene.run(
-            np.ascontiguousarray(origins_m, dtype=np.float32),
-            np.ascontiguousarray(directions, dtype=np.float32),
-            query="OCCLUDED",
-        )
-        return hit != NOTHING
+        """Whether each ray hits anything; for the arguments see `first_hits`."""
+        if self._scene is None:
+            return np.zeros(len(directions), dtype=bool)
+        numbers, _ = self._cast(functions().occluded, origins_m, directions)
+        return numbers[0] < 0.0
 
     def first_hits(self, origins_m: np.ndarray, directions: np.ndarray) -> RayHits:
-        """First hit of each ray."""
-        n = len(origins_m)
-        if self._is_empty or not n:
+        """First hit of each ray.
+
+        Args:
+            origins_m: Where each ray begins (n, 3), or all of an image (3,).
+            directions: Their directions (n, 3), of any length.
+        """
+        if self._scene is None:
+            n = len(directions)
             empty = np.zeros(n, dtype=np.float32)
             return RayHits(np.full(n, NOTHING), np.full(n, np.inf), empty, empty)
-        result = self._scene.run(
-            np.ascontiguousarray(origins_m, dtype=np.float32),
-            np.ascontiguousarray(directions, dtype=np.float32),
-            query="INTERSECT",
-            output=True,
-        )
-        triangle = result["primID"]
-        distance = np.where(triangle == NOTHING, np.float32(np.inf), result["tfar"])
-        return RayHits(triangle, distance, result["u"], result["v"])
+        (distance, u, v), triangle = self._cast(functions().intersect, origins_m, directions)
+        return RayHits(triangle, distance, u, v)
 
-    def distances(
-        self, origin_m: Float[np.ndarray, 3], directions: np.ndarray, far: float
-    ) -> Float[np.ndarray, " n"]:
-        """Distance along each ray from one point, in lengths of its direction, at most `far`.
-
-        The interpreter's lock is free meanwhile, and several threads may ask at once.
-        """
-        far_each = np.full(len(directions), far, dtype=np.float32)
-        if self._is_empty:
-            return far_each
-        return self._scene.run(
-            np.broadcast_to(origin_m.astype(np.float32), directions.shape).copy(),
+    def _cast(
+        self, query: int, origins_m: np.ndarray, directions: np.ndarray
+    ) -> tuple[Float[np.ndarray, "3 n"], Int[np.ndarray, " n"]]:
+        """Distance, u and v of each ray, and its triangle."""
+        n = len(directions)
+        numbers, triangle = np.empty((3, n), np.float32), np.empty(n, np.int32)
+        cast_packets(
+            query,
+            self.address,
+            np.ascontiguousarray(np.atleast_2d(origins_m), dtype=np.float32),
             np.ascontiguousarray(directions, dtype=np.float32),
-            dists=far_each,
-            query="DISTANCE",
+            COHERENT if origins_m.ndim == 1 else 0,
+            numbers,
+            triangle,
         )
+        return numbers, triangle
+
+
+@kernel_without_lock
+def cast_packets(
+    query: int,
+    scene: int,
+    origins_m: np.ndarray,
+    directions: np.ndarray,
+    flags: int,
+    numbers: np.ndarray,
+    triangle: np.ndarray,
+) -> None:
+    """Cast rays by packets.
+
+    Args:
+        query: Address of Embree's function.
+        scene: Address of the scene.
+        origins_m: Where the rays begin (n, 3), or one place for all (1, 3), float32.
+        directions: Their directions (n, 3), float32.
+        flags: `COHERENT` or 0.
+        numbers: Written: distance, infinite without a hit, and two weights of corners (3, n).
+        triangle: Written: which was hit, or `NOTHING` (n,).
+    """
+    packet, valid, arguments = new_packet(), new_valid(), new_arguments(flags)
+    as_integers = packet.view(np.int32)
+    places = valid.ctypes.data, packet.ctypes.data, arguments.ctypes.data
+    step = len(origins_m) > 1
+    for first in range(0, len(directions), LANES):
+        n = min(LANES, len(directions) - first)
+        for k in range(n):
+            valid[k] = -1
+            origin = origins_m[(first + k) * step]
+            for axis in range(3):
+                packet[RAY_ORIGIN + axis, k] = origin[axis]
+                packet[RAY_DIRECTION + axis, k] = directions[first + k, axis]
+            packet[RAY_FAR, k] = np.inf
+            as_integers[HIT_MESH, k] = NO_MESH
+            as_integers[HIT_TRIANGLE, k] = NOTHING
+        valid[n:] = 0
+        call_rtc_packet(query, places[0], scene, places[1], places[2])
+        for k in range(n):
+            numbers[0, first + k] = packet[RAY_FAR, k]
+            numbers[1, first + k] = packet[HIT_U, k]
+            numbers[2, first + k] = packet[HIT_V, k]
+            triangle[first + k] = as_integers[HIT_TRIANGLE, k]

@@ -9,7 +9,7 @@ from __future__ import annotations
 import copy
 import ctypes
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from typing import Self
@@ -29,8 +29,6 @@ from flightsim.plant.record import HISTORY_DTYPE, PLANT_DTYPE, with_rotors
 from flightsim.world import World
 
 _LONGEST_ALIGNMENT_S = 10.0
-_MOST_LATE_S = 1e-3
-"""By which the engine's clock may differ from ours: it restarts where the state is lost."""
 
 
 class Fleet:
@@ -105,13 +103,16 @@ class Fleet:
         Raises:
             PhysicsDivergedError: If the physics engine had to give a state up.
         """
-        self._draw(np.flatnonzero(self._ticks % self._tick_hz == 0).tolist())
+        if (due := np.flatnonzero(self._ticks % self._tick_hz == 0)).size:
+            self._draw(due.tolist())
         self._engine["has_new_setpoint"] = 1
         self._counter[0] = 0
-        if self._pool is None:
-            advance(self._by_world, self._counter)
-        else:
-            self._advance_on_threads(self._pool)
+        # Nobody may restore MuJoCo's clock of stages while others still step.
+        stage_clock, self._clock.value = self._clock.value, None
+        try:
+            self._share(lambda: advance(self._by_world, self._counter))
+        finally:
+            self._clock.value = stage_clock
         self._check_physics(range(len(self)))
 
     def advance_one(self, index: int) -> None:
@@ -220,32 +221,30 @@ class Fleet:
     def __exit__(self, *exception: object) -> None:
         self.close()
 
-    def _advance_on_threads(self, pool: ThreadPoolExecutor) -> None:
-        # Nobody may restore MuJoCo's clock of stages while others still step.
-        stage_clock, self._clock.value = self._clock.value, None
-        try:
-            waiting = [
-                pool.submit(advance, self._by_world, self._counter) for _ in range(self._n_helpers)
-            ]
-            advance(self._by_world, self._counter)
-            for helper in waiting:
-                helper.result()
-        finally:
-            self._clock.value = stage_clock
+    def _draw(self, indices: Iterable[int]) -> None:
+        """Draw the noise of the next second of these vehicles; none cares which thread does."""
+        waiting = iter(indices)
 
-    def _draw(self, indices: Sequence[int]) -> None:
-        """Draw the noise of the next second of these vehicles."""
-        for i in indices:
-            self._memories[i].draw_normals()
+        def draw() -> None:
+            for i in waiting:
+                self._memories[i].draw_normals()
 
-    def _check_physics(self, indices: Sequence[int]) -> None:
-        engine_s = np.array([self._datas[i].time for i in indices])
-        is_late = abs(engine_s - self.time_s[indices]) > _MOST_LATE_S
-        lost = np.flatnonzero(is_late & (self._engine["is_held"][indices] == 0))
-        if lost.size:
+        self._share(draw)
+
+    def _share(self, work: Callable[[], None]) -> None:
+        """Let all threads do the same work, and wait for them."""
+        pool, n_helpers = self._pool, self._n_helpers
+        helpers = [pool.submit(work) for _ in range(n_helpers)] if pool else []
+        work()
+        for helper in helpers:
+            helper.result()
+
+    def _check_physics(self, indices: range) -> None:
+        is_lost = self._engine["is_lost"][indices.start : indices.stop]
+        if is_lost.any():
             raise PhysicsDivergedError(
-                f"world {indices[lost[0]]}: the physics engine reset itself: the state had become "
-                "infinite or not a number"
+                f"world {indices[int(is_lost.argmax())]}: the physics engine reset itself: the "
+                "state had become infinite or not a number"
             )
 
     def _mates(self, index: int) -> range:

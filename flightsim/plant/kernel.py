@@ -29,6 +29,8 @@ from flightsim.plant.sensing import sense
 from flightsim.plant.surfaces import feel_surfaces
 from flightsim.vehicles.rotor_model import step_rotors
 
+MOST_LATE_S = 1e-3
+"""By which the engine's clock may differ from ours."""
 _N_ROOM_COLUMNS, _N_STEEL_COLUMNS = len(ROOM_COLUMNS), len(STEEL_COLUMNS)
 
 
@@ -73,6 +75,11 @@ def _advance(plants: np.ndarray) -> None:
             _step_physics(plants)
         for k in range(len(plants)):
             _measure(plants[k], i)
+    if lead.is_held == 0:
+        # The engine's clock restarts where it gives a state up.
+        late_s = doubles(lead.time_address, 1)[0] - lead.tick / lead.tick_hz
+        for k in range(len(plants)):
+            plants[k].engine.is_lost = abs(late_s) > MOST_LATE_S
 
 
 @kernel

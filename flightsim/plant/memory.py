@@ -25,7 +25,7 @@ from flightsim.environment.steel import steel_dipoles
 from flightsim.environment.wind import AIR_NORMALS, WindCfg, new_air, set_wind
 from flightsim.looks.movers import MOVER_CONTACT_BIT
 from flightsim.plant.cfg import PlantCfg, estimator_cfg_for
-from flightsim.plant.mujoco_calls import functions
+from flightsim.plant.mujoco_calls import functions, time_address
 from flightsim.plant.rays import new_rays
 from flightsim.plant.record import HISTORY_DTYPE, PLANT_DTYPE
 from flightsim.plant.sensing import SENSORS
@@ -167,6 +167,7 @@ class PlantMemory:
         e["step_address"], e["clock_address"] = functions().step, functions().clock
         e["rays"] = new_rays(world, data)[0]
         e["model_address"], e["data_address"] = model._address, data._address
+        e["time_address"] = time_address(data)
         joint = model.body_jntadr[body]
         self.qpos = data.qpos[model.jnt_qposadr[joint] :][:7]
         dof = model.jnt_dofadr[joint]

@@ -23,6 +23,10 @@ from autonomy.jit import kernel
 _POINTER = ir.IntType(8).as_pointer()
 
 
+class EngineError(RuntimeError):
+    """The installed MuJoCo is not laid out as kernels need it."""
+
+
 class Functions(NamedTuple):
     """Addresses in the library that `mujoco` has loaded."""
 
@@ -47,6 +51,21 @@ def functions() -> Functions:
         ray_mesh=_address(library.mj_rayMesh),
         clock=ctypes.addressof(ctypes.c_void_p.in_dll(library, "mjcb_time")),
     )
+
+
+def time_address(data: mujoco.MjData) -> int:
+    """Where the engine's clock is, a double that stands before the energy in `mjData`."""
+    _check_time_address()
+    return data.energy.ctypes.data - ctypes.sizeof(ctypes.c_double)
+
+
+@functools.cache
+def _check_time_address() -> None:
+    data = mujoco.MjData(mujoco.MjModel.from_xml_string("<mujoco/>"))
+    data.time = 0.25
+    place = data.energy.ctypes.data - ctypes.sizeof(ctypes.c_double)
+    if ctypes.c_double.from_address(place).value != data.time:
+        raise EngineError(f"MuJoCo {mujoco.__version__} has its clock elsewhere; valid: 4.0")
 
 
 def _address(function: Any) -> int:

@@ -104,12 +104,12 @@ def _first_hit_m(r: np.record, ray: np.ndarray, excluded_body: int) -> float:
     """Distance to what a ray (6,) meets first; infinite for nothing."""
     best_m = math.inf
     for geom in integers(r.endless_address, r.n_endless):
-        best_m = _nearer(best_m, _geom_m(r, geom, ray))
+        best_m = _nearer(best_m, geom_m(r, geom, ray))
     best_m = _first_standing_m(r, ray, best_m)
     body = integers(r.body_address, r.n_geoms)
     for geom in integers(r.moving_address, r.n_moving):
         if body[geom] != excluded_body and _is_near_line(r, geom, ray):
-            best_m = _nearer(best_m, _geom_m(r, geom, ray))
+            best_m = _nearer(best_m, geom_m(r, geom, ray))
     return best_m
 
 
@@ -135,7 +135,7 @@ def _first_standing_m(r: np.record, ray: np.ndarray, best_m: float) -> float:
             if node < n:
                 node = 2 * node + (ray[3 + axes[node]] < 0.0)
                 continue
-            best_m = _nearer(best_m, _geom_m(r, int(leaves[node - n]), ray))
+            best_m = _nearer(best_m, geom_m(r, int(leaves[node - n]), ray))
         while node > 1 and (node & 1) != (ray[3 + axes[node >> 1]] < 0.0):
             node >>= 1
         if node == 1:
@@ -172,7 +172,7 @@ def _is_near_line(r: np.record, geom: int, ray: np.ndarray) -> bool:
 
 
 @kernel
-def _geom_m(r: np.record, geom: int, ray: np.ndarray) -> float:
+def geom_m(r: np.record, geom: int, ray: np.ndarray) -> float:
     """MuJoCo's distance to one geom along a ray; negative if it does not meet it."""
     origin, direction = ray.ctypes.data, ray[3:].ctypes.data
     kind = integers(r.type_address, r.n_geoms)[geom]

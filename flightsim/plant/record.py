@@ -27,9 +27,10 @@ ENGINE_DTYPE = np.dtype(
         ("knows_truth", "i8"),  # the controller, instead of the estimate
         ("has_sensors", "i8"),  # or nothing is measured and estimated
         ("is_held", "i8"),  # by a hand: the vehicle stays where it is
+        ("is_lost", "i8"),  # the engine gave its state up and began anew
         *fields("step_address", "clock_address", kind="i8"),  # of MuJoCo
         ("rays", RAYS_DTYPE),
-        *fields("model_address", "data_address", kind="i8"),
+        *fields("model_address", "data_address", "time_address", kind="i8"),
         # of the vehicle, in MuJoCo's memory: pose (7,), velocity (6,), wrench to apply (6,)
         *fields("qpos_address", "qvel_address", "applied_address", kind="i8"),
         ("constraint_address", "i8"),  # of its constraint forces (6,)

@@ -159,9 +159,10 @@ class Batch:
         now.distance_m[index] = math.dist(start.target_enu_m, start.position_enu_m)
         self._draw_noise(index)
 
-    def observe(self) -> Observation:
-        """Observations of all worlds now."""
-        return self.observer.observe(self._now.target_enu_m, self._queue.latest, self._noise)
+    def observe(self, before: tuple[Observation, Sequence[int]] | None = None) -> Observation:
+        """Observations of all worlds now; for `before` see `Observer.observe`."""
+        now, queue = self._now, self._queue
+        return self.observer.observe(now.target_enu_m, queue.latest, self._noise, before)
 
     def step(self, actions: Float[np.ndarray, "n 4"]) -> Step:
         """Let all worlds go on by a step; an episode that is over goes on only after `begin`.

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import functools
+import inspect
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import Literal, get_args
+from typing import Any, Literal, TypeVar, get_args
 
 from flightsim.environment.effects import ALL_EFFECTS
 from flightsim.environment.wind import CALM, WindCfg
@@ -14,6 +17,7 @@ ActionLevel = Literal["motors", "rates", "velocity", "position"]
 StateKind = Literal["true", "estimated", "none"]
 CameraName = Literal["forward", "down"]
 Segment = Literal["classes", "objects"]
+_Cfg = TypeVar("_Cfg")
 
 CONTROL_HZ = 250
 _LEAST_PX, _MOST_PX = 8, 320
@@ -25,6 +29,28 @@ class EnvironmentInputError(ValueError):
     """A configuration, an action or an option that is not valid: field, value, what would be."""
 
 
+def _refuses_unknown_fields(prefix: str) -> Callable[[type[_Cfg]], type[_Cfg]]:
+    """Let a configuration refuse a field that it does not have, and say which it has."""
+
+    def decorate(cls: type[_Cfg]) -> type[_Cfg]:
+        initialise, valid = cls.__init__, inspect.signature(cls).parameters
+
+        @functools.wraps(initialise)
+        def checked(self: _Cfg, **given: Any) -> None:
+            for name, value in given.items():
+                if name not in valid:
+                    raise EnvironmentInputError(
+                        f"{prefix}{name} = {value!r}: it is unknown; {', '.join(valid)} are valid"
+                    )
+            initialise(self, **given)
+
+        cls.__init__ = checked
+        return cls
+
+    return decorate
+
+
+@_refuses_unknown_fields("observation.")
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ObservationCfg:
     """What the agent sees; docs/learning.md lists the numbers of each part."""
@@ -86,6 +112,7 @@ class ObservationCfg:
         return self.state == "estimated" or self.imu or self.range
 
 
+@_refuses_unknown_fields("randomisation.")
 @dataclass(frozen=True, kw_only=True, slots=True)
 class RandomisationCfg:
     """What differs from episode to episode; every draw is uniform, and none by default."""
@@ -117,6 +144,7 @@ class RandomisationCfg:
             _check_number(f"randomisation.{name}", getattr(self, name), 0.0, most)
 
 
+@_refuses_unknown_fields("")
 @dataclass(frozen=True, kw_only=True, slots=True)
 class EnvironmentCfg:
     """An environment besides its task and its scenes."""

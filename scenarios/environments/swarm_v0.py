@@ -28,11 +28,12 @@ from flightsim.vehicles.airframe import Airframe
 from flightsim.vehicles.catalogue import airframe_by_name
 from scenarios.environments.cfg import EnvironmentCfg, EnvironmentInputError
 from scenarios.environments.interface.actions import N_ACTIONS, check_motors, checked_actions
+from scenarios.environments.interface.observations import Observation, take
 from scenarios.environments.swarm_world import SwarmWorld
 
 _MOST_VEHICLES = 16
 _Step = tuple[
-    dict[str, np.ndarray],
+    dict[str, Observation],
     dict[str, float],
     dict[str, bool],
     dict[str, bool],
@@ -40,7 +41,7 @@ _Step = tuple[
 ]
 
 
-class AeroSceneSwarm(ParallelEnv[str, np.ndarray, np.ndarray]):
+class AeroSceneSwarm(ParallelEnv[str, Observation, np.ndarray]):
     """Vehicles that share one world and meet in it; `parallel_env` makes one.
 
     Agents are `vehicle_1`, `vehicle_2` and so on. One that touches anything has ended, its rotors
@@ -101,7 +102,7 @@ class AeroSceneSwarm(ParallelEnv[str, np.ndarray, np.ndarray]):
         self,
         seed: int | None = None,
         options: dict[str, Any] | None = None,  # noqa: ARG002 - PettingZoo passes them; none are
-    ) -> tuple[dict[str, np.ndarray], dict[str, dict[str, Any]]]:
+    ) -> tuple[dict[str, Observation], dict[str, dict[str, Any]]]:
         """Begin the next episode, the first one of a seed if there is one.
 
         Raises:
@@ -154,9 +155,9 @@ class AeroSceneSwarm(ParallelEnv[str, np.ndarray, np.ndarray]):
     def _index(self, agent: str) -> int:
         return self.possible_agents.index(agent)
 
-    def _observe(self, agents: Sequence[str]) -> dict[str, np.ndarray]:
+    def _observe(self, agents: Sequence[str]) -> dict[str, Observation]:
         observations = self._world.observe()
-        return {agent: observations[self._index(agent)] for agent in agents}
+        return {agent: take(observations, self._index(agent)) for agent in agents}
 
     def _checked(self, actions: Mapping[str, np.ndarray]) -> Float[np.ndarray, "n 4"]:
         """Actions of those that fly; zero for the others."""
@@ -189,11 +190,6 @@ def parallel_env(
 
 
 def _airframes(vehicles: int | Sequence[str], cfg: EnvironmentCfg) -> list[Airframe]:
-    if cfg.observation.depth is not None:
-        raise EnvironmentInputError(
-            f"observation.depth = {cfg.observation.depth}: None is valid in a swarm, whose "
-            "vehicles it would not show"
-        )
     names = [cfg.vehicle] * vehicles if isinstance(vehicles, int) else list(vehicles)
     if isinstance(vehicles, str) or not 2 <= len(names) <= _MOST_VEHICLES:
         raise EnvironmentInputError(

@@ -21,7 +21,7 @@ from scenarios.environments.episodes.ending import EpisodeLog, Outcome
 from scenarios.environments.episodes.place import Place
 from scenarios.environments.interface.actions import Actuation
 from scenarios.environments.interface.latency import ActionQueue
-from scenarios.environments.interface.observations import N_NOISES, Observer
+from scenarios.environments.interface.observations import N_NOISES, Observation, Observer
 from scenarios.environments.tasks.swarm import Swarm
 from scenarios.environments.tasks.task import Situation, Start
 
@@ -66,7 +66,11 @@ class SwarmWorld:
         self._n = n = len(worlds)
         self._fleet = Fleet(worlds, [cfg.plant_cfg(0)] * n, n_threads=1)
         self._observer = Observer(self._fleet, cfg.observation)
-        self.space = _space(self._observer.space, n)
+        own = self._observer.space
+        self._numbers = _numbers_space(own, n)
+        self.space: spaces.Space[Any] = self._numbers
+        if isinstance(own, spaces.Dict):
+            self.space = spaces.Dict({**own.spaces, "numbers": self._numbers})
         self._actuation = Actuation(self._fleet, cfg.action)
         self._queue = ActionQueue(n, cfg.longest_latency)
         self.task = Swarm()
@@ -166,16 +170,20 @@ class SwarmWorld:
         ending = self.task.ending(self.now, index, seconds, is_time_up=is_time_up)
         return Outcome(flight.log.judge(airframe, flight.start.goal, ending), seconds)
 
-    def observe(self) -> Float[np.ndarray, "n k"]:
+    def observe(self) -> Observation:
         """Observations of all vehicles now, each with its mates as they truly are."""
         now = self.now
         own = self._observer.observe(now.target_enu_m, self._queue.latest, self._noise)
+        images = own if isinstance(own, dict) else {"numbers": own}
+        numbers = images.get("numbers", np.zeros((self._n, 0), np.float32))
         mates = [_mates(i, now.position_enu_m, now.velocity_enu_mps) for i in range(self._n)]
-        numbers = np.concatenate([own, mates], axis=1, dtype=np.float32)
-        return np.clip(numbers, self.space.low, self.space.high)
+        numbers = np.concatenate([numbers, mates], axis=1, dtype=np.float32)
+        np.clip(numbers, self._numbers.low, self._numbers.high, out=numbers)
+        return {**images, "numbers": numbers} if isinstance(own, dict) else numbers
 
     def close(self) -> None:
         """Free what the world holds."""
+        self._observer.close()
         self._fleet.close()
 
     def _look(self) -> None:
@@ -193,11 +201,13 @@ class SwarmWorld:
                 self._noise[i] = flight.drawn.noise_level * self._rng.standard_normal(N_NOISES)
 
 
-def _space(own: spaces.Space[Any], n: int) -> spaces.Box:
+def _numbers_space(own: spaces.Space[Any], n: int) -> spaces.Box:
     """Own numbers, and for each other vehicle the way to it and its relative velocity."""
-    assert isinstance(own, spaces.Box)  # Without depth images it is one.
+    numbers = own.spaces.get("numbers") if isinstance(own, spaces.Dict) else own
     most = np.tile(_MATE_BOUNDS, n - 1)
-    low, high = np.concatenate([own.low, -most]), np.concatenate([own.high, most])
+    low, high = -most, most
+    if isinstance(numbers, spaces.Box):
+        low, high = np.concatenate([numbers.low, low]), np.concatenate([numbers.high, high])
     return spaces.Box(low, high, dtype=np.float32)
 
 

@@ -111,7 +111,7 @@ class AeroSceneVectorEnv(VectorEnv[Any, np.ndarray, np.ndarray]):
             info = self._add_info(info, last, i)
             self._batch.begin(i)
         if step.outcomes:
-            observations = self._batch.observe()
+            observations = self._batch.observe((observations, list(step.outcomes)))
         return observations, step.reward, step.is_terminated, step.is_truncated, info
 
     def close_extras(self, **_kwargs: Any) -> None:

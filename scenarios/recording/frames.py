@@ -126,10 +126,17 @@ def _instance_names(scene: Scene) -> dict[int, str]:
     """Names of the numbers in images of objects."""
     from flightsim.environment.movers import MAX_MOVERS  # noqa: PLC0415 - the simulator
     from flightsim.sensors.cameras.view import NO_OBJECT_ID  # noqa: PLC0415
-    from flightsim.world import FIRST_MOVER_ID, GROUND_ID, VEHICLE_ID  # noqa: PLC0415
+    from flightsim.testbench.cfg import MAX_INSTANCES  # noqa: PLC0415
+    from flightsim.world import (  # noqa: PLC0415
+        FIRST_MATE_ID,
+        FIRST_MOVER_ID,
+        GROUND_ID,
+        VEHICLE_ID,
+    )
 
     others = {NO_OBJECT_ID: "sky", GROUND_ID: "bare ground", VEHICLE_ID: "own vehicle"}
     others |= {FIRST_MOVER_ID - index: f"mover {index}" for index in range(MAX_MOVERS)}
+    others |= {FIRST_MATE_ID - k: f"vehicle {k + 1}" for k in range(MAX_INSTANCES)}
     return {obj.id: f"{obj.category} {obj.id}" for obj in scene.objects} | {
         number % (1 << 16): name for number, name in others.items()
     }

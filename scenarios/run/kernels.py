@@ -14,11 +14,13 @@ from autonomy.perception import MapAnchor, MapMatcher, MoverTracker, SurfaceMatc
 from autonomy.planning import Craft, FlightLimits, PlannerCfg
 from autonomy.planning.openings import narrow_cells
 from autonomy.types import FlatReference
+from flightsim.looks.rays import RayScene
 from flightsim.mavlink.client.telemetry import Telemetry
 from flightsim.mavlink.streaming import compile_streaming
 from flightsim.plant import compile_kernels
 from flightsim.plant.rays import RAYS_DTYPE, cast_rays
 from flightsim.sensors.cameras.depth_noise import DEPTH_CAMERAS, measured_depth
+from flightsim.sensors.cameras.image_batch import cast_images, example_arguments
 from flightsim.vehicles.catalogue import airframe_by_name
 from scenarios.mission.mission import Mission, plan_mission
 from scenarios.mission.surroundings import MapSource
@@ -101,11 +103,13 @@ def explore_once() -> None:
 
 
 def measure_once() -> None:
-    """Do what only some runs ask for: see by a depth camera that errs, look for openings, scan."""
+    """Do what only some runs ask for: see without OpenGL or with errors, seek openings, scan."""
     flat_m = np.full((240, 320), 6.0, dtype=np.float32)
     measured_depth(flat_m, _Frame.fx, DEPTH_CAMERAS["d435"], np.random.default_rng(0))
     narrow_cells(np.ones((3, 3, 3), dtype=np.bool_), 0.2)
     cast_rays(np.zeros(1, RAYS_DTYPE), np.zeros((0, 6)), -1, np.zeros(0))
+    RayScene(np.eye(3)[None]).is_hidden(np.zeros(3), np.ones((1, 3)))
+    cast_images(*example_arguments())
 
 
 def arrange_once() -> None:

@@ -185,8 +185,7 @@ def _with_moving(
 ) -> _Picture:
     """Picture with triangles of one colour each drawn over it."""
     rays = view.rays_enu(width, height).reshape(-1, 3)
-    eyes = np.broadcast_to(view.position_enu_m.astype(np.float32), rays.shape)
-    hits = RayScene(corners_enu_m).first_hits(eyes, rays)
+    hits = RayScene(corners_enu_m).first_hits(view.position_enu_m, rays)
     is_nearer = hits.distance < picture.depth_m
     colours = picture.rgb.copy()
     colours[is_nearer] = rgb[hits.triangle[is_nearer]]
@@ -219,11 +218,10 @@ class _Ids:
         self, eye_enu_m: np.ndarray, rays_enu: np.ndarray, moving_enu_m: np.ndarray
     ) -> np.ndarray:
         """Object id (n,) int32 of each ray's first hit."""
-        eyes = np.broadcast_to(eye_enu_m.astype(np.float32), rays_enu.shape)
-        hits = self._rays.first_hits(eyes, rays_enu).within(self._far_m)
+        hits = self._rays.first_hits(eye_enu_m, rays_enu).within(self._far_m)
         ids = self._id[hits.triangle]
         if len(moving_enu_m):
-            moving = RayScene(moving_enu_m).first_hits(eyes, rays_enu)
+            moving = RayScene(moving_enu_m).first_hits(eye_enu_m, rays_enu)
             is_nearer = moving.distance < hits.distance
             ids[is_nearer] = self._moving_id[moving.triangle[is_nearer]]
         return ids

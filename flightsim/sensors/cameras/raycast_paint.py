@@ -44,8 +44,7 @@ class PaintedMesh:
 
     def hits(self, eye_enu_m: np.ndarray, rays_enu: np.ndarray) -> RayHits:
         """First hits of rays (n, 3) from one point."""
-        eyes = np.broadcast_to(eye_enu_m.astype(np.float32), rays_enu.shape)
-        return self._scene.first_hits(eyes, rays_enu)
+        return self._scene.first_hits(eye_enu_m, rays_enu)
 
     def colours(self, hits: RayHits, focal_px: float) -> tuple[np.ndarray, ...]:
         """Which rays hit, (m,); the colour there, 0 to 1 (m, 3); and the light (m,)."""

@@ -10,7 +10,7 @@ from jaxtyping import Int32, UInt8
 
 from aeroscene.scene.catalogue import CATALOGUE, category_id
 from flightsim.sensors.cameras.view import NO_OBJECT_ID
-from flightsim.world import FIRST_MOVER_ID, GROUND_ID, VEHICLE_ID, World
+from flightsim.world import FIRST_MATE_ID, FIRST_MOVER_ID, GROUND_ID, VEHICLE_ID, World
 
 NOTHING_CLASS = 0
 """The sky."""
@@ -34,11 +34,12 @@ class Classes:
     """Class of each thing in a world, by its id in `World.geom_object_id`."""
 
     def __init__(self, world: World) -> None:
-        """Look up every object and mover of a world."""
+        """Look up every object, mover and other vehicle of a world."""
         classes = {obj.id: obj.category_id for obj in world.scene.objects}
         classes |= {NO_OBJECT_ID: NOTHING_CLASS, GROUND_ID: GROUND_CLASS, VEHICLE_ID: VEHICLE_CLASS}
         for index, mover in enumerate(world.obstacles):
             classes[FIRST_MOVER_ID - index] = _MOVER_CLASSES[mover.kind]
+        classes |= {FIRST_MATE_ID - k: DRONE_CLASS for k in range(world.n_vehicles)}
         self._least = min(classes)
         self._table = np.zeros(max(classes) - self._least + 1, dtype=np.uint8)
         for number, kind in classes.items():

@@ -1,12 +1,7 @@
-"""Depth and segments of what stands in a world, cast by Embree: the solids that the physics has.
-
-Embree casts without the interpreter's lock, so that several threads cast at once. Each takes the
-next image that nobody has, and no image depends on who cast it.
-"""
+"""Depth and segments of what is in a world: the solids that the physics has."""
 
 from __future__ import annotations
 
-import itertools
 import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -14,16 +9,21 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 from jaxtyping import Float
 
+from autonomy.jit import compile_ahead
+from flightsim.looks.embree import functions
 from flightsim.looks.rays import RayScene
+from flightsim.plant.rays import RAYS_DTYPE
+from flightsim.sensors.cameras.image_batch import VIEW_DTYPE, cast_images, example_arguments
 from flightsim.sensors.cameras.raycast_mesh import geom_triangles
 from flightsim.sensors.cameras.segmentation import Classes
-from flightsim.sensors.cameras.view import NO_OBJECT_ID, Viewpoint
+from flightsim.sensors.cameras.view import NO_OBJECT_ID
 from flightsim.vehicles.airframe import Airframe, CameraMount
 from flightsim.world import World
 from scenarios.environments.cfg import CameraName, Segment
 
 FAR_M = 20.0
 """Depth of everything that is farther away, and of the sky."""
+_COMPILE_SECONDS = 5.0
 SEGMENT_DTYPES = {"classes": np.uint8, "objects": np.int32}
 """Type of the pixels of each segment."""
 
@@ -38,8 +38,9 @@ class CameraImages:
         camera: CameraName,
         segments: Sequence[Segment] = (),
         n_threads: int | None = None,
+        rays: np.ndarray | None = None,
     ) -> None:
-        """Prepare the solids of each scene.
+        """Prepare what stands in each scene.
 
         Args:
             worlds: World of each vehicle.
@@ -47,44 +48,55 @@ class CameraImages:
             camera: Name of the camera.
             segments: What to tell of each pixel besides its depth.
             n_threads: Threads that cast; None takes one for each core.
+            rays: `RAYS_DTYPE` (n,) of what moves around each vehicle; None sees nothing that moves.
         """
-        self._width, self._height = size_px
-        scenes = {id(world.scene): world for world in worlds}
-        self._segments = segments
-        solids = {key: _Solids(world) for key, world in scenes.items()}
-        self._solids = [solids[id(world.scene)] for world in worlds]
+        n, (width, height) = len(worlds), size_px
+        self._size, self._segments = (height, width), segments
+        builds = {id(world.rays): world for world in worlds}
+        solids = {key: _Solids(world) for key, world in builds.items()}
+        self._solids = [solids[id(world.rays)] for world in worlds]
+        self._tables = _tables(worlds, self._solids) if segments else []
         mounts = [_mount(world.airframe, camera) for world in worlds]
-        self._eyes_flu_m = [np.array(mount.position_flu_m) for mount in mounts]
-        self._rays_flu = [self._rays(mount) for mount in mounts]
-        self._n_helpers = min(n_threads or os.cpu_count() or 1, len(worlds)) - 1
+        self._eyes_flu_m = np.array([mount.position_flu_m for mount in mounts])
+        self._turns = np.array([mount.rotation_flu_from_optical for mount in mounts])
+        self._rays = np.zeros(n, RAYS_DTYPE) if rays is None else rays
+        self._views = np.zeros(n, VIEW_DTYPE)
+        self._views["focal_px"] = [
+            0.5 * height / np.tan(0.5 * mount.vertical_fov_rad) for mount in mounts
+        ]
+        # What is beyond the depth has a segment.
+        self._views["far_m"] = np.inf if segments else FAR_M
+        self._views["scene_address"] = [each.rays.address for each in self._solids]
+        self._views["own_body"] = [world.vehicle_body_id for world in worlds]
+        self._n_helpers = min(n_threads or os.cpu_count() or 1, n) - 1
         self._pool = ThreadPoolExecutor(self._n_helpers, "images") if self._n_helpers else None
+        compile_ahead(cast_images, example_arguments(), "image kernels", _COMPILE_SECONDS)
 
     def render(
-        self, position_enu_m: Float[np.ndarray, "n 3"], rotation_enu_from_flu: np.ndarray
+        self,
+        position_enu_m: Float[np.ndarray, "n 3"],
+        rotation_enu_from_flu: Float[np.ndarray, "n 3 3"],
+        whose: Sequence[int] | None = None,
     ) -> dict[str, np.ndarray]:
-        """Images (n, h, w) by name: `depth` along the axis up to `FAR_M`, and the segments.
+        """Images (k, h, w) by name: `depth` along the axis up to `FAR_M`, and the segments.
 
         Args:
-            position_enu_m: True positions of the vehicles.
-            rotation_enu_from_flu: Their true attitudes (n, 3, 3).
+            position_enu_m: True positions of all vehicles.
+            rotation_enu_from_flu: Their true attitudes.
+            whose: Numbers of the k vehicles to take images of; None takes all.
         """
-        shape = (len(self._solids), self._height, self._width)
-        images = {"depth": np.empty(shape, np.float32)}
-        images |= {name: np.empty(shape, SEGMENT_DTYPES[name]) for name in self._segments}
-        numbers = itertools.count()
-
-        def cast() -> None:
-            while (i := next(numbers)) < len(self._solids):
-                rotation = rotation_enu_from_flu[i]
-                eye = (position_enu_m[i] + rotation @ self._eyes_flu_m[i]).astype(np.float32)
-                rays = self._rays_flu[i] @ rotation.T.astype(np.float32)
-                for name, image in self._solids[i].seen(eye, rays, self._segments).items():
-                    images[name][i] = image.reshape(shape[1:])
-
-        helpers = [self._pool.submit(cast) for _ in range(self._n_helpers)] if self._pool else []
-        cast()
-        for helper in helpers:
-            helper.result()
+        eyes_enu_m = (rotation_enu_from_flu @ self._eyes_flu_m[:, :, None])[..., 0]
+        self._views["position_enu_m"] = position_enu_m + eyes_enu_m
+        self._views["rotation_enu_from_optical"] = rotation_enu_from_flu @ self._turns
+        numbers = np.arange(len(self._views)) if whose is None else np.array(whose)
+        shape = (len(numbers), *self._size)
+        depth_m, hits = np.empty(shape, np.float32), np.empty(shape, np.int32)
+        self._cast(self._views[numbers], self._rays[numbers], depth_m, hits)
+        images = {"depth": np.minimum(depth_m, np.float32(FAR_M)) if self._segments else depth_m}
+        for name in self._segments:
+            images[name] = np.empty(shape, SEGMENT_DTYPES[name])
+            for image, hit, i in zip(images[name], hits, numbers, strict=True):
+                image[:] = self._tables[i][name][hit]
         return images
 
     def close(self) -> None:
@@ -92,15 +104,19 @@ class CameraImages:
         if self._pool is not None:
             self._pool.shutdown()
 
-    def _rays(self, mount: CameraMount) -> Float[np.ndarray, "k 3"]:
-        """Rays of all pixels in the body frame, one metre deep."""
-        view = Viewpoint(
-            name=mount.name,
-            position_enu_m=np.zeros(3),
-            rotation_enu_from_optical=mount.rotation_flu_from_optical,
-            vertical_fov_rad=mount.vertical_fov_rad,
+    def _cast(self, *task: np.ndarray) -> None:
+        """Cast the images of some cameras on all threads; `task` is that of `cast_images`."""
+        counter = np.zeros(1, np.int64)
+        query, pool = functions().intersect, self._pool
+        n_helpers = min(self._n_helpers, len(task[0]) - 1)
+        helpers = (
+            [pool.submit(cast_images, query, counter, *task) for _ in range(n_helpers)]
+            if pool
+            else []
         )
-        return view.rays_enu(self._width, self._height).reshape(-1, 3)
+        cast_images(query, counter, *task)
+        for helper in helpers:
+            helper.result()
 
 
 def _mount(airframe: Airframe, camera: CameraName) -> CameraMount:
@@ -108,7 +124,12 @@ def _mount(airframe: Airframe, camera: CameraName) -> CameraMount:
 
 
 class _Solids:
-    """All that stands in a world and can be touched."""
+    """All that stands in a world and can be touched.
+
+    Attributes:
+        rays: Its triangles.
+        geoms: Geom of each triangle.
+    """
 
     def __init__(self, world: World) -> None:
         model, data = world.model, world.new_data()
@@ -118,18 +139,18 @@ class _Solids:
             + data.geom_xpos[geom]
             for geom in geoms.tolist()
         ]
-        objects = np.repeat(world.geom_object_id[geoms], [len(part) for part in parts])
-        # The last entry is for Embree's "nothing", -1.
-        objects = np.append(objects, NO_OBJECT_ID).astype(SEGMENT_DTYPES["objects"])
-        self._tables = {"objects": objects, "classes": Classes(world).of(objects)}
-        self._rays = RayScene(np.concatenate(parts))
+        self.geoms = np.repeat(geoms, [len(part) for part in parts])
+        self.rays = RayScene(np.concatenate(parts))
 
-    def seen(
-        self, eye_enu_m: np.ndarray, rays_enu: np.ndarray, segments: Sequence[Segment]
-    ) -> dict[str, np.ndarray]:
-        """What each ray from one point meets, by the names of the images."""
-        if not segments:
-            return {"depth": self._rays.distances(eye_enu_m, rays_enu, FAR_M)}
-        hits = self._rays.first_hits(np.broadcast_to(eye_enu_m, rays_enu.shape), rays_enu)
-        images = {name: self._tables[name][hits.triangle] for name in segments}
-        return {"depth": np.minimum(hits.distance, np.float32(FAR_M)), **images}
+
+def _tables(worlds: list[World], solids: list[_Solids]) -> list[dict[str, np.ndarray]]:
+    """What each hit of `cast_images` is for each vehicle, by the names of the images."""
+    known: dict[tuple[int, int], dict[str, np.ndarray]] = {}
+    for world, standing in zip(worlds, solids, strict=True):
+        # Hits below zero, nothing and moving geoms, count from the end.
+        ids = world.geom_object_id
+        objects = np.concatenate([ids[standing.geoms], ids[::-1], [NO_OBJECT_ID]])
+        objects = objects.astype(SEGMENT_DTYPES["objects"])
+        tables = {"objects": objects, "classes": Classes(world).of(objects)}
+        known[id(world.rays), world.number] = tables
+    return [known[id(world.rays), world.number] for world in worlds]

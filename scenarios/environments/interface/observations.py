@@ -13,7 +13,7 @@ objects      an image: object of each pixel
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -67,7 +67,12 @@ class Observer:
         self._cameras = None
         if cfg.depth is not None:
             self._cameras = CameraImages(
-                fleet.worlds, cfg.depth, cfg.camera, cfg.segments, n_threads
+                fleet.worlds,
+                cfg.depth,
+                cfg.camera,
+                cfg.segments,
+                n_threads,
+                rays=fleet.records["engine"]["rays"],
             )
         self._bounds = _bounds(cfg)
         self.space = _space(cfg)
@@ -82,6 +87,7 @@ class Observer:
         target_enu_m: Float[np.ndarray, "n 3"],
         last_action: Float[np.ndarray, "n 4"],
         noise: Float[np.ndarray, "n 12"],
+        before: tuple[Observation, Sequence[int]] | None = None,
     ) -> Observation:
         """Observations of all vehicles now, in arrays of their own.
 
@@ -89,6 +95,8 @@ class Observer:
             target_enu_m: Their targets.
             last_action: Their actions before.
             noise: Standard normals times the level of noise of each.
+            before: Observations of this moment, and numbers of the vehicles that have been put
+                elsewhere since; None takes all images anew.
         """
         cfg = self._cfg
         numbers = None
@@ -99,7 +107,15 @@ class Observer:
         if self._cameras is None:
             return numbers
         position_enu_m, _, quat_wxyz, _ = self._truth
-        images = self._cameras.render(position_enu_m, rotation_matrices(quat_wxyz))
+        poses = position_enu_m, rotation_matrices(quat_wxyz)
+        if before is None:
+            images = self._cameras.render(*poses)
+        else:
+            seen, moved = before
+            changed = self._cameras.render(*poses, moved)
+            images = {name: seen[name].copy() for name in changed}
+            for name, image in changed.items():
+                images[name][moved] = image
         return images if numbers is None else {**images, "numbers": numbers}
 
     def close(self) -> None:

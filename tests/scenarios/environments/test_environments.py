@@ -91,8 +91,9 @@ def test_a_world_is_the_same_among_few_and_many_on_one_thread_or_more(cfg):
     assert sum(is_over for _, _, is_over in many[0]) >= 1
 
 
-def test_a_world_alone_is_the_same_as_among_others():
-    env = AeroSceneEnv("hover", "42", NOISY)
+@pytest.mark.parametrize("cfg", [NOISY, EVERYTHING], ids=["noisy", "everything"])
+def test_a_world_alone_is_the_same_as_among_others(cfg):
+    env = AeroSceneEnv("hover", "42", cfg)
     observation, _ = env.reset(seed=6)  # the second world's
     rng, alone = np.random.default_rng(1), []
     for _ in range(70):
@@ -102,7 +103,8 @@ def test_a_world_alone_is_the_same_as_among_others():
             observation, _ = env.reset()
         alone.append((digest(observation), reward, is_over))
     env.close()
-    assert alone == flights(2, 1, NOISY)[1]
+    assert alone == flights(2, 1, cfg)[1]
+    assert any(is_over for _, _, is_over in alone)
 
 
 def test_another_seed_is_another_episode():
@@ -141,6 +143,20 @@ def test_the_last_step_tells_of_the_end_and_begins_anew():
     env.close()
 
 
+def test_the_last_images_are_those_of_the_end():
+    env = AeroSceneVectorEnv("hover", 2, ("42",), EVERYTHING, n_threads=1)
+    env.reset(seed=0)
+    is_over = False
+    while not is_over:
+        observations, _, is_terminated, is_truncated, info = env.step(np.zeros((2, 4)))
+        is_over = is_terminated[0] or is_truncated[0]
+    for name in ("depth", *EVERYTHING.observation.segments):
+        before, after = info["final_obs"][0][name], observations[name][0]
+        assert before.shape == after.shape
+        assert (before != after).mean() > 0.1
+    env.close()
+
+
 @pytest.mark.parametrize(
     ("make", "says"),
     [
@@ -151,6 +167,18 @@ def test_the_last_step_tells_of_the_end_and_begins_anew():
         (
             lambda: EnvironmentCfg(action_hz=60),
             r"action_hz = 60: 250, 125, 50, 25, 10, 5 are valid",
+        ),
+        (
+            lambda: EnvironmentCfg(hz=50),
+            r"hz = 50: it is unknown; vehicle, action, action_hz, episode_s, observation, random",
+        ),
+        (
+            lambda: ObservationCfg(rgb=True),
+            r"observation\.rgb = True: it is unknown; state, target",
+        ),
+        (
+            lambda: RandomisationCfg(gusts=1.0),
+            r"randomisation\.gusts = 1\.0: it is unknown; mass, rotors, wind_mps, noise, latency_s",
         ),
         (lambda: EnvironmentCfg(episode_s=math.nan), r"episode_s = nan: 1 to 600 are valid"),
         (

@@ -9,9 +9,12 @@ import pytest
 pytest.importorskip("gymnasium")
 
 from aeroscene.sources import open_scene
+from flightsim.environment.movers import MovingObstacle
+from flightsim.plant.rays import new_rays
+from flightsim.sensors.cameras.segmentation import DRONE_CLASS
 from flightsim.sensors.cameras.view import PoseCopy
 from flightsim.vehicles.catalogue import airframe_by_name
-from flightsim.world import build_world
+from flightsim.world import FIRST_MATE_ID, FIRST_MOVER_ID, VEHICLE_ID, build_world, build_worlds
 from scenarios.environments import EnvironmentInputError, ObservationCfg
 from scenarios.environments.interface.images import FAR_M, CameraImages
 from scenarios.environments.interface.observations import rotation_matrices
@@ -78,6 +81,44 @@ def test_segments_are_what_the_rays_meet_whoever_casts_them():
         wanted = world.geom_object_id[geom[0]] if is_met else -3
         n_alike += objects[0, v, u] == wanted
     assert n_alike > 0.97 * 12 * 16  # curved solids have facets
+
+
+def test_what_moves_is_where_the_physics_has_it_and_oneself_is_unseen():
+    path_enu_m = ((4.0, -0.7, 0.0), (9.0, -0.7, 0.0))
+    person = MovingObstacle(kind="person", path_enu_m=path_enu_m, speed_mps=1.0)
+    airframes = [airframe_by_name(name) for name in ("iris", "hummingbird")]
+    worlds = build_worlds(empty_scene(), airframes, traffic=[person])
+    model, data = worlds[0].model, worlds[0].new_data()
+    turned = (math.cos(0.1), 0.0, 0.0, math.sin(0.1))
+    poses = ((0.0, 0.0, 1.5), turned), ((1.5, 0.4, 1.4), (math.cos(1.4), 0.0, 0.0, math.sin(1.4)))
+    for world, (position, quat) in zip(worlds, poses, strict=True):
+        data.qpos[world.qpos_address :][:7] = [*position, *quat]
+    mujoco.mj_forward(model, data)
+    rays = np.concatenate([new_rays(world, data) for world in worlds])
+    size_px, segments = (48, 36), ("classes", "objects")
+    cameras = CameraImages([*worlds], size_px, "forward", segments, n_threads=1, rays=rays)
+    images = cameras.render(
+        np.array([position for position, _ in poses]),
+        rotation_matrices(np.array([quat for _, quat in poses])),
+    )
+    poser, geom = PoseCopy(model), np.zeros(1, dtype=np.int32)
+    poser.update(data)
+    for i, world in enumerate(worlds):
+        view = poser.viewpoint(world.camera_name("forward"))
+        for pixel in np.ndindex(36, 48):
+            ray = view.rays_enu(*size_px)[pixel].astype(float)
+            args = (view.position_enu_m, ray, None, 1, world.vehicle_body_id, geom)
+            met_m = mujoco.mj_ray(model, data, *args)
+            wanted_m = FAR_M if met_m < 0.0 else min(met_m, FAR_M)
+            assert images["depth"][i][pixel] == pytest.approx(wanted_m, abs=2e-3)
+            wanted = world.geom_object_id[geom[0]] if met_m >= 0.0 else -3
+            assert images["objects"][i][pixel] == wanted
+        mate = FIRST_MATE_ID - 1 + i
+        is_mate, is_person = images["objects"][i] == mate, images["objects"][i] == FIRST_MOVER_ID
+        assert is_mate.sum() > 20
+        assert set(images["classes"][i][is_mate].tolist()) == {DRONE_CLASS}
+        assert (is_person.sum() > 20) == (i == 0)
+        assert not (images["objects"][i] == VEHICLE_ID).any()
 
 
 def test_segments_need_a_depth_for_their_size():

@@ -11,6 +11,7 @@ pytest.importorskip("pettingzoo")
 
 from pettingzoo.test import parallel_api_test
 
+from flightsim.vehicles.catalogue import airframe_by_name
 from scenarios.environments import (
     EnvironmentCfg,
     EnvironmentInputError,
@@ -23,7 +24,14 @@ from scenarios.environments.tasks.swarm import nearest_mate_m
 EVERYTHING = EnvironmentCfg(
     action="rates",
     episode_s=1.0,
-    observation=ObservationCfg(state="estimated", imu=True, range=True, last_action=True),
+    observation=ObservationCfg(
+        state="estimated",
+        imu=True,
+        range=True,
+        last_action=True,
+        depth=(24, 18),
+        segments=("classes", "objects"),
+    ),
     randomisation=RandomisationCfg(mass=0.2, rotors=0.1, wind_mps=3.0, noise=1.0, latency_s=0.06),
 )
 
@@ -49,7 +57,8 @@ def digest(env, seed, n_steps=30):
     sha, rng = hashlib.sha256(), np.random.default_rng(0)
     observations, _ = env.reset(seed=seed)
     for _ in range(n_steps):
-        sha.update(b"".join(observations[agent].tobytes() for agent in sorted(observations)))
+        for agent in sorted(observations):
+            sha.update(b"".join(part.tobytes() for part in observations[agent].values()))
         sha.update(env.history.tobytes())
         if not env.agents:
             break
@@ -115,12 +124,34 @@ def test_the_nearest_mate_of_each_vehicle():
         (1, EnvironmentCfg(), "vehicles = 1: 2 to 16"),
         ("iris", EnvironmentCfg(), "vehicles = 'iris': 2 to 16"),
         (["iris", "typhoon"], EnvironmentCfg(), "the same number of rotors are valid"),
-        (2, EnvironmentCfg(observation=ObservationCfg(depth=(8, 8))), "observation.depth = (8, 8)"),
     ],
 )
 def test_bad_input_is_refused_in_a_line(vehicles, cfg, says):
     with pytest.raises(EnvironmentInputError, match=re.escape(says)):
         swarm_v0.parallel_env(vehicles, cfg=cfg)
+
+
+def test_vehicles_see_each_other_where_they_are():
+    sees = ObservationCfg(state="none", target=False, depth=(64, 48), segments=("objects",))
+    env = swarm_v0.parallel_env(2, cfg=EnvironmentCfg(action="velocity", observation=sees))
+    env.reset(seed=3)
+    fov_rad = airframe_by_name("iris").cameras[0].vertical_fov_rad
+    rows, columns = np.indices((48, 64))
+    off_axis = np.hypot(rows - 23.5, columns - 31.5) / (24.0 / np.tan(0.5 * fov_rad))
+    n_seen = 0
+    for _ in range(40):
+        actions = dict.fromkeys(env.agents, np.array([0.0, 0.0, 0.0, 0.5]))  # look around
+        seen, *_ = env.step(actions)
+        for agent, mate in (("vehicle_1", -101), ("vehicle_2", -100)):
+            assert env.observation_space(agent).contains(seen[agent])
+            is_mate = seen[agent]["objects"] == mate
+            away_m = np.linalg.norm(seen[agent]["numbers"][:3])
+            if is_mate.any():
+                n_seen += 1
+                found_m = (seen[agent]["depth"] * np.hypot(1.0, off_axis))[is_mate]
+                assert abs(np.median(found_m) - away_m) < 0.4
+    assert n_seen > 5
+    env.close()
 
 
 def test_a_missing_action_is_refused(steered):

@@ -61,6 +61,8 @@ def test_segments_come_back_with_what_they_mean(flown):
         assert set(np.unique(image).tolist()) <= set(names)
         if image is frame.class_ids:
             assert names == dict(CLASS_NAMES)
+        else:
+            assert names[-101 % (1 << 16)] == "vehicle 2"
 
 
 def test_scans_come_back_point_by_point(flown):

@@ -16,7 +16,7 @@ from flightsim.sensors.cameras.segmentation import (
     Classes,
 )
 from flightsim.vehicles.catalogue import AIRFRAMES
-from flightsim.world import build_world
+from flightsim.world import build_world, build_worlds
 from tests.flightsim.handmade import empty_scene
 
 KINDS = ("person", "car", "drone")
@@ -44,6 +44,14 @@ def test_movers_have_the_class_of_their_kind():
     assert [CLASS_NAMES[i] for i in found.tolist()] == list(KINDS)
     assert found[0] == PERSON_CLASS
     assert found[2] == DRONE_CLASS
+
+
+def test_other_vehicles_are_drones_and_each_is_its_own():
+    first, second = build_worlds(empty_scene(), [AIRFRAMES["iris"]] * 2)
+    for world, mate in ((first, -101), (second, -100)):
+        assert {-1, mate} <= set(world.geom_object_id.tolist())
+        found = Classes(world).of(np.array([-1, mate], dtype=np.int32))
+        assert found.tolist() == [VEHICLE_CLASS, DRONE_CLASS]
 
 
 @pytest.mark.parametrize("camera", ["forward", "down"])
