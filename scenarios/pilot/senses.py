@@ -37,6 +37,10 @@ UNSURE_M = 0.1
 SURE_M = 0.2
 """Standard deviation of the position in the map above which a mismatch may be due to the map
 itself, so that nothing is taken for a mover."""
+LEAST_HEIGHT_M = 0.8
+"""Height above the start below which a growing map does not know the ground around it yet."""
+HITS_WHILE_GROWING = 8
+"""Images that must show a mover there: more than it takes until the map knows what stands."""
 MOST_AGE_S = 0.1
 """Longest time by which telemetry is extrapolated to an image."""
 PLACED_SIGMA_M = 0.1
@@ -134,7 +138,7 @@ class Senses:
         else:
             self._anchor.rely(time_s, image)
         image = self._anchor.image_to_map(image)
-        if self._tracker is not None and self._anchor.sigma_m < SURE_M:
+        if self._tracker is not None and self._can_tell_movers:
             self._tracker.update(time_s, image, self._world.map.static_distance_m)
         self._world.observe(image, self.telemetry.position_enu_m)
         return image
@@ -147,6 +151,13 @@ class Senses:
     def _is_unsure(self) -> bool:
         """Whether the autopilot is unsure of its position."""
         return self._estimate.horizontal_sigma_m > UNSURE_M
+
+    @property
+    def _can_tell_movers(self) -> bool:
+        """Whether what the map does not explain may be something that moves."""
+        foot_m = self._world.scene.start_position_enu_m[2]
+        is_low = self.telemetry.position_enu_m[2] - foot_m < LEAST_HEIGHT_M
+        return self._anchor.sigma_m < SURE_M and (self._world.is_known or not is_low)
 
     def _now(self) -> Telemetry:
         """Estimate extrapolated to now: a turning vehicle looks elsewhere by then."""
@@ -203,4 +214,4 @@ def _anchor(world: Surroundings) -> MapAnchor:
 def _tracker(world: Surroundings) -> MoverTracker:
     from autonomy.perception.mover_tracker import MoverTracker, MoverTrackerCfg  # noqa: PLC0415
 
-    return MoverTracker(MoverTrackerCfg() if world.is_known else MoverTrackerCfg(remember_s=0.5))
+    return MoverTracker(MoverTrackerCfg() if world.is_known else MoverTrackerCfg(remember_s=0.2, hits_to_confirm=8))

@@ -81,7 +81,7 @@ def cast_images(
         _cast_moving(views[i], rays[i], depth_m[i], hits[i])
 
 
-def example_arguments() -> tuple[object, ...]:
+def example_arguments() -> tuple[int, *tuple[np.ndarray, ...]]:
     """Arguments of the types that `cast_images` takes, for compiling it ahead."""
     image = (1, 1, 1)
     return (
