@@ -214,4 +214,5 @@ def _anchor(world: Surroundings) -> MapAnchor:
 def _tracker(world: Surroundings) -> MoverTracker:
     from autonomy.perception.mover_tracker import MoverTracker, MoverTrackerCfg  # noqa: PLC0415
 
-    return MoverTracker(MoverTrackerCfg() if world.is_known else MoverTrackerCfg(remember_s=0.2, hits_to_confirm=8))
+    growing = MoverTrackerCfg(remember_s=0.2, hits_to_confirm=HITS_WHILE_GROWING)
+    return MoverTracker(MoverTrackerCfg() if world.is_known else growing)
