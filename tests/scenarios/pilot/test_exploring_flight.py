@@ -21,7 +21,7 @@ KINDS = {
 }
 
 
-def fly(cfg, prepare=None):
+def fly(cfg, prepare=None, *, expects_traffic=False):
     """Flight to the container without a map: the pilot, its score, and the map that it made."""
     bench = Testbench(yard(), cfg, has_network=False)
     with bench:
@@ -32,7 +32,8 @@ def fly(cfg, prepare=None):
         hover = world.field.cells(np.array(mission.hover_enu_m))
         assert world.field.distance_m[tuple(hover)] == 0.0
         client = MavlinkClient(bench.pilot_link.client, bench.frame)
-        pilot = Pilot(client, mission, cameras.render, PilotCfg())
+        brief = PilotCfg(expects_traffic=expects_traffic)
+        pilot = Pilot(client, mission, cameras.render, brief)
         if prepare is not None:
             prepare(pilot)
         log = FlightLog(bench.plant)
@@ -75,3 +76,10 @@ def test_noise_in_the_way_down_is_looked_at_again():
     assert (Phase.ALIGN, Phase.SEARCH) in again
     assert pilot.phase is Phase.DONE
     assert score.touchdown_error_m < 0.3
+
+
+def test_ground_that_comes_into_view_is_nothing_that_moves():
+    pilot, score = fly(KINDS["sure"], expects_traffic=True)
+    assert pilot.phase is Phase.DONE, pilot.verdict.reason
+    assert Phase.HOLD not in {change.target for change in pilot.transitions}
+    assert score.contacts_before_touchdown == 0
