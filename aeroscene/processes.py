@@ -7,6 +7,7 @@ with the parent however it ends.
 
 from __future__ import annotations
 
+import contextlib
 import multiprocessing
 import os
 import signal
@@ -141,7 +142,8 @@ class Workers(Generic[_T, _R]):
             process.kill()
         # One that is killed while it hands over a result leaves half of it, and the executor would
         # wait for the rest as long as this process, too, could write it.
-        self._results._writer.close()
+        with contextlib.suppress(OSError):  # The executor may be closing it at this moment.
+            self._results._writer.close()
 
     def _submit(self) -> None:
         for item in self._items:
