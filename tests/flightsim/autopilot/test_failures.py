@@ -8,6 +8,7 @@ import pytest
 from flightsim.autopilot.modes import BatteryWarning, FailsafeReason, Mode
 from flightsim.environment.wind import WindCfg
 from flightsim.sensors.failure import Failure
+from flightsim.sensors.optical_flow import OpticalFlowCfg
 from tests.flightsim.autopilot.bench import Bench
 
 HEIGHT_M = 8.0
@@ -252,3 +253,14 @@ def test_a_wind_that_is_too_strong_is_acted_on_as_the_parameter_says(measure, mo
     bench.run(15.0, lambda: bench.pilot.mode is not Mode.HOLD)
     assert bench.pilot.mode is mode
     assert bench.says("wind too strong") is (measure > 0)
+
+
+@pytest.mark.parametrize("failure", ALL_FAILURES)
+def test_it_is_flown_without_optical_flow(failure):
+    bench = Bench(optical_flow=OpticalFlowCfg(is_fitted=True)).take_off(HEIGHT_M)
+    bench.plant.failures.fail_sensor("optical_flow", failure)
+    bench.run(10.0)
+    assert bench.pilot.mode is Mode.HOLD
+    away_m, fastest_mps = land(bench)
+    assert away_m < 0.5
+    assert fastest_mps < 2.0
