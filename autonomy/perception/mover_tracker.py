@@ -60,7 +60,7 @@ class MoverTrackerCfg:
     """Largest squared Mahalanobis distance of a sighting from its track."""
     remember_s: float = math.inf
     """Time for which distances to the map are kept. With a growing map: 0 if its distances are
-    cheap, else half a second."""
+    cheap, else as short as images follow one another."""
     margin_sigmas: float = 1.0
     """Number of standard deviations of position added to a radius, and of velocity to its
     growth."""

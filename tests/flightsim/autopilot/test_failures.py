@@ -121,9 +121,10 @@ def test_a_sensor_that_falls_silent_is_told_and_forbids_arming_where_it_is_neede
 
 
 @pytest.mark.parametrize("failure", [Failure.OFF, Failure.STUCK, Failure.GARBAGE])
-def test_without_satellites_it_comes_down_level(failure):
-    bench = aloft()
-    bench.plant.failures.fail_sensor("gnss", failure)
+@pytest.mark.parametrize(("sensor", "plant"), [("gnss", {}), ("vio", {"aiding": "vio"})])
+def test_without_what_tells_its_place_it_comes_down_level(sensor, plant, failure):
+    bench = Bench(**plant).take_off(HEIGHT_M)
+    bench.plant.failures.fail_sensor(sensor, failure)
     assert bench.run(60.0, lambda: bench.pilot.mode is Mode.DESCEND)
     assert bench.pilot.failsafe is FailsafeReason.POSITION_LOST
     _, fastest_mps = come_down(bench)
@@ -190,16 +191,6 @@ def test_odometry_is_flown_without_where_there_are_satellites(failure):
     away_m, fastest_mps = land(bench)
     assert away_m < 0.5
     assert fastest_mps < 2.0
-
-
-@pytest.mark.parametrize("failure", [Failure.OFF, Failure.STUCK, Failure.GARBAGE])
-def test_without_odometry_or_satellites_it_comes_down_level(failure):
-    bench = Bench(aiding="vio").take_off(HEIGHT_M)
-    bench.plant.failures.fail_sensor("vio", failure)
-    assert bench.run(60.0, lambda: bench.pilot.mode is Mode.DESCEND)
-    assert bench.pilot.failsafe is FailsafeReason.POSITION_LOST
-    _, fastest_mps = come_down(bench)
-    assert fastest_mps < 2.5
 
 
 @pytest.mark.parametrize(
