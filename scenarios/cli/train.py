@@ -77,6 +77,10 @@ class TrainCfg:
     begin: Annotated[str | None, default_hint("random weights")] = None
     """Checkpoint with whose weights the parts begin that are trained, or `shipped` for the one that
     ships: a model of other scenes learns these in less time."""
+    keep_language: bool = False
+    """Keep the kinds and statistics of --begin, rather than learn them from the data: its model
+    goes on with more scenes of one grammar. Parts that are not trained stay as they are there, and
+    scenes of a kind that it does not know are left out."""
     save_minutes: float = 5.0
     """Minutes between two saves."""
     json: bool = False

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,10 +10,12 @@ from aeroscene.processes import default_jobs
 from scenarios.cli.progress import progress_bar
 
 if TYPE_CHECKING:
+    from aeroscene.learning.training.carried import Begun
     from aeroscene.learning.training.checkpoint import Part, Weights
     from aeroscene.learning.training.data import TrainingData
     from aeroscene.learning.training.procedure import Plan
     from aeroscene.learning.training.state import TrainingState
+    from aeroscene.learning.writer.language import Language
     from scenarios.cli.train import TrainCfg
 
 _PROG = "aeroscene train"
@@ -54,7 +56,6 @@ def training_plan(cfg: TrainCfg, state: TrainingState | None) -> Plan:
     from aeroscene.learning.training.devices import choose_device  # noqa: PLC0415
     from aeroscene.learning.training.presets import PARTS, fitted, part_budgets  # noqa: PLC0415
     from aeroscene.learning.training.procedure import Plan  # noqa: PLC0415
-    from aeroscene.learning.training.same_data import taken_parts  # noqa: PLC0415
 
     device = choose_device(cfg.device)
     n_workers = _n_workers(cfg)
@@ -72,9 +73,12 @@ def training_plan(cfg: TrainCfg, state: TrainingState | None) -> Plan:
     require(ok=not strange, name="parts", value=" ".join(parts), valid=valid)
     budgets = part_budgets(parts, cfg.steps, minutes)
     is_streamed = cfg.stream or (state is not None and state.facts.data.stream != "")
-    data = _read_data(cfg.data, sections, is_streamed=is_streamed)
+    begun = _begun_with(cfg, preset, sections)
+    language = begun.language if begun is not None and cfg.keep_language else None
+    data = _read_data(cfg.data, sections, is_streamed=is_streamed, language=language)
     if state is None:
         sections = fitted(sections, data.train.known)
+    first = _first_weights(begun, data, sections)
     return Plan(
         folder=cfg.out,
         preset=preset,
@@ -85,28 +89,49 @@ def training_plan(cfg: TrainCfg, state: TrainingState | None) -> Plan:
         save_seconds=60.0 * cfg.save_minutes,
         parts=parts,
         n_workers=n_workers,
-        begun=_begun(cfg, preset, sections, data),
-        taken={} if cfg.take is None else taken_parts(cfg.take, data, parts),
+        begun=first,
+        taken=_taken(cfg, parts, data, first),
     )
 
 
-def _begun(
-    cfg: TrainCfg, preset: str, sections: Mapping[str, Any], data: TrainingData
-) -> dict[Part, Weights]:
-    """The weights that the parts begin with; none begin at random."""
+def _begun_with(cfg: TrainCfg, preset: str, sections: Mapping[str, Any]) -> Begun | None:
+    """The model whose weights the parts begin with; none begin at random."""
     from aeroscene.learning.generation.loading import SHIPPED  # noqa: PLC0415 - PyTorch
-    from aeroscene.learning.training.carried import begun_parts  # noqa: PLC0415
+    from aeroscene.learning.training.carried import read_begun  # noqa: PLC0415
     from aeroscene.learning.training.config import require  # noqa: PLC0415
-    from aeroscene.learning.writer.language import Language  # noqa: PLC0415
+    from aeroscene.learning.training.presets import is_flat  # noqa: PLC0415
 
     if cfg.begin is None:
+        valid = "with --begin, whose language it is"
+        require(ok=not cfg.keep_language, name="keep_language", value=True, valid=valid)
+        return None
+    valid = "none with preset paper, which has another network"
+    require(ok=not is_flat(sections), name="begin", value=cfg.begin, valid=valid)
+    return read_begun(SHIPPED[preset] if cfg.begin == "shipped" else Path(cfg.begin))
+
+
+def _first_weights(
+    begun: Begun | None, data: TrainingData, sections: Mapping[str, Any]
+) -> dict[Part, Weights]:
+    from aeroscene.learning.writer.language import Language  # noqa: PLC0415 - PyTorch
+
+    if begun is None:
         return {}
     known = data.train.known
-    valid = "none with preset paper, which has another network"
-    require(ok=isinstance(known, Language), name="begin", value=cfg.begin, valid=valid)
     assert isinstance(known, Language)
-    path = SHIPPED[preset] if cfg.begin == "shipped" else Path(cfg.begin)
-    return begun_parts(path, known, sections)
+    return begun.parts_for(known, sections)
+
+
+def _taken(
+    cfg: TrainCfg, parts: Sequence[Part], data: TrainingData, begun: Mapping[Part, Weights]
+) -> dict[Part, Weights]:
+    """The parts that are not trained."""
+    from aeroscene.learning.training.same_data import taken_parts  # noqa: PLC0415 - PyTorch
+
+    if cfg.take is not None:
+        return taken_parts(cfg.take, data, parts)
+    kept = begun if cfg.keep_language else {}
+    return {part: weights for part, weights in kept.items() if part not in parts}
 
 
 def _n_workers(cfg: TrainCfg) -> int:
@@ -160,7 +185,9 @@ def _check_unchanged(cfg: TrainCfg, state: TrainingState, sections: Mapping[str,
         )
 
 
-def _read_data(path: Path, sections: Mapping[str, Any], *, is_streamed: bool) -> TrainingData:
+def _read_data(
+    path: Path, sections: Mapping[str, Any], *, is_streamed: bool, language: Language | None
+) -> TrainingData:
     from aeroscene.learning.training.data import (  # noqa: PLC0415 - PyTorch
         count_scenes,
         is_layouts,
@@ -174,6 +201,7 @@ def _read_data(path: Path, sections: Mapping[str, Any], *, is_streamed: bool) ->
             path,
             is_flat=is_flat(sections),
             is_streamed=is_streamed,
+            language=language,
             on_scene=advance,
         )
 

@@ -7,6 +7,7 @@ else of the networks is the same. So a model that knows one corpus learns anothe
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -27,27 +28,46 @@ _NETWORKS = {"writer": "writer", "denoiser": "model"}
 """Section of the network of each part."""
 
 
-def begun_parts(path: Path, language: Language, sections: Sections) -> dict[Part, Weights]:
-    """The parts of a checkpoint in a language, for networks of some sections.
+@dataclass(frozen=True)
+class Begun:
+    """A model that a training begins with."""
+
+    path: Path
+    language: Language
+    parts: Mapping[Part, Weights]
+    sections: Sections
+
+    def parts_for(self, language: Language, sections: Sections) -> dict[Part, Weights]:
+        """Its parts in a language, for networks of some sections.
+
+        Raises:
+            CheckpointError: If its networks are others.
+        """
+        parts: dict[Part, Weights] = {}
+        for part, weights in self.parts.items():
+            name = _NETWORKS[part]
+            own, other = (_sizes_of(each[name]) for each in (sections, self.sections))
+            if own != other:
+                raise CheckpointError(
+                    f"checkpoint {str(self.path)!r} has a network of other sizes than [{name}], "
+                    f"valid: {other}"
+                )
+            parts[part] = carried(part, weights, self.language.vocabulary, language.vocabulary)
+        return parts
+
+
+def read_begun(path: Path) -> Begun:
+    """The model of a checkpoint.
 
     Raises:
-        CheckpointError: If it cannot be used, or its networks are others.
+        CheckpointError: If it cannot be used, or is not of the preset `default`.
     """
     found = read_checkpoint(path)
-    where = f"checkpoint {str(path)!r}"
     if not isinstance(found.known, Language):
-        raise CheckpointError(f"{where} is of preset {found.facts.preset!r}, valid: 'default'")
-    theirs = sections_from_plain(found.facts.configs)
-    parts: dict[Part, Weights] = {}
-    for part, weights in found.parts.items():
-        name = _NETWORKS[part]
-        own, other = (_sizes_of(each[name]) for each in (sections, theirs))
-        if own != other:
-            raise CheckpointError(
-                f"{where} has a network of other sizes than [{name}], valid: {other}"
-            )
-        parts[part] = carried(part, weights, found.known.vocabulary, language.vocabulary)
-    return parts
+        raise CheckpointError(
+            f"checkpoint {str(path)!r} is of preset {found.facts.preset!r}, valid: 'default'"
+        )
+    return Begun(path, found.known, found.parts, sections_from_plain(found.facts.configs))
 
 
 def _sizes_of(cfg: object) -> dict[str, object]:

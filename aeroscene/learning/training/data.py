@@ -20,8 +20,8 @@ from aeroscene.learning.tokens.symmetry import may_be_mirrored, mirrored
 from aeroscene.learning.training.batches.curation import Encoder
 from aeroscene.learning.training.checkpoint import DataSource
 from aeroscene.learning.training.config import TrainingError
-from aeroscene.learning.writer.examples import encodable, written
-from aeroscene.learning.writer.language import learn_language
+from aeroscene.learning.writer.examples import ProgramEncoder, encodable, written
+from aeroscene.learning.writer.language import Language, learn_language
 from aeroscene.learning.writer.training_set import ProgramSet
 from aeroscene.scene import Scene
 
@@ -53,6 +53,7 @@ def open_training_data(
     *,
     is_flat: bool = False,
     is_streamed: bool = False,
+    language: Language | None = None,
     on_scene: OnScene = lambda: None,
 ) -> TrainingData:
     """Read what a user names.
@@ -64,6 +65,7 @@ def open_training_data(
         is_streamed: Whether the grammar goes on where the dataset ends. What is in the folder then
             is the first stretch: it fixes vocabulary and statistics, and its test split is held
             out.
+        language: What programs are written in; None learns it from the training split.
         on_scene: Called after each scene.
 
     Raises:
@@ -79,7 +81,15 @@ def open_training_data(
     is_corpus = not is_layouts(path)
     # The paper draws how many objects there are.
     wishes = [] if is_flat and is_corpus else [Wish.of(scene) for scene in train]
-    data = prepared(path.name, train, held_out, is_flat=is_flat, wishes=wishes, is_corpus=is_corpus)
+    data = prepared(
+        path.name,
+        train,
+        held_out,
+        is_flat=is_flat,
+        wishes=wishes,
+        is_corpus=is_corpus,
+        language=language,
+    )
     if last is None:
         return data
     source = msgspec.structs.replace(data.source, stream=f"{curation_digest()} from {last + 1}")
@@ -95,13 +105,14 @@ def prepared(
     wishes: Sequence[Wish] = (),
     is_corpus: bool = True,
     encoding: EncodingCfg = WHOLE,
+    language: Language | None = None,
 ) -> TrainingData:
     """Scenes as examples, to train on and to watch by.
 
     A checkpoint names them as `name`, and draws what it is asked for from `wishes` where there are
     any, and areas as the corpus does where `is_corpus`. The set of the scenes to train on fixes how
-    scenes are encoded: its `encoder` makes those that are held out here, and those of a stream in
-    the worker processes.
+    scenes are encoded, unless a `language` does: its `encoder` makes those that are held out here,
+    and those of a stream in the worker processes.
 
     Raises:
         TrainingError: If too few scenes have a program.
@@ -109,7 +120,7 @@ def prepared(
     known = (
         flat_training_set(train)
         if is_flat
-        else _program_set(_varied(train, is_corpus=is_corpus), encoding)
+        else _program_set(_varied(train, is_corpus=is_corpus), encoding, language)
     )
     if len(known.examples) < _LEAST_SCENES:
         raise TrainingError(
@@ -141,7 +152,11 @@ def _varied(scenes: Sequence[Scene], *, is_corpus: bool) -> Sequence[Scene]:
     return [*scenes, *(mirrored(scene) for scene in scenes if may_be_mirrored(scene.domain))]
 
 
-def _program_set(scenes: Sequence[Scene], encoding: EncodingCfg) -> ProgramSet:
+def _program_set(
+    scenes: Sequence[Scene], encoding: EncodingCfg, language: Language | None
+) -> ProgramSet:
+    if language is not None:
+        return ProgramSet(language, tuple(_encoded(scenes, ProgramEncoder(language))))
     encoded, wishes = encodable(scenes, encoding)
     if not encoded:
         raise TrainingError(

@@ -14,7 +14,7 @@ import psutil
 import pytest
 import torch
 
-from aeroscene.corpus.dataset import store_scene, write_manifest
+from aeroscene.corpus.dataset import open_dataset, store_scene, write_manifest
 from aeroscene.learning.training.batches.curation import scene_file
 from aeroscene.learning.training.checkpoint import read_checkpoint
 from aeroscene.learning.training.state import read_state
@@ -153,9 +153,28 @@ def test_a_training_begins_with_another_models_weights(trained, corpus, config, 
     assert losses["begun"] < losses["random"]
 
 
+def test_a_model_that_keeps_its_language_keeps_what_is_not_trained(
+    trained, corpus, config, tmp_path, capsys
+):
+    begun = trained / "checkpoint.safetensors"
+    out, fewer = tmp_path / "out", tmp_path / "fewer"
+    shutil.copytree(corpus, fewer)
+    dataset = open_dataset(fewer)
+    entries = [entry for entry in dataset.entries if entry.index != 42]
+    write_manifest(fewer, entries)
+    args = command(fewer, config, out, "--steps", 1, "--parts", "writer", "--begin", begun)
+    assert run(capsys, [*args, "--keep-language"])[0] == 0
+    old, new = (read_checkpoint(each) for each in (begun, out / "checkpoint.safetensors"))
+    assert new.facts.vocabulary == old.facts.vocabulary
+    assert all(torch.equal(v, old.parts["denoiser"][k]) for k, v in new.parts["denoiser"].items())
+    changed = new.parts["writer"]
+    assert not all(torch.equal(v, old.parts["writer"][k]) for k, v in changed.items())
+
+
 @pytest.mark.parametrize(
     ("more", "said"),
     [
+        (("--keep-language",), "keep_language is True, valid: with --begin"),
         (("--begin", "shipped"), "network of other sizes than"),
         (("--begin", "nowhere.safetensors"), "'nowhere.safetensors'"),
     ],

@@ -7,7 +7,7 @@ import pytest
 import torch
 
 from aeroscene.learning.generation.loading import SHIPPED
-from aeroscene.learning.training.carried import _nearest, begun_parts, carried
+from aeroscene.learning.training.carried import _nearest, carried, read_begun
 from aeroscene.learning.training.checkpoint import CheckpointError
 from aeroscene.learning.training.data import prepared
 from aeroscene.learning.training.presets import fitted, preset_sections
@@ -66,7 +66,7 @@ def test_kinds_that_one_stood_for_share_its_chance(data, other):
 
 
 def test_a_training_begun_with_a_model_begins_where_that_one_ended(plan, checkpoint, tmp_path):
-    begun = begun_parts(checkpoint, plan.data.train.known, plan.sections)
+    begun = read_begun(checkpoint).parts_for(plan.data.train.known, plan.sections)
     again = Training(replace(plan, folder=tmp_path / "again", begun=begun), Watcher())
     for part in ("writer", "denoiser"):
         weights = again._begun(part).model.state_dict()
@@ -76,7 +76,7 @@ def test_a_training_begun_with_a_model_begins_where_that_one_ended(plan, checkpo
 
 def test_a_model_of_other_scenes_is_taken_by_networks_of_the_same_size(checkpoint, other, data):
     sections = fitted(small_sections(data), other.train.known)
-    parts = begun_parts(checkpoint, other.train.known, sections)
+    parts = read_begun(checkpoint).parts_for(other.train.known, sections)
     new_writer(sections["writer"], other.train.known).load_state_dict(dict(parts["writer"]))
 
 
@@ -84,16 +84,16 @@ def test_the_model_that_ships_is_begun_with_by_the_usual_networks(data):
     """Which of their activations a training leaves out is its own affair."""
     known = data.train.known
     sections = fitted(preset_sections("default"), known)
-    parts = begun_parts(SHIPPED["default"], known, sections)
+    parts = read_begun(SHIPPED["default"]).parts_for(known, sections)
     new_writer(sections["writer"], known).load_state_dict(dict(parts["writer"]))
     assert set(parts) == {"writer", "denoiser"}
 
 
 def test_networks_of_another_size_are_refused_in_a_line(data):
     with pytest.raises(CheckpointError, match=r"network of other sizes than \[\w+\], valid: "):
-        begun_parts(SHIPPED["default"], data.train.known, small_sections(data))
+        read_begun(SHIPPED["default"]).parts_for(data.train.known, small_sections(data))
 
 
 def test_the_papers_model_is_refused_in_a_line(data):
     with pytest.raises(CheckpointError, match="is of preset 'paper', valid: 'default'"):
-        begun_parts(SHIPPED["paper"], data.train.known, small_sections(data))
+        read_begun(SHIPPED["paper"]).parts_for(data.train.known, small_sections(data))
