@@ -7,7 +7,7 @@ a place stays where it is too; the projection parts what is left.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from types import MappingProxyType
 
 import numpy as np
@@ -65,6 +65,13 @@ class Neighbours:
             bearer = self._parents[bearer]
         rows = np.array(self._rows).reshape(-1, 8)[is_other]
         return np.concatenate([rows, np.array(self._air).reshape(-1, 8)])
+
+    def of(self, categories: Container[str]) -> Float[np.ndarray, "k 8"]:
+        """All that stands of some categories."""
+        rows = [
+            r for r, each in zip(self._rows, self._categories, strict=True) if each in categories
+        ]
+        return np.array(rows).reshape(-1, 8)
 
     def kept_free(
         self, category: str, clearance_m: tuple[float, float]

@@ -1,0 +1,79 @@
+"""What stands at the edge of a room has a wall there; some edges of open rooms have none."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from aeroscene.feasibility.roles import BUILDINGS
+from aeroscene.relations.plane import QUARTER, Rectangle, footprint, turned_reach_m
+from aeroscene.scene import OrientedBox
+from aeroscene.solids.shapes.facade import WALL_M
+
+SHELLS = BUILDINGS | {"garage"}
+"""What has outer walls of its own, within the rim of its box."""
+FREE_STANDING = frozenset({"chair"})
+"""What stands along the edges of open rooms too: one in three of the corpus' chairs there."""
+BACK = 2
+"""Quarter turns from the way out of a room to the heading of what has its back to the edge."""
+_OFF_WALL_M = 0.3
+_SAME_ROW_M = 0.1
+"""Distance within which the foremost things of a group stand in one row."""
+
+
+def is_walled(
+    boxes: Sequence[OrientedBox],
+    room: Rectangle,
+    side: int,
+    walls: Float[np.ndarray, "k 8"],
+    shells: Float[np.ndarray, "s 8"],
+) -> bool:
+    """Whether a group at a side of a room has a wall at each of those that stand foremost.
+
+    Args:
+        boxes: The group.
+        room: What it is at an edge of.
+        side: Which of its sides.
+        walls: Boxes of the walls, as `Neighbours` has them.
+        shells: Boxes of what has outer walls of its own.
+    """
+    outwards_rad = room.place.yaw_rad + side * QUARTER
+    c, s = math.cos(outwards_rad), math.sin(outwards_rad)
+    ends = []
+    for box in boxes:
+        at = footprint(box)
+        reach_m, _ = turned_reach_m(at.half_m, at.place.yaw_rad - outwards_rad)
+        low_m = box.p[2] - box.s[2] / 2
+        end = box.p[0] + c * reach_m, box.p[1] + s * reach_m
+        ends.append((*end, low_m, low_m + box.s[2]))
+    found = np.array(ends)
+    along_m = found[:, :2] @ (c, s)
+    front = found[along_m > along_m.max() - _SAME_ROW_M]
+    is_at_wall = (_outside_m(front, walls) <= _OFF_WALL_M) & _shares_height(front, walls)
+    is_at_rim = (np.abs(_outside_m(front, shells)) <= _OFF_WALL_M + WALL_M) & _shares_height(
+        front, shells
+    )
+    return bool(np.all(is_at_wall.any(axis=1) | is_at_rim.any(axis=1)))
+
+
+def _outside_m(
+    points: Float[np.ndarray, "n 4"], rows: Float[np.ndarray, "k 8"]
+) -> Float[np.ndarray, "n k"]:
+    """Distances of points from the outlines of boxes, negative inside."""
+    offset = points[:, None, :2] - rows[None, :, :2]
+    c, s = rows[:, 4], rows[:, 5]
+    u_m = np.abs(c * offset[..., 0] + s * offset[..., 1]) - rows[:, 2]
+    v_m = np.abs(c * offset[..., 1] - s * offset[..., 0]) - rows[:, 3]
+    return np.hypot(np.maximum(u_m, 0.0), np.maximum(v_m, 0.0)) + np.minimum(
+        np.maximum(u_m, v_m), 0.0
+    )
+
+
+def _shares_height(
+    points: Float[np.ndarray, "n 4"], rows: Float[np.ndarray, "k 8"]
+) -> Bool[np.ndarray, "n k"]:
+    top_m = np.minimum(points[:, None, 3], rows[None, :, 7])
+    return top_m > np.maximum(points[:, None, 2], rows[None, :, 6])
