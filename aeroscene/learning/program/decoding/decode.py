@@ -39,7 +39,7 @@ from aeroscene.learning.program.decoding.units import (
     read_unit,
     with_own_sizes,
 )
-from aeroscene.learning.program.decoding.walled import BACK, FREE_STANDING, SHELLS, is_walled
+from aeroscene.learning.program.decoding.walled import asks_for_wall, has_wall
 from aeroscene.learning.program.encoding.units import unit_size_m
 from aeroscene.learning.program.kinds import CATEGORY_IDS, Kind, What, theme_of
 from aeroscene.learning.program.program import Program
@@ -239,21 +239,19 @@ class Builder:
 
         Where there is room enough for what their category keeps free of its own, there.
         """
-        neighbours = self.making.neighbours
+        making, neighbours = self.making, self.making.neighbours
         taken = neighbours.taken(unit.parent_id)
         clearance_m = self._program.clearances.of(kind.category)
-        full = taken
+        tries: list[tuple[Float[np.ndarray, "k 8"], int | None]] = [(taken, None)]
         if any(clearance_m):
             kept_free = neighbours.kept_free(kind.category, clearance_m)
-            full = np.concatenate([taken, kept_free])
-        for needs_wall in (True, False) if self._stands_at_wall(unit, kind) else (False,):
-            found = None
-            if full is not taken:
-                found = self._with_room(unit, kind, boxes, full, n_ways=1, needs_wall=needs_wall)
-            if found is None:
-                found = self._with_room(unit, kind, boxes, taken, needs_wall=needs_wall)
-            if found is not None:
-                return found
+            tries.insert(0, (np.concatenate([taken, kept_free]), 1))
+        is_backed = self._cfg.mends and asks_for_wall(making, unit, kind.category)
+        for needs_wall in (True, False) if is_backed else (False,):
+            for full, n_ways in tries:
+                found = self._with_room(unit, kind, boxes, full, n_ways, needs_wall=needs_wall)
+                if found is not None:
+                    return found
         is_taken = clashing(boxes, taken)
         if sum(is_taken) > _MOST_LEFT_OUT * len(boxes):
             return list(boxes)
@@ -265,7 +263,7 @@ class Builder:
         kind: Kind,
         boxes: Sequence[OrientedBox],
         taken: Float[np.ndarray, "k 8"],
-        n_ways: int | None = None,
+        n_ways: int | None,
         *,
         needs_wall: bool,
     ) -> list[OrientedBox] | None:
@@ -280,22 +278,9 @@ class Builder:
             if shift is None:
                 continue
             found = [moved(box, shift) for box in found]
-            if not needs_wall or self._is_walled(turned, found):
+            if not needs_wall or has_wall(making, turned, found):
                 return found
         return None
-
-    def _stands_at_wall(self, unit: Unit, kind: Kind) -> bool:
-        """Whether a unit has its back to an edge of a room, and is what has a wall there."""
-        relation = unit.relation
-        if not self._cfg.mends or (relation.kind, relation.quadrant) != (RelationKind.EDGE, BACK):
-            return False
-        is_in_room = self.making.standing.category(unit.host_id) == "room"
-        return is_in_room and kind.category not in FREE_STANDING
-
-    def _is_walled(self, unit: Unit, boxes: Sequence[OrientedBox]) -> bool:
-        making = self.making
-        walls, shells = (making.neighbours.of(each) for each in ({"wall"}, SHELLS))
-        return is_walled(boxes, making.outline(unit.host_id), unit.relation.side, walls, shells)
 
     def _drawn_up(self, chairs: Sequence[OrientedBox], table: int) -> list[OrientedBox]:
         """Chairs that have room, their table moved with them where that makes it."""

@@ -9,37 +9,41 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from aeroscene.feasibility.roles import BUILDINGS
-from aeroscene.relations.plane import QUARTER, Rectangle, footprint, turned_reach_m
+from aeroscene.learning.program.decoding.making import Making
+from aeroscene.relations import Kind, Unit
+from aeroscene.relations.plane import QUARTER, footprint, turned_reach_m
 from aeroscene.scene import OrientedBox
 from aeroscene.solids.shapes.facade import WALL_M
 
 SHELLS = BUILDINGS | {"garage"}
 """What has outer walls of its own, within the rim of its box."""
-FREE_STANDING = frozenset({"chair"})
+_FREE_STANDING = frozenset({"chair"})
 """What stands along the edges of open rooms too: one in three of the corpus' chairs there."""
-BACK = 2
+_BACK = 2
 """Quarter turns from the way out of a room to the heading of what has its back to the edge."""
 _OFF_WALL_M = 0.3
 _SAME_ROW_M = 0.1
 """Distance within which the foremost things of a group stand in one row."""
 
 
-def is_walled(
-    boxes: Sequence[OrientedBox],
-    room: Rectangle,
-    side: int,
-    walls: Float[np.ndarray, "k 8"],
-    shells: Float[np.ndarray, "s 8"],
-) -> bool:
-    """Whether a group at a side of a room has a wall at each of those that stand foremost.
+def asks_for_wall(making: Making, unit: Unit, category: str) -> bool:
+    """Whether a unit has its back to an edge of a room, and is what has a wall there."""
+    relation = unit.relation
+    has_back = relation.kind == Kind.EDGE and relation.quadrant == _BACK
+    is_in_room = making.standing.category(unit.host_id) == "room"
+    return has_back and is_in_room and category not in _FREE_STANDING
+
+
+def has_wall(making: Making, unit: Unit, boxes: Sequence[OrientedBox]) -> bool:
+    """Whether a group at an edge of a room has a wall at each of those that stand foremost.
 
     Args:
-        boxes: The group.
-        room: What it is at an edge of.
-        side: Which of its sides.
-        walls: Boxes of the walls, as `Neighbours` has them.
-        shells: Boxes of what has outer walls of its own.
+        making: What stands already.
+        unit: The group, with the side of the room that it is at.
+        boxes: Where the group would stand.
     """
+    walls, shells = (making.neighbours.of(each) for each in ({"wall"}, SHELLS))
+    room, side = making.outline(unit.host_id), unit.relation.side
     outwards_rad = room.place.yaw_rad + side * QUARTER
     c, s = math.cos(outwards_rad), math.sin(outwards_rad)
     ends = []

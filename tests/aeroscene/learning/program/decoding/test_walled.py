@@ -9,14 +9,14 @@ import shapely
 from aeroscene.learning.program import encode
 from aeroscene.learning.program.decoding.cfg import DecodingCfg
 from aeroscene.learning.program.decoding.decode import decode
+from aeroscene.learning.program.decoding.making import Making
 from aeroscene.learning.program.decoding.neighbours import Neighbours
-from aeroscene.learning.program.decoding.walled import SHELLS, is_walled
+from aeroscene.learning.program.decoding.walled import SHELLS, has_wall
 from aeroscene.metrics.places.top_view import TopView
-from aeroscene.relations.plane import Place, Rectangle
+from aeroscene.relations import Kind, Relation, Unit
 from aeroscene.scene import OrientedBox
 from aeroscene.scene.box import quat_from_yaw
 
-ROOM = Rectangle(Place(0.0, 0.0, 0.0), (5.0, 4.0))
 EAST, NORTH = 0, 1
 CUPBOARDS = ("cabinet", "wardrobe", "shelf", "counter")
 
@@ -25,31 +25,44 @@ def box(x_m, y_m, size_m=(0.5, 1.0, 2.0), z_m=1.0, yaw_rad=0.0):
     return OrientedBox((x_m, y_m, z_m), quat_from_yaw(yaw_rad), size_m)
 
 
-def standing(*walls, category="wall"):
-    found = Neighbours()
-    for each in walls:
-        found.add(each, category, None)
-    return found
+@pytest.fixture(scope="module")
+def program(scenes):
+    return encode(scenes[0]).program
 
 
-def at_wall(boxes, side, neighbours):
-    return is_walled(boxes, ROOM, side, neighbours.of({"wall"}), neighbours.of({"house"}))
+@pytest.fixture
+def standing(program):
+    """Something in a room of 10 by 8 m that has no walls of its own."""
+
+    def stand(*boxes, category="wall"):
+        making = Making(program)
+        for name, each in (("room", ROOM), *((category, box) for box in boxes)):
+            making.add(None, name, "indoor", {}, each, parent=None, bearer=None)
+        return making
+
+    return stand
 
 
+def at_wall(boxes, side, making):
+    relation = Relation(kind=Kind.EDGE, side=side, quadrant=2)
+    return has_wall(making, Unit(parent_id=0, host_id=0, relation=relation, members=()), boxes)
+
+
+ROOM = box(0.0, 0.0, (10.0, 8.0, 3.0), 1.5)
 EAST_WALL = box(5.1, 1.0, (0.2, 6.0, 3.0), 1.5)
 
 
-def test_a_wall_counts_at_the_side_where_it_is():
-    neighbours = standing(EAST_WALL)
-    assert at_wall([box(4.7, 0.0)], EAST, neighbours)
-    assert not at_wall([box(4.7, -3.0)], EAST, neighbours)
-    assert not at_wall([box(0.0, 3.7)], NORTH, neighbours)
-    assert not at_wall([box(4.4, 0.0)], EAST, neighbours)
-    assert not at_wall([box(4.7, 0.0, z_m=5.0)], EAST, neighbours)
+def test_a_wall_counts_at_the_side_where_it_is(standing):
+    making = standing(EAST_WALL)
+    assert at_wall([box(4.7, 0.0)], EAST, making)
+    assert not at_wall([box(4.7, -3.0)], EAST, making)
+    assert not at_wall([box(0.0, 3.7)], NORTH, making)
+    assert not at_wall([box(4.4, 0.0)], EAST, making)
+    assert not at_wall([box(4.7, 0.0, z_m=5.0)], EAST, making)
     assert not at_wall([box(4.7, 0.0)], EAST, standing())
 
 
-def test_every_thing_of_the_foremost_row_has_a_wall():
+def test_every_thing_of_the_foremost_row_has_a_wall(standing):
     row = [box(4.7, y) for y in (-1.5, 0.0, 1.5)]
     behind = [box(3.0, -3.5)]
     assert at_wall([*row, *behind], EAST, standing(EAST_WALL))
@@ -57,13 +70,13 @@ def test_every_thing_of_the_foremost_row_has_a_wall():
 
 
 @pytest.mark.parametrize("yaw_rad", [0.0, math.pi / 2, math.pi, 0.3])
-def test_the_end_towards_the_side_counts_however_a_thing_is_turned(yaw_rad):
+def test_the_end_towards_the_side_counts_however_a_thing_is_turned(standing, yaw_rad):
     reach_m = 0.25 * abs(math.cos(yaw_rad)) + 0.5 * abs(math.sin(yaw_rad))
     assert at_wall([box(4.95 - reach_m, 0.0, yaw_rad=yaw_rad)], EAST, standing(EAST_WALL))
     assert not at_wall([box(4.6 - reach_m, 0.0, yaw_rad=yaw_rad)], EAST, standing(EAST_WALL))
 
 
-def test_the_inside_of_a_shell_is_a_wall():
+def test_the_inside_of_a_shell_is_a_wall(standing):
     house = standing(box(0.0, 0.0, (10.4, 8.4, 3.0), 1.5), category="house")
     assert at_wall([box(4.7, 0.0)], EAST, house)
     assert not at_wall([box(3.0, 0.0)], EAST, house)
