@@ -29,6 +29,7 @@ from aeroscene.learning.program.decoding.neighbours import (
     free_shift,
     moved,
     open_ways,
+    turned,
 )
 from aeroscene.learning.program.decoding.overhead import Overhead
 from aeroscene.learning.program.decoding.sites import add_site
@@ -46,7 +47,6 @@ from aeroscene.learning.program.program import Program
 from aeroscene.relations import Kind as RelationKind
 from aeroscene.relations import Unit
 from aeroscene.relations.hosts import AT_LEVELS, N_TURNS, turn_of
-from aeroscene.relations.relation import N_SIDES
 from aeroscene.scene import OrientedBox, Scene, Vector3
 from aeroscene.scene.box import quat_from_yaw
 from aeroscene.scene.origin import ALTITUDE_M, LATITUDE_DEG, LONGITUDE_DEG
@@ -271,14 +271,13 @@ class Builder:
         making = self.making
         within = None if unit.parent_id is None else making.outline(unit.parent_id)
         for turns, ways in islice(open_ways(unit, making.outline(unit.host_id)), n_ways):
-            side = (unit.relation.side + turns) % N_SIDES
-            turned = replace(unit, relation=replace(unit.relation, side=side))
-            found = self._boxes(turned, kind) if turns else boxes
+            tried = turned(unit, turns)
+            found = self._boxes(tried, kind) if turns else boxes
             shift = free_shift(found, taken, within, ways) if found else None
             if shift is None:
                 continue
             found = [moved(box, shift) for box in found]
-            if not needs_wall or has_wall(making, turned, found):
+            if not needs_wall or has_wall(making, tried, found):
                 return found
         return None
 

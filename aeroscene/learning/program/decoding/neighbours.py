@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Container, Iterator, Mapping, Sequence
+from dataclasses import replace
 from types import MappingProxyType
 
 import numpy as np
@@ -16,7 +17,7 @@ from jaxtyping import Bool, Float
 from aeroscene.feasibility.place_search import first_free
 from aeroscene.relations import Unit
 from aeroscene.relations.plane import QUARTER, Rectangle
-from aeroscene.relations.relation import Kind
+from aeroscene.relations.relation import ANY_TURN, N_SIDES, Kind, Relation
 from aeroscene.scene import OrientedBox
 
 Shift = tuple[float, float]
@@ -29,6 +30,8 @@ _SIDES: Mapping[Kind, tuple[int, ...]] = MappingProxyType(
     {Kind.EDGE: (0, 1, 3, 2), Kind.SIDE: (0, 2, 1, 3)}
 )
 """Quarter turns about the host, the likeliest first: to the next wall, or in line with the host."""
+_IN_LINE = (0, 2)
+"""The same for what is headed as its host is: to its other side, not before it."""
 _DEEP_M = 0.004
 """Depth up to which boxes only touch: what documents round."""
 
@@ -128,7 +131,7 @@ def open_ways(unit: Unit, host: Rectangle) -> Iterator[tuple[int, Ways]]:
     """
     relation = unit.relation
     is_u_pinned, is_v_pinned, _ = relation.pinned
-    sides = _SIDES.get(relation.kind, (0,))
+    sides = _IN_LINE if _is_in_line(relation) else _SIDES.get(relation.kind, (0,))
     if not is_u_pinned and not is_v_pinned:
         yield 0, None
         return
@@ -143,6 +146,23 @@ def open_ways(unit: Unit, host: Rectangle) -> Iterator[tuple[int, Ways]]:
             yield turns, (outwards_rad + QUARTER, *([outwards_rad] * is_corner))
     if relation.kind != Kind.EDGE:
         yield 0, None
+
+
+def turned(unit: Unit, turns: int) -> Unit:
+    """A unit after quarter turns about its host; what is headed as its host is stays so."""
+    if turns == 0:
+        return unit
+    relation = unit.relation
+    side, quadrant = (relation.side + turns) % N_SIDES, relation.quadrant
+    if _is_in_line(relation):
+        quadrant = (quadrant - turns) % N_SIDES
+    return replace(unit, relation=replace(relation, side=side, quadrant=quadrant))
+
+
+def _is_in_line(relation: Relation) -> bool:
+    """Whether something beside its host is headed as that is, as shelves along a wall are."""
+    is_headed = relation.kind == Kind.SIDE and relation.quadrant != ANY_TURN
+    return is_headed and (relation.side + relation.quadrant) % N_SIDES == 0
 
 
 def moved(box: OrientedBox, shift: Shift) -> OrientedBox:

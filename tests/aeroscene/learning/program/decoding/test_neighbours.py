@@ -10,9 +10,11 @@ from aeroscene.learning.program.decoding.neighbours import (
     free_shift,
     moved,
     open_ways,
+    turned,
 )
 from aeroscene.relations import Align, Gap, Kind, Relation, Unit
 from aeroscene.relations.plane import Place, Rectangle
+from aeroscene.relations.relation import ANY_TURN
 from aeroscene.scene import OrientedBox
 from aeroscene.scene.box import quat_from_yaw
 
@@ -108,3 +110,29 @@ def test_pins_are_given_up_one_by_one():
     corner = ways(Kind.EDGE, Gap.TOUCH, Align.LOW)
     assert len(corner[-1][1]) == 2
     assert all(headings is not None for _, headings in corner)
+
+
+def beside(side, quadrant):
+    relation = Relation(kind=Kind.SIDE, side=side, quadrant=quadrant, gap=Gap.TOUCH)
+    return Unit(parent_id=0, host_id=1, relation=relation, members=())
+
+
+@pytest.mark.parametrize(("side", "quadrant"), [(0, 0), (1, 3), (2, 2), (3, 1)])
+def test_what_is_headed_as_its_host_is_stays_so_on_the_other_side(side, quadrant):
+    """A shelf beside another along a wall has no room before it, and none with its face to it."""
+    unit = beside(side, quadrant)
+    assert {turns for turns, _ in open_ways(unit, ROOM)} == {0, 2}
+    relation = turned(unit, 2).relation
+    assert relation.side == (side + 2) % 4
+    assert (relation.side + relation.quadrant) % 4 == 0
+
+
+@pytest.mark.parametrize("quadrant", [0, 1, 2, ANY_TURN])
+def test_what_is_headed_otherwise_turns_about_its_host(quadrant):
+    """A bench that looks at a path looks at it from beyond too."""
+    unit = beside(1, quadrant)
+    assert {turns for turns, _ in open_ways(unit, ROOM)} == {0, 1, 2, 3}
+    for turns in (1, 2, 3):
+        relation = turned(unit, turns).relation
+        assert (relation.side, relation.quadrant) == ((1 + turns) % 4, quadrant)
+    assert turned(unit, 0) == unit
