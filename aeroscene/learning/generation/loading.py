@@ -42,7 +42,7 @@ Module = TypeVar("Module", bound=nn.Module)
 _SHIPPED = Path(__file__).parents[1] / "checkpoints"
 SHIPPED = {"default": _SHIPPED / "default.safetensors", "paper": _SHIPPED / "paper.safetensors"}
 """Checkpoints that come with the package, by preset."""
-DEFAULT_SAMPLER = SamplerCfg(kind="ddim", n_steps=10)
+DEFAULT_SAMPLER = SamplerCfg(kind="dpm-solver++", n_steps=14)
 
 
 def load_proposer(

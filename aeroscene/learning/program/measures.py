@@ -165,4 +165,5 @@ def _extent(value: float, reference: int, along_m: float, less_m: float) -> floa
     else:
         found_m = math.exp(min(value, 6.5)) * (along_m if reference == 1 else 1.0)
     # To a tenth of a millimetre: statistics in single precision know no more.
-    return round(min(max(found_m, _LEAST_M if reference else MIN_SIZE_M), _MOST_M), 4)
+    least_m = _LEAST_M if reference == 2 else MIN_SIZE_M
+    return round(min(max(found_m, least_m), _MOST_M), 4)

@@ -17,7 +17,7 @@ from aeroscene.learning.writer.lesson import recent_of, seen_of, wish_numbers
 from aeroscene.learning.writer.stepwise import StepwiseWriter
 from aeroscene.learning.writer.syntax import Syntax
 
-TEMPERATURE = 0.85
+TEMPERATURE = 0.8
 """Logarithms of chances are divided by it: below 1, what is seldom becomes more so. At less, scenes
 would be nearer to those trained on than other scenes of the grammar are."""
 
