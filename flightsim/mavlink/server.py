@@ -62,8 +62,8 @@ class MavlinkServer:
             personality: Flight stack to imitate.
             local_origin_enu_m: Origin of MAVLink's local frame; by default the vehicle's position.
             has_lockstep: Whether a client may keep the time; `wait_for_tick` then waits for it.
-            ticks_per_burst: Number of ticks whose streams leave together, as datagrams one behind
-                the other, which wake their reader once; answers never wait.
+            ticks_per_burst: Number of ticks whose streams leave together, as long datagrams one
+                behind the other, which wake their reader once; answers never wait.
             signing: What the links sign with, so that clients can set its key; None if they do not.
             payload: Camera and gimbal, updated here; None carries neither.
 
@@ -202,6 +202,8 @@ class MavlinkServer:
                 self.lockstep.forget(gone)
         for channel in channels:
             channel.system_id = self.system_id
+            if self._ticks_per_burst > 1:
+                channel.lengthen_datagrams()
         self._identified = set(channels)
         self._partners.channels = channels
 

@@ -1,4 +1,4 @@
-"""Presence of ground stations: the autopilot's data link."""
+"""What partners say of themselves by their heartbeats."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ _PRESENCE_S = 1.5
 """Time for which a heartbeat's sender counts as present: one and a half periods."""
 
 
-class GroundStationService:
-    """Keeps the data link alive while a ground station sends heartbeats.
+class HeartbeatService:
+    """Keeps the data link alive while a ground station sends heartbeats; companions read little.
 
     Presence is timed by the partner's own clock: a client behind a socket sends a heartbeat once a
     second of wall time, which at fifty times real time is once in fifty simulated seconds.
@@ -41,3 +41,5 @@ class GroundStationService:
     def _on_heartbeat(self, channel: Channel, message: Message) -> None:
         if message.type == mav.MAV_TYPE_GCS:
             self._last_heard_s[channel] = channel.clock()
+        elif message.type == mav.MAV_TYPE_ONBOARD_CONTROLLER:
+            channel.keep_datagrams_short()  # As mavros says it is.
