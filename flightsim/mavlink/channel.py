@@ -183,7 +183,7 @@ class Channel:
     def send(self, layout: Layout, payload: bytes) -> None:
         """Queue a message, in the partner's version of MAVLink, for the next flush."""
         self.stream_one(layout, payload)
-        self._outbox.can_wait = False
+        self._outbox.is_awaited = True
 
     def stream(self, frames: bytes, n_frames: int) -> None:
         """Queue frames that may wait to share a datagram with others.
@@ -225,7 +225,7 @@ class Channel:
             frame = layout.frame_v1(payload, *numbers)
         if frame:
             self._outbox.put(frame)
-            self._outbox.can_wait = False
+            self._outbox.is_awaited = True
 
     def _signed(self, layout: Layout, payload: bytes, numbers: tuple[int, int, int]) -> bytes:
         assert self._signing is not None
@@ -235,9 +235,10 @@ class Channel:
         """Send the queued frames, in their order."""
         self._outbox.flush()
 
-    def flush_answers(self) -> None:
-        """Send what cannot wait, and with it all that is queued before; datagrams of streams stay.
+    @property
+    def can_wait(self) -> bool:
+        """Whether what is queued may wait for its burst: only datagrams of streams may.
 
-        What has no datagrams is sent too: it goes on where the last bytes ended.
+        What has no datagrams cannot: it goes on where the last bytes ended.
         """
-        self._outbox.flush_answers()
+        return self._outbox.can_wait

@@ -26,12 +26,12 @@ class Outbox:
     Attributes:
         is_crowded: Whether the transport lags behind: what nobody waits for is held until then.
         most_bytes: Size of the largest datagram.
-        can_wait: Whether all that is queued is of streams.
+        is_awaited: Whether some of it is an answer, and not of a stream.
     """
 
     __slots__ = (
         *("_frames", "_full", "_is_datagram", "_n_bytes", "_write"),
-        *("can_wait", "is_crowded", "most_bytes"),
+        *("is_awaited", "is_crowded", "most_bytes"),
     )
 
     def __init__(self, write: Write, *, is_datagram: bool) -> None:
@@ -39,7 +39,7 @@ class Outbox:
         self._write, self._is_datagram = write, is_datagram
         self.is_crowded = False
         self.most_bytes = SHORT_BYTES
-        self.can_wait = True
+        self.is_awaited = False
         self._full: list[list[bytes]] = []
         """Frames of each datagram that has no more room, the oldest first."""
         self._frames: list[bytes] = []
@@ -59,7 +59,11 @@ class Outbox:
 
     def put_tick(self, frames: bytes) -> None:
         """Queue all frames of a tick, of MAVLink 2 and not signed, for one datagram if they fit."""
-        most = self.most_bytes
+        most, n_bytes = self.most_bytes, self._n_bytes + len(frames)
+        if n_bytes <= most:
+            self._frames.append(frames)
+            self._n_bytes = n_bytes
+            return
         if not self._is_datagram or len(frames) <= most:
             self.put(frames)
             return
@@ -77,12 +81,12 @@ class Outbox:
         if not self._frames:
             return
         full, last = self._full, self._frames
-        self._full, self._frames, self._n_bytes, self.can_wait = [], [], 0, True
+        self._full, self._frames, self._n_bytes, self.is_awaited = [], [], 0, False
         for frames in full:
             self._write(frames)
         self._write(last)
 
-    def flush_answers(self) -> None:
-        """Send all that is queued, unless it is of datagrams of which nobody waits for any."""
-        if not (self.can_wait and self._is_datagram):
-            self.flush()
+    @property
+    def can_wait(self) -> bool:
+        """Whether nobody waits for any of it, and the next frames need not begin where it ends."""
+        return self._is_datagram and not self.is_awaited

@@ -168,8 +168,10 @@ class MavlinkServer:
                 key.data()
         self._meet_partners()
         for channel in self._partners.channels:
-            if self.lockstep is None or not self.lockstep.holds_back(channel):
-                self._answer(channel, channel.take_messages())
+            if self.lockstep is not None and self.lockstep.holds_back(channel):
+                continue
+            if messages := channel.take_messages():
+                self._answer(channel, messages)
 
     def _answer(self, channel: Channel, messages: Sequence[Message]) -> None:
         for number, message in enumerate(messages, start=1):
@@ -181,7 +183,8 @@ class MavlinkServer:
 
     def _flush(self, *, with_streams: bool = True) -> None:
         for channel in self._partners.channels:
-            self.faults.attempt(channel.flush if with_streams else channel.flush_answers)
+            if with_streams or not channel.can_wait:
+                self.faults.attempt(channel.flush)
 
     def close(self) -> None:
         """Send what still waits and release all ports. Closing twice is fine."""
