@@ -166,7 +166,8 @@ class Channel:
         """Messages since the last call, up to the partner's budget; call once per tick."""
         if not self._is_datagram:
             self._collect()
-        self._budget = min(_BURST, self._budget + _REFILL_PER_TICK)
+        if self._budget < _BURST:
+            self._budget = min(_BURST, self._budget + _REFILL_PER_TICK)
         messages = self._inbox
         if messages:
             self._inbox = []
