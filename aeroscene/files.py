@@ -16,6 +16,7 @@ from typing import BinaryIO
 
 MAX_BYTES = 512 * 1024 * 1024
 """Most that a file may hold, unpacked; more is no scene and no layout but an accident."""
+_PIECE_BYTES = 64 * 1024
 _GZIP_MAGIC = b"\x1f\x8b"
 
 
@@ -42,15 +43,25 @@ def read_bounded(path: Path) -> bytes:
     if not data.startswith(_GZIP_MAGIC):
         return data
     try:
-        with gzip.GzipFile(fileobj=io.BytesIO(data)) as file:
-            data = file.read(MAX_BYTES + 1)
+        # Unpacked twice, and the first time only counted: what is too large takes no memory.
+        if sum(map(len, _pieces(data))) > MAX_BYTES:
+            raise too_large
+        unpacked = io.BytesIO()
+        unpacked.writelines(_pieces(data))
+        return unpacked.getvalue()
     except (EOFError, zlib.error, gzip.BadGzipFile) as error:
         raise UnpackError(
             f"gzip is damaged or cut short ({error}), valid: a whole gzip file"
         ) from None
-    if len(data) > MAX_BYTES:
-        raise too_large
-    return data
+
+
+def _pieces(packed: bytes) -> Iterator[bytes]:
+    """What gzip holds, piece by piece, up to the first piece beyond `MAX_BYTES`."""
+    n_bytes = 0
+    with gzip.GzipFile(fileobj=io.BytesIO(packed)) as file:
+        while n_bytes <= MAX_BYTES and (piece := file.read(_PIECE_BYTES)):
+            n_bytes += len(piece)
+            yield piece
 
 
 @contextmanager

@@ -94,6 +94,7 @@ class ArmingChecks:
             is_attitude_ok=vehicle.is_attitude_ok,
             is_position_ok=vehicle.is_position_ok,
             is_battery_ok=self._battery.warning < BatteryWarning.CRITICAL,
+            is_geofence_on=flight.fence.is_enabled,
             is_geofence_ok=fence_breach(flight, vehicle.position_enu_m) is None,
             is_armable=is_armable,
         )

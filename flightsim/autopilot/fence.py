@@ -54,10 +54,15 @@ class CircleFence:
 
 
 class FenceStore:
-    """Uploaded fence: a place is allowed inside any inclusion and outside all exclusions."""
+    """Uploaded fence: a place is allowed inside any inclusion and outside all exclusions.
+
+    Attributes:
+        is_enabled: Whether the geofence counts, of the parameters' limits too.
+    """
 
     def __init__(self, frame: LocalFrame) -> None:
         self._frame = frame
+        self.is_enabled = True
         self.items: tuple[MissionItem, ...] = ()
         self.fences: tuple[PolygonFence | CircleFence, ...] = ()
         self._has_inclusion = False

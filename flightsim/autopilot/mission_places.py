@@ -77,7 +77,9 @@ def mission_obstacle(flight: FlightContext) -> str | None:
 
 
 def fence_breach(flight: FlightContext, position_enu_m: Vector3) -> str | None:
-    """Description of a position outside the geofence, or None if it is inside."""
+    """Description of a position outside the geofence, or None if it is inside, or off."""
+    if not flight.fence.is_enabled:
+        return None
     p = flight.parameters
     farthest_m, highest_m = p["GF_MAX_HOR_DIST"], p["GF_MAX_VER_DIST"]
     home = flight.home

@@ -33,6 +33,7 @@ class Health:
     is_attitude_ok: bool = False
     is_position_ok: bool = False
     is_battery_ok: bool = False
+    is_geofence_on: bool = True
     is_geofence_ok: bool = False
     is_armable: bool = False
 

@@ -5,13 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from flightsim.mavlink.dialect import LAYOUTS, MARKER_V2, SIGNED_FLAG, Layout
+from flightsim.mavlink.outbox import LONG_BYTES, LONG_LOCAL_BYTES, SHORT_BYTES, Outbox, Write
 from flightsim.mavlink.parsing import FrameParser, Message
 from flightsim.mavlink.signing import Signing
-from flightsim.mavlink.streaming import FRAMED, ONE_BY_ONE, OVERHEAD_BYTES, WAITS
+from flightsim.mavlink.streaming import FRAMED, ONE_BY_ONE, WAITS
 from flightsim.mavlink.streams import Profile
-
-Write = Callable[[Sequence[bytes]], None]
-"""Sends frames, drops what the transport cannot take, never blocks and never raises."""
 
 Clock = Callable[[], float]
 """Seconds for protocol timeouts: wall time behind a socket, simulated time in lockstep."""
@@ -20,27 +18,6 @@ Clock = Callable[[], float]
 _REFILL_PER_TICK = 20
 _BURST = 200
 _STREAM_BACKLOG_BYTES = 16_384
-
-DATAGRAM_BYTES = 1400
-"""Largest datagram; below the Ethernet MTU with IP and UDP headers."""
-MOST_WAITING = 16
-"""Most datagrams that wait for the others of their burst."""
-
-
-class _Outbox:
-    """Frames for a partner that wait to be sent, from whichever component."""
-
-    __slots__ = ("can_wait", "frames", "full", "is_crowded", "n_bytes")
-
-    def __init__(self) -> None:
-        self.is_crowded = False
-        self.full: list[list[bytes]] = []
-        """Frames of each datagram that has no more room, the oldest first."""
-        self.frames: list[bytes] = []
-        """Those of the last datagram, behind them."""
-        self.n_bytes = 0
-        self.can_wait = True
-        """Whether all of them are of streams."""
 
 
 class Channel:
@@ -87,11 +64,12 @@ class Channel:
         self._link_id = link_id
         self._write = write
         self._is_datagram = is_datagram
+        self._reads_little = False
         self.sequence = 0
         """Number of the next frame, 0 to 255."""
         self._budget = _BURST
         self._inbox: list[Message] = []
-        self._outbox = _Outbox()
+        self._outbox = Outbox(write, is_datagram=is_datagram)
         self._others: dict[int, Channel] = {}
 
     @property
@@ -164,6 +142,17 @@ class Channel:
         """Whether the channel accepts more bytes; the excess of a stream stays in the kernel."""
         return self._parser.n_buffered < _STREAM_BACKLOG_BYTES
 
+    def lengthen_datagrams(self) -> None:
+        """Let many frames share a datagram, as bursts need, unless the partner reads little."""
+        if not self._reads_little:
+            self._outbox.most_bytes = LONG_LOCAL_BYTES if self.is_local else LONG_BYTES
+
+    def keep_datagrams_short(self) -> None:
+        """Send datagrams from now on that a partner reads whole which reads little at a time."""
+        if not self._reads_little:
+            self.flush()
+            self._reads_little, self._outbox.most_bytes = True, SHORT_BYTES
+
     def receive(self, data: bytes) -> None:
         """Accept bytes from the partner; datagrams beyond its budget are discarded unread."""
         if self._is_datagram and self._budget <= 0:
@@ -177,7 +166,8 @@ class Channel:
         """Messages since the last call, up to the partner's budget; call once per tick."""
         if not self._is_datagram:
             self._collect()
-        self._budget = min(_BURST, self._budget + _REFILL_PER_TICK)
+        if self._budget < _BURST:
+            self._budget = min(_BURST, self._budget + _REFILL_PER_TICK)
         messages = self._inbox
         if messages:
             self._inbox = []
@@ -194,7 +184,7 @@ class Channel:
     def send(self, layout: Layout, payload: bytes) -> None:
         """Queue a message, in the partner's version of MAVLink, for the next flush."""
         self.stream_one(layout, payload)
-        self._outbox.can_wait = False
+        self._outbox.is_awaited = True
 
     def stream(self, frames: bytes, n_frames: int) -> None:
         """Queue frames that may wait to share a datagram with others.
@@ -204,17 +194,7 @@ class Channel:
             n_frames: Number of them.
         """
         self.sequence = (self.sequence + n_frames) & 0xFF
-        if self._is_datagram and len(frames) > DATAGRAM_BYTES:
-            start, end = 0, 0
-            while start < len(frames):
-                while end < len(frames) and (
-                    (after := end + OVERHEAD_BYTES + frames[end + 1]) - start <= DATAGRAM_BYTES
-                ):
-                    end = after
-                self._queue(frames[start:end])
-                start = end
-        else:
-            self._queue(frames)
+        self._outbox.put_tick(frames)
 
     @property
     def _signs(self) -> bool:
@@ -230,18 +210,7 @@ class Channel:
             frame = build(payload, *numbers)
         if frame:
             self.sequence = (self.sequence + 1) & 0xFF
-            self._queue(frame)
-
-    def _queue(self, frames: bytes) -> None:
-        outbox = self._outbox
-        if self._is_datagram and outbox.n_bytes + len(frames) > DATAGRAM_BYTES:
-            if len(outbox.full) + 1 == MOST_WAITING:
-                self.flush()
-            else:
-                outbox.full.append(outbox.frames)
-                outbox.frames, outbox.n_bytes = [], 0
-        outbox.frames.append(frames)
-        outbox.n_bytes += len(frames)
+            self._outbox.put(frame)
 
     def forward(self, message: Message) -> None:
         """Queue a message of somebody else, as it came if the partner can read it so."""
@@ -256,8 +225,8 @@ class Channel:
         elif is_version_2 and self._parser.is_version_1:
             frame = layout.frame_v1(payload, *numbers)
         if frame:
-            self._queue(frame)
-            self._outbox.can_wait = False
+            self._outbox.put(frame)
+            self._outbox.is_awaited = True
 
     def _signed(self, layout: Layout, payload: bytes, numbers: tuple[int, int, int]) -> bytes:
         assert self._signing is not None
@@ -265,19 +234,12 @@ class Channel:
 
     def flush(self) -> None:
         """Send the queued frames, in their order."""
-        outbox = self._outbox
-        if not outbox.frames:
-            return
-        full, last = outbox.full, outbox.frames
-        outbox.full, outbox.frames, outbox.n_bytes, outbox.can_wait = [], [], 0, True
-        for frames in full:
-            self._write(frames)
-        self._write(last)
+        self._outbox.flush()
 
-    def flush_answers(self) -> None:
-        """Send what cannot wait, and with it all that is queued before; datagrams of streams stay.
+    @property
+    def can_wait(self) -> bool:
+        """Whether what is queued may wait for its burst: only datagrams of streams may.
 
-        What has no datagrams is sent too: it goes on where the last bytes ended.
+        What has no datagrams cannot: it goes on where the last bytes ended.
         """
-        if not (self._outbox.can_wait and self._is_datagram):
-            self.flush()
+        return self._outbox.can_wait

@@ -63,6 +63,9 @@ class FlightCommands:
             mav.MAV_CMD_COMPONENT_ARM_DISARM: self._arm,
             mav.MAV_CMD_RUN_PREARM_CHECKS: self._run_prearm_checks,
         }
+        if personality.switches_fence:
+            switch = {mav.MAV_CMD_DO_FENCE_ENABLE: self._enable_fence}
+            self.executors = {**self.executors, **switch}
 
     def set_custom_mode(self, base_mode: int, custom_mode: int) -> Reply:
         """Change to the mode with a number of the personality, if the base mode says it is one."""
@@ -111,6 +114,17 @@ class FlightCommands:
 
     def _guided_enable(self, c: Command) -> Reply:
         return self._autopilot.set_mode(Mode.OFFBOARD if c.param1 > 0.5 else Mode.HOLD)
+
+    def _enable_fence(self, c: Command) -> Reply:
+        match choice(c.param1):
+            case 0 | 1 as is_enabled:
+                self._autopilot.fence.is_enabled = is_enabled == 1
+            case 2:  # ArduPilot's "disable the floor"; there is none.
+                pass
+            case _:
+                reason = f"param1 = {c.param1:g}; valid are 0 (disable), 1 (enable), 2 (no floor)"
+                return Reply(CommandResult.FAILED, reason)
+        return ACCEPTED
 
     def _terminate(self, c: Command) -> Reply:
         if c.param1 > 0.5:

@@ -1,4 +1,4 @@
-"""Maintenance on the ground: calibration and reboot.
+"""Maintenance on the ground: calibration, reboot, and why there is no autotune.
 
 The sensors come calibrated, so a calibration at rest ends as soon as it has begun, in PX4's words,
 which SDKs read. One for which a vehicle must be turned by hand cannot be done here, and says so.
@@ -10,7 +10,7 @@ from collections.abc import Mapping
 
 from flightsim.autopilot.events import Severity
 from flightsim.autopilot.modes import LandedState
-from flightsim.autopilot.results import ACCEPTED, Reply, denied, rejected
+from flightsim.autopilot.results import ACCEPTED, CommandResult, Reply, denied, rejected
 from flightsim.mavlink.commands import UNSUPPORTED, Command, Executor, choice
 from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.statustext import StatustextSender
@@ -28,6 +28,10 @@ _BY_HAND = {(2, 1): "mag", (5, 1): "accel"}
 """What wants the vehicle turned to all sides."""
 _DONE_PERCENT = (0, 50, 100)
 _NO_CHOICE = -1
+# As of PX4 without its module, and of ArduCopter, where autotune is a mode.
+_NO_AUTOTUNE = Reply(
+    CommandResult.UNSUPPORTED, "gains follow from mass, inertia and motors: nothing to tune"
+)
 _REBOOT = 1
 
 
@@ -40,6 +44,7 @@ class MaintenanceCommands:
         self.executors: Mapping[int, Executor] = {
             mav.MAV_CMD_PREFLIGHT_CALIBRATION: self._calibrate,
             mav.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN: self._reboot,
+            mav.MAV_CMD_DO_AUTOTUNE_ENABLE: lambda _: _NO_AUTOTUNE,
         }
 
     def _calibrate(self, c: Command) -> Reply:

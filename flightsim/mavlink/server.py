@@ -62,8 +62,8 @@ class MavlinkServer:
             personality: Flight stack to imitate.
             local_origin_enu_m: Origin of MAVLink's local frame; by default the vehicle's position.
             has_lockstep: Whether a client may keep the time; `wait_for_tick` then waits for it.
-            ticks_per_burst: Number of ticks whose streams leave together, as datagrams one behind
-                the other, which wake their reader once; answers never wait.
+            ticks_per_burst: Number of ticks whose streams leave together, as long datagrams one
+                behind the other, which wake their reader once; answers never wait.
             signing: What the links sign with, so that clients can set its key; None if they do not.
             payload: Camera and gimbal, updated here; None carries neither.
 
@@ -168,8 +168,10 @@ class MavlinkServer:
                 key.data()
         self._meet_partners()
         for channel in self._partners.channels:
-            if self.lockstep is None or not self.lockstep.holds_back(channel):
-                self._answer(channel, channel.take_messages())
+            if self.lockstep is not None and self.lockstep.holds_back(channel):
+                continue
+            if messages := channel.take_messages():
+                self._answer(channel, messages)
 
     def _answer(self, channel: Channel, messages: Sequence[Message]) -> None:
         for number, message in enumerate(messages, start=1):
@@ -181,7 +183,8 @@ class MavlinkServer:
 
     def _flush(self, *, with_streams: bool = True) -> None:
         for channel in self._partners.channels:
-            self.faults.attempt(channel.flush if with_streams else channel.flush_answers)
+            if with_streams or not channel.can_wait:
+                self.faults.attempt(channel.flush)
 
     def close(self) -> None:
         """Send what still waits and release all ports. Closing twice is fine."""
@@ -202,6 +205,8 @@ class MavlinkServer:
                 self.lockstep.forget(gone)
         for channel in channels:
             channel.system_id = self.system_id
+            if self._ticks_per_burst > 1:
+                channel.lengthen_datagrams()
         self._identified = set(channels)
         self._partners.channels = channels
 

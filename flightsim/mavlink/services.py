@@ -13,8 +13,8 @@ from flightsim.mavlink.faults import Faults
 from flightsim.mavlink.files import FileService
 from flightsim.mavlink.flight_commands import FlightCommands
 from flightsim.mavlink.follow_target import FollowTargetService
-from flightsim.mavlink.ground_stations import GroundStationService
 from flightsim.mavlink.guided import GuidedInput
+from flightsim.mavlink.heartbeats import HeartbeatService
 from flightsim.mavlink.landing_target import LandingTargetService
 from flightsim.mavlink.lockstep import Lockstep
 from flightsim.mavlink.logs import FlightRecorder, LogService
@@ -116,7 +116,7 @@ class Services:
             FileService(files),
         )
         self.common: Sequence[CommonService] = (
-            GroundStationService(view.autopilot),
+            HeartbeatService(view.autopilot),
             self.telemetry,
             *((payload,) if payload else ()),
         )

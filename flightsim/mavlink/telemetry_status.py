@@ -212,7 +212,7 @@ def _pack_status(health: Health, battery: BatteryView) -> bytes:
         | _CONTROLLERS
     )
     return _SYS_STATUS.pack(
-        *(_PRESENT, _PRESENT, bits, 0),
+        *(_PRESENT, _PRESENT if health.is_geofence_on else _PRESENT & ~_GEOFENCE, bits, 0),
         max(0, min(0xFFFE, round(1e3 * battery.voltage_v))),
         max(-1, min(0x7FFF, round(100.0 * battery.current_a))),
         *(0,) * 6,

@@ -31,15 +31,13 @@ class SurroundingsTelemetry:
         self._n_sent = 0
         self._ring = RingReport(view.plant)
         self.producers: Mapping[str, Callable[[], bytes | None]] = {
-            "ADSB_VEHICLE": self._aircraft_report,
             "RC_CHANNELS": self._sticks,
             "OBSTACLE_DISTANCE": self._obstacles,
+            **({"ADSB_VEHICLE": self._aircraft_report} if self._aircraft else {}),
         }
 
-    def _aircraft_report(self) -> bytes | None:
-        """Report the other aircraft in turn, one a message; none if there are none."""
-        if not self._aircraft:
-            return None
+    def _aircraft_report(self) -> bytes:
+        """Report the other aircraft in turn, one a message."""
         number = self._n_sent % len(self._aircraft)
         self._n_sent += 1
         v = self._view

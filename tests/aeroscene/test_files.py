@@ -1,5 +1,6 @@
 import gzip
 import os
+import tracemalloc
 
 import pytest
 
@@ -55,6 +56,33 @@ def test_a_file_that_holds_too_much_is_refused_in_one_line(tmp_path, monkeypatch
     ) as e:
         open_scene(str(path))
     assert "\n" not in str(e.value)
+
+
+def _peak_bytes(work):
+    tracemalloc.start()
+    try:
+        work()
+        return tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+
+
+def test_what_unpacks_to_too_much_takes_little_memory(tmp_path, monkeypatch):
+    monkeypatch.setattr(files, "MAX_BYTES", 64 << 20)
+    path = tmp_path / "bomb.json"
+    path.write_bytes(gzip.compress(bytes(1 << 20)) * 65)
+
+    def refuse():
+        with pytest.raises(UnpackError, match="holds more than 64 MiB"):
+            read_bounded(path)
+
+    assert _peak_bytes(refuse) < 2 << 20
+
+
+def test_what_is_unpacked_is_kept_once(tmp_path):
+    path = tmp_path / "large.json"
+    path.write_bytes(gzip.compress(bytes(1 << 20)) * 32)
+    assert _peak_bytes(lambda: read_bounded(path)) < 40 << 20
 
 
 @pytest.mark.parametrize("name", ["pipe.json", "pipe.json.gz", "pipe.jsonl"])

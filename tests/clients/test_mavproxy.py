@@ -152,6 +152,15 @@ def _load_and_read_back(proxy, directory, name, title, items):
         assert row[2:11] == pytest.approx(item, abs=1e-6)
 
 
+def _switch_the_fence(proxy):
+    proxy.type("fence disable")
+    proxy.expect(r"DO_FENCE_ENABLE: ACCEPTED")
+    proxy.expect("fence disabled")
+    proxy.type("fence enable")
+    proxy.expect(r"DO_FENCE_ENABLE: ACCEPTED")
+    proxy.expect("fence enabled")
+
+
 def _place(proxy):
     place = proxy.ask("status GLOBAL_POSITION_INT", r"lat : (-?\d+), lon : (-?\d+)")
     return tuple(int(part) * 1e-7 for part in place.groups())
@@ -209,6 +218,7 @@ def test_mavproxy_works_and_flies_signed_as_with_ardupilot(guided, copter, tmp_p
     latitude_deg, longitude_deg = _place(guided)
     _save_and_load_parameters(guided, tmp_path)
     _load_plans(guided, tmp_path, latitude_deg, longitude_deg, 0.0)
+    _switch_the_fence(guided)
     guided.type("motortest 1 0 10 1")
     guided.expect(r"DO_MOTOR_TEST: ACCEPTED")
     _fly_guided_and_the_mission(guided, latitude_deg, longitude_deg)

@@ -161,6 +161,7 @@ ARDUPILOT = Personality(
     },
     takes_off_above_home=True,
     has_guided_mode=True,
+    switches_fence=True,
     tests_motors_clockwise=True,
     has_shell=False,
     has_metadata=False,

@@ -75,6 +75,8 @@ class Personality:
     """Whether the altitude of a takeoff counts from home, instead of as its frame says."""
     has_guided_mode: bool = False
     """Whether setpoints and single items fly in the mode of HOLD, instead of in OFFBOARD."""
+    switches_fence: bool = False
+    """Whether MAV_CMD_DO_FENCE_ENABLE turns the geofence off and on."""
     tests_motors_clockwise: bool = False
     """Whether motor tests count clockwise from the nose, instead of by the motors' numbers."""
     has_shell: bool = True

@@ -9,15 +9,18 @@ from __future__ import annotations
 import numpy as np
 
 from autonomy.jit import compile_ahead, kernel
-from flightsim.mavlink.streaming.motion import look, tell_motion
+from flightsim.mavlink.streaming.motion import look, tell_course, tell_pose
 from flightsim.mavlink.streaming.navigation import tell_navigation
 from flightsim.mavlink.streaming.packing import OVERHEAD_BYTES, pack, write_frame
-from flightsim.mavlink.streaming.readings import tell_readings
+from flightsim.mavlink.streaming.readings import tell_imu, tell_readings
 from flightsim.mavlink.streaming.record import (
-    FIELD_DTYPE,
+    COURSE,
     FRAMED,
+    IMU,
     MESSAGE_DTYPE,
     PARTNER_DTYPE,
+    POSE,
+    READINGS,
     STREAMER_DTYPE,
     VALUES_DTYPE,
     VIEW_DTYPE,
@@ -126,24 +129,47 @@ def _want(s: np.record, messages: np.ndarray, p: np.record, now_us: int, n_wante
 
 @kernel
 def _pack_filled(s: np.record, message: np.record, now_us: int) -> None:
-    """Pack one of `TOLD`; the first of a tick fills them all."""
+    """Pack one of `TOLD`; the first of a tick fills all of its group."""
     if s.filled_us != now_us:
-        s.filled_us = now_us
-        plant = rows(s.plant_address, 1, PLANT_DTYPE)[0]
-        view = rows(s.view_address, 1, VIEW_DTYPE)[0]
-        told = rows(s.values_address, 1, VALUES_DTYPE)[0]
-        look(view, plant, now_us)
-        tell_motion(told, plant, view)
-        tell_readings(told, plant, view)
-        tell_navigation(told, plant, view)
+        s.filled_us, s.filled = now_us, 0
+        look(_view(s), _plant(s), now_us)
+    if s.filled >> message.group & 1 == 0:
+        s.filled |= 1 << message.group
+        _fill(s, message.group)
     values = doubles(s.values_address, _N_VALUES)
-    fields = rows(s.fields_address, _N_VALUES, FIELD_DTYPE)
+    types = bytes_at(s.types_address, _N_VALUES)
     first, end = message.first_value, message.first_value + message.n_values
     payload = bytes_at(s.payloads_address + message.payload_start, message.size)
     message.n_parts = 0
-    if values[first - 1] != 0.0 and pack(values[first:end], fields[first:end], payload):
+    if values[first - 1] != 0.0 and pack(values[first:end], types[first:end], payload):
         message.n_parts = 1
     message.packed_us = now_us
+
+
+@kernel
+def _fill(s: np.record, group: int) -> None:
+    """Fill the messages of a group."""
+    told, plant, view = rows(s.values_address, 1, VALUES_DTYPE)[0], _plant(s), _view(s)
+    if group == POSE:
+        tell_pose(told, plant, view)
+    elif group == IMU:
+        tell_imu(told.HIGHRES_IMU, plant, view)
+    elif group == COURSE:
+        tell_course(told, plant, view)
+    elif group == READINGS:
+        tell_readings(told, plant, view)
+    else:
+        tell_navigation(told, plant, view)
+
+
+@kernel
+def _plant(s: np.record) -> np.record:
+    return rows(s.plant_address, 1, PLANT_DTYPE)[0]
+
+
+@kernel
+def _view(s: np.record) -> np.record:
+    return rows(s.view_address, 1, VIEW_DTYPE)[0]
 
 
 @kernel

@@ -49,17 +49,29 @@ def look(v: np.record, p: np.record, now_us: int) -> None:
 
 
 @kernel
-def tell_motion(m: np.record, p: np.record, v: np.record) -> None:
-    """Fill the messages of where the vehicle is, and of where it goes.
+def tell_pose(m: np.record, p: np.record, v: np.record) -> None:
+    """Fill the messages of where the vehicle is, and how it stands.
 
     Args:
         m: `VALUES_DTYPE`, changed.
         p: `PLANT_DTYPE`.
         v: `VIEW_DTYPE` of the same tick.
     """
-    _tell_attitude(m.ATTITUDE, m.ATTITUDE_QUATERNION, m.ATTITUDE_TARGET, p, v)
+    _tell_attitude(m.ATTITUDE, m.ATTITUDE_QUATERNION, p, v)
     _tell_position(m.LOCAL_POSITION_NED, m.GLOBAL_POSITION_INT, p, v)
     _tell_odometry(m.ODOMETRY, p, v)
+
+
+@kernel
+def tell_course(m: np.record, p: np.record, v: np.record) -> None:
+    """Fill the messages of where the vehicle goes, of how it flies, and of the truth.
+
+    Args:
+        m: `VALUES_DTYPE`, changed.
+        p: `PLANT_DTYPE`.
+        v: `VIEW_DTYPE` of the same tick.
+    """
+    _tell_attitude_target(m.ATTITUDE_TARGET, p, v)
     _tell_flight(m.VFR_HUD, m.ALTITUDE, p, v)
     _tell_local_target(m.POSITION_TARGET_LOCAL_NED, p, v)
     _tell_target(m.POSITION_TARGET_GLOBAL_INT, m.NAV_CONTROLLER_OUTPUT, p, v)
@@ -67,24 +79,29 @@ def tell_motion(m: np.record, p: np.record, v: np.record) -> None:
 
 
 @kernel
-def _tell_attitude(
-    euler: np.record, quat: np.record, target: np.record, p: np.record, v: np.record
-) -> None:
-    s, rates, q = p.setpoint, v.rates_frd_radps, v.quat_ned_frd
-    euler.is_known = quat.is_known = target.is_known = p.filter.is_aligned
-    euler.time_boot_ms = quat.time_boot_ms = target.time_boot_ms = v.time_boot_ms
+def _tell_attitude(euler: np.record, quat: np.record, p: np.record, v: np.record) -> None:
+    rates, q = v.rates_frd_radps, v.quat_ned_frd
+    euler.is_known = quat.is_known = p.filter.is_aligned
+    euler.time_boot_ms = quat.time_boot_ms = v.time_boot_ms
     euler.roll, euler.pitch, euler.yaw = v.rpy_rad[0], v.rpy_rad[1], v.rpy_rad[2]
     euler.rollspeed, euler.pitchspeed, euler.yawspeed = rates[0], rates[1], rates[2]
     quat.q1, quat.q2, quat.q3, quat.q4 = q[0], q[1], q[2], q[3]
     quat.rollspeed, quat.pitchspeed, quat.yawspeed = rates[0], rates[1], rates[2]
+
+
+@kernel
+def _tell_attitude_target(m: np.record, p: np.record, v: np.record) -> None:
+    s = p.setpoint
+    m.is_known = p.filter.is_aligned
+    m.time_boot_ms = v.time_boot_ms
     if s.level == _ATTITUDE_LEVEL:
-        _swap_attitude(s.quat_wxyz, target.q)
+        _swap_attitude(s.quat_wxyz, m.q)
     else:
         for i in range(4):
-            target.q[i] = q[i]
+            m.q[i] = v.quat_ned_frd[i]
     rate = s.angular_rate_flu_radps
-    target.body_roll_rate, target.body_pitch_rate = rate[0], -rate[1]
-    target.body_yaw_rate, target.thrust = -rate[2], p.controller.thrust_fraction
+    m.body_roll_rate, m.body_pitch_rate = rate[0], -rate[1]
+    m.body_yaw_rate, m.thrust = -rate[2], p.controller.thrust_fraction
 
 
 @kernel

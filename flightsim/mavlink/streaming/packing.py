@@ -10,10 +10,16 @@ import math
 import numpy as np
 
 from autonomy.jit import kernel
+from flightsim.mavlink.dialect import number_range
 
 HEADER_BYTES, CHECKSUM_BYTES = 10, 2
 OVERHEAD_BYTES = HEADER_BYTES + CHECKSUM_BYTES
 """Header and checksum of a MAVLink 2 frame."""
+TYPES = "fbBhHiIqQ"
+"""Types on the wire, as letters of a struct format; the first is the one that is no integer."""
+_SIZES = np.array([np.dtype(letter).itemsize for letter in TYPES], np.int64)
+_LEAST = np.array([number_range(letter)[0] for letter in TYPES], np.float64)
+_MOST = np.array([number_range(letter)[1] for letter in TYPES], np.float64)
 _MARKER = 0xFD
 _POLYNOMIAL = 0x8408
 
@@ -33,12 +39,12 @@ _LAST, _SECOND_LAST, _THIRD_LAST, _FOURTH_LAST = _crc_tables()
 
 
 @kernel
-def pack(values: np.ndarray, fields: np.ndarray, payload: np.ndarray) -> bool:
+def pack(values: np.ndarray, types: np.ndarray, payload: np.ndarray) -> bool:
     """Pack the values of a message.
 
     Args:
         values: In wire order (n,).
-        fields: `FIELD_DTYPE` of each (n,).
+        types: Index in `TYPES` of each (n,).
         payload: Its bytes, changed.
 
     Returns:
@@ -46,19 +52,19 @@ def pack(values: np.ndarray, fields: np.ndarray, payload: np.ndarray) -> bool:
     """
     start = 0
     for i in range(len(values)):
-        value, field = values[i], fields[i]
-        if field.is_float == 1:
+        value, kind = values[i], types[i]
+        if kind == 0:
             single = np.float32(value)
             if math.isinf(single) and not math.isinf(value):
                 return False
             bits = np.int64(single.view(np.uint32))
-        elif field.least <= value <= field.most:
+        elif _LEAST[kind] <= value <= _MOST[kind]:
             bits = np.int64(value)
         else:
             return False
-        for k in range(field.size):
+        for k in range(_SIZES[kind]):
             payload[start + k] = bits >> 8 * k & 0xFF
-        start += field.size
+        start += _SIZES[kind]
     return True
 
 

@@ -15,21 +15,21 @@ _PWM_STOPPED, _PWM_IDLE, _PWM_SPAN = 900.0, 1000.0, 1000.0
 
 @kernel
 def tell_readings(m: np.record, p: np.record, v: np.record) -> None:
-    """Fill the messages of what is measured, and of what the motors are told.
+    """Fill the messages of what is measured besides motion, and of what the motors are told.
 
     Args:
         m: `VALUES_DTYPE`, changed.
         p: `PLANT_DTYPE`.
         v: `VIEW_DTYPE` of the same tick.
     """
-    _tell_imu(m.HIGHRES_IMU, p, v)
     _tell_pressure(m.SCALED_PRESSURE, p, v)
     _tell_range(m.DISTANCE_SENSOR, p.range.range_m, v)
     _tell_motors(m.SERVO_OUTPUT_RAW, p.controller.rotor_command_radps, v)
 
 
 @kernel
-def _tell_imu(m: np.record, p: np.record, v: np.record) -> None:
+def tell_imu(m: np.record, p: np.record, v: np.record) -> None:
+    """Fill HIGHRES_IMU."""
     accel, gyro, field = p.imu.accel_flu_mps2, p.imu.gyro_flu_radps, p.mag.field_flu_ut
     m.is_known = 1.0
     m.time_usec = v.time_us

@@ -9,15 +9,23 @@ from __future__ import annotations
 import numpy as np
 
 from autonomy.jit import fields
-from flightsim.mavlink.dialect import LAYOUTS, Layout, number_range
+from flightsim.mavlink.dialect import LAYOUTS, Layout
+from flightsim.mavlink.streaming.packing import TYPES
 
-TOLD = (
-    *("ATTITUDE", "ATTITUDE_QUATERNION", "ATTITUDE_TARGET", "LOCAL_POSITION_NED"),
-    *("GLOBAL_POSITION_INT", "ODOMETRY", "VFR_HUD", "ALTITUDE", "POSITION_TARGET_LOCAL_NED"),
-    *("POSITION_TARGET_GLOBAL_INT", "NAV_CONTROLLER_OUTPUT", "HIL_STATE_QUATERNION"),
-    *("HIGHRES_IMU", "DISTANCE_SENSOR", "SERVO_OUTPUT_RAW", "GPS_RAW_INT", "SCALED_PRESSURE"),
-    *("ESTIMATOR_STATUS", "WIND_COV", "VIBRATION", "SYSTEM_TIME"),
+_TOGETHER = (
+    ("ATTITUDE", "ATTITUDE_QUATERNION", "LOCAL_POSITION_NED", "GLOBAL_POSITION_INT", "ODOMETRY"),
+    ("HIGHRES_IMU",),
+    (
+        *("ATTITUDE_TARGET", "VFR_HUD", "ALTITUDE", "POSITION_TARGET_LOCAL_NED"),
+        *("POSITION_TARGET_GLOBAL_INT", "NAV_CONTROLLER_OUTPUT", "HIL_STATE_QUATERNION"),
+    ),
+    ("DISTANCE_SENSOR", "SERVO_OUTPUT_RAW", "SCALED_PRESSURE"),
+    ("GPS_RAW_INT", "ESTIMATOR_STATUS", "WIND_COV", "VIBRATION", "SYSTEM_TIME"),
 )
+POSE, IMU, COURSE, READINGS, NAVIGATION = range(len(_TOGETHER))
+"""Groups of messages that are filled together, when the first of them is due in a tick."""
+
+TOLD = tuple(name for group in _TOGETHER for name in group)
 """Messages that the kernel fills: those that companions get ten times a second and more, and those
 that are nothing but numbers of the plant's record."""
 
@@ -36,9 +44,6 @@ def _values_dtype(message: Layout) -> np.dtype:
 VALUES_DTYPE = np.dtype([(name, _values_dtype(LAYOUTS[name])) for name in TOLD])
 """What each of `TOLD` says now."""
 
-FIELD_DTYPE = np.dtype([("size", "i8"), ("is_float", "i8"), *fields("least", "most")])
-"""Type on the wire of one of the doubles: its bytes, and the range of its numbers."""
-
 MESSAGE_DTYPE = np.dtype(
     [
         *fields("message_id", "size", "crc_seed", kind="i8"),
@@ -47,6 +52,7 @@ MESSAGE_DTYPE = np.dtype(
         ("packed_us", "i8"),  # time of which they tell
         ("first_value", "i8"),  # among those of `VALUES_DTYPE`; negative if Python packs it
         ("n_values", "i8"),
+        ("group", "i8"),  # of those that are filled together
     ]
 )
 """A type of message that can be streamed."""
@@ -90,14 +96,15 @@ VIEW_DTYPE = np.dtype(
 
 STREAMER_DTYPE = np.dtype(
     fields(
-        *("plant_address", "view_address", "values_address", "fields_address"),
+        *("plant_address", "view_address", "values_address", "types_address"),
         *("messages_address", "partners_address", "wanted_address", "payloads_address"),
-        *("n_messages", "n_partners", "filled_us", "next_us"),
+        *("n_messages", "n_partners", "filled_us", "filled", "next_us"),
         kind="i8",
     )
 )
-"""Where all that is. `partners_address` is of addresses, one for each partner, and `next_us` the
-time at which something is due for one of them again."""
+"""Where all that is. `partners_address` is of addresses, one for each partner, `filled` has a bit
+for each group that is filled as of `filled_us`, and `next_us` is the time at which something is due
+for one of the partners again."""
 
 
 _FIRST_VALUES = {
@@ -118,15 +125,15 @@ def message_rows(layouts: list[Layout]) -> np.ndarray:
         if layout.name in TOLD:
             row["first_value"] = _FIRST_VALUES[layout.name]
             row["n_values"] = len(layout.letters)
+            row["group"] = next(k for k, names in enumerate(_TOGETHER) if layout.name in names)
         start += MOST_PARTS * layout.size
     return rows
 
 
-def field_rows() -> np.ndarray:
-    """`FIELD_DTYPE` of each double in `VALUES_DTYPE`."""
-    rows = np.zeros(VALUES_DTYPE.itemsize // 8, FIELD_DTYPE)
+def value_types() -> np.ndarray:
+    """Index in `TYPES` of the type on the wire of each double in `VALUES_DTYPE`."""
+    types = np.zeros(VALUES_DTYPE.itemsize // 8, np.uint8)
     for name, first in _FIRST_VALUES.items():
         for index, letter in enumerate(LAYOUTS[name].letters, start=first):
-            least, most = number_range(letter)
-            rows[index] = (np.dtype(letter).itemsize, letter == "f", least, most)
-    return rows
+            types[index] = TYPES.index(letter)
+    return types

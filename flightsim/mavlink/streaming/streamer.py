@@ -13,8 +13,8 @@ from flightsim.mavlink.streaming.record import (
     MOST_PARTS,
     PARTNER_DTYPE,
     STREAMER_DTYPE,
-    field_rows,
     message_rows,
+    value_types,
 )
 from flightsim.mavlink.streaming.told import Told
 
@@ -96,7 +96,7 @@ class Streamer:
         self._payloads = np.zeros(room_bytes, np.uint8)
         self._bytes = self._payloads.data
         self._wanted = np.zeros(len(layouts), np.int64)
-        self._fields = field_rows()
+        self._types = value_types()
         self._addresses = np.zeros(0, np.int64)
         self._streamer = np.zeros(1, STREAMER_DTYPE)
         self._numbers = self._streamer.data.cast("B").cast("q")
@@ -106,7 +106,7 @@ class Streamer:
             "messages": self._messages,
             "wanted": self._wanted,
             "payloads": self._payloads,
-            "fields": self._fields,
+            "types": self._types,
         }
         if told is not None:
             arrays |= {"view": told.view, "values": told.values}

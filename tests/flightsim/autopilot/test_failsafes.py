@@ -223,6 +223,16 @@ def test_leaving_the_fence_is_acted_on_as_the_parameter_says(measure, mode):
     assert bench.says("geofence breached") is (measure > 0)
 
 
+def test_a_fence_that_is_off_stops_nobody_until_it_is_on_again():
+    bench = in_offboard(GF_ACTION=2, GF_MAX_HOR_DIST=8)
+    bench.pilot.fence.is_enabled = False
+    bench.stream(CRUISING, 4.0)
+    assert bench.pilot.mode is Mode.OFFBOARD
+    bench.pilot.fence.is_enabled = True
+    bench.stream(CRUISING, 1.0)
+    assert bench.pilot.mode is Mode.HOLD
+
+
 def test_an_uploaded_fence_and_a_ceiling_hold_too():
     bench = Bench(initial_parameters={"GF_MAX_VER_DIST": 10}).take_off()
     assert bench.pilot.goto(bench.geodetic(0.0, 0.0, 20.0)).result is CommandResult.DENIED

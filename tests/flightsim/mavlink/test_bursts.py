@@ -5,6 +5,7 @@ import socket
 
 import pytest
 
+from flightsim.mavlink.dialect import dialect
 from flightsim.mavlink.links import UdpLink
 from flightsim.mavlink.server import MavlinkServer
 from flightsim.testbench import TestbenchCfg
@@ -14,8 +15,8 @@ from tests.flightsim.mavlink.wire import Wire, named
 class _Listener:
     """A companion behind a socket, and a server that sends to it; ticked by hand."""
 
-    def __init__(self, flight, ticks_per_burst):
-        self.flight, self.wire = flight, Wire()
+    def __init__(self, flight, ticks_per_burst, reads_bytes):
+        self.flight, self.wire, self.reads_bytes = flight, Wire(), reads_bytes
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self.socket.bind(("127.0.0.1", 0))
         self.socket.setblocking(False)
@@ -37,7 +38,7 @@ class _Listener:
         n_datagrams = 0
         with contextlib.suppress(BlockingIOError):
             while True:
-                data, self.vehicle = self.socket.recvfrom(65536)
+                data, self.vehicle = self.socket.recvfrom(self.reads_bytes)
                 self.heard += self.wire.decode(data)
                 n_datagrams += 1
         return n_datagrams
@@ -55,8 +56,8 @@ class _Listener:
 def listen(flight):
     with contextlib.ExitStack() as stack:
 
-        def listening(ticks_per_burst):
-            listener = _Listener(flight, ticks_per_burst)
+        def listening(ticks_per_burst, reads_bytes=65536):
+            listener = _Listener(flight, ticks_per_burst, reads_bytes)
             stack.callback(listener.socket.close)
             stack.callback(listener.server.close)
             return listener
@@ -103,6 +104,57 @@ def test_an_answer_leaves_at_once_behind_the_streams_before_it(listen):
     numbers = [message.get_seq() for message in messages]
     assert numbers == [(numbers[0] + k) % 256 for k in range(len(numbers))]
     assert len(named(messages, "HIGHRES_IMU")) >= 5
+
+
+_MAVROS_READS = 296
+_MAVSDK_READS = 2048
+
+
+def _says(listener, kind):
+    """Let a listener say by a heartbeat what it is, and the vehicle read it."""
+    listener.tick()
+    heartbeat = listener.wire.encode("HEARTBEAT", kind, 8, 0, 0, 4, 3)
+    listener.socket.sendto(heartbeat, listener.vehicle)
+    listener.tick()
+
+
+@pytest.mark.parametrize("reads_bytes", [_MAVROS_READS, 512, 1120])
+def test_who_reads_little_at_a_time_hears_all_that_comes_tick_by_tick(listen, reads_bytes):
+    listener = listen(1, reads_bytes)
+    for _ in range(150):
+        listener.tick()
+    listener.end()
+    messages = listener.of_the_autopilot()
+    assert _is_whole(messages)
+    assert len(messages) > 500
+    assert named(messages, "ODOMETRY")  # the longest
+
+
+def test_a_companion_that_reads_little_hears_all_of_bursts_once_it_has_said_what_it_is(listen):
+    listener = listen(10, _MAVROS_READS)
+    while listener.vehicle is None:
+        listener.tick()
+    _says(listener, dialect.MAV_TYPE_ONBOARD_CONTROLLER)
+    for _ in range(30):
+        listener.tick()
+    listener.heard.clear()
+    for _ in range(100):
+        listener.tick()
+    messages = listener.of_the_autopilot()
+    numbers = [message.get_seq() for message in messages]
+    assert numbers == [(numbers[0] + k) % 256 for k in range(len(numbers))]
+    assert len(messages) > 300
+
+
+def test_others_read_long_datagrams_of_bursts_whole(listen):
+    listener = listen(10, _MAVSDK_READS)
+    while listener.vehicle is None:
+        listener.tick()
+    _says(listener, dialect.MAV_TYPE_GCS)
+    n_datagrams = sum(listener.tick() for _ in range(100))
+    assert n_datagrams <= 50
+    listener.end()
+    assert _is_whole(listener.of_the_autopilot())
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,10 @@
 """A partner gets its own numbering, version and budget."""
 
-from flightsim.mavlink.channel import DATAGRAM_BYTES, MOST_WAITING, Channel
+import pytest
+
+from flightsim.mavlink.channel import Channel
 from flightsim.mavlink.dialect import layout
+from flightsim.mavlink.outbox import LONG_BYTES, LONG_LOCAL_BYTES, MOST_WAITING, SHORT_BYTES
 from tests.flightsim.mavlink.wire import Loop, Wire
 
 _PING = layout("PING")
@@ -51,16 +54,21 @@ def test_version_2_is_spoken_to_who_has_said_nothing_yet():
 class _Talk:
     """A channel whose datagrams are kept as the numbers of the pings in them."""
 
-    def __init__(self):
+    def __init__(self, *, is_local=True):
         self.datagrams: list[list[int]] = []
-        self.n_bytes = 0
+        self.n_bytes = self.longest_bytes = 0
         self.channel = Channel(
-            "test", self._write, profile="normal", clock=lambda: 0.0, is_datagram=True
+            "test",
+            self._write,
+            profile="normal",
+            clock=lambda: 0.0,
+            is_datagram=True,
+            is_local=is_local,
         )
 
     def _write(self, frames):
         joined = b"".join(frames)
-        assert len(joined) <= DATAGRAM_BYTES
+        self.longest_bytes = max(self.longest_bytes, len(joined))
         self.n_bytes += len(joined)
         self.datagrams.append([message.seq for message in Wire().decode(joined)])
 
@@ -69,6 +77,11 @@ class _Talk:
             frame = _PING.frame_v2(_PING.encode(seq=number), self.channel.sequence, 1, 1)
             self.channel.stream(frame, 1)
 
+    def flush_answers(self):
+        """Send, as the server does between bursts."""
+        if not self.channel.can_wait:
+            self.channel.flush()
+
     def answer(self, number):
         self.channel.send(_PING, _PING.encode(seq=number))
 
@@ -76,13 +89,13 @@ class _Talk:
 def test_streams_wait_for_a_burst_and_answers_take_them_along():
     talk = _Talk()
     talk.stream(1)
-    talk.channel.flush_answers()
+    talk.flush_answers()
     assert talk.datagrams == []
     talk.answer(2)
-    talk.channel.flush_answers()
+    talk.flush_answers()
     assert talk.datagrams == [[1, 2]]
     talk.stream(3, 4)
-    talk.channel.flush_answers()
+    talk.flush_answers()
     assert talk.datagrams == [[1, 2]]
     talk.channel.flush()
     assert talk.datagrams == [[1, 2], [3, 4]]
@@ -93,10 +106,10 @@ def test_streams_wait_for_a_burst_and_answers_take_them_along():
 def test_full_datagrams_leave_in_their_order_with_an_answer_behind_them():
     talk = _Talk()
     talk.stream(*range(1, 200))
-    talk.channel.flush_answers()
+    talk.flush_answers()
     assert talk.datagrams == []
     talk.answer(200)
-    talk.channel.flush_answers()
+    talk.flush_answers()
     assert len(talk.datagrams) > 3
     assert [number for datagram in talk.datagrams for number in datagram] == [*range(1, 201)]
 
@@ -107,10 +120,37 @@ def test_what_waits_for_a_burst_is_bounded_and_nothing_of_it_is_lost():
     for number in range(1, 2001):
         talk.stream(number)
         queued += 12 + len(_PING.encode(seq=number).rstrip(b"\0"))
-        assert queued - talk.n_bytes <= MOST_WAITING * DATAGRAM_BYTES
+        assert queued - talk.n_bytes <= MOST_WAITING * SHORT_BYTES
     assert len(talk.datagrams) >= MOST_WAITING
     talk.channel.flush()
     assert [number for datagram in talk.datagrams for number in datagram] == [*range(1, 2001)]
+
+
+@pytest.mark.parametrize(("is_local", "most"), [(True, LONG_LOCAL_BYTES), (False, LONG_BYTES)])
+def test_datagrams_are_short_until_bursts_lengthen_them(is_local, most):
+    talk = _Talk(is_local=is_local)
+    talk.stream(*range(200))
+    talk.channel.flush()
+    assert SHORT_BYTES - 30 < talk.longest_bytes <= SHORT_BYTES
+    talk.channel.lengthen_datagrams()
+    talk.stream(*range(200, 400))
+    talk.channel.flush()
+    assert most - 30 < talk.longest_bytes <= most
+    assert [number for datagram in talk.datagrams for number in datagram] == [*range(400)]
+
+
+def test_who_reads_little_has_short_datagrams_whatever_comes():
+    talk = _Talk()
+    talk.channel.lengthen_datagrams()
+    talk.stream(*range(100))
+    talk.channel.keep_datagrams_short()
+    assert talk.longest_bytes > SHORT_BYTES  # what was queued before
+    talk.longest_bytes = 0
+    talk.channel.lengthen_datagrams()
+    talk.stream(*range(100, 300))
+    talk.channel.flush()
+    assert talk.longest_bytes <= SHORT_BYTES
+    assert [number for datagram in talk.datagrams for number in datagram] == [*range(300)]
 
 
 def test_what_has_no_datagrams_never_waits():
@@ -119,8 +159,7 @@ def test_what_has_no_datagrams_never_waits():
         "test", written.append, profile="normal", clock=lambda: 0.0, is_datagram=False
     )
     channel.stream(_PING.frame_v2(_PING.encode(), 0, 1, 1), 1)
-    channel.flush_answers()
-    assert len(written) == 1
+    assert not channel.can_wait
 
 
 def test_a_flood_of_datagrams_is_cut_to_the_budget_and_recovers():

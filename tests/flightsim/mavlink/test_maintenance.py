@@ -227,3 +227,4 @@ def test_the_testbench_is_not_shut_down_by_a_client(flight, param1):
 
 def test_there_is_nothing_to_tune(flight):
     assert flight.command(mav.MAV_CMD_DO_AUTOTUNE_ENABLE, 1) == mav.MAV_RESULT_UNSUPPORTED
+    assert any("nothing to tune" in text for text in texts(flight))

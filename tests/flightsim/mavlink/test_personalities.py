@@ -259,3 +259,31 @@ def test_ground_truth_is_told_as_by_ardupilots_simulator(copter):
     assert state.lng * 1e-7 == pytest.approx(place.longitude_deg, abs=1e-6)
     assert state.yaw == pytest.approx(math.pi / 2 - 0.7, abs=0.01)
     assert state.zacc == pytest.approx(-9.8, abs=0.5)
+
+
+_FENCE_BIT = 1 << 20
+
+
+def _reports_fence(flight):
+    """Let the vehicle look at itself, and tell whether it says that its fence is on."""
+    flight.run(2.0)
+    return bool(flight.last("SYS_STATUS").onboard_control_sensors_enabled & _FENCE_BIT)
+
+
+def test_copters_turn_their_fence_off_and_on(copter):
+    assert _reports_fence(copter)
+    assert copter.command(mav.MAV_CMD_DO_FENCE_ENABLE, 0) == mav.MAV_RESULT_ACCEPTED
+    assert not copter.autopilot.fence.is_enabled
+    assert not _reports_fence(copter)
+    assert copter.command(mav.MAV_CMD_DO_FENCE_ENABLE, 2) == mav.MAV_RESULT_ACCEPTED
+    assert copter.command(mav.MAV_CMD_DO_FENCE_ENABLE, 3) == mav.MAV_RESULT_FAILED
+    assert not copter.autopilot.fence.is_enabled
+    assert copter.command(mav.MAV_CMD_DO_FENCE_ENABLE, 1) == mav.MAV_RESULT_ACCEPTED
+    assert copter.autopilot.fence.is_enabled
+    assert _reports_fence(copter)
+
+
+def test_px4_does_not_know_how_to_turn_a_fence_off(flight):
+    answer = flight.command(mav.MAV_CMD_DO_FENCE_ENABLE, 0)
+    assert answer == mav.MAV_RESULT_UNSUPPORTED
+    assert flight.autopilot.fence.is_enabled

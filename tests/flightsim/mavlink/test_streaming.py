@@ -7,9 +7,10 @@ import struct
 import pytest
 
 from flightsim.frames import Geodetic
-from flightsim.mavlink.channel import DATAGRAM_BYTES, Channel
+from flightsim.mavlink.channel import Channel
 from flightsim.mavlink.dialect import LAYOUTS
 from flightsim.mavlink.dialect import dialect as mav
+from flightsim.mavlink.outbox import LONG_LOCAL_BYTES
 from flightsim.mavlink.personalities import ARDUPILOT, PX4
 from flightsim.mavlink.streaming import MOST_PARTS, TOLD, Streamer, Told
 from flightsim.mavlink.streams import StreamTable
@@ -226,12 +227,13 @@ def test_a_tick_that_is_longer_than_a_datagram_is_divided_between_frames():
         clock=lambda: 0.0,
         is_datagram=True,
     )
+    channel.lengthen_datagrams()
     told = _Told(list(LAYOUTS), 1)
     told.tick(channel.sequence)
     channel.stream(told.streamed.frames, told.streamed.n_frames)
     channel.flush()
-    assert max(map(len, datagrams)) <= DATAGRAM_BYTES
-    assert min(map(len, datagrams[:-1])) > DATAGRAM_BYTES / 2
+    assert max(map(len, datagrams)) <= LONG_LOCAL_BYTES
+    assert min(map(len, datagrams[:-1])) > LONG_LOCAL_BYTES / 2
     assert b"".join(datagrams) == told.streamed.frames
     frames = [frame for data in datagrams for frame in _split(data)]
     assert len(frames) == told.streamed.n_frames > 300

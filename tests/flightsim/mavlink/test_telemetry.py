@@ -170,6 +170,7 @@ def test_the_wind_the_sticks_and_the_motors_are_told(flight):
 
 def test_other_drones_report_themselves_and_nothing_else_does(field, flight):
     assert not named(flight.run(1.0), "ADSB_VEHICLE")
+    assert not flight.server.telemetry.is_known(mav.MAVLINK_MSG_ID_ADSB_VEHICLE)
     movers = [
         MovingObstacle(
             kind=kind, path_enu_m=((20.0, 0.0, height_m), (60.0, 0.0, height_m)), speed_mps=2.0

@@ -1,4 +1,4 @@
-"""Presence of ground stations: the autopilot's data link."""
+"""What partners say of themselves by their heartbeats."""
 
 from __future__ import annotations
 
@@ -12,10 +12,12 @@ from flightsim.mavlink.service import Handler
 
 _PRESENCE_S = 1.5
 """Time for which a heartbeat's sender counts as present: one and a half periods."""
+_TICKS_BETWEEN_LOOKS = 10
+"""A fifth of a simulated second; the shortest silence that counts as a loss is five."""
 
 
-class GroundStationService:
-    """Keeps the data link alive while a ground station sends heartbeats.
+class HeartbeatService:
+    """Keeps the data link alive while a ground station sends heartbeats; companions read little.
 
     Presence is timed by the partner's own clock: a client behind a socket sends a heartbeat once a
     second of wall time, which at fifty times real time is once in fifty simulated seconds.
@@ -24,10 +26,14 @@ class GroundStationService:
     def __init__(self, autopilot: Autopilot) -> None:
         self._autopilot = autopilot
         self._last_heard_s: dict[Channel, float] = {}
+        self._n_ticks = 0
         self.handlers: Mapping[str, Handler] = {"HEARTBEAT": self._on_heartbeat}
 
     def update(self) -> None:
         """Report to the autopilot whether a ground station is present."""
+        self._n_ticks += 1
+        if self._n_ticks % _TICKS_BETWEEN_LOOKS:
+            return
         for channel, heard_s in self._last_heard_s.items():
             if channel.clock() - heard_s <= _PRESENCE_S:
                 self._autopilot.on_link_heartbeat()
@@ -41,3 +47,6 @@ class GroundStationService:
     def _on_heartbeat(self, channel: Channel, message: Message) -> None:
         if message.type == mav.MAV_TYPE_GCS:
             self._last_heard_s[channel] = channel.clock()
+            self._autopilot.on_link_heartbeat()
+        elif message.type == mav.MAV_TYPE_ONBOARD_CONTROLLER:
+            channel.keep_datagrams_short()  # As mavros says it is.
