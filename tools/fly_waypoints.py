@@ -55,10 +55,13 @@ class Watch:
         self._places_enu_m = np.array(places_enu_m)
         self._miss_m = np.full(len(self._places_enu_m), np.inf)
         self.errors = EstimationErrors()
+        self._begun: tuple[float, float] | None = None
 
     def __call__(self) -> None:
         """Look at the 20 ms that have passed."""
         bench = self._bench
+        if self._begun is None and bench.external and bench.external.exchanges.answered:
+            self._begun = (time.perf_counter(), bench.plant.time_us)
         self.errors.add(bench.plant.history)
         away_m = np.linalg.norm(self._places_enu_m - bench.plant.truth.position_enu_m, axis=1)
         np.minimum(self._miss_m, away_m, out=self._miss_m)
@@ -67,6 +70,13 @@ class Watch:
     def farthest_miss_m(self) -> float:
         """Distance from the waypoint that was passed the farthest, by the truth."""
         return float(self._miss_m.max())
+
+    def real_time_factor(self) -> float:
+        """Simulated over wall time from the stack's first answer until now, without its start."""
+        if self._begun is None:
+            return math.nan
+        began_s, began_us = self._begun
+        return 1e-6 * (self._bench.plant.time_us - began_us) / (time.perf_counter() - began_s)
 
 
 def places(bench: Testbench) -> list[Vector3]:
@@ -129,6 +139,7 @@ def fly(options: argparse.Namespace) -> dict[str, Any]:
         }
         told = _with_client(bench, options, task)
         start, end = bench.scene.start_position_enu_m, bench.plant.truth.position_enu_m
+        factor = watch.real_time_factor()
         external, sim_s = bench.external, bench.plant.time_us * 1e-6
         assert external is not None
         expected = hover_throttle(options.autopilot, bench.airframe)
@@ -151,6 +162,8 @@ def fly(options: argparse.Namespace) -> dict[str, Any]:
         "lockstep": asdict(external.exchanges),
         "sim_s": round(sim_s, 2),
         "wall_s": round(wall_s, 1),
+        "real_time_factor": round(factor, 1),
+        "real_time_factor_with_start": round(sim_s / wall_s, 1),
         "cpu_s": round(cpu_s, 1),
         "stack_cpu_s": round(children.ru_utime + children.ru_stime - client_cpu_s, 1),
         "client_cpu_s": round(client_cpu_s, 1),
