@@ -79,8 +79,8 @@ def fly(cfg: FlyCfg, scene: int, vehicle: str) -> dict[str, Any]:
     options["autopilot"] = cfg.autopilot
     if cfg.autopilot_binary is not None:
         options["autopilot-binary"] = cfg.autopilot_binary
-    if cfg.out is not None:
-        record = cfg.out / f"{vehicle}-{scene}.rrd"
+    record = cfg.out and cfg.out / f"{vehicle}-{scene}.rrd"
+    if record is not None:
         options |= {"record": record, "camera-hz": 0}
     for name, value in options.items():
         command += [f"--{name}", str(value)]
@@ -88,7 +88,7 @@ def fly(cfg: FlyCfg, scene: int, vehicle: str) -> dict[str, Any]:
     if not done.stdout:
         sys.exit(done.stderr)
     result = json.loads(done.stdout)
-    if cfg.out is not None:
+    if record is not None:
         errors_m = tracking_errors_m(read_recording(record))
         result["tracking_rmse_m"] = float(np.sqrt(np.mean(errors_m**2)))
         result["tracking_max_m"] = float(errors_m.max())

@@ -12,6 +12,7 @@ import selectors
 import socket
 import time
 from collections.abc import Sequence
+from typing import Any
 
 from flightsim.bridges.physics.bridge import BridgeError, Exchanges, MotorOutputs
 from flightsim.bridges.physics.px4_messages import SensorMessages
@@ -156,6 +157,7 @@ class Px4Bridge:
             time_us, flags, *controls, mode = _ANSWER.unpack(payload)
             self._take(time_us, flags, controls, mode)
             return
+        message: Any
         for message in self._parser.parse_buffer(data) or ():
             if message.get_type() == _ANSWER.name:
                 self._take(message.time_usec, message.flags, message.controls, message.mode)
