@@ -50,13 +50,20 @@ class Customs:
     mission_mode: tuple[float, ...]
     takeoff_m: float
     """Height told at take-off; PX4 takes its own, MIS_TAKEOFF_ALT, for not a number."""
+    unused: float
+    """Said for a parameter of the take-off that is left open; ArduCopter's simulation ends by it
+    where it is not a number."""
     first_item: int
     """Number of the first item of a mission; ArduCopter's number 0 is home."""
 
 
 CUSTOMS = {
-    "px4": Customs(before_arming=(), mission_mode=(4, 4), takeoff_m=float("nan"), first_item=0),
-    "ardupilot": Customs(before_arming=(4,), mission_mode=(3,), takeoff_m=_TAKEOFF_M, first_item=1),
+    "px4": Customs(
+        before_arming=(), mission_mode=(4, 4), takeoff_m=math.nan, unused=math.nan, first_item=0
+    ),
+    "ardupilot": Customs(
+        before_arming=(4,), mission_mode=(3,), takeoff_m=_TAKEOFF_M, unused=0.0, first_item=1
+    ),
 }
 
 
@@ -96,7 +103,7 @@ class Client:
         _say(f"has {len(items)} items of a mission")
         self._arm()
         _say("takes off")
-        self._demand(mavlink.MAV_CMD_NAV_TAKEOFF, *(float("nan"),) * 6, customs.takeoff_m)
+        self._demand(mavlink.MAV_CMD_NAV_TAKEOFF, *(customs.unused,) * 6, customs.takeoff_m)
         self._wait("LOCAL_POSITION_NED", lambda _: self._height_m > 2.0)
         self._set_mode(customs.mission_mode)
         n_reached = self._follow(len(waypoints), laps)

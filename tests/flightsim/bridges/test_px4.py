@@ -261,6 +261,7 @@ def test_what_passes_in_lockstep_is_counted(plant, bridge, stand_in):
     count = bridge.exchanges
     assert (count.told, count.answered, count.unanswered) == (3, 2, 1)
     assert (count.repeated, count.left_out) == (2, 1)
+    assert not count.is_whole
 
 
 def test_the_estimator_of_px4_is_told_what_there_is_to_fuse():

@@ -13,6 +13,7 @@ import pytest
 
 from flightsim.bridges import stack as stack_module
 from flightsim.bridges.physics.ardupilot import PORT, PORT_STEP
+from flightsim.bridges.physics.bridge import Exchanges
 from flightsim.bridges.stack import ExternalStack
 from flightsim.mavlink.dialect import layout
 from flightsim.testbench import Testbench
@@ -70,12 +71,6 @@ def signalled(stack, number):
     os.kill(stack._process._process.pid, number)
 
 
-def is_whole(count):
-    """Whether each state but the last has one answer."""
-    spare = count["told"] - count["answered"] - count["unanswered"]
-    return count["left_out"] == 0 and spare in {0, 1}
-
-
 @pytest.mark.parametrize("vehicle", ["iris", "hummingbird"])
 @pytest.mark.parametrize("real", BOTH)
 def test_it_takes_off_and_knows_where_it_is(real, vehicle):
@@ -116,7 +111,7 @@ def test_halted_for_a_moment_it_flies_on_and_nothing_is_lost(fly, real):
 
     status, result, _ = fly(real, halt)
     assert (status, result["code"]) == (0, "landed")
-    assert is_whole(result["lockstep"])
+    assert Exchanges(**result["lockstep"]).is_whole
 
 
 class Tampered:
@@ -155,7 +150,7 @@ def test_what_px4_should_not_say_is_one_line_and_it_flies_on(fly, real, change, 
     status, result, err = fly(real, tamper)
     assert (status, result["code"]) == (0, "landed")
     assert err.count(line) == 1
-    assert is_whole(result["lockstep"])
+    assert Exchanges(**result["lockstep"]).is_whole
 
 
 @pytest.mark.parametrize(
@@ -173,7 +168,7 @@ def test_what_arducopter_should_not_say_is_one_line_and_it_flies_on(fly, real, p
     status, result, err = fly(real, send)
     assert (status, result["code"]) == (0, "landed")
     assert err.count(f"{len(packet)} bytes with magic") == 1
-    assert is_whole(result["lockstep"])
+    assert Exchanges(**result["lockstep"]).is_whole
 
 
 @pytest.mark.parametrize("real", BOTH)
