@@ -1,4 +1,7 @@
-"""What an external flight stack says of itself by MAVLink: estimate, mode, arming, texts."""
+"""What an external flight stack says of itself by MAVLink: estimate, mode, arming, texts.
+
+By the same port it is told, ten times a second, what is around the vehicle.
+"""
 
 from __future__ import annotations
 
@@ -56,7 +59,6 @@ class Monitor:
         names: Personality,
         habits: Habits,
         origin: Geodetic | None = None,
-        tells_obstacles: bool = False,
     ) -> None:
         """Prepare to listen.
 
@@ -68,7 +70,6 @@ class Monitor:
             habits: What a client must know of it.
             origin: Where on earth its odometry counts from, if it flies by that alone at first:
                 then nobody but us can tell it.
-            tells_obstacles: Whether it is told, ten times a second, what is around the vehicle.
         """
         self._wire, self._plant = wire, plant
         self._origin = origin
@@ -81,7 +82,7 @@ class Monitor:
             entry.custom_mode: entry.title or entry.mode.value for entry in reversed(names.modes)
         }
         self._ask_due_us, self._asked_at_ms = 0, -1
-        self._ring = RingReport(plant) if tells_obstacles else None
+        self._ring = RingReport(plant)
         self._obstacles_due_us, self._n_scans = 0, 0
 
     def tap(self) -> Tap:
@@ -104,7 +105,7 @@ class Monitor:
             if not has_position or telemetry.local_origin_enu_m is None:
                 self._ask()
             self._asked_at_ms = telemetry.position_time_ms
-        if self._ring is not None and telemetry.system_id and time_us >= self._obstacles_due_us:
+        if telemetry.system_id and time_us >= self._obstacles_due_us:
             self._obstacles_due_us = time_us + _OBSTACLES_EVERY_US
             self._tell_obstacles(self._ring.payload(time_us))
         for severity, text in telemetry.texts:

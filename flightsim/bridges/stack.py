@@ -58,8 +58,6 @@ class StackKind:
     """What a client must know of it."""
     takes_odometry: bool
     """Whether it flies by our odometry where there are no satellites."""
-    takes_obstacles: bool
-    """Whether it reads OBSTACLE_DISTANCE without being told to."""
 
 
 STACKS = MappingProxyType(
@@ -74,7 +72,6 @@ STACKS = MappingProxyType(
             clients=ardupilot.clients,
             habits=ARDUPILOT_HABITS,
             takes_odometry=False,
-            takes_obstacles=False,
         ),
         "px4": StackKind(
             title="PX4",
@@ -86,7 +83,6 @@ STACKS = MappingProxyType(
             clients=px4.clients,
             habits=REAL_PX4_HABITS,
             takes_odometry=True,
-            takes_obstacles=True,
         ),
     }
 )
@@ -145,7 +141,6 @@ class ExternalStack:
             names=PERSONALITIES[name],
             habits=self.kind.habits,
             origin=start.place if self.kind.takes_odometry and start.is_by_odometry else None,
-            tells_obstacles=self.kind.takes_obstacles,
         )
         self._folder = Path(tempfile.mkdtemp(prefix=f"aeroscene-{name}-"))
         self._is_connected = False

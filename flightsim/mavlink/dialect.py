@@ -37,6 +37,7 @@ _RANGES: Mapping[str, _Range] = {
 
 _HEADER_V2 = struct.Struct("<6B3s")
 """Length, two bytes of flags, sequence, system, component and message, behind the marker."""
+_HEADER_END = 1 + _HEADER_V2.size
 _CHECKSUM = struct.Struct("<H")
 _crc16: Callable[[bytes], int] = dialect.mcrf4xx or (lambda data: dialect.x25crc(data).crc)
 
@@ -80,6 +81,8 @@ class Layout:
         self.size = self._struct.size
         self.base_size = _size_without_last(wire_format, n_extensions)
         self.letters = _letters(wire_format)
+        self.unpack: Callable[[bytes], tuple[Any, ...]] = self._struct.unpack
+        """All values of a whole payload in wire order, arrays spread out."""
         self.pack: Callable[..., bytes] = self._struct.pack
         """Pack a payload from all values in wire order, arrays spread out.
 
@@ -119,6 +122,20 @@ class Layout:
         ids = (sequence, system_id, component_id, self._id_v2)
         body = _HEADER_V2.pack(len(payload), flags, 0, *ids) + payload
         return b"\xfd" + body + _CHECKSUM.pack(_crc16(body + self.crc_seed))
+
+    def payload_v2(self, data: bytes) -> bytes | None:
+        """Payload of an unsigned MAVLink 2 frame, with the zeros that were cut from its end.
+
+        None where the bytes are anything but one whole frame of this message.
+        """
+        end = len(data) - _CHECKSUM.size
+        if end < _HEADER_END or (data[0], data[1], data[2]) != (MARKER_V2, end - _HEADER_END, 0):
+            return None
+        if data[_HEADER_END - 3 : _HEADER_END] != self._id_v2:
+            return None
+        if _CHECKSUM.unpack_from(data, end)[0] != _crc16(data[1:end] + self.crc_seed):
+            return None
+        return data[_HEADER_END:end].ljust(self.size, b"\0")[: self.size]
 
     def frame_v1(self, payload: bytes, sequence: int, system_id: int, component_id: int) -> bytes:
         """Build a MAVLink 1 frame without extension fields; empty for ids above 255."""

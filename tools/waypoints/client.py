@@ -8,7 +8,9 @@ has seen, or of the `fault` where the stack does not do what it is told; then it
 
 from __future__ import annotations
 
+import contextlib
 import json
+import math
 import statistics
 import sys
 import time
@@ -21,6 +23,8 @@ from pymavlink.dialects.v20 import common as mavlink
 
 _PATIENCE_S = 30.0
 """Wall time within which an answer must come, or another try at arming succeed."""
+_ACK_S, _TRIES = 3.0, 10
+"""Wall time after which a command is repeated: at many times real time UDP loses some messages."""
 _SLOW_MPS, _SETTLED_S = 0.3, 5.0
 """Hover is told from flight by the speed, and is steady after so long."""
 _TAKEOFF_M = 5.0
@@ -46,13 +50,20 @@ class Customs:
     mission_mode: tuple[float, ...]
     takeoff_m: float
     """Height told at take-off; PX4 takes its own, MIS_TAKEOFF_ALT, for not a number."""
+    unused: float
+    """Said for a parameter of the take-off that is left open; ArduCopter's simulation ends by it
+    where it is not a number."""
     first_item: int
     """Number of the first item of a mission; ArduCopter's number 0 is home."""
 
 
 CUSTOMS = {
-    "px4": Customs(before_arming=(), mission_mode=(4, 4), takeoff_m=float("nan"), first_item=0),
-    "ardupilot": Customs(before_arming=(4,), mission_mode=(3,), takeoff_m=_TAKEOFF_M, first_item=1),
+    "px4": Customs(
+        before_arming=(), mission_mode=(4, 4), takeoff_m=math.nan, unused=math.nan, first_item=0
+    ),
+    "ardupilot": Customs(
+        before_arming=(4,), mission_mode=(3,), takeoff_m=_TAKEOFF_M, unused=0.0, first_item=1
+    ),
 }
 
 
@@ -92,19 +103,32 @@ class Client:
         _say(f"has {len(items)} items of a mission")
         self._arm()
         _say("takes off")
-        self._demand(mavlink.MAV_CMD_NAV_TAKEOFF, *(float("nan"),) * 6, customs.takeoff_m)
+        self._demand(mavlink.MAV_CMD_NAV_TAKEOFF, *(customs.unused,) * 6, customs.takeoff_m)
         self._wait("LOCAL_POSITION_NED", lambda _: self._height_m > 2.0)
         self._set_mode(customs.mission_mode)
-        n_reached = 0
-        while n_reached < laps * len(waypoints):
-            reached = self._wait("MISSION_ITEM_REACHED", lambda m: m.seq >= first)
-            n_reached += reached.seq - first < len(waypoints)
-            _say(f"reached {n_reached} of {laps * len(waypoints)}")
+        n_reached = self._follow(len(waypoints), laps)
         self._hover(hover_s)
         self._demand(mavlink.MAV_CMD_NAV_RETURN_TO_LAUNCH)
         armed = mavlink.MAV_MODE_FLAG_SAFETY_ARMED
         _say("returns")
         self._wait("HEARTBEAT", lambda m: _is_vehicle(m) and not m.base_mode & armed)
+        return n_reached
+
+    def _follow(self, n_waypoints: int, laps: int) -> int:
+        """Wait for the end of the mission; the number of waypoints reported to be reached."""
+        first, n_reached = self._customs.first_item, 0
+        complete = mavlink.MISSION_STATE_COMPLETE
+        while n_reached < laps * n_waypoints:
+            told = self._wait(
+                ["MISSION_ITEM_REACHED", "MISSION_CURRENT"],
+                lambda m: m.get_type() == "MISSION_ITEM_REACHED" or m.mission_state == complete,
+            )
+            if told.get_type() == "MISSION_CURRENT":
+                if n_reached > (laps - 1) * n_waypoints:
+                    break  # The report of the last one was lost.
+            elif first <= told.seq < first + n_waypoints:
+                n_reached += 1
+                _say(f"reached {n_reached} of {laps * n_waypoints}")
         return n_reached
 
     def _upload(self, items: Sequence[Item]) -> None:
@@ -159,16 +183,23 @@ class Client:
         """Send a command and return what it is answered with."""
         padded = (*params, *(0.0,) * (7 - len(params)))
         system, component = self._link.target_system, self._link.target_component
-        self._link.mav.command_long_send(system, component, number, 0, *padded)
-        return self._wait("COMMAND_ACK", lambda m: m.command == number).result
+        for attempt in range(_TRIES):
+            self._link.mav.command_long_send(system, component, number, attempt, *padded)
+            with contextlib.suppress(StackError):
+                acked = self._wait("COMMAND_ACK", lambda m: m.command == number, limit_s=_ACK_S)
+                return acked.result
+        raise StackError(f"command {number}: no answer to {_TRIES} tries")
 
     def _wait(
-        self, kinds: str | list[str], is_it: Callable[[Message], bool] = lambda _: True
+        self,
+        kinds: str | list[str],
+        is_it: Callable[[Message], bool] = lambda _: True,
+        limit_s: float = math.inf,
     ) -> Message:
         """Wait for a message; everything that comes in the meantime is looked at."""
         wanted = [kinds] if isinstance(kinds, str) else kinds
-        heard_s = time.monotonic()
-        while time.monotonic() < heard_s + _PATIENCE_S:
+        began_s = heard_s = time.monotonic()
+        while time.monotonic() < min(heard_s + _PATIENCE_S, began_s + limit_s):
             self._beat()
             message = self._link.recv_match(blocking=True, timeout=1.0)
             if message is None:

@@ -19,6 +19,8 @@ _BY_GNSS, _BY_ODOMETRY = 1, 3
 """Values of EKF2_HGT_REF."""
 _LEAST_ANGLE_NOISE_RAD = 0.05
 """PX4's least EKF2_EVA_NOISE."""
+_NO_LOGS = -1
+"""Value of SDLOG_MODE."""
 _PARAMETERS = "px4-rc.params"
 """Name under which PX4's startup script looks for parameters of one's own."""
 
@@ -51,17 +53,19 @@ def parameters(airframe: Airframe) -> dict[str, float]:
 def sensor_parameters(start: Start) -> dict[str, float]:
     """PX4's parameters that follow from the sensors of a vehicle.
 
-    Heights are the receiver's, but odometry's where that alone says where the vehicle is.
+    Heights are the receiver's, but odometry's where that alone says where the vehicle is. There it
+    also tells the heading; elsewhere the magnetometer does, whose heading does not drift.
     """
     cfg = start.sensors
     receiver, odometry = GRADES[cfg.gnss], cfg.vio
     has_gnss, has_odometry = cfg.has("gnss"), cfg.has("vio")
+    by_odometry = _POSITION | _HEIGHT | (_HEADING if start.is_by_odometry else 0)
     return {
         "SYS_HAS_GPS": int(has_gnss),
         "EKF2_GPS_CTRL": _POSITION | _HEIGHT | _VELOCITY if has_gnss else 0,
         "EKF2_GPS_DELAY": 1e3 * receiver.delay_s,
         "EKF2_GPS_P_NOISE": receiver.reported_accuracy_m[0],
-        "EKF2_EV_CTRL": _POSITION | _HEIGHT | _HEADING if has_odometry else 0,
+        "EKF2_EV_CTRL": by_odometry if has_odometry else 0,
         "EKF2_EV_DELAY": 1e3 * odometry.delay_s,
         "EKF2_EVP_NOISE": 2.0 * odometry.position_noise_m,
         "EKF2_EVA_NOISE": max(_LEAST_ANGLE_NOISE_RAD, odometry.yaw_noise_rad),
@@ -74,14 +78,19 @@ STACK_PORT, OUR_PORT = 13530, 13780
 """UDP ports of a MAVLink link for our recorder and pilot, besides PX4's own links for clients."""
 _LINK = f"""#!/bin/sh
 . ${{R}}etc/init.d-posix/px4-rc.mavlink
+# Its links to a camera and to a gimbal, which are not here.
+mavlink stop -u $((14280+px4_instance))
+mavlink stop -u $((13030+px4_instance))
 mavlink start -x -u $(({STACK_PORT}+px4_instance)) -r 400000 -f -m custom \\
   -o $(({OUR_PORT}+px4_instance))
 """
 
 
-def parameter_file(airframe: Airframe, start: Start) -> str:
+def parameter_file(airframe: Airframe, start: Start, *, keeps_logs: bool = True) -> str:
     """Text of a script of parameters, which PX4's startup script runs if it is on the path."""
     values = parameters(airframe) | sensor_parameters(start)
+    if not keeps_logs:
+        values["SDLOG_MODE"] = _NO_LOGS
     own = [f"param set {name} {value:.6g}" for name, value in values.items()]
     return "\n".join(["#!/bin/sh", f"# {airframe.title}", *own, ""])
 
@@ -91,10 +100,12 @@ def launch(
 ) -> Launch:
     """Write the parameters into a folder, and name the command line.
 
-    PX4 takes its place from the first fix. A binary of ours to start keeps its storage and its logs
-    in the folder too, with the startup scripts that were built beside it.
+    PX4 takes its place from the first fix. A binary of ours to start keeps its storage in the
+    folder too, with the startup scripts that were built beside it; it writes no logs, which would
+    go with the folder.
     """
-    (folder / _PARAMETERS).write_text(parameter_file(airframe, start), encoding="utf-8")
+    script = parameter_file(airframe, start, keeps_logs=binary is None)
+    (folder / _PARAMETERS).write_text(script, encoding="utf-8")
     (folder / "px4-rc.mavlink").write_text(_LINK, encoding="utf-8")
     built = () if binary is None else (str(binary.resolve().parent.parent / "etc"),)
     storage = () if binary is None else ("-w", str(folder))

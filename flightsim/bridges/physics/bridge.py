@@ -19,8 +19,8 @@ class BridgeError(ValueError):
 class Exchanges:
     """Count of what has passed between our physics and a flight stack.
 
-    In lockstep each state is answered once: `told` is `answered` plus `unanswered`, but for the
-    state that the stack holds at the end, and `left_out` is zero.
+    In lockstep each state is answered once: `told` is `answered` plus `unanswered`, but for one at
+    an end of the run. PX4 holds the last state then; ArduPilot asks before it is told the first.
     """
 
     told: int = 0
@@ -33,6 +33,11 @@ class Exchanges:
     """Requests and answers for a step that had been made; they made none."""
     left_out: int = 0
     """Steps that the stack's own count or clock passes over."""
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether no step was lost or doubled."""
+        return abs(self.told - self.answered - self.unanswered) <= 1 and not self.left_out
 
 
 class Bridge(Protocol):

@@ -11,15 +11,18 @@ import math
 import selectors
 import socket
 import time
+from collections.abc import Sequence
 from typing import Any
 
 from flightsim.bridges.physics.bridge import BridgeError, Exchanges, MotorOutputs
 from flightsim.bridges.physics.px4_messages import SensorMessages
 from flightsim.frames import LocalFrame
 from flightsim.mavlink.dialect import dialect as mavlink
+from flightsim.mavlink.dialect import layout
 from flightsim.plant import Plant
 
 PORT = 4560
+_ANSWER = layout("HIL_ACTUATOR_CONTROLS", "time_usec", "flags", "controls", "mode")
 _CHUNK_BYTES = 1 << 16
 _LOCKSTEP_FLAG = 1
 _FREE_TICK_S = 0.004
@@ -27,7 +30,7 @@ _OFF: MotorOutputs = (0.0, 0.0, 0.0, 0.0)
 
 
 class Px4Bridge:
-    """Simulator for one PX4; one that connects later takes the place of the one before."""
+    """Simulator for one PX4: while it answers, nobody else who connects takes its place."""
 
     def __init__(self, instance: int, frame: LocalFrame) -> None:
         """Listen on the port of an instance.
@@ -104,6 +107,15 @@ class Px4Bridge:
             client, _ = self._listener.accept()
         except OSError:
             return
+        if self._has_outputs:
+            self._read()  # It may be gone, and that not read yet.
+        if self._has_outputs:
+            client.close()
+            self._say(
+                f"{self.address}: a second connection is refused while PX4 answers; valid: one PX4 "
+                "an --instance"
+            )
+            return
         if self._socket is not None or self._told_us:
             self.n_restarts += 1
             self.notices.append(f"PX4 has begun anew at {self.address}")
@@ -139,29 +151,36 @@ class Px4Bridge:
         if not data:
             self._drop()
             return
+        # Nearly always it is one whole answer, which the parser would take 14 us for, not 2.
+        payload = None if self._parser.buf_len() else _ANSWER.payload_v2(data)
+        if payload is not None:
+            time_us, flags, *controls, mode = _ANSWER.unpack(payload)
+            self._take(time_us, flags, controls, mode)
+            return
+        message: Any
         for message in self._parser.parse_buffer(data) or ():
-            if message.get_type() == "HIL_ACTUATOR_CONTROLS":
-                self._take(message)
+            if message.get_type() == _ANSWER.name:
+                self._take(message.time_usec, message.flags, message.controls, message.mode)
             elif message.get_type() == "BAD_DATA":
                 self._say(
                     f"{self.address}: bytes that are no MAVLink are ignored; valid: the simulator "
                     "link of PX4 1.12 and later"
                 )
 
-    def _take(self, message: Any) -> None:
-        if not message.flags & _LOCKSTEP_FLAG:
+    def _take(self, time_us: int, flags: int, controls: Sequence[float], mode: int) -> None:
+        if not flags & _LOCKSTEP_FLAG:
             self._say(
-                f"{self.address}: PX4 runs without lockstep (flags {message.flags}), so that its "
+                f"{self.address}: PX4 runs without lockstep (flags {flags}), so that its "
                 "flights do not repeat; valid: a build for simulation with lockstep"
             )
-        elif self._has_outputs and (message.time_usec < self._told_us or self._outputs):
+        elif self._has_outputs and (time_us < self._told_us or self._outputs):
             self.exchanges.repeated += 1
             return  # It answers a step that has been made, or that is answered.
-        elif message.time_usec > self._told_us:
+        elif time_us > self._told_us:
             self.exchanges.left_out += 1
         self._has_outputs = True
-        is_armed = message.mode & mavlink.MAV_MODE_FLAG_SAFETY_ARMED
-        a, b, c, d = (c if math.isfinite(c) else 0.0 for c in message.controls[:4])
+        is_armed = mode & mavlink.MAV_MODE_FLAG_SAFETY_ARMED
+        a, b, c, d = (c if math.isfinite(c) else 0.0 for c in controls[:4])
         self._outputs = (a, b, c, d) if is_armed else _OFF
 
     def _say(self, line: str) -> None:

@@ -154,6 +154,7 @@ def test_what_passes_in_lockstep_is_counted(plant, ends):
     bridge, stand_in = ends
     for _ in range(3):
         exchange(plant, bridge, stand_in)
+    assert bridge.exchanges.is_whole
     stand_in.count -= 1
     stand_in.ask()  # again
     assert bridge.receive(1.0) is None
@@ -163,3 +164,4 @@ def test_what_passes_in_lockstep_is_counted(plant, ends):
     count = bridge.exchanges
     assert (count.told, count.answered, count.unanswered) == (4, 4, 0)
     assert (count.repeated, count.left_out) == (1, 2)
+    assert not count.is_whole

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from flightsim.bridges.launch.launch import Start
-from flightsim.bridges.launch.px4 import parameter_file, parameters, sensor_parameters
+from flightsim.bridges.launch.px4 import launch, parameter_file, parameters, sensor_parameters
 from flightsim.bridges.physics.bridge import BridgeError
 from flightsim.bridges.physics.px4 import PORT, Px4Bridge
 from flightsim.frames import Geodetic, LocalFrame, swap_flu_frd
@@ -145,6 +145,41 @@ def test_samples_come_in_the_units_and_frames_of_px4(plant, bridge, stand_in):
     assert "HIL_GPS" not in again
 
 
+def test_answers_are_read_in_pieces_and_beside_other_messages(plant, bridge, stand_in):
+    parser = mavlink.MAVLink(None, srcSystem=1, srcComponent=1)
+    heartbeat = mavlink.MAVLink_heartbeat_message(2, 12, 0, 0, 0, 3).pack(parser)
+    for level, (before, cut) in enumerate(((b"", 0), (heartbeat, 0), (b"", 5), (heartbeat, 30))):
+        bridge.tell(plant)
+        time_us = stand_in.take()["HIL_SENSOR"].time_usec
+        controls = (0.1 * level,) * 4 + (0.0,) * 12
+        answer = mavlink.MAVLink_hil_actuator_controls_message(time_us, controls, ARMED, LOCKSTEP)
+        data = before + answer.pack(parser)
+        stand_in.socket.sendall(data[:cut])
+        if cut:
+            assert bridge.receive(0.05) is None
+        stand_in.socket.sendall(data[cut:])
+        assert bridge.receive(1.0) == pytest.approx((0.1 * level,) * 4)
+        plant.advance()
+    assert bridge.exchanges.left_out == bridge.exchanges.repeated == 0
+
+
+def test_nobody_else_takes_the_place_of_a_px4_that_answers(plant, bridge, stand_in):
+    bridge.tell(plant)
+    stand_in.answer(stand_in.take()["HIL_SENSOR"].time_usec, (0.5,) * 4)
+    assert bridge.receive(1.0) is not None
+    plant.advance()
+    bridge.tell(plant)
+    for _ in range(2):
+        with socket.create_connection(("127.0.0.1", PORT + own_instance()), timeout=5.0) as other:
+            assert bridge.receive(0.2) is None
+            assert other.recv(1) == b""  # closed
+    stand_in.answer(stand_in.take()["HIL_SENSOR"].time_usec, (0.6,) * 4)
+    assert bridge.receive(1.0) == pytest.approx((0.6,) * 4)
+    assert bridge.n_restarts == 0
+    assert len(bridge.notices) == 1
+    assert "a second connection" in bridge.notices[0]
+
+
 def test_px4_that_begins_anew_is_served(plant, bridge, stand_in):
     bridge.tell(plant)
     stand_in.answer(stand_in.take()["HIL_SENSOR"].time_usec, (0.5,) * 4)
@@ -198,6 +233,18 @@ def test_the_mixer_of_px4_has_our_rotors_in_its_order_and_axes(name):
     assert all(line.startswith("param set ") for line in script[2:])
 
 
+def test_px4_that_we_start_keeps_no_logs_since_they_would_go_with_its_folder(tmp_path):
+    for binary in (None, tmp_path / "bin" / "px4"):
+        launch(AIRFRAMES["iris"], start_with(), 3, tmp_path, binary)
+        script = (tmp_path / "px4-rc.params").read_text().splitlines()
+        assert ("param set SDLOG_MODE -1" in script) == (binary is not None)
+    links = (tmp_path / "px4-rc.mavlink").read_text().splitlines()
+    assert [line for line in links if "stop" in line] == [
+        "mavlink stop -u $((14280+px4_instance))",
+        "mavlink stop -u $((13030+px4_instance))",
+    ]
+
+
 def test_what_passes_in_lockstep_is_counted(plant, bridge, stand_in):
     bridge.tell(plant)
     assert bridge.receive(1.0) == (0.0,) * 4  # It starts.
@@ -214,26 +261,24 @@ def test_what_passes_in_lockstep_is_counted(plant, bridge, stand_in):
     count = bridge.exchanges
     assert (count.told, count.answered, count.unanswered) == (3, 2, 1)
     assert (count.repeated, count.left_out) == (2, 1)
+    assert not count.is_whole
 
 
 def test_the_estimator_of_px4_is_told_what_there_is_to_fuse():
     outside = sensor_parameters(start_with(aiding="auto"))
     assert (outside["EKF2_GPS_CTRL"], outside["EKF2_EV_CTRL"], outside["EKF2_HGT_REF"]) == (
         7,
-        11,
+        3,
         1,
     )
     assert (outside["EKF2_EV_DELAY"], outside["EKF2_GPS_DELAY"]) == pytest.approx((40.0, 120.0))
     inside = sensor_parameters(start_with(aiding="auto", is_in_room=True))
-    assert inside["EKF2_HGT_REF"] == 3
+    assert (inside["EKF2_EV_CTRL"], inside["EKF2_HGT_REF"]) == (11, 3)
     satellites = sensor_parameters(start_with(aiding="gnss", is_in_room=True))
     assert (satellites["EKF2_EV_CTRL"], satellites["EKF2_HGT_REF"]) == (0, 1)
     odometry = sensor_parameters(start_with(aiding="vio"))
-    assert (odometry["SYS_HAS_GPS"], odometry["EKF2_GPS_CTRL"], odometry["EKF2_HGT_REF"]) == (
-        0,
-        0,
-        3,
-    )
+    assert (odometry["SYS_HAS_GPS"], odometry["EKF2_GPS_CTRL"]) == (0, 0)
+    assert (odometry["EKF2_EV_CTRL"], odometry["EKF2_HGT_REF"]) == (11, 3)
     assert (odometry["EKF2_OF_CTRL"], outside["EKF2_OF_CTRL"]) == (0, 0)
     eye = OpticalFlowCfg(is_fitted=True)
     assert sensor_parameters(start_with(optical_flow=eye))["EKF2_OF_CTRL"] == 1

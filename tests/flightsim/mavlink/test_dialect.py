@@ -64,6 +64,23 @@ def test_version_2_frames_equal_pymavlinks(message, sequence, system_id):
     assert frame == message_class(**values).pack(reference)
 
 
+@given(message=messages(), place=st.integers(0, 300), change=st.integers(1, 255))
+@settings(max_examples=300)
+def test_payloads_come_back_from_version_2_frames_and_from_nothing_else(message, place, change):
+    message_class, values = message
+    found = LAYOUTS[message_class.msgname]
+    payload = found.encode(**values)
+    frame = found.frame_v2(payload, 7, 1, 1)
+    assert found.payload_v2(frame) == payload
+    assert found.pack(*found.unpack(payload)) == payload
+    for other in (frame[:-1], frame + b"\0", frame + frame, frame[1:], b""):
+        assert found.payload_v2(other) is None
+    damaged = bytearray(frame)
+    damaged[place % len(frame)] ^= change
+    assert found.payload_v2(bytes(damaged)) is None
+    assert layout("PING").payload_v2(frame) is None or found.name == "PING"
+
+
 @given(message=messages())
 @settings(max_examples=200)
 def test_version_1_frames_decode_to_the_same_fields_without_extensions(message):
