@@ -90,8 +90,9 @@ def fly(cfg: FlyCfg, scene: int, vehicle: str) -> dict[str, Any]:
     result = json.loads(done.stdout)
     if record is not None:
         errors_m = tracking_errors_m(read_recording(record))
-        result["tracking_rmse_m"] = float(np.sqrt(np.mean(errors_m**2)))
-        result["tracking_max_m"] = float(errors_m.max())
+        if len(errors_m):  # A plan begins where the pilot believes to be, which may be elsewhere.
+            result["tracking_rmse_m"] = float(np.sqrt(np.mean(errors_m**2)))
+            result["tracking_max_m"] = float(errors_m.max())
     return result
 
 
@@ -123,12 +124,8 @@ def medians(results: Sequence[dict[str, Any]]) -> Table:
     for vehicle in dict.fromkeys(result["vehicle"] for result in results):
         flown = [result for result in results if result["vehicle"] == vehicle]
         landed = [result for result in flown if result["success"]]
-        cells = [
-            _cell(statistics.median(result[name] for result in landed))
-            if landed and name in landed[0]
-            else "-"
-            for name in MEDIANS
-        ]
+        found = [[result[name] for result in landed if name in result] for name in MEDIANS]
+        cells = [_cell(statistics.median(values)) if values else "-" for values in found]
         table.add_row(vehicle, f"{len(landed)} of {len(flown)}", *cells)
     return table
 

@@ -29,6 +29,7 @@ def test_a_figure_that_was_not_measured_is_none():
     del row["tracking_rmse_m"]
     place = 2 + list(fly_demos.MEDIANS).index("tracking_rmse_m")
     assert cells(fly_demos.medians([row]))[place] == ["-"]
+    assert cells(fly_demos.medians([row, result("iris", 0.1)]))[place] == ["1"]
     assert cells(fly_demos.medians([result("iris", 0.1, success=False)]))[2] == ["-"]
 
 
