@@ -20,6 +20,8 @@ TILING = frozenset({"lawn", "plaza", "parking_lot"})
 """Covers that are laid as wide as what stands on them."""
 BUILDINGS = frozenset({"building", "house", "tower", "warehouse"})
 """Categories of which rooms, walls, floors and roofs are parts."""
+SHELLS = BUILDINGS | {"garage"}
+"""What has outer walls of its own, within the rim of its box."""
 FITTINGS = frozenset({"room", "wall", "floor"})
 """Parts that lie within a building."""
 BEARING = COVERS - {"water", "road"} | {"terrain"}

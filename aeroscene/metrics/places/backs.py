@@ -6,7 +6,8 @@ import numpy as np
 import shapely
 from jaxtyping import Bool
 
-from aeroscene.metrics.places.top_view import SHELLS, TopView, near_pairs
+from aeroscene.feasibility.roles import SHELLS
+from aeroscene.metrics.places.top_view import TopView, near_pairs
 from aeroscene.solids.shapes.facade import WALL_M
 
 OFF_WALL_M = 0.3

@@ -8,8 +8,8 @@ from jaxtyping import Bool, Float
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from aeroscene.feasibility.roles import GROUND
-from aeroscene.metrics.places.top_view import SHELLS, TopView, near_pairs
+from aeroscene.feasibility.roles import GROUND, SHELLS
+from aeroscene.metrics.places.top_view import TopView, near_pairs
 
 GAP_M = 0.3
 """Widest gap between pieces of one patch."""

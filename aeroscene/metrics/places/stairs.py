@@ -6,9 +6,9 @@ import numpy as np
 import shapely
 from jaxtyping import Bool, Float
 
-from aeroscene.feasibility.roles import COVERS
+from aeroscene.feasibility.roles import COVERS, SHELLS
 from aeroscene.feasibility.stairs import REACH_M, STEP_M
-from aeroscene.metrics.places.top_view import SHELLS, TopView, near_pairs
+from aeroscene.metrics.places.top_view import TopView, near_pairs
 from aeroscene.solids.shapes.structures import RAIL_M
 
 _BORNE_BY_TOP = (

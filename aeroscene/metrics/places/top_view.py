@@ -9,15 +9,12 @@ import numpy as np
 import shapely
 from jaxtyping import Bool, Float, Int
 
-from aeroscene.feasibility.roles import BUILDINGS
+from aeroscene.feasibility.roles import SHELLS
 from aeroscene.metrics.arrays import NO_PARENT, SceneArrays, scene_arrays
 from aeroscene.relations import Unit, scene_relations
 from aeroscene.scene import AttributeValue, Scene
 from aeroscene.scene.box import box_corners, rotation_matrix
 from aeroscene.scene.catalogue import category_id
-
-SHELLS = BUILDINGS | {"garage"}
-"""What has outer walls of its own, within the rim of its box."""
 
 
 @dataclass(frozen=True, eq=False)

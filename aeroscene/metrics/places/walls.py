@@ -10,7 +10,8 @@ import numpy as np
 import shapely
 from jaxtyping import Bool, Float, Int
 
-from aeroscene.metrics.places.top_view import SHELLS, TopView, near_pairs
+from aeroscene.feasibility.roles import SHELLS
+from aeroscene.metrics.places.top_view import TopView, near_pairs
 
 TO_WALL_M = 0.2
 """Farthest that a wall's outline is from what touches it."""

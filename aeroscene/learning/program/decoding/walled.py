@@ -8,15 +8,13 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Bool, Float
 
-from aeroscene.feasibility.roles import BUILDINGS
+from aeroscene.feasibility.roles import SHELLS
 from aeroscene.learning.program.decoding.making import Making
 from aeroscene.relations import Kind, Unit
 from aeroscene.relations.plane import QUARTER, footprint, turned_reach_m
 from aeroscene.scene import OrientedBox
 from aeroscene.solids.shapes.facade import WALL_M
 
-SHELLS = BUILDINGS | {"garage"}
-"""What has outer walls of its own, within the rim of its box."""
 _FREE_STANDING = frozenset({"chair"})
 """What stands along the edges of open rooms too: one in three of the corpus' chairs there."""
 _BACK = 2

@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 import shapely
 
+from aeroscene.feasibility.roles import SHELLS
 from aeroscene.learning.program import encode
 from aeroscene.learning.program.decoding.cfg import DecodingCfg
 from aeroscene.learning.program.decoding.decode import decode
 from aeroscene.learning.program.decoding.making import Making
 from aeroscene.learning.program.decoding.neighbours import Neighbours
-from aeroscene.learning.program.decoding.walled import SHELLS, has_wall
+from aeroscene.learning.program.decoding.walled import has_wall
 from aeroscene.metrics.places.top_view import TopView
 from aeroscene.relations import Kind, Relation, Unit
 from aeroscene.scene import OrientedBox
