@@ -17,9 +17,10 @@ from aeroscene.learning.writer.lesson import recent_of, seen_of, wish_numbers
 from aeroscene.learning.writer.stepwise import StepwiseWriter
 from aeroscene.learning.writer.syntax import Syntax
 
-TEMPERATURE = 0.8
-"""Logarithms of chances are divided by it: below 1, what is seldom becomes more so. At less, scenes
-would be nearer to those trained on than other scenes of the grammar are."""
+LEAST_SHARE = 0.05
+"""What is less likely than this share of the likeliest is never drawn (min-p, Nguyen et al. 2024);
+all else as often as the network has it. With more, scenes would be nearer to those trained on than
+other scenes of the grammar are."""
 
 
 def draw_program(
@@ -214,10 +215,10 @@ class _Draw:
         logits: Float[np.ndarray, " choices"],
         allowed: Bool[np.ndarray, " choices"] | None = None,
     ) -> int:
-        scaled = logits.astype(np.float64) / TEMPERATURE
+        known = logits.astype(np.float64)
         if allowed is not None and allowed.any():
-            scaled = np.where(allowed, scaled, -np.inf)
-        weight = np.exp(scaled - scaled.max())
-        total = weight.cumsum()
+            known = np.where(allowed, known, -np.inf)
+        weight = np.exp(known - known.max())
+        total = np.where(weight < LEAST_SHARE, 0.0, weight).cumsum()
         # Above 0 and up to 1: so the first share that reaches it is never an empty one.
         return int((total < (1.0 - self._rng.random()) * total[-1]).sum())

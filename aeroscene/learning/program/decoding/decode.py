@@ -34,6 +34,7 @@ from aeroscene.learning.program.decoding.neighbours import (
 from aeroscene.learning.program.decoding.overhead import Overhead
 from aeroscene.learning.program.decoding.sites import add_site
 from aeroscene.learning.program.decoding.start import start_pad, top_of, yaw_inwards
+from aeroscene.learning.program.decoding.together import back_to_back, backed_group, drawn_up
 from aeroscene.learning.program.decoding.units import (
     member_boxes,
     openings_of,
@@ -53,6 +54,8 @@ from aeroscene.scene.origin import ALTITUDE_M, LATITUDE_DEG, LONGITUDE_DEG
 
 _FIXED = GROUND | FITTINGS | AT_LEVELS | POSTS | {"roof"}
 """What lies where it was drawn, whatever stands there."""
+_HOLDING = GROUND | {"room"}
+"""What holds all that is drawn on it or in it."""
 _MOST_LEFT_OUT = 0.5
 """Largest share of a group that is left out for want of room."""
 
@@ -183,14 +186,12 @@ class Builder:
             return
         unit = read_unit(making, place, bearer, self._last_m.get(kind.what))
         self._last_m[kind.what] = unit_size_m(unit)
+        if unit.array is not None:
+            making.pitches_m[place] = unit.array.pitch_m
         table = unit.host_id if unit.relation.kind == RelationKind.SEAT else None
         boxes = self._boxes(unit, kind)
-        if not self._cfg.makes_room:
-            pass
-        elif table is not None:
-            boxes = self._drawn_up(boxes, table)
-        elif boxes and kind.category not in _FIXED:
-            boxes = self._free(unit, kind, boxes)
+        if self._cfg.makes_room and boxes:
+            boxes = self._with_its_room(unit, kind, boxes, table)
         building = self._buildings.get(bearer) if kind.category == "floor" else None
         for box in boxes:
             if is_roof:
@@ -229,10 +230,23 @@ class Builder:
             return boxes
         boxes = mended(kind.category, boxes, making.objects)
         bearer = making.standing.category(unit.parent_id)
-        if bearer == "room" and unit.parent_id is not None and kind.category not in _FIXED:
+        if unit.parent_id is not None and bearer in _HOLDING and kind.category not in _FIXED:
             return drawn_in(boxes, making.tiles(unit.parent_id))
         is_on_table = bearer in TABLES
         return laid_for(boxes, making.objects) if kind.category in LAID and is_on_table else boxes
+
+    def _with_its_room(
+        self, unit: Unit, kind: Kind, boxes: Sequence[OrientedBox], table: int | None
+    ) -> list[OrientedBox]:
+        """A unit's boxes where they have room, with what they belong to or by themselves."""
+        making = self.making
+        if table is not None:
+            return drawn_up(making, boxes, table, self._n_given)
+        if kind.category in _FIXED:
+            return list(boxes)
+        others = backed_group(making, unit)
+        found = back_to_back(making, unit, others, self._n_given) if others else None
+        return self._free(unit, kind, boxes) if found is None else found
 
     def _free(self, unit: Unit, kind: Kind, boxes: Sequence[OrientedBox]) -> list[OrientedBox]:
         """A unit's boxes where they have room: as its relation has it, or else nearby.
@@ -280,18 +294,3 @@ class Builder:
             if not needs_wall or has_wall(making, tried, found):
                 return found
         return None
-
-    def _drawn_up(self, chairs: Sequence[OrientedBox], table: int) -> list[OrientedBox]:
-        """Chairs that have room, their table moved with them where that makes it."""
-        making = self.making
-        bearer = making.standing.bearer(table)
-        taken = making.neighbours.taken(bearer, without=[table])
-        own = making.objects[table].bbox
-        within = None if bearer is None else making.outline(bearer)
-        is_given = table < self._n_given
-        shift = None if is_given else free_shift([own, *chairs], taken, within, ways_rad=None)
-        if shift is None:
-            is_taken = clashing(chairs, taken)
-            return [box for box, clashes in zip(chairs, is_taken, strict=True) if not clashes]
-        making.move(table, moved(own, shift))
-        return [moved(box, shift) for box in chairs]

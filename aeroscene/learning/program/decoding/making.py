@@ -46,6 +46,8 @@ class Making:
         """Objects of each token."""
         self._place_of: list[tuple[int | None, int]] = []
         """The token of each object, and which of the token's objects it is."""
+        self.pitches_m: dict[int, tuple[float, float]] = {}
+        """Of each token that stands for an array what is between its rows, and its columns."""
         kinds = self.program.kinds
         heads = [i for i in self.children[0] if kinds[i].node == "site"]
         self._site = BARE_SITE
@@ -117,6 +119,16 @@ class Making:
         place = self._place_of[object_id][0]
         relation = "" if place is None else self.program.kinds[place].relation
         return host_key(self.objects[object_id].category, relation)
+
+    def group_of(self, object_id: int) -> list[int]:
+        """The objects of an object's token, itself among them."""
+        place = self._place_of[object_id][0]
+        return [object_id] if place is None else list(self.made[place])
+
+    def pitch_m(self, object_id: int) -> tuple[float, float] | None:
+        """Pitch of the array that an object is of; None where it is of none that was drawn."""
+        place = self._place_of[object_id][0]
+        return None if place is None else self.pitches_m.get(place)
 
     def outline(self, object_id: int | None) -> Rectangle:
         """An object from above; the site for None."""

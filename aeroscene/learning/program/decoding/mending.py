@@ -14,6 +14,7 @@ import shapely
 
 from aeroscene.feasibility.seats import TO_CHAIR_M
 from aeroscene.feasibility.strays import AFLOAT, LEAST_ON_WATER
+from aeroscene.learning.program.decoding.neighbours import moved, way_onto
 from aeroscene.relations.hosts import SEATS, VEHICLES
 from aeroscene.relations.plane import QUARTER, Place, Rectangle, footprint, turned_reach_m
 from aeroscene.relations.relation import LANE_RATIOS
@@ -46,11 +47,23 @@ def mended(
 
 
 def drawn_in(boxes: Sequence[OrientedBox], tiles: Sequence[Rectangle]) -> list[OrientedBox]:
-    """The boxes of what is in a room: one whose middle is in none of its tiles, in the nearest."""
-    return [
-        box if any(_is_middle_in(box, tile) for tile in tiles) else _moved_in(box, tiles)
-        for box in boxes
-    ]
+    """The boxes of a unit so that the middle of each is on one of the tiles of what bears it.
+
+    Where one is not, all go together by the least way onto a tile. Of a group that is too large
+    what is outside even then is left out; a box alone goes all the way in.
+    """
+    if all(is_on_any(box, tiles) for box in boxes):
+        return list(boxes)
+    shift = min((way_onto(boxes, tile) for tile in tiles), key=lambda way: math.hypot(*way))
+    inside = [box for each in boxes if is_on_any(box := moved(each, shift), tiles)]
+    return inside or [_moved_in(boxes[0], tiles)]
+
+
+def is_on_any(box: OrientedBox, outlines: Sequence[Rectangle]) -> bool:
+    """Whether the middle of a box is on any of some outlines, seen from above."""
+    at = footprint(box).place
+    local = ((outline.half_m, outline.place.local(at)) for outline in outlines)
+    return any(abs(u_m) <= half_m[0] and abs(v_m) <= half_m[1] for half_m, (u_m, v_m, _) in local)
 
 
 def laid_for(plates: Sequence[OrientedBox], objects: Sequence[SceneObject]) -> list[OrientedBox]:
@@ -109,11 +122,6 @@ def _inside(box: OrientedBox, outline: Rectangle, turns: int) -> OrientedBox | N
         min(max(value, -most_m), most_m) for value, most_m in zip((u_m, v_m), play_m, strict=True)
     )
     return _put(box, outline.place.moved(u_m, v_m, turn_rad))
-
-
-def _is_middle_in(box: OrientedBox, outline: Rectangle) -> bool:
-    u_m, v_m, _ = outline.place.local(footprint(box).place)
-    return abs(u_m) <= outline.half_m[0] and abs(v_m) <= outline.half_m[1]
 
 
 def _moved_in(box: OrientedBox, outlines: Sequence[Rectangle]) -> OrientedBox:

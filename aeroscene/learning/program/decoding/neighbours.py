@@ -69,6 +69,10 @@ class Neighbours:
         rows = np.array(self._rows).reshape(-1, 8)[is_other]
         return np.concatenate([rows, np.array(self._air).reshape(-1, 8)])
 
+    def rows(self, numbers: Sequence[int]) -> Float[np.ndarray, "k 8"]:
+        """Some of what stands, by its places in the order."""
+        return np.array([self._rows[number] for number in numbers]).reshape(-1, 8)
+
     def of(self, categories: Container[str]) -> Float[np.ndarray, "k 8"]:
         """All that stands of some categories."""
         rows = [
@@ -163,6 +167,12 @@ def _is_in_line(relation: Relation) -> bool:
     """Whether something beside its host is headed as that is, as shelves along a wall are."""
     is_headed = relation.kind == Kind.SIDE and relation.quadrant != ANY_TURN
     return is_headed and (relation.side + relation.quadrant) % N_SIDES == 0
+
+
+def way_onto(group: Sequence[OrientedBox], outline: Rectangle) -> Shift:
+    """The least shift that brings boxes onto an outline, along each axis that they fit on."""
+    x_m, y_m = _way_onto(np.array([_row(box) for box in group]), outline).tolist()
+    return x_m, y_m
 
 
 def moved(box: OrientedBox, shift: Shift) -> OrientedBox:

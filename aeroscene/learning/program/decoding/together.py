@@ -1,0 +1,92 @@
+"""What moves together to have room: chairs with their table, and groups that stand back to back."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from aeroscene.learning.program.decoding.making import Making
+from aeroscene.learning.program.decoding.mending import is_on_any
+from aeroscene.learning.program.decoding.neighbours import clashing, free_shift, moved
+from aeroscene.learning.program.decoding.units import member_boxes
+from aeroscene.relations import Unit
+from aeroscene.relations.relation import N_SIDES, Gap, Kind
+from aeroscene.scene import OrientedBox
+
+_BEHIND = 2
+"""Side of a host, and quarter turns of a heading away from it."""
+_SAME_PITCH_M = 0.6
+"""Pitches that differ by less are meant to be the same: what is apart by more is so on purpose."""
+
+
+def moved_with(
+    making: Making, boxes: Sequence[OrientedBox], others: Sequence[int], n_given: int
+) -> list[OrientedBox] | None:
+    """Boxes where they have room, other objects moved with them; None where nothing makes it.
+
+    Args:
+        making: What stands already; the others go elsewhere in it.
+        boxes: Those that come.
+        others: Ids of objects that move as they do, all on the same bearer.
+        n_given: How many objects stand as they are, and do not move.
+    """
+    if min(others) < n_given:
+        return None
+    bearer = making.standing.bearer(others[0])
+    own = [making.objects[number].bbox for number in others]
+    within = None if bearer is None else making.outline(bearer)
+    taken = making.neighbours.taken(bearer, without=others)
+    shift = free_shift([*own, *boxes], taken, within, ways_rad=None)
+    if shift is None:
+        return None
+    for number, box in zip(others, own, strict=True):
+        making.move(number, moved(box, shift))
+    return [moved(box, shift) for box in boxes]
+
+
+def drawn_up(
+    making: Making, chairs: Sequence[OrientedBox], table: int, n_given: int
+) -> list[OrientedBox]:
+    """Chairs that have room, their table moved with them where that makes it."""
+    boxes = moved_with(making, chairs, [table], n_given)
+    if boxes is not None:
+        return boxes
+    is_taken = clashing(
+        chairs, making.neighbours.taken(making.standing.bearer(table), without=[table])
+    )
+    return [box for box, clashes in zip(chairs, is_taken, strict=True) if not clashes]
+
+
+def backed_group(making: Making, unit: Unit) -> list[int]:
+    """The group that a group of the same kind stands back to back with; empty for all else."""
+    relation, host = unit.relation, unit.host_id
+    if unit.array is None or host is None or relation.kind != Kind.SIDE:
+        return []
+    is_behind = relation.gap == Gap.TOUCH and relation.side == _BEHIND
+    is_turned_away = (relation.side + relation.quadrant) % N_SIDES == _BEHIND
+    is_alike = making.objects[host].category_id == unit.members[0].category_id
+    return making.group_of(host) if is_behind and is_turned_away and is_alike else []
+
+
+def back_to_back(
+    making: Making, unit: Unit, others: Sequence[int], n_given: int
+) -> list[OrientedBox] | None:
+    """The boxes of a group at the backs of another, which goes with it; None without room.
+
+    Its pitch is that of the other if it is about the same. What is outside of a room that is too
+    small for both is left out.
+    """
+    array, pitch_m = unit.array, making.pitch_m(others[0])
+    assert array is not None
+    if pitch_m is not None and np.allclose(pitch_m, array.pitch_m, rtol=0, atol=_SAME_PITCH_M):
+        unit = replace(unit, array=replace(array, pitch_m=pitch_m))
+    drawn = member_boxes(unit, making.box)
+    if any(clashing(drawn, making.neighbours.rows(others))):
+        return None
+    boxes = moved_with(making, drawn, others, n_given)
+    if boxes is None or unit.parent_id is None:
+        return boxes
+    tiles = making.tiles(unit.parent_id)
+    return [box for box in boxes if is_on_any(box, tiles)] or None
