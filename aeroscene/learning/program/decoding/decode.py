@@ -34,7 +34,7 @@ from aeroscene.learning.program.decoding.neighbours import (
 from aeroscene.learning.program.decoding.overhead import Overhead
 from aeroscene.learning.program.decoding.sites import add_site
 from aeroscene.learning.program.decoding.start import start_pad, top_of, yaw_inwards
-from aeroscene.learning.program.decoding.together import back_to_back, backed_group, drawn_up
+from aeroscene.learning.program.decoding.together import back_to_back, backed_by, drawn_up
 from aeroscene.learning.program.decoding.units import (
     member_boxes,
     openings_of,
@@ -244,7 +244,7 @@ class Builder:
             return drawn_up(making, boxes, table, self._n_given)
         if kind.category in _FIXED:
             return list(boxes)
-        others = backed_group(making, unit)
+        others = backed_by(making, unit)
         found = back_to_back(making, unit, others, self._n_given) if others else None
         return self._free(unit, kind, boxes) if found is None else found
 

@@ -50,10 +50,12 @@ def drawn_in(boxes: Sequence[OrientedBox], tiles: Sequence[Rectangle]) -> list[O
     """The boxes of a unit so that the middle of each is on one of the tiles of what bears it.
 
     Where one is not, all go together by the least way onto a tile. Of a group that is too large
-    what is outside even then is left out; a box alone goes all the way in.
+    what is outside even then is left out.
     """
     if all(is_on_any(box, tiles) for box in boxes):
         return list(boxes)
+    if len(boxes) == 1:
+        return [_moved_in(boxes[0], tiles)]
     shift = min((way_onto(boxes, tile) for tile in tiles), key=lambda way: math.hypot(*way))
     inside = [box for each in boxes if is_on_any(box := moved(each, shift), tiles)]
     return inside or [_moved_in(boxes[0], tiles)]

@@ -1,4 +1,4 @@
-"""What moves together to have room: chairs with their table, and groups that stand back to back."""
+"""What moves together to have room: chairs with their table, shelves that stand back to back."""
 
 from __future__ import annotations
 
@@ -59,10 +59,10 @@ def drawn_up(
     return [box for box, clashes in zip(chairs, is_taken, strict=True) if not clashes]
 
 
-def backed_group(making: Making, unit: Unit) -> list[int]:
-    """The group that a group of the same kind stands back to back with; empty for all else."""
+def backed_by(making: Making, unit: Unit) -> list[int]:
+    """The group of what a unit of the same kind stands back to back with; empty for all else."""
     relation, host = unit.relation, unit.host_id
-    if unit.array is None or host is None or relation.kind != Kind.SIDE:
+    if host is None or relation.kind != Kind.SIDE:
         return []
     is_behind = relation.gap == Gap.TOUCH and relation.side == _BEHIND
     is_turned_away = (relation.side + relation.quadrant) % N_SIDES == _BEHIND
@@ -73,16 +73,12 @@ def backed_group(making: Making, unit: Unit) -> list[int]:
 def back_to_back(
     making: Making, unit: Unit, others: Sequence[int], n_given: int
 ) -> list[OrientedBox] | None:
-    """The boxes of a group at the backs of another, which goes with it; None without room.
+    """The boxes of a unit at the backs of others, which go with it; None without room.
 
-    Its pitch is that of the other if it is about the same. What is outside of a room that is too
-    small for both is left out.
+    The pitch of a group is that of the other if it is about the same. What is outside of a room
+    that is too small for both is left out.
     """
-    array, pitch_m = unit.array, making.pitch_m(others[0])
-    assert array is not None
-    if pitch_m is not None and np.allclose(pitch_m, array.pitch_m, rtol=0, atol=_SAME_PITCH_M):
-        unit = replace(unit, array=replace(array, pitch_m=pitch_m))
-    drawn = member_boxes(unit, making.box)
+    drawn = member_boxes(_as_even_as(unit, making.pitch_m(others[0])), making.box)
     if any(clashing(drawn, making.neighbours.rows(others))):
         return None
     boxes = moved_with(making, drawn, others, n_given)
@@ -90,3 +86,12 @@ def back_to_back(
         return boxes
     tiles = making.tiles(unit.parent_id)
     return [box for box in boxes if is_on_any(box, tiles)] or None
+
+
+def _as_even_as(unit: Unit, pitch_m: tuple[float, float] | None) -> Unit:
+    """A unit whose array has a pitch if its own is about that."""
+    array = unit.array
+    if array is None or pitch_m is None:
+        return unit
+    is_meant = np.allclose(pitch_m, array.pitch_m, rtol=0, atol=_SAME_PITCH_M)
+    return replace(unit, array=replace(array, pitch_m=pitch_m)) if is_meant else unit

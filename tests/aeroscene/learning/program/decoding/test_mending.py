@@ -68,8 +68,19 @@ def test_what_is_in_a_room_has_its_middle_in_one_of_its_tiles():
     bed, reaches_over = box(0.5, 0.0, (2.0, 1.6, 0.5)), box(1.8, 0.0, (1.0, 0.4, 0.5))
     next_door, long = box(3.0, 0.5, (0.4, 0.4, 0.5)), box(0.3, -2.0, (9.0, 0.4, 0.5))
     assert drawn_in([bed, reaches_over, next_door], tiles) == [bed, reaches_over, next_door]
-    beside, along = drawn_in([box(0.3, 1.7, (0.6, 0.4, 0.5), 0.1), long], tiles)
+    (beside,) = drawn_in([box(0.3, 1.7, (0.6, 0.4, 0.5), 0.1)], tiles)
     assert beside.p[0] == pytest.approx(0.3)
     assert beside.p[1] == pytest.approx(1.5 - 0.2 * math.cos(0.1) - 0.3 * math.sin(0.1))
     assert beside.q == quat_from_yaw(0.1)
+    (along,) = drawn_in([long], tiles)
     assert along.p[:2] == pytest.approx((0.0, -1.3))
+
+
+def test_a_group_goes_in_as_a_whole_and_without_what_is_outside_even_then():
+    room = [Rectangle(Place(0.0, 0.0, 0.0), (3.0, 2.0))]
+    row = [box(x_m, 2.3, (1.0, 0.4, 0.5)) for x_m in (1.0, 2.0, 3.0)]
+    assert [each.p[:2] for each in drawn_in(row, room)] == [
+        pytest.approx((x_m, 1.8)) for x_m in (0.5, 1.5, 2.5)
+    ]
+    too_long = [box(float(x_m), 0.0, (1.0, 0.4, 0.5)) for x_m in range(-5, 6)]
+    assert drawn_in(too_long, room) == too_long[2:-2]
