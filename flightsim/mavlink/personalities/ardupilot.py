@@ -138,6 +138,7 @@ ARDUPILOT = Personality(
         Alias(name="PILOT_SPEED_DN", ours="MPC_Z_VEL_MAX_DN", scale=_CENTI, is_integer=True),
         Alias(name="PILOT_SPEED_UP", ours="MPC_Z_VEL_MAX_UP", scale=_CENTI, is_integer=True),
         Alias(name="PILOT_TKOFF_ALT", ours="MIS_TAKEOFF_ALT", scale=_CENTI),
+        Alias(name="RC_OVERRIDE_TIME", ours="COM_RC_LOSS_T"),
         Alias(name="RTL_ALT", ours="RTL_RETURN_ALT", scale=_CENTI, is_integer=True),
         Alias(name="RTL_LOIT_TIME", ours="RTL_LAND_DELAY", scale=1e-3, is_integer=True),
         Alias(name="SIM_WIND_DIR", ours="SIM_WIND_DIR"),
@@ -154,6 +155,8 @@ ARDUPILOT = Personality(
     initial_parameters={
         "COM_OBL_RC_ACT": 5,  # Without setpoints it stops and holds, ...
         "COM_OF_LOSS_T": 3.0,  # ... three seconds after the last one.
+        "COM_RCL_EXCEPT": 7,  # A radio is always there in its simulator: overrides just end, ...
+        "COM_RC_LOSS_T": 3.0,  # ... this long after the last one.
         "COM_RC_OVERRIDE": 0,
         "MPC_XY_CRUISE": 10.0,
         "MPC_Z_V_AUTO_UP": 2.5,

@@ -287,3 +287,16 @@ def test_px4_does_not_know_how_to_turn_a_fence_off(flight):
     answer = flight.command(mav.MAV_CMD_DO_FENCE_ENABLE, 0)
     assert answer == mav.MAV_RESULT_UNSUPPORTED
     assert flight.autopilot.fence.is_enabled
+
+
+def test_a_single_overridden_channel_flies_and_its_end_is_no_failsafe(copter):
+    fly(copter)
+    assert set_mode(copter, LOITER) == 0
+    height_m = up_m(copter)
+    copter.send("RC_CHANNELS_OVERRIDE", 1, 1, 0, 0, 1700, 0, 0, 0, 0, 0)
+    copter.run(2.5)
+    assert up_m(copter) > height_m + 1.0  # RC_OVERRIDE_TIME is 3 s.
+    assert set_mode(copter, GUIDED) == 0
+    copter.skip(3.0)
+    assert heartbeat(copter).custom_mode == GUIDED
+    assert copter.autopilot.failsafe is None
