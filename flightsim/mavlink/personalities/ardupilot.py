@@ -10,10 +10,12 @@ from flightsim.frames import euler_rpy_rad, swap_flu_frd, swap_quat_enu_flu_ned_
 from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.dialect import layout
 from flightsim.mavlink.personalities.personality import Alias, ModeEntry, Personality
+from flightsim.mavlink.telemetry_sensors import imu_fields
 from flightsim.mavlink.view import VehicleView
 
 _EKF_STATUS_REPORT = layout("EKF_STATUS_REPORT")
 _RANGEFINDER = layout("RANGEFINDER")
+_RAW_IMU = layout("RAW_IMU")
 _SIMSTATE = layout("SIMSTATE")
 
 _STICKS = (
@@ -60,6 +62,9 @@ def _extra_telemetry(view: VehicleView) -> Mapping[str, Callable[[], bytes | Non
         range_m = view.plant.sensors.range_m
         return _RANGEFINDER.encode(distance=range_m) if math.isfinite(range_m) else None
 
+    def raw_imu() -> bytes:
+        return _RAW_IMU.encode(time_usec=view.time_us, **imu_fields(view))
+
     def simulated_state() -> bytes:
         truth = view.plant.truth
         place = view.frame.geodetic_from_enu(truth.position_enu_m)
@@ -75,6 +80,7 @@ def _extra_telemetry(view: VehicleView) -> Mapping[str, Callable[[], bytes | Non
     return {
         "EKF_STATUS_REPORT": ekf_status,
         "RANGEFINDER": rangefinder,
+        "RAW_IMU": raw_imu,
         "SIMSTATE": simulated_state,
     }
 
@@ -131,6 +137,7 @@ ARDUPILOT = Personality(
         Alias(name="FENCE_RADIUS", ours="GF_MAX_HOR_DIST"),
         Alias(name="FS_GCS_ENABLE", ours="NAV_DLL_ACT", is_integer=True, codes={0: 0, 1: 2, 5: 3}),
         Alias(name="FS_GCS_TIMEOUT", ours="COM_DL_LOSS_T"),
+        Alias(name="FS_THR_ENABLE", ours="NAV_RCL_ACT", is_integer=True, codes={0: 0, 1: 2, 3: 3}),
         Alias(name="GUID_TIMEOUT", ours="COM_OF_LOSS_T"),
         Alias(name="LAND_SPEED", ours="MPC_LAND_SPEED", scale=_CENTI, is_integer=True),
         Alias(name="LOIT_SPEED", ours="MPC_VEL_MANUAL", scale=_CENTI),
@@ -155,11 +162,11 @@ ARDUPILOT = Personality(
     initial_parameters={
         "COM_OBL_RC_ACT": 5,  # Without setpoints it stops and holds, ...
         "COM_OF_LOSS_T": 3.0,  # ... three seconds after the last one.
-        "COM_RCL_EXCEPT": 7,  # A radio is always there in its simulator: overrides just end, ...
-        "COM_RC_LOSS_T": 3.0,  # ... this long after the last one.
+        "COM_RC_LOSS_T": 3.0,
         "COM_RC_OVERRIDE": 0,
         "MPC_XY_CRUISE": 10.0,
         "MPC_Z_V_AUTO_UP": 2.5,
+        "NAV_RCL_ACT": 0,  # Its simulator has a radio, which is there when overrides end.
         "RTL_RETURN_ALT": 15.0,
     },
     takes_off_above_home=True,
