@@ -101,6 +101,7 @@ ARDUPILOT = Personality(
         _mode("LAND", 9, Mode.LAND, Mode.PRECISION_LAND, Mode.DESCEND, Mode.TERMINATION),
         _mode("POSHOLD", 16, Mode.POSITION),
         _mode("BRAKE", 17, Mode.HOLD),
+        _mode("GUIDED_NOGPS", 20, Mode.HOLD, Mode.TAKEOFF, Mode.OFFBOARD),
         _mode("FOLLOW", 23, Mode.FOLLOW),
     ),
     mode_shift={"main": 0, "sub": 8},

@@ -132,6 +132,32 @@ def test_setpoints_of_velocity_are_followed_and_stop_three_seconds_after_the_las
     assert abs(copter.plant.truth.velocity_enu_mps[1]) < 0.1
 
 
+def test_thrust_of_an_attitude_is_a_climb_that_takes_off_too(copter):
+    guided_nogps, only_attitude = 20, 0b111
+
+    def fly_attitude(thrust, seconds, q=(1.0, 0.0, 0.0, 0.0)):
+        for _ in range(round(seconds / 0.2)):
+            copter.send("SET_ATTITUDE_TARGET", 0, 1, 1, only_attitude, q, 0.0, 0.0, 0.0, thrust)
+            copter.skip(0.2)
+
+    copter.become_ready()
+    assert set_mode(copter, guided_nogps) == 0
+    assert copter.command(mav.MAV_CMD_COMPONENT_ARM_DISARM, 1) == 0
+    fly_attitude(0.5, 1.0)
+    assert up_m(copter) < 0.5
+    fly_attitude(0.7, 5.0)  # 0.4 of WPNAV_SPEED_UP, 1 m/s.
+    assert heartbeat(copter).custom_mode == guided_nogps
+    assert copter.plant.truth.velocity_enu_mps[2] == pytest.approx(1.0, abs=0.1)
+    fly_attitude(0.5, 3.0)
+    height_m, north_m = up_m(copter), copter.plant.truth.position_enu_m[1]
+    assert height_m > 3.0
+    half_pitch_rad = math.radians(-5.0) / 2  # Forward, with the nose to the north.
+    fly_attitude(0.5, 3.0, (math.cos(half_pitch_rad), 0.0, math.sin(half_pitch_rad), 0.0))
+    assert up_m(copter) == pytest.approx(height_m, abs=0.2)
+    assert copter.plant.truth.velocity_enu_mps[1] > 1.5
+    assert copter.plant.truth.position_enu_m[1] > north_m + 2.0
+
+
 def test_nothing_of_it_moves_a_vehicle_on_the_ground(copter):
     copter.become_ready()
     assert copter.command(mav.MAV_CMD_COMPONENT_ARM_DISARM, 1) == 0
