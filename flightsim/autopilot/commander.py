@@ -171,7 +171,8 @@ class Commander:
         flight = self._flight
         if mode is not self.mode:
             flight.limits.speeds = SpeedRequests()
-            flight.heading.rate_limit_radps = None
+        if mode is not Mode.OFFBOARD:
+            flight.heading.forget_request()
         has_references = not isinstance(self.behaviour, _WITHOUT_REFERENCES)
         self.mode = mode
         self.behaviour = behaviour or behaviour_of(mode, flight)
