@@ -125,10 +125,9 @@ class Commander:
             return rejected("the flight has been terminated")
         reply = may_enter(mode, self._flight, is_armed=self.is_armed, is_bare=behaviour is None)
         if not reply.is_accepted:
-            self._flight.events.say(
-                Severity.CRITICAL, f"Switching to {mode.value} denied: {reply.reason}"
-            )
-            return reply
+            why = f"switching to {mode.value} denied: {reply.reason}"
+            self._flight.events.say(Severity.CRITICAL, f"{why[0].upper()}{why[1:]}")
+            return Reply(reply.result, why)
         self._failsafe_action = Action.WARN
         self.failsafe = None
         self._enter(mode, behaviour)
