@@ -19,6 +19,8 @@ from flightsim.autopilot.results import ACCEPTED, Reply, rejected
 from flightsim.autopilot.vehicle import TICK_S
 
 _WITHOUT_REFERENCES = (Offboard, Manual, Descend)
+_GUIDED_MODES = frozenset({Mode.TAKEOFF, Mode.HOLD, Mode.OFFBOARD})
+"""Modes between which a speed that a client asked for lasts: it may ask while it still climbs."""
 _ONE_FLIGHT_MODES = frozenset(
     {
         *(Mode.TAKEOFF, Mode.RETURN, Mode.LAND, Mode.ORBIT, Mode.FOLLOW),
@@ -168,7 +170,7 @@ class Commander:
 
     def _enter(self, mode: Mode, behaviour: Behaviour | None) -> None:
         flight = self._flight
-        if mode is not self.mode:
+        if mode is not self.mode and not {mode, self.mode} <= _GUIDED_MODES:
             flight.limits.speeds = SpeedRequests()
         if mode is not Mode.OFFBOARD:
             flight.heading.forget_request()
