@@ -171,6 +171,7 @@ ARDUPILOT = Personality(
         "RTL_RETURN_ALT": 15.0,
     },
     takes_off_above_home=True,
+    turns_as_told=False,
     has_guided_mode=True,
     switches_fence=True,
     tests_motors_clockwise=True,

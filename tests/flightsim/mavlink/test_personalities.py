@@ -108,6 +108,24 @@ def test_a_single_item_is_flown_to_while_guided_and_refused_otherwise(copter):
     assert set_mode(copter, LOITER) == 0
     copter.send("MISSION_ITEM_INT", *(1, 1, 0), *goto[:2], 2, *goto[3:])
     assert named(copter.step(2), "MISSION_ACK")[-1].type == mav.MAV_MISSION_DENIED
+    texts = [message.text for message in named(copter.heard, "STATUSTEXT")]
+    assert "Item refused: not flying in guided mode" in texts
+
+
+def test_headings_of_takeoffs_and_places_are_ignored_as_by_copters(copter):
+    copter.become_ready()
+    assert copter.command(mav.MAV_CMD_COMPONENT_ARM_DISARM, 1) == 0
+    assert copter.command(mav.MAV_CMD_NAV_TAKEOFF, 0, 0, 0, 0, 0, 0, 5.0) == 0
+    copter.skip(10.0)
+    assert math.degrees(copter.server._view.rpy_rad[2]) == pytest.approx(90.0 - 40.1, abs=2.0)
+    home = copter.autopilot.home.geodetic
+    north = [waypoint(16, lat=home.latitude_deg, lon=home.longitude_deg + 4e-4, p4=0.0)]
+    assert upload(copter, [waypoint(0), *north]) == mav.MAV_MISSION_ACCEPTED
+    copter.send("MISSION_REQUEST_INT", 1, 1, 1)
+    assert named(copter.step(2), "MISSION_ITEM_INT")[-1].param4 == 0.0
+    assert set_mode(copter, AUTO) == 0
+    copter.skip(4.0)
+    assert math.degrees(copter.server._view.rpy_rad[2]) == pytest.approx(90.0, abs=5.0)
 
 
 def test_one_setpoint_of_a_place_is_flown_to_without_a_stream(copter):
