@@ -19,6 +19,8 @@ from flightsim.autopilot.results import ACCEPTED, Reply, rejected
 from flightsim.autopilot.vehicle import TICK_S
 
 _WITHOUT_REFERENCES = (Offboard, Manual, Descend)
+_GUIDED_MODES = frozenset({Mode.TAKEOFF, Mode.HOLD, Mode.OFFBOARD})
+"""Modes between which a speed that a client asked for lasts: it may ask while it still climbs."""
 _ONE_FLIGHT_MODES = frozenset(
     {
         *(Mode.TAKEOFF, Mode.RETURN, Mode.LAND, Mode.ORBIT, Mode.FOLLOW),
@@ -125,10 +127,9 @@ class Commander:
             return rejected("the flight has been terminated")
         reply = may_enter(mode, self._flight, is_armed=self.is_armed, is_bare=behaviour is None)
         if not reply.is_accepted:
-            self._flight.events.say(
-                Severity.CRITICAL, f"Switching to {mode.value} denied: {reply.reason}"
-            )
-            return reply
+            why = f"switching to {mode.value} denied: {reply.reason}"
+            self._flight.events.say(Severity.CRITICAL, f"{why[0].upper()}{why[1:]}")
+            return Reply(reply.result, why)
         self._failsafe_action = Action.WARN
         self.failsafe = None
         self._enter(mode, behaviour)
@@ -169,9 +170,10 @@ class Commander:
 
     def _enter(self, mode: Mode, behaviour: Behaviour | None) -> None:
         flight = self._flight
-        if mode is not self.mode:
+        if mode is not self.mode and not {mode, self.mode} <= _GUIDED_MODES:
             flight.limits.speeds = SpeedRequests()
-            flight.heading.rate_limit_radps = None
+        if mode is not Mode.OFFBOARD:
+            flight.heading.forget_request()
         has_references = not isinstance(self.behaviour, _WITHOUT_REFERENCES)
         self.mode = mode
         self.behaviour = behaviour or behaviour_of(mode, flight)

@@ -55,6 +55,7 @@ MEASURES = {
 }
 """Modes that are themselves as strong as a failsafe action."""
 _LINK_ACTIONS = {
+    0: None,
     1: Action.HOLD,
     2: Action.RETURN,
     3: Action.LAND,
@@ -245,12 +246,9 @@ class Failsafes:
         return _LINK_ACTIONS[int(self._flight.parameters["NAV_RCL_ACT"])]
 
     def _datalink_lost(self, mode: Mode) -> Action | None:
-        measure = int(self._flight.parameters["NAV_DLL_ACT"])
-        if measure == 0 or mode in _GOING_DOWN:
+        if mode in _GOING_DOWN or not self._datalink.is_lost(self._flight.vehicle.time_us):
             return None
-        if not self._datalink.is_lost(self._flight.vehicle.time_us):
-            return None
-        return _LINK_ACTIONS[measure]
+        return _LINK_ACTIONS[int(self._flight.parameters["NAV_DLL_ACT"])]
 
     def _geofence(self, _mode: Mode) -> Action | None:
         flight = self._flight

@@ -8,6 +8,7 @@ from math import hypot, isfinite, isnan
 from autonomy.types import Vector3
 from flightsim.autopilot.behaviours.hold import Hold
 from flightsim.autopilot.behaviours.land import Land
+from flightsim.autopilot.behaviours.offboard import Offboard
 from flightsim.autopilot.behaviours.orbit import Orbit
 from flightsim.autopilot.behaviours.precision_land import Precision, PrecisionLand
 from flightsim.autopilot.behaviours.takeoff import Takeoff
@@ -110,12 +111,13 @@ class GuidedRequests:
         return self._commander.request(Mode.ORBIT, orbit)
 
     def set_yaw(self, yaw_rad: float, *, rate_radps: float | None = None) -> Reply:
-        """Turn to a heading while holding."""
+        """Turn to a heading while holding, or while setpoints leave the heading free."""
         behaviour = self._commander.behaviour
-        if not isinstance(behaviour, Hold) or not self._commander.is_armed or not isfinite(yaw_rad):
-            return rejected("a heading can only be set while holding")
-        behaviour.turn_to(yaw_rad)
-        self._flight.heading.rate_limit_radps = rate_radps
+        is_able = self._commander.is_armed and isfinite(yaw_rad)
+        if not isinstance(behaviour, (Hold, Offboard)) or not is_able:
+            return rejected("a heading can only be set while holding or offboard")
+        behaviour.start_turn()
+        self._flight.heading.ask(yaw_rad, rate_radps)
         return ACCEPTED
 
     def set_speed(self, speed_mps: float | None) -> Reply:

@@ -23,6 +23,8 @@ class HeadingMotion:
         self.goal_yaw_rad = 0.0
         self.rate_limit_radps: float | None = None
         """Rate limit below the usual one, if any."""
+        self.is_asked = False
+        """Whether a client asked for the goal; offboard setpoints without a heading keep to it."""
         self._motion = AxisMotion()
 
     @property
@@ -38,8 +40,18 @@ class HeadingMotion:
     def reset(self, yaw_rad: float) -> None:
         """Rest at a heading."""
         self.yaw_rad = self.goal_yaw_rad = yaw_rad
-        self.rate_limit_radps = None
+        self.forget_request()
         self._motion = AxisMotion()
+
+    def ask(self, yaw_rad: float, rate_limit_radps: float | None) -> None:
+        """Turn to a heading because a client asks for it."""
+        self.goal_yaw_rad, self.rate_limit_radps = yaw_rad, rate_limit_radps
+        self.is_asked = True
+
+    def forget_request(self) -> None:
+        """Go on as if no client had asked for a heading."""
+        self.rate_limit_radps = None
+        self.is_asked = False
 
     def step(self, dt: float, rate_max_radps: float, acceleration_max_radps2: float) -> None:
         """Turn for one tick towards the goal."""

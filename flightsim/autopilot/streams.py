@@ -72,11 +72,14 @@ class StickStream:
             self._sticks = sticks
             self._received_us = time_us
 
+    @property
+    def timeout_us(self) -> float:
+        """Silence after which sticks are lost."""
+        return 1e6 * max(self._parameters["COM_RC_LOSS_T"], 0.1)
+
     def is_alive(self, time_us: int) -> bool:
         """Whether sticks are still being received."""
-        if self._received_us is None:
-            return False
-        return time_us - self._received_us <= 1e6 * max(self._parameters["COM_RC_LOSS_T"], 0.1)
+        return self._received_us is not None and time_us - self._received_us <= self.timeout_us
 
     def current(self, time_us: int) -> Sticks:
         """Present stick positions; centred while none are received."""

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 
-from autonomy.types import ControlLevel, Setpoint
+from autonomy.model.quadrotor import GRAVITY_MPS2
+from autonomy.types import NAN3, ControlLevel, Setpoint, yaw_of
 from flightsim.autopilot.mission_item import FRAME_GLOBAL, MissionItem
 from flightsim.autopilot.modes import LandedState, Mode
 from flightsim.autopilot.results import Reply, rejected
@@ -27,14 +28,26 @@ class GuidedInput:
     @property
     def is_guided(self) -> bool:
         """Whether the vehicle flies, and takes what it is told."""
+        is_flying = self._view.autopilot.landed_state is not LandedState.ON_GROUND
+        return is_flying and self._is_ready
+
+    @property
+    def _is_ready(self) -> bool:
+        """Whether it takes what it is told, or would if it flew."""
         autopilot = self._view.autopilot
-        is_flying = autopilot.is_armed and autopilot.landed_state is not LandedState.ON_GROUND
         is_chosen = Mode.OFFBOARD in self._modes.entry.also
-        return is_flying and is_chosen and autopilot.mode in _GUIDED_MODES
+        return autopilot.is_armed and is_chosen and autopilot.mode in _GUIDED_MODES
 
     def accept_setpoint(self, setpoint: Setpoint) -> None:
-        """Fly to a bare place and stay; follow any other setpoint until the stream ends."""
-        if not self.is_guided:
+        """Fly to a bare place and stay; follow any other setpoint until the stream ends.
+
+        From the ground nothing but an attitude with a climb is followed, as by ArduCopter.
+        """
+        takes_off = False
+        if setpoint.level is ControlLevel.ATTITUDE:
+            setpoint = self._with_climb(setpoint)
+            takes_off = setpoint.velocity_enu_mps[2] > 0.0
+        if not (self._is_ready if takes_off else self.is_guided):
             return
         autopilot = self._view.autopilot
         if _is_bare_place(setpoint):
@@ -53,6 +66,33 @@ class GuidedInput:
         if is_altitude_only or item.is_here or not item.is_geodetic:
             return self._view.autopilot.goto(Geodetic(math.nan, math.nan, altitude_m))
         return self._view.autopilot.goto(Geodetic(item.x, item.y, altitude_m))
+
+    def _with_climb(self, setpoint: Setpoint) -> Setpoint:
+        """The tilt and heading of an attitude, with a climb by its thrust: 0.5 keeps the height.
+
+        Where body rates alone are given, thrust stays thrust here; ArduCopter climbs by it too.
+
+        Source: ArduCopter 4.5, GCS_Mavlink.cpp, SET_ATTITUDE_TARGET without GUID_OPTIONS.
+        """
+        parameters = self._view.autopilot.parameters
+        share = 2.0 * setpoint.thrust - 1.0
+        speed_mps = parameters["MPC_Z_V_AUTO_UP" if share > 0.0 else "MPC_Z_V_AUTO_DN"]
+        w, x, y, z = setpoint.quat_wxyz
+        east, north, up = 2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)
+        tilt_rad = min(math.atan2(math.hypot(east, north), up), self._tilt_max_rad)
+        level = max(math.hypot(east, north), 1e-9)
+        push_mps2 = GRAVITY_MPS2 * math.tan(tilt_rad) / level
+        return Setpoint(
+            level=ControlLevel.TRAJECTORY,
+            position_enu_m=NAN3,
+            velocity_enu_mps=(math.nan, math.nan, share * speed_mps),
+            acceleration_enu_mps2=(east * push_mps2, north * push_mps2, 0.0),
+            yaw_rad=yaw_of(setpoint.quat_wxyz),
+        )
+
+    @property
+    def _tilt_max_rad(self) -> float:
+        return math.radians(self._view.autopilot.parameters["MPC_MAN_TILT_MAX"])
 
     def _fly_to(self, setpoint: Setpoint) -> None:
         autopilot = self._view.autopilot

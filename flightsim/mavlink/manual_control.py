@@ -4,22 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from flightsim.autopilot.autopilot import Autopilot
 from flightsim.mavlink.channel import Channel
 from flightsim.mavlink.parsing import Message
 from flightsim.mavlink.service import Handler
+from flightsim.mavlink.view import VehicleView
 
 _INVALID_AXIS = 0x7FFF
 _PWM_MIDDLE, _PWM_HALF_SPAN = 1500, 500
-_PWM_UNUSED = (0, 0xFFFF)
+_PWM_RELEASED, _PWM_KEPT = 0, 0xFFFF
 
 
 class ManualControlService:
     """Passes stick positions to the autopilot, which checks their age."""
 
-    def __init__(self, autopilot: Autopilot, system_id: int) -> None:
-        self._autopilot = autopilot
+    def __init__(self, view: VehicleView, system_id: int) -> None:
+        self._view = view
+        self._autopilot = view.autopilot
         self._system_id = system_id
+        self._pulses = [_PWM_RELEASED] * 4
+        self._pulsed_us = [0] * 4
+        """When each of the pulses was told; one that grows old is released."""
         self.handlers: Mapping[str, Handler] = {
             "MANUAL_CONTROL": self._on_manual_control,
             "RC_CHANNELS_OVERRIDE": self._on_override,
@@ -36,10 +40,19 @@ class ManualControlService:
         )
 
     def _on_override(self, _: Channel, message: Message) -> None:
-        channels = (message.chan1_raw, message.chan2_raw, message.chan3_raw, message.chan4_raw)
-        if any(pwm in _PWM_UNUSED for pwm in channels):
-            return  # released, or meant for other channels
-        roll, pitch, throttle, yaw = map(_deflection, channels)
+        now_us = self._view.time_us
+        told = (message.chan1_raw, message.chan2_raw, message.chan3_raw, message.chan4_raw)
+        for channel, pwm in enumerate(told):
+            if pwm != _PWM_KEPT:
+                self._pulses[channel], self._pulsed_us[channel] = pwm, now_us
+        oldest_us = now_us - self._autopilot.sticks.timeout_us
+        pulses = [
+            pwm if told_us >= oldest_us else _PWM_RELEASED
+            for pwm, told_us in zip(self._pulses, self._pulsed_us, strict=True)
+        ]
+        if not any(pulses):
+            return  # All are released: there is no radio besides.
+        roll, pitch, throttle, yaw = map(_deflection, pulses)
         # A stick pulled back gives a high pulse and pitches the nose up.
         self._autopilot.set_manual_control(
             pitch=-pitch, roll=roll, throttle=0.5 + 0.5 * throttle, yaw=yaw
@@ -51,4 +64,7 @@ def _axis(value: int) -> float:
 
 
 def _deflection(pwm: int) -> float:
+    """Deflection of a stick by its pulse; that of a released one is the middle."""
+    if pwm == _PWM_RELEASED:
+        return 0.0
     return max(-1.0, min(1.0, (pwm - _PWM_MIDDLE) / _PWM_HALF_SPAN))

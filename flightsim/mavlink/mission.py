@@ -186,6 +186,8 @@ class MissionService:
         if self._guide is not None and message.current in _GUIDED:
             is_altitude_only = message.current == _GUIDED_ALTITUDE
             reply = self._guide(item_from_message(message), is_altitude_only=is_altitude_only)
+            if reply.reason:
+                self._statustext.say(Severity.WARNING, f"Item refused: {reply.reason}")
             result = mav.MAV_MISSION_ACCEPTED if reply.is_accepted else mav.MAV_MISSION_DENIED
             self._ack(channel, _sender(message), message.mission_type, result)
             return

@@ -1,12 +1,16 @@
-"""A mission as ArduPilot's clients read and write it: item 0 is home, and every item continues."""
+"""A mission as ArduPilot's clients read and write it: item 0 is home, and every item continues.
+
+As in ArduCopter headings of places are not kept: it turns to where it flies.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
+from math import nan
 
 from flightsim.autopilot.autopilot import Autopilot
-from flightsim.autopilot.mission_item import Cmd, MissionError, MissionItem
+from flightsim.autopilot.mission_item import PLACE_COMMANDS, Cmd, MissionError, MissionItem
 
 _GLOBAL = 0
 
@@ -21,7 +25,8 @@ class MissionWithHome:
     def items(self) -> tuple[MissionItem, ...]:
         """Home and the mission, whose jumps count home."""
         stored = self._autopilot.mission.items
-        return (self._home(), *(_with_jump_moved(item, by=1) for item in stored))
+        told = (_with_heading(item, 0.0) for item in stored)
+        return (self._home(), *(_with_jump_moved(item, by=1) for item in told))
 
     @property
     def current_index(self) -> int:
@@ -39,7 +44,8 @@ class MissionWithHome:
         _, *rest = (*items,) or (None,)
         try:
             self._autopilot.mission.replace(
-                replace(_with_jump_moved(item, by=-1), is_autocontinue=True) for item in rest
+                replace(_with_jump_moved(_with_heading(item, nan), by=-1), is_autocontinue=True)
+                for item in rest
             )
         except MissionError as error:
             text = f"{error} (home not counted)"
@@ -61,6 +67,10 @@ class MissionWithHome:
             y=place.longitude_deg,
             z=place.altitude_m,
         )
+
+
+def _with_heading(item: MissionItem, heading_deg: float) -> MissionItem:
+    return replace(item, param4=heading_deg) if item.command in PLACE_COMMANDS else item
 
 
 def _with_jump_moved(item: MissionItem, *, by: int) -> MissionItem:

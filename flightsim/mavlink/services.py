@@ -144,7 +144,7 @@ def _answering(
         FollowTargetService(view),
         LandingTargetService(view),
         ObstacleDistanceService(view),
-        ManualControlService(view.autopilot, setting.system_id),
+        ManualControlService(view, setting.system_id),
         TimesyncService(lambda: view.plant.time_us),
         AbsentService(statustext),
         *((SigningSetup(signing, view.autopilot, statustext),) if signing else ()),

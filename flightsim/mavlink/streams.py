@@ -52,6 +52,7 @@ _RATES_HZ: Mapping[str, tuple[float, float]] = {
     "NAV_CONTROLLER_OUTPUT": (1, 10),
     "SCALED_PRESSURE": (1, 1),
     "RANGEFINDER": (1, 1),
+    "RAW_IMU": (2, 2),
     "RC_CHANNELS": (2, 2),
     "ESC_STATUS": (1, 1),
     "ESC_INFO": (0.5, 0.5),
@@ -63,7 +64,7 @@ _RATES_HZ: Mapping[str, tuple[float, float]] = {
 
 # The groups of REQUEST_DATA_STREAM as ground stations use them.
 _GROUPS: Mapping[int, Sequence[str]] = {
-    mav.MAV_DATA_STREAM_RAW_SENSORS: ("HIGHRES_IMU", "SCALED_PRESSURE"),
+    mav.MAV_DATA_STREAM_RAW_SENSORS: ("HIGHRES_IMU", "RAW_IMU", "SCALED_PRESSURE"),
     mav.MAV_DATA_STREAM_EXTENDED_STATUS: (
         "SYS_STATUS",
         "GPS_RAW_INT",

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Mapping
 
 from flightsim.autopilot.modes import BatteryWarning
+from flightsim.frames import swap_flu_frd
 from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.dialect import layout
 from flightsim.mavlink.view import VehicleView
@@ -13,7 +14,11 @@ from flightsim.sensors.optical_flow import OPTICAL_FLOW
 
 _OPTICAL_FLOW_RAD = layout("OPTICAL_FLOW_RAD")
 _BATTERY_STATUS = layout("BATTERY_STATUS")
+_SCALED_IMU = layout("SCALED_IMU")
 
+_MILLI_G_PER_MPS2 = 1e3 / 9.80665
+_MILLIGAUSS_PER_UT = 10.0
+_LARGEST_I16 = 0x7FFF
 _UNKNOWN_U16 = 0xFFFF
 _CHARGE_STATES = {
     BatteryWarning.NONE: mav.MAV_BATTERY_CHARGE_STATE_OK,
@@ -28,9 +33,16 @@ class SensorTelemetry:
 
     def __init__(self, view: VehicleView) -> None:
         self._view = view
-        self.producers: Mapping[str, Callable[[], bytes | None]] = {"BATTERY_STATUS": self._battery}
+        self.producers: Mapping[str, Callable[[], bytes | None]] = {
+            "BATTERY_STATUS": self._battery,
+            "SCALED_IMU": self._imu,
+        }
         if view.plant.cfg.has(OPTICAL_FLOW.name):
             self.producers = {**self.producers, "OPTICAL_FLOW_RAD": self._flow}
+
+    def _imu(self) -> bytes:
+        """Report the inertial sensor and the magnetometer."""
+        return _SCALED_IMU.encode(time_boot_ms=self._view.time_boot_ms, **imu_fields(self._view))
 
     def _flow(self) -> bytes | None:
         """Report the flow of what passes below; none before the first sample."""
@@ -68,3 +80,25 @@ class SensorTelemetry:
             battery_remaining=max(0, min(100, round(100.0 * battery.remaining))),
             charge_state=_CHARGE_STATES[battery.warning],
         )
+
+
+def imu_fields(view: VehicleView) -> Mapping[str, int]:
+    """Fields of SCALED_IMU and RAW_IMU: thousandths of g, of rad/s and of gauss, centidegrees."""
+    sensors = view.plant.sensors
+    accel, gyro = sensors.imu.accel_flu_mps2, sensors.imu.gyro_flu_radps
+    readings = {
+        "acc": [_MILLI_G_PER_MPS2 * value for value in swap_flu_frd(accel)],
+        "gyro": [1e3 * value for value in swap_flu_frd(gyro)],
+        "mag": [_MILLIGAUSS_PER_UT * value for value in swap_flu_frd(sensors.mag.field_flu_ut)],
+    }
+    fields = {
+        f"{axis}{name}": _i16(value)
+        for name, values in readings.items()
+        for axis, value in zip("xyz", values, strict=True)
+    }
+    return {**fields, "temperature": _i16(100.0 * sensors.baro.temperature_degc)}
+
+
+def _i16(value: float) -> int:
+    """The nearest whole number that a signed 16-bit field holds."""
+    return round(max(-_LARGEST_I16, min(_LARGEST_I16, value)))

@@ -44,10 +44,9 @@ class Hold:
             return False
         return target[2] > self._flight.vehicle.position_enu_m[2] + _TAKEOFF_MARGIN_M
 
-    def turn_to(self, yaw_rad: float) -> None:
-        """Turn to another heading."""
+    def start_turn(self) -> None:
+        """Be ready to turn to a heading that a client asks for."""
         self._faces_target = False
-        self._flight.heading.goal_yaw_rad = yaw_rad
 
     def start(self) -> None:
         """Set the goal of the flight."""

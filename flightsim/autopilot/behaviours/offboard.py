@@ -58,8 +58,13 @@ class Offboard:
     def start(self) -> None:
         """Do nothing: the stream holds all state."""
 
+    def start_turn(self) -> None:
+        """Be ready to turn to a heading that a client asks for."""
+        if not self._flight.heading.is_asked:
+            self._flight.heading.reset(self._flight.vehicle.yaw_rad)
+
     def update(self) -> Setpoint:
-        """The latest setpoint."""
+        """The latest setpoint, turned to a heading that a client asked for where it has none."""
         flight = self._flight
         setpoint = flight.offboard.setpoint
         if setpoint is None:
@@ -69,7 +74,15 @@ class Offboard:
             self._seen = setpoint
             self._limited = self._within_limits(setpoint)
             flight.target_enu_m = _finite(setpoint.position_enu_m)
-        return self._limited
+        heading = flight.heading
+        if not heading.is_asked:
+            return self._limited
+        if not _leaves_heading_free(setpoint):
+            heading.forget_request()
+            return self._limited
+        flight.turn()
+        turned = {"yaw_rad": heading.yaw_rad, "yaw_rate_radps": heading.yaw_rate_radps}
+        return replace(self._limited, **turned)
 
     def _within_limits(self, setpoint: Setpoint) -> Setpoint:
         """Limit a setpoint of bare velocity to the vehicle's maxima."""
@@ -83,6 +96,11 @@ class Offboard:
         if share == 1.0 and (up == vz or isnan(vz)):
             return setpoint
         return replace(setpoint, velocity_enu_mps=(vx * share, vy * share, up))
+
+
+def _leaves_heading_free(setpoint: Setpoint) -> bool:
+    is_trajectory = setpoint.level == ControlLevel.TRAJECTORY
+    return is_trajectory and isnan(setpoint.yaw_rad) and not setpoint.yaw_rate_radps
 
 
 def _finite(position_enu_m: Vector3) -> Vector3 | None:

@@ -10,10 +10,12 @@ from flightsim.frames import euler_rpy_rad, swap_flu_frd, swap_quat_enu_flu_ned_
 from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.dialect import layout
 from flightsim.mavlink.personalities.personality import Alias, ModeEntry, Personality
+from flightsim.mavlink.telemetry_sensors import imu_fields
 from flightsim.mavlink.view import VehicleView
 
 _EKF_STATUS_REPORT = layout("EKF_STATUS_REPORT")
 _RANGEFINDER = layout("RANGEFINDER")
+_RAW_IMU = layout("RAW_IMU")
 _SIMSTATE = layout("SIMSTATE")
 
 _STICKS = (
@@ -60,6 +62,9 @@ def _extra_telemetry(view: VehicleView) -> Mapping[str, Callable[[], bytes | Non
         range_m = view.plant.sensors.range_m
         return _RANGEFINDER.encode(distance=range_m) if math.isfinite(range_m) else None
 
+    def raw_imu() -> bytes:
+        return _RAW_IMU.encode(time_usec=view.time_us, **imu_fields(view))
+
     def simulated_state() -> bytes:
         truth = view.plant.truth
         place = view.frame.geodetic_from_enu(truth.position_enu_m)
@@ -75,6 +80,7 @@ def _extra_telemetry(view: VehicleView) -> Mapping[str, Callable[[], bytes | Non
     return {
         "EKF_STATUS_REPORT": ekf_status,
         "RANGEFINDER": rangefinder,
+        "RAW_IMU": raw_imu,
         "SIMSTATE": simulated_state,
     }
 
@@ -95,6 +101,7 @@ ARDUPILOT = Personality(
         _mode("LAND", 9, Mode.LAND, Mode.PRECISION_LAND, Mode.DESCEND, Mode.TERMINATION),
         _mode("POSHOLD", 16, Mode.POSITION),
         _mode("BRAKE", 17, Mode.HOLD),
+        _mode("GUIDED_NOGPS", 20, Mode.HOLD, Mode.TAKEOFF, Mode.OFFBOARD),
         _mode("FOLLOW", 23, Mode.FOLLOW),
     ),
     mode_shift={"main": 0, "sub": 8},
@@ -131,6 +138,7 @@ ARDUPILOT = Personality(
         Alias(name="FENCE_RADIUS", ours="GF_MAX_HOR_DIST"),
         Alias(name="FS_GCS_ENABLE", ours="NAV_DLL_ACT", is_integer=True, codes={0: 0, 1: 2, 5: 3}),
         Alias(name="FS_GCS_TIMEOUT", ours="COM_DL_LOSS_T"),
+        Alias(name="FS_THR_ENABLE", ours="NAV_RCL_ACT", is_integer=True, codes={0: 0, 1: 2, 3: 3}),
         Alias(name="GUID_TIMEOUT", ours="COM_OF_LOSS_T"),
         Alias(name="LAND_SPEED", ours="MPC_LAND_SPEED", scale=_CENTI, is_integer=True),
         Alias(name="LOIT_SPEED", ours="MPC_VEL_MANUAL", scale=_CENTI),
@@ -138,6 +146,7 @@ ARDUPILOT = Personality(
         Alias(name="PILOT_SPEED_DN", ours="MPC_Z_VEL_MAX_DN", scale=_CENTI, is_integer=True),
         Alias(name="PILOT_SPEED_UP", ours="MPC_Z_VEL_MAX_UP", scale=_CENTI, is_integer=True),
         Alias(name="PILOT_TKOFF_ALT", ours="MIS_TAKEOFF_ALT", scale=_CENTI),
+        Alias(name="RC_OVERRIDE_TIME", ours="COM_RC_LOSS_T"),
         Alias(name="RTL_ALT", ours="RTL_RETURN_ALT", scale=_CENTI, is_integer=True),
         Alias(name="RTL_LOIT_TIME", ours="RTL_LAND_DELAY", scale=1e-3, is_integer=True),
         Alias(name="SIM_WIND_DIR", ours="SIM_WIND_DIR"),
@@ -154,12 +163,15 @@ ARDUPILOT = Personality(
     initial_parameters={
         "COM_OBL_RC_ACT": 5,  # Without setpoints it stops and holds, ...
         "COM_OF_LOSS_T": 3.0,  # ... three seconds after the last one.
+        "COM_RC_LOSS_T": 3.0,
         "COM_RC_OVERRIDE": 0,
         "MPC_XY_CRUISE": 10.0,
         "MPC_Z_V_AUTO_UP": 2.5,
+        "NAV_RCL_ACT": 0,  # Its simulator has a radio, which is there when overrides end.
         "RTL_RETURN_ALT": 15.0,
     },
     takes_off_above_home=True,
+    turns_as_told=False,
     has_guided_mode=True,
     switches_fence=True,
     tests_motors_clockwise=True,

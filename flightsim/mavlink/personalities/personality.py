@@ -73,6 +73,8 @@ class Personality:
     """Our parameters whose defaults differ in the flight stack."""
     takes_off_above_home: bool = False
     """Whether the altitude of a takeoff counts from home, instead of as its frame says."""
+    turns_as_told: bool = True
+    """Whether takeoffs and landings turn to the heading of their command."""
     has_guided_mode: bool = False
     """Whether setpoints and single items fly in the mode of HOLD, instead of in OFFBOARD."""
     switches_fence: bool = False

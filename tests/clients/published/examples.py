@@ -24,6 +24,8 @@ class Example:
     """What of its source is replaced, besides its address."""
     options: Sequence[str] = ()
     """Options of a testbench of its own."""
+    follows: str = ""
+    """Name of the example that flies its vehicle first, where it wants one that has flown."""
     but: str | None = None
     """Why it does not finish here; None where it does."""
     raises: str = ""
@@ -39,12 +41,12 @@ def _examples(*examples: Example) -> dict[str, Example]:
 
 
 EXAMPLES = _examples(
-    Example(name="takeoff_and_land", is_quiet=True, says="-- Landing"),
-    # The log of the flight before it.
-    Example(name="logfile_download", is_quiet=True, says="Downloading"),
+    Example(name="takeoff_and_land", says="-- Landing"),
+    Example(name="logfile_download", follows="takeoff_and_land", says="Downloading"),
     # It asks for the firmware of an I/O board, which no simulator has; this is the same log.
     Example(
         name="ftp_download_file",
+        follows="takeoff_and_land",
         says=r"Got (\d+) of \1 bytes",
         edits={"/etc/extras/px4_io-v2_default.bin": "/log/0.ulg"},
     ),

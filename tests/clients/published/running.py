@@ -15,13 +15,15 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from tests.clients.conftest import TestbenchProcess
-from tests.clients.published.examples import Example
+from tests.clients.published.examples import EXAMPLES, Example
 
 _WARNINGS = re.compile(r"^(?:\[|I\d{4}|WARNING|.*FutureWarning|\s)")
 _LIMIT_S = 300.0
 _ENDLESS_S = 8.0
 """Time for which an endless example goes on without a fault after what it should say."""
 _FAULTS = re.compile(r"Traceback|Error\b|exception was never retrieved")
+_FAULT_S = 2.0
+"""Time in which an example says the whole of a fault: it may wait for ever after it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,7 +43,7 @@ def package_of(python: str) -> str:
 
 
 class Runner:
-    """Runs one example after the other, each with a vehicle that none has flown before."""
+    """Runs one example after the other, each with a vehicle that none but its forerunner flew."""
 
     def __init__(self, examples: Path, instance: int, python: str) -> None:
         self._examples = examples
@@ -52,20 +54,25 @@ class Runner:
 
     def run(self, example: Example) -> Outcome:
         """Run an example to its end, or to its limit."""
-        if example.options:
+        if example.options or example.follows:
             self.close()
         if self._bench is None:
             options = ("--speed", "1", "--headless-seconds", "3600", *example.options)
             self._bench = TestbenchProcess(*options, instance=self._instance)
             self._bench.wait_until_open()
         try:
-            with tempfile.TemporaryDirectory() as folder:
-                return self._run(example, self._bench, Path(folder))
+            if example.follows:
+                self._run(EXAMPLES[example.follows], self._bench)
+            return self._run(example, self._bench)
         finally:
             if example.options or not example.is_quiet:
                 self.close()
 
-    def _run(self, example: Example, bench: TestbenchProcess, folder: Path) -> Outcome:
+    def _run(self, example: Example, bench: TestbenchProcess) -> Outcome:
+        with tempfile.TemporaryDirectory() as folder:
+            return self._run_in(Path(folder), example, bench)
+
+    def _run_in(self, folder: Path, example: Example, bench: TestbenchProcess) -> Outcome:
         published = example.path(self._examples)
         for data in (*published.parent.glob("*.plan"), *published.parent.glob("*.csv")):
             shutil.copy(data, folder)
@@ -132,7 +139,8 @@ def _wait(example: Example, process: subprocess.Popen[str], output: list[str]) -
     while time.monotonic() < deadline:
         if process.poll() is not None:
             return process.returncode == 0
-        if example.raises and re.search(example.raises, "".join(output)):
+        if _FAULTS.search("".join(output)):
+            time.sleep(_FAULT_S)
             return False
         if example.is_endless and re.search(example.says, "".join(output)):
             time.sleep(_ENDLESS_S)

@@ -170,6 +170,24 @@ def test_setting_a_speed_changes_the_flight_in_progress():
     assert bench.pilot.set_speed(-1.0).result is CommandResult.DENIED
 
 
+def test_a_speed_asked_for_during_the_climb_lasts_until_another_kind_of_flight():
+    bench = Bench()
+    assert bench.pilot.arm().is_accepted
+    assert bench.pilot.takeoff().is_accepted
+    bench.run(2.0)
+    assert bench.pilot.mode is Mode.TAKEOFF
+    assert bench.pilot.set_speed(1.5).is_accepted
+    assert bench.run(20.0, lambda: bench.pilot.mode is Mode.HOLD)
+    bench.pilot.goto(bench.geodetic(40.0, 0.0))
+    bench.run(5.0)
+    assert bench.speed_mps == pytest.approx(1.5, abs=0.2)
+    assert bench.pilot.return_to_launch().is_accepted
+    assert bench.pilot.set_mode(Mode.HOLD).is_accepted
+    bench.pilot.goto(bench.geodetic(60.0, 0.0))
+    bench.run(5.0)
+    assert bench.speed_mps > 3.0
+
+
 def test_armed_by_force_before_there_is_an_attitude_it_idles():
     bench = Bench()
     plant = Plant(bench.plant.world, PlantCfg(seed=1))

@@ -195,3 +195,29 @@ def test_a_place_that_rises_past_the_vehicle_lifts_it():
         )
         bench.stream(rising, 0.02)
     assert bench.position[2] > 0.8
+
+
+FREE_YAW = {"yaw_rad": NAN}
+
+
+def test_a_heading_asked_for_is_turned_to_while_setpoints_leave_it_free():
+    bench = flying()
+    assert bench.pilot.set_yaw(2.0).is_accepted
+    bench.stream(velocity(1.0, 0.0, 0.0, **FREE_YAW), 5.0)
+    assert bench.yaw_rad == pytest.approx(2.0, abs=0.05)
+    bench.stream(velocity(1.0, 0.0, 0.0, yaw_rad=0.5), 5.0)
+    assert bench.yaw_rad == pytest.approx(0.5, abs=0.05)
+    bench.stream(velocity(1.0, 0.0, 0.0, **FREE_YAW), 3.0)
+    assert bench.yaw_rad == pytest.approx(0.5, abs=0.05)
+
+
+def test_a_turn_begun_while_holding_goes_on_offboard():
+    bench = Bench().take_off()
+    assert bench.pilot.set_yaw(-2.0, rate_radps=0.5).is_accepted
+    bench.run(0.2)
+    bench.pilot.set_offboard_setpoint(velocity(0.0, 0.0, 0.0, **FREE_YAW))
+    assert bench.pilot.set_mode(Mode.OFFBOARD).is_accepted
+    bench.stream(velocity(0.0, 0.0, 0.0, **FREE_YAW), 1.0)
+    assert abs(bench.yaw_rad + 2.0) > 0.5  # It keeps to the rate that was asked for.
+    bench.stream(velocity(0.0, 0.0, 0.0, **FREE_YAW), 8.0)
+    assert bench.yaw_rad == pytest.approx(-2.0, abs=0.05)

@@ -38,6 +38,15 @@ def test_arming_needs_a_position_and_says_why(flight):
     assert not flight.autopilot.is_armed
 
 
+def test_why_a_mode_is_refused_is_said_once(flight):
+    flight.become_ready()
+    flight.heard.clear()
+    assert flight.command(mav.MAV_CMD_DO_SET_MODE, 1, 6, 0) == REJECTED
+    flight.run(0.1)
+    whole = "".join(message.text for message in named(flight.heard, "STATUSTEXT"))
+    assert whole == "Switching to Offboard denied: no offboard setpoints arrive"
+
+
 def test_disarming_in_the_air_needs_force(flight):
     flight.take_off()
     assert flight.command(mav.MAV_CMD_COMPONENT_ARM_DISARM, 0) == REJECTED

@@ -213,6 +213,18 @@ def test_sticks_fly_in_position_mode(flight):
     assert ahead > 3.0
 
 
+@pytest.fixture
+def sticks_taken(flight, monkeypatch):
+    """Stick positions that reached the autopilot: pitch, roll, throttle, yaw."""
+    taken = []
+    monkeypatch.setattr(
+        flight.autopilot,
+        "set_manual_control",
+        lambda *, pitch, roll, throttle, yaw: taken.append((pitch, roll, throttle, yaw)),
+    )
+    return taken
+
+
 @pytest.mark.parametrize(
     ("name", "values", "expected"),
     [
@@ -222,16 +234,30 @@ def test_sticks_fly_in_position_mode(flight):
         ("MANUAL_CONTROL", (7, 1000, 0, 0, 0, 0), None),
         ("RC_CHANNELS_OVERRIDE", (1, 1, 1600, 1400, 2000, 1500, 0, 0, 0, 0), (0.2, 0.2, 1.0, 0.0)),
         ("RC_CHANNELS_OVERRIDE", (1, 1, 0, 0, 0, 0, 0, 0, 0, 0), None),
-        ("RC_CHANNELS_OVERRIDE", (1, 1, 65535, 1500, 1500, 1500, 0, 0, 0, 0), None),
+        ("RC_CHANNELS_OVERRIDE", (1, 1, 65535, 65535, 65535, 65535, 0, 0, 0, 0), None),
+        # As MAVProxy's "rc 3 1600" and DroneKit's overrides send it: the others are in the middle.
+        ("RC_CHANNELS_OVERRIDE", (1, 1, 0, 0, 1600, 0, 0, 0, 0, 0), (0.0, 0.0, 0.6, 0.0)),
+        ("RC_CHANNELS_OVERRIDE", (1, 1, 1400, 65535, 65535, 65535, 0, 0, 0, 0), (0, -0.2, 0.5, 0)),
     ],
 )
-def test_sticks_are_scaled_and_cut(flight, monkeypatch, name, values, expected):
-    taken = []
-    monkeypatch.setattr(
-        flight.autopilot,
-        "set_manual_control",
-        lambda *, pitch, roll, throttle, yaw: taken.append((pitch, roll, throttle, yaw)),
-    )
+def test_sticks_are_scaled_and_cut(flight, sticks_taken, name, values, expected):
     flight.send(name, *values)
     flight.step()
-    assert taken == ([] if expected is None else [pytest.approx(expected)])
+    assert sticks_taken == ([] if expected is None else [pytest.approx(expected)])
+
+
+def test_an_overridden_channel_is_kept_until_it_is_released_or_old(flight, sticks_taken):
+    kept, released = 65535, 0
+
+    def send(*pulses):
+        flight.send("RC_CHANNELS_OVERRIDE", 1, 1, *pulses, 0, 0, 0, 0)
+        flight.step()
+        return sticks_taken[-1]
+
+    assert send(1600, kept, 1700, kept) == pytest.approx((0.0, 0.2, 0.7, 0.0))
+    assert send(kept, kept, kept, 1400) == pytest.approx((0.0, 0.2, 0.7, -0.2))
+    assert send(released, kept, kept, kept) == pytest.approx((0.0, 0.0, 0.7, -0.2))
+    flight.run(0.4)
+    assert send(kept, kept, 1600, kept) == pytest.approx((0.0, 0.0, 0.6, -0.2))
+    flight.run(0.4)
+    assert send(kept, 1500, kept, kept) == pytest.approx((0.0, 0.0, 0.6, 0.0))

@@ -108,6 +108,24 @@ def test_a_single_item_is_flown_to_while_guided_and_refused_otherwise(copter):
     assert set_mode(copter, LOITER) == 0
     copter.send("MISSION_ITEM_INT", *(1, 1, 0), *goto[:2], 2, *goto[3:])
     assert named(copter.step(2), "MISSION_ACK")[-1].type == mav.MAV_MISSION_DENIED
+    texts = [message.text for message in named(copter.heard, "STATUSTEXT")]
+    assert "Item refused: not flying in guided mode" in texts
+
+
+def test_headings_of_takeoffs_and_places_are_ignored_as_by_copters(copter):
+    copter.become_ready()
+    assert copter.command(mav.MAV_CMD_COMPONENT_ARM_DISARM, 1) == 0
+    assert copter.command(mav.MAV_CMD_NAV_TAKEOFF, 0, 0, 0, 0, 0, 0, 5.0) == 0
+    copter.skip(10.0)
+    assert math.degrees(copter.server._view.rpy_rad[2]) == pytest.approx(90.0 - 40.1, abs=2.0)
+    home = copter.autopilot.home.geodetic
+    north = [waypoint(16, lat=home.latitude_deg, lon=home.longitude_deg + 4e-4, p4=0.0)]
+    assert upload(copter, [waypoint(0), *north]) == mav.MAV_MISSION_ACCEPTED
+    copter.send("MISSION_REQUEST_INT", 1, 1, 1)
+    assert named(copter.step(2), "MISSION_ITEM_INT")[-1].param4 == 0.0
+    assert set_mode(copter, AUTO) == 0
+    copter.skip(4.0)
+    assert math.degrees(copter.server._view.rpy_rad[2]) == pytest.approx(90.0, abs=5.0)
 
 
 def test_one_setpoint_of_a_place_is_flown_to_without_a_stream(copter):
@@ -130,6 +148,32 @@ def test_setpoints_of_velocity_are_followed_and_stop_three_seconds_after_the_las
     assert copter.autopilot.mode is Mode.HOLD
     assert 4.0 < copter.plant.truth.position_enu_m[1] - start_m < 11.0
     assert abs(copter.plant.truth.velocity_enu_mps[1]) < 0.1
+
+
+def test_thrust_of_an_attitude_is_a_climb_that_takes_off_too(copter):
+    guided_nogps, only_attitude = 20, 0b111
+
+    def fly_attitude(thrust, seconds, q=(1.0, 0.0, 0.0, 0.0)):
+        for _ in range(round(seconds / 0.2)):
+            copter.send("SET_ATTITUDE_TARGET", 0, 1, 1, only_attitude, q, 0.0, 0.0, 0.0, thrust)
+            copter.skip(0.2)
+
+    copter.become_ready()
+    assert set_mode(copter, guided_nogps) == 0
+    assert copter.command(mav.MAV_CMD_COMPONENT_ARM_DISARM, 1) == 0
+    fly_attitude(0.5, 1.0)
+    assert up_m(copter) < 0.5
+    fly_attitude(0.7, 5.0)  # 0.4 of WPNAV_SPEED_UP, 1 m/s.
+    assert heartbeat(copter).custom_mode == guided_nogps
+    assert copter.plant.truth.velocity_enu_mps[2] == pytest.approx(1.0, abs=0.1)
+    fly_attitude(0.5, 3.0)
+    height_m, north_m = up_m(copter), copter.plant.truth.position_enu_m[1]
+    assert height_m > 3.0
+    half_pitch_rad = math.radians(-5.0) / 2  # Forward, with the nose to the north.
+    fly_attitude(0.5, 3.0, (math.cos(half_pitch_rad), 0.0, math.sin(half_pitch_rad), 0.0))
+    assert up_m(copter) == pytest.approx(height_m, abs=0.2)
+    assert copter.plant.truth.velocity_enu_mps[1] > 1.5
+    assert copter.plant.truth.position_enu_m[1] > north_m + 2.0
 
 
 def test_nothing_of_it_moves_a_vehicle_on_the_ground(copter):
@@ -261,6 +305,20 @@ def test_ground_truth_is_told_as_by_ardupilots_simulator(copter):
     assert state.zacc == pytest.approx(-9.8, abs=0.5)
 
 
+def test_raw_readings_come_unasked_as_scripts_for_copters_wait_for_them(copter):
+    copter.become_ready()
+    copter.run(1.0)
+    raw = copter.last("RAW_IMU")
+    assert (raw.xacc, raw.yacc, raw.zacc) == pytest.approx((0, 0, -1000), abs=60)
+    assert (raw.xgyro, raw.ygyro, raw.zgyro) == pytest.approx((0, 0, 0), abs=60)
+    field = math.hypot(raw.xmag, raw.ymag, raw.zmag)
+    assert field == pytest.approx(480, abs=60)  # thousandths of a gauss, around Zurich
+    before = len(named(copter.heard, "RAW_IMU"))
+    copter.send("REQUEST_DATA_STREAM", 1, 1, mav.MAV_DATA_STREAM_RAW_SENSORS, 10, 1)
+    copter.run(2.0)
+    assert len(named(copter.heard, "RAW_IMU")) - before == pytest.approx(20, abs=2)
+
+
 _FENCE_BIT = 1 << 20
 
 
@@ -287,3 +345,15 @@ def test_px4_does_not_know_how_to_turn_a_fence_off(flight):
     answer = flight.command(mav.MAV_CMD_DO_FENCE_ENABLE, 0)
     assert answer == mav.MAV_RESULT_UNSUPPORTED
     assert flight.autopilot.fence.is_enabled
+
+
+def test_a_single_overridden_channel_flies_and_its_end_is_no_failsafe(copter):
+    fly(copter)
+    assert set_mode(copter, LOITER) == 0
+    height_m = up_m(copter)
+    copter.send("RC_CHANNELS_OVERRIDE", 1, 1, 0, 0, 1700, 0, 0, 0, 0, 0)
+    copter.run(2.5)
+    assert up_m(copter) > height_m + 1.0  # RC_OVERRIDE_TIME is 3 s.
+    copter.skip(3.0)
+    assert heartbeat(copter).custom_mode == LOITER
+    assert copter.autopilot.failsafe is None

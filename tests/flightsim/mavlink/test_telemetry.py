@@ -1,6 +1,7 @@
 """What the vehicle tells is what its estimator, sensors and autopilot say."""
 
 import math
+from types import SimpleNamespace
 
 import pytest
 from pymavlink import mavutil
@@ -9,11 +10,12 @@ from flightsim.autopilot.modes import Mode
 from flightsim.environment.movers import MovingObstacle
 from flightsim.environment.wind import WindCfg
 from flightsim.frames import Geodetic
-from flightsim.mavlink.dialect import LAYOUTS
+from flightsim.mavlink.dialect import LAYOUTS, layout
 from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.links import InProcessLink
 from flightsim.mavlink.personalities import PX4
 from flightsim.mavlink.server import MavlinkServer
+from flightsim.mavlink.telemetry_sensors import imu_fields
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import build_world
 from tests.flightsim.mavlink.conftest import START_ENU_M, Flight
@@ -242,3 +244,21 @@ def test_an_estimate_that_is_no_number_ends_nothing(flight):
     assert not named(came, "GLOBAL_POSITION_INT")
     assert named(came, "ATTITUDE")
     assert flight.server.faults.n_caught == 0
+
+
+def test_scaled_readings_come_on_request(flight):
+    flight.become_ready()
+    imu_id = LAYOUTS["SCALED_IMU"].message_id
+    assert not named(flight.heard, "SCALED_IMU")
+    assert flight.command(mav.MAV_CMD_REQUEST_MESSAGE, imu_id) == mav.MAV_RESULT_ACCEPTED
+    assert flight.last("SCALED_IMU").zacc == pytest.approx(-1000, abs=60)
+
+
+def test_readings_beyond_a_field_are_the_nearest_that_it_holds():
+    imu = SimpleNamespace(accel_flu_mps2=(1e6, -1e6, -9.80665), gyro_flu_radps=(0.5, 0.0, 1e9))
+    mag, baro = SimpleNamespace(field_flu_ut=(20.0, 0.0, 1e9)), SimpleNamespace(temperature_degc=15)
+    sensors = SimpleNamespace(imu=imu, mag=mag, baro=baro)
+    fields = imu_fields(SimpleNamespace(plant=SimpleNamespace(sensors=sensors)))
+    assert (fields["xacc"], fields["yacc"], fields["zacc"]) == (32767, 32767, 1000)
+    assert (fields["xgyro"], fields["zgyro"], fields["zmag"]) == (500, -32767, -32767)
+    assert layout("SCALED_IMU").encode(time_boot_ms=0, **fields)
