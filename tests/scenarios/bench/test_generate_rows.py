@@ -22,6 +22,7 @@ def config(data, count):
 def small_scenes(monkeypatch):
     """Scenes of 40 objects, of which the stages of one are timed."""
     monkeypatch.setattr(generate, "_N_TIMED", 1)
+    monkeypatch.setattr(generate, "_N_IN_MEMORY", 1)
     monkeypatch.setattr(
         generate, "_request", lambda seed, number: Request(seed=seed + number, n_objects=40)
     )
@@ -38,7 +39,7 @@ def test_two_scenes_are_timed_stage_by_stage_and_judged(tmp_path):
     assert table["one scene, p95"].value >= table["one scene, median"].value > 0
     assert table["one scene, median"].target == 2.0
     assert 25 < table["its objects, mean"].value < 80
-    assert 0 < table["peak memory"].value < 8
+    assert 0.1 < table["peak memory"].value < 8
     assert table["objects valid, before"].target == 85.0
     assert table["objects valid, before"].value > 30
     assert table["objects valid, test split"].value > 99
