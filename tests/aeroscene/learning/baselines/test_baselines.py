@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import torch
 
-from aeroscene.learning.baselines import diffuscene, diffusion_sdf
+from aeroscene.learning.baselines import diffuscene, diffusion_sdf, presets
 from aeroscene.learning.baselines.atiss import Atiss
 from aeroscene.learning.baselines.diffuscene import DiffuScene
 from aeroscene.learning.baselines.diffusion_sdf import DiffusionSdf
@@ -22,6 +22,7 @@ from aeroscene.learning.diffusion.loss import diffusion_loss
 from aeroscene.learning.diffusion.sampling import Moment
 from aeroscene.learning.paper.guidance.collision import collision_loss
 from aeroscene.learning.training.config import Budget, TrainingError
+from aeroscene.learning.training.presets import preset_sections
 from tests.aeroscene.conftest import cached_scene
 from tests.aeroscene.learning.training.conftest import ten_objects
 
@@ -257,3 +258,10 @@ def test_what_is_read_soon_goes_through_to_what_is_predicted():
         loss.backward()
         optimiser.step()
     assert loss.item() < 0.3
+
+
+def test_the_papers_preset_has_steps_enough_for_minutes():
+    sections = presets._sections("paper", 360.0, 5)
+    cfg = sections["training"]
+    assert (cfg.batch_size, cfg.learning_rate, cfg.keep, cfg.seed) == (16, 1e-3, "best", 5)
+    assert sections["loss"] == preset_sections("paper")["loss"]
