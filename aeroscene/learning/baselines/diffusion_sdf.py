@@ -56,6 +56,7 @@ _NEAR_M = 1.0
 _MOST_M = 4.0
 """Distances count up to here."""
 _KL_WEIGHT = 1e-3
+_FIRST_LOG_VARIANCE = -4.0
 _LOSS = LossCfg(parameterisation="x0", is_stratified=True)
 _BANDS = 6
 
@@ -68,11 +69,17 @@ class DiffusionSdf(BaselineModel):
         width, heads = cfg.width, cfg.heads
         half = max(1, cfg.levels // 2)
         self.inward = nn.Linear(N_CHANNELS, width)
+        # Beside seventy categories a coordinate would hardly be heard.
+        self.geometry = nn.Linear(N_GEOMETRY, width)
+        nn.init.normal_(self.geometry.weight)
         self.among = nn.ModuleList(_Layer(width, heads) for _ in range(half))
         # All slots into one code and back: attention would have to learn first which is which.
         n_shares = code.n_slots * _SHARE_WIDTH
         self.to_share = nn.Linear(width, _SHARE_WIDTH)
         self.to_code = nn.Linear(n_shares, 2 * _N_CODES * _CODE_WIDTH)
+        with torch.no_grad():
+            # At a variance of 1 nothing gets through before it has learnt to shrink.
+            self.to_code.bias.unflatten(0, (2, -1))[1].fill_(_FIRST_LOG_VARIANCE)
         self.of_code = nn.Linear(_N_CODES * _CODE_WIDTH, n_shares)
         self.of_share = nn.Linear(_SHARE_WIDTH, width)
         self.slots = nn.Parameter(torch.randn(code.n_slots, width))
@@ -116,7 +123,7 @@ class DiffusionSdf(BaselineModel):
 
     def _encode(self, x: Float[Tensor, "batch n c"]) -> tuple[Tensor, Tensor]:
         # Objects are read off in their order, so that a code has to hold it.
-        place = self.inward(x) + self.slots
+        place = self.inward(x) + self.geometry(x[..., :N_GEOMETRY]) + self.slots
         for layer in self.among:
             place = layer(place)
         found = self.to_code(self.to_share(place).flatten(1))

@@ -265,3 +265,14 @@ def test_the_papers_preset_has_steps_enough_for_minutes():
     cfg = sections["training"]
     assert (cfg.batch_size, cfg.learning_rate, cfg.keep, cfg.seed) == (16, 1e-3, "best", 5)
     assert sections["loss"] == preset_sections("paper")["loss"]
+
+
+def test_where_objects_stand_is_heard_in_a_new_code():
+    torch.manual_seed(0)
+    model = DiffusionSdf(LayoutCode.of(SCENES), replace(TINY, width=96))
+    batch = LayoutSet.of(SCENES, model.code).in_order(0, len(SCENES))
+    moved = batch.x0.clone()
+    moved[..., :2] += torch.randn(moved[..., :2].shape) * batch.mask[..., None]
+    (before, log_variance), (after, _) = model._encode(batch.x0), model._encode(moved)
+    noise = (log_variance / 2).exp().mean()
+    assert (after - before).std().item() > 0.5 * noise.item()
