@@ -21,7 +21,7 @@ from __future__ import annotations
 import math
 
 import torch
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Int
 from torch import Tensor, nn
 
 from aeroscene.learning.baselines.layouts import (
@@ -40,6 +40,7 @@ from aeroscene.learning.baselines.networks.mixture import (
     N_COMPONENTS,
     draw_mixture,
     mixture_loss,
+    spread_means,
 )
 from aeroscene.learning.model.encoding import fourier_features
 from aeroscene.learning.tokens.batch import TokenBatch
@@ -51,6 +52,8 @@ _END = N_CATEGORIES
 """The class that ends a scene."""
 _BANDS = 6
 _PER_NUMBER = 3 * N_COMPONENTS
+_REACH = 2.0
+"""Of most standardised values."""
 
 
 class Atiss(BaselineModel):
@@ -70,11 +73,11 @@ class Atiss(BaselineModel):
         self.kind = nn.Embedding(N_CATEGORIES, width)
         self.class_head = _head(width, N_CATEGORIES + 1)
         known = 2 * width
-        self.place_head = _head(known, 3 * _PER_NUMBER)
+        self.place_head = _mixture_head(known, 3, _REACH)
         known += 3 * (1 + 2 * _BANDS)
-        self.angle_head = _head(known, _PER_NUMBER)
+        self.angle_head = _mixture_head(known, 1, 1.0)
         known += 1 + 2 * _BANDS
-        self.size_head = _head(known, 3 * _PER_NUMBER)
+        self.size_head = _mixture_head(known, 3, _REACH)
 
     def forward(self, batch: TokenBatch, generator: torch.Generator) -> LossTerms:
         """Negative log-likelihood of an object that follows a random part of a scene, nats."""
@@ -84,7 +87,9 @@ class Atiss(BaselineModel):
         n_known = (share * (count + 1)).floor().long().clamp(max=x.shape[1])
         place = torch.arange(x.shape[1], device=x.device)
         is_known = place < n_known[:, None]
-        told = self._told(x, is_known, batch.domain)
+        # Nobody looks beyond the most that is known.
+        most = int(n_known.max())
+        told = self._told(x[:, :most], is_known[:, :most], batch.domain)
         follows = mask & ~is_known
         is_whole = ~follows.any(dim=1)
         # One term a scene: the mean over all that may follow, or the end.
@@ -92,7 +97,11 @@ class Atiss(BaselineModel):
         log_class = torch.log_softmax(self.class_head(told), dim=-1)
         category = x[..., CATEGORY].argmax(dim=-1)
         of_class = -(log_class.gather(1, category) * weight).sum(1) - log_class[:, _END] * is_whole
-        of_geometry = (self._geometry_loss(told, x, category) * weight).sum(1)
+        scene, slot = follows.nonzero(as_tuple=True)
+        of_object = self._geometry_loss(told[scene], x[scene, slot], category[scene, slot])
+        of_geometry = torch.zeros_like(of_class).index_add(
+            0, scene, of_object * weight[scene, slot]
+        )
         return {
             "total": (of_class + of_geometry).mean(),
             "category": of_class.mean().detach(),
@@ -101,11 +110,12 @@ class Atiss(BaselineModel):
 
     def _geometry_loss(
         self,
-        told: Float[Tensor, "batch d"],
-        x: Float[Tensor, "batch n c"],
-        category: Tensor,
-    ) -> Float[Tensor, "batch n"]:
-        known = torch.cat([told[:, None].expand(-1, x.shape[1], -1), self.kind(category)], dim=-1)
+        told: Float[Tensor, "m d"],
+        x: Float[Tensor, "m c"],
+        category: Int[Tensor, " m"],
+    ) -> Float[Tensor, " m"]:
+        """Negative log-likelihood of objects, each told by what its scene has already."""
+        known = torch.cat([told, self.kind(category)], dim=-1)
         angle = _angle(x)
         total = mixture_loss(_mixtures(self.place_head(known)), x[..., CENTRE])
         known = torch.cat([known, _encoded(x[..., CENTRE])], dim=-1)
@@ -176,6 +186,14 @@ class Atiss(BaselineModel):
 def _head(inward: int, outward: int) -> nn.Sequential:
     width = inward // 2
     return nn.Sequential(nn.Linear(inward, width), nn.ReLU(), nn.Linear(width, outward))
+
+
+def _mixture_head(inward: int, numbers: int, reach: float) -> nn.Sequential:
+    head = _head(inward, numbers * _PER_NUMBER)
+    last = head[-1]
+    assert isinstance(last, nn.Linear)
+    spread_means(last, reach)
+    return head
 
 
 def _mixtures(flat: Float[Tensor, "*n c"]) -> Float[Tensor, "*n k 30"]:

@@ -5,9 +5,11 @@ A re-implementation from the paper, without its shape codes: our objects have no
 | choice | paper | here |
 |---|---|---|
 | network | 1-D UNet with attention over the set | the same, narrower |
+| slots | told apart by an embedding that is learnt | the same |
 | predicts | noise of place, size, angle and category together | the same |
 | categories | one-hot with "empty" | the same, -1 and 1 |
 | loss | L_sce + 0.1 L_iou, the latter on the clean layout, weighted by alpha_bar | the same |
+| L_sce | a mean for geometry and one for categories | the same |
 | steps | 1,000 | `BaselineCfg.steps` |
 
 Source: Tang, Nie, Markhasin, Dai, Thies and Niessner 2024, "DiffuScene: Denoising Diffusion Models
@@ -15,6 +17,8 @@ for Generative Indoor Scene Synthesis", CVPR, sections 3.1 to 3.3.
 """
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import torch
 from torch import Tensor
@@ -26,6 +30,7 @@ from aeroscene.learning.baselines.layouts import (
     HEADING,
     LOG_SIZE,
     N_CHANNELS,
+    N_GEOMETRY,
     Boxes,
     LayoutCode,
     empty_batch,
@@ -52,13 +57,18 @@ class DiffuScene(BaselineModel):
 
     def __init__(self, code: LayoutCode, cfg: BaselineCfg) -> None:
         super().__init__(code)
-        self.denoiser = SetUnet(N_CHANNELS, cfg.width, cfg.levels, cfg.heads)
+        self.denoiser = SetUnet(N_CHANNELS, code.n_slots, cfg.width, cfg.levels, cfg.heads)
         self._schedule = Schedule(ScheduleCfg(kind="linear"))
         self._sampler = SamplerCfg(kind="ddpm", n_steps=cfg.steps, parameterisation="eps")
         self.read = LayoutReader(code)
 
     def forward(self, batch: TokenBatch, generator: torch.Generator) -> LossTerms:
         """L_sce + 0.1 L_iou."""
+        assert batch.weight is not None
+        # The mean of the geometry counts as much as that of the categories, which are many more.
+        weight = batch.weight.clone()
+        weight[..., N_GEOMETRY:] *= N_GEOMETRY / (N_CHANNELS - N_GEOMETRY)
+        batch = replace(batch, weight=weight)
         return vars(
             diffusion_loss(self.denoiser, batch, self._schedule, _LOSS, generator, self._overlap)
         )

@@ -8,8 +8,9 @@ one. Since boxes are wanted and no surface, a second decoder reads the objects o
 | choice | paper | here |
 |---|---|---|
 | encoder | PointNet over surface points, variational | attention over the objects, variational |
+| code | one vector, by a linear layer | the same, of all slots |
 | modulation | the code conditions an MLP of point to signed distance | the same, of two distances |
-| objects | none | slots ask the code by attention |
+| objects | none | slots read off the code by a linear layer, then attention |
 | diffusion | of codes, predicts the clean code, trained jointly | the same |
 
 Source: Chou, Bahat and Heide 2023, "Diffusion-SDF: Conditional Generative Modeling of Signed
@@ -47,12 +48,15 @@ from aeroscene.metrics.arrays import IS_COARSE
 
 _N_CODES, _CODE_WIDTH = 16, 32
 """A layout's code: so many vectors of so many numbers; the paper has one of 768."""
+_SHARE_WIDTH = 16
+"""What a slot tells the code, and is told by it."""
 _N_POINTS = 64
 _NEAR_M = 1.0
 """Half of the points lie about objects, at this standard deviation."""
 _MOST_M = 4.0
 """Distances count up to here."""
 _KL_WEIGHT = 1e-3
+_FIRST_LOG_VARIANCE = -4.0
 _LOSS = LossCfg(parameterisation="x0", is_stratified=True)
 _BANDS = 6
 
@@ -65,13 +69,20 @@ class DiffusionSdf(BaselineModel):
         width, heads = cfg.width, cfg.heads
         half = max(1, cfg.levels // 2)
         self.inward = nn.Linear(N_CHANNELS, width)
+        # Beside seventy categories a coordinate would hardly be heard.
+        self.geometry = nn.Linear(N_GEOMETRY, width)
+        nn.init.normal_(self.geometry.weight)
         self.among = nn.ModuleList(_Layer(width, heads) for _ in range(half))
-        self.asking = nn.Parameter(torch.randn(_N_CODES, width) * width**-0.5)
-        self.gather = MaskedAttention(width, heads)
-        self.to_code = nn.Linear(width, 2 * _CODE_WIDTH)
-        self.of_code = nn.Linear(_CODE_WIDTH, width)
-        self.slots = nn.Parameter(torch.randn(code.n_slots, width) * width**-0.5)
-        self.ask = nn.ModuleList(MaskedAttention(width, heads) for _ in range(half))
+        # All slots into one code and back: attention would have to learn first which is which.
+        n_shares = code.n_slots * _SHARE_WIDTH
+        self.to_share = nn.Linear(width, _SHARE_WIDTH)
+        self.to_code = nn.Linear(n_shares, 2 * _N_CODES * _CODE_WIDTH)
+        with torch.no_grad():
+            # At a variance of 1 nothing gets through before it has learnt to shrink.
+            self.to_code.bias.unflatten(0, (2, -1))[1].fill_(_FIRST_LOG_VARIANCE)
+        self.of_code = nn.Linear(_N_CODES * _CODE_WIDTH, n_shares)
+        self.of_share = nn.Linear(_SHARE_WIDTH, width)
+        self.slots = nn.Parameter(torch.randn(code.n_slots, width))
         self.between = nn.ModuleList(_Layer(width, heads) for _ in range(half))
         self.outward = nn.Linear(width, N_CHANNELS)
         self.distance = nn.Sequential(
@@ -81,9 +92,7 @@ class DiffusionSdf(BaselineModel):
             nn.SiLU(),
             nn.Linear(width, 2),
         )
-        self.denoiser = SetUnet(_CODE_WIDTH, width, half, heads)
-        # Codes have places, which a set has not.
-        self.code_place = nn.Parameter(torch.zeros(_N_CODES, _CODE_WIDTH))
+        self.denoiser = SetUnet(_CODE_WIDTH, _N_CODES, width, half, heads)
         self._read = LayoutReader(code)
         self._schedule = Schedule(ScheduleCfg())
         self._sampler = SamplerCfg(kind="ddpm", n_steps=cfg.steps, parameterisation="x0")
@@ -98,7 +107,7 @@ class DiffusionSdf(BaselineModel):
         objects = _object_loss(self._decode(code), batch.x0, batch)
         distances = self._distance_loss(code, batch, generator)
         latent = _code_batch(code.detach(), batch.domain)
-        codes = diffusion_loss(self._denoise, latent, self._schedule, _LOSS, generator).total
+        codes = diffusion_loss(self.denoiser, latent, self._schedule, _LOSS, generator).total
         total = objects + distances + _KL_WEIGHT * prior + codes
         terms = {"objects": objects, "distances": distances, "prior": prior, "codes": codes}
         return {"total": total} | {name: term.detach() for name, term in terms.items()}
@@ -109,26 +118,23 @@ class DiffusionSdf(BaselineModel):
         device = next(self.parameters()).device
         blank = torch.zeros((1, _N_CODES, _CODE_WIDTH), device=device)
         batch = _code_batch(blank, torch.tensor([domain], device=device))
-        code = sample(self._denoise, batch, self._schedule, self._sampler, generator)
+        code = sample(self.denoiser, batch, self._schedule, self._sampler, generator)
         return self.code.decode(self._decode(code)[0].double().cpu().numpy())
 
-    def _denoise(self, x_t: Tensor, t: Tensor, batch: TokenBatch):
-        return self.denoiser(x_t + self.code_place, t, batch)
-
     def _encode(self, x: Float[Tensor, "batch n c"]) -> tuple[Tensor, Tensor]:
-        place = self.inward(x)
+        # Objects are read off in their order, so that a code has to hold it.
+        place = self.inward(x) + self.geometry(x[..., :N_GEOMETRY]) + self.slots
         for layer in self.among:
             place = layer(place)
-        asked = self.asking.expand(len(x), -1, -1)
-        found = self.to_code(self.gather(asked, place, _all(place)))
-        mean, log_variance = found.chunk(2, dim=-1)
+        found = self.to_code(self.to_share(place).flatten(1))
+        mean, log_variance = found.unflatten(1, (2, _N_CODES, _CODE_WIDTH)).unbind(1)
         return mean, log_variance.clamp(-8.0, 4.0)
 
     def _decode(self, code: Float[Tensor, "batch k w"]) -> Float[Tensor, "batch n c"]:
-        known = self.of_code(code)
-        slot = self.slots.expand(len(code), -1, -1)
-        for ask, layer in zip(self.ask, self.between, strict=True):
-            slot = layer(ask(slot, known, _all(known)))
+        share = self.of_code(code.flatten(1)).unflatten(1, (-1, _SHARE_WIDTH))
+        slot = self.slots + self.of_share(share)
+        for layer in self.between:
+            slot = layer(slot)
         return self.outward(slot)
 
     def _distance_loss(self, code: Tensor, batch: TokenBatch, generator: torch.Generator) -> Tensor:

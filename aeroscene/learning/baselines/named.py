@@ -14,19 +14,24 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 from aeroscene.learning.baselines.atiss import Atiss
 from aeroscene.learning.baselines.diffuscene import DiffuScene
 from aeroscene.learning.baselines.diffusion_sdf import DiffusionSdf
-from aeroscene.learning.baselines.fitting import Lessons, Spent, fit_baseline
+from aeroscene.learning.baselines.fitting import (
+    BASELINE_TRAINING,
+    Lessons,
+    Spent,
+    fit_baseline,
+)
 from aeroscene.learning.baselines.layouts import LayoutCode
 from aeroscene.learning.baselines.marginals import Marginals
 from aeroscene.learning.baselines.model import BaselineCfg, BaselineModel
 from aeroscene.learning.baselines.physcene import PhyScene
 from aeroscene.learning.baselines.presets import fit_preset
-from aeroscene.learning.training.config import TrainingError
+from aeroscene.learning.training.config import TrainCfg, TrainingError
 from aeroscene.learning.training.course import Watcher
 from aeroscene.scene import Scene, SceneDomain
 
@@ -75,6 +80,7 @@ def _baseline(
     source: str,
     make: Callable[[LayoutCode, BaselineCfg], BaselineModel],
     training: str = "",
+    training_cfg: TrainCfg = BASELINE_TRAINING,
 ) -> Method:
     shared = training or name
     return Method(
@@ -82,10 +88,14 @@ def _baseline(
         title=title,
         source=f"re-implementation from {source}",
         training=shared,
-        fit=lambda lessons, cfg, watcher: fit_baseline(shared, make, lessons, cfg, watcher),
+        fit=lambda lessons, cfg, watcher: fit_baseline(
+            shared, make, lessons, cfg, watcher, training_cfg=training_cfg
+        ),
     )
 
 
+_SMALL_BATCHES = replace(BASELINE_TRAINING, batch_size=8)
+"""Of a diffusion over all slots: twice the steps within the same time."""
 _ALL = (
     Method(
         name="random",
@@ -96,9 +106,18 @@ _ALL = (
     ),
     _baseline("atiss", "ATISS", "Paschalidou et al. 2021", Atiss),
     _baseline("diffusion_sdf", "Diffusion-SDF for layouts", "Chou et al. 2023", DiffusionSdf),
-    _baseline("diffuscene", "DiffuScene", "Tang et al. 2024", DiffuScene),
+    _baseline(
+        "diffuscene", "DiffuScene", "Tang et al. 2024", DiffuScene, training_cfg=_SMALL_BATCHES
+    ),
     # It differs in its sampling alone.
-    _baseline("physcene", "PhyScene", "Yang et al. 2024", PhyScene, training="diffuscene"),
+    _baseline(
+        "physcene",
+        "PhyScene",
+        "Yang et al. 2024",
+        PhyScene,
+        training="diffuscene",
+        training_cfg=_SMALL_BATCHES,
+    ),
     Method(
         name="paper",
         training="paper",

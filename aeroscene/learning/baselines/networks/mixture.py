@@ -8,6 +8,9 @@
 | h | half a bin |
 | s | the logistic function |
 
+Computed as s(a) - s(b) = s(a) s(-b) (1 - e^(b - a)): the difference itself is rounded to nothing
+some sixteen scales away from the mean, where nothing would then pull a component nearer.
+
 Source: Salimans et al. 2017, "PixelCNN++", section 2.1, as in Paschalidou et al. 2021, section 3.
 """
 
@@ -15,13 +18,26 @@ from __future__ import annotations
 
 import torch
 from jaxtyping import Float
-from torch import Tensor
+from torch import Tensor, nn
+from torch.nn import functional
 
 N_COMPONENTS = 10
-HALF_BIN = 0.002
-"""Of values of order one."""
-_LEAST_LOG_SCALE = -7.0
-_LEAST_SHARE = 1e-9
+HALF_BIN = 0.016
+"""Of values that reach from -4 to 4: 256 bins, as ATISS has them."""
+_LEAST_LOG_SCALE = -5.6
+"""ATISS: -7 of values from -1 to 1."""
+_FIRST_LOG_SCALE = -1.0
+
+
+def spread_means(layer: nn.Linear, reach: float) -> None:
+    """Have the components of untrained mixtures stand side by side from -reach to reach.
+
+    Components that begin alike are told apart by training alone, which takes it long.
+    """
+    with torch.no_grad():
+        _, mean, log_scale = layer.bias.unflatten(0, (-1, 3, N_COMPONENTS)).unbind(1)
+        mean.copy_(torch.linspace(-reach, reach, N_COMPONENTS).expand_as(mean))
+        log_scale.fill_(_FIRST_LOG_SCALE)
 
 
 def mixture_loss(
@@ -31,8 +47,11 @@ def mixture_loss(
     weight, mean, log_scale = parameters.chunk(3, dim=-1)
     scale = log_scale.clamp(min=_LEAST_LOG_SCALE).exp()
     away = values.unsqueeze(-1) - mean
-    share = torch.sigmoid((away + HALF_BIN) / scale) - torch.sigmoid((away - HALF_BIN) / scale)
-    log_share = share.clamp(min=_LEAST_SHARE).log()
+    log_share = (
+        functional.logsigmoid((away + HALF_BIN) / scale)
+        + functional.logsigmoid((HALF_BIN - away) / scale)
+        + torch.expm1(-2 * HALF_BIN / scale).neg().log()
+    )
     return -torch.logsumexp(torch.log_softmax(weight, dim=-1) + log_share, dim=-1).sum(-1)
 
 

@@ -1,7 +1,7 @@
 """UNet over a set: blocks of pointwise layers and attention among all places, with skips.
 
-Convolutions along the list have a kernel of one and no level is shorter than another, so that the
-order of the objects means nothing: "1D" in DiffuScene's name for it is the list.
+Convolutions along the list have a kernel of one and no level is shorter than another: "1D" in
+DiffuScene's name for it is the list. What tells places apart is an embedding that is learnt.
 
 Source: Tang et al. 2024, "DiffuScene", section 3.2 and figure 3.
 """
@@ -23,16 +23,17 @@ from aeroscene.learning.tokens.kinds import DOMAINS
 class SetUnet(nn.Module):
     """Predicts noise, velocity or clean values of a noisy set, given time and domain."""
 
-    def __init__(self, channels: int, width: int, levels: int, heads: int) -> None:
+    def __init__(self, channels: int, places: int, width: int, levels: int, heads: int) -> None:
         super().__init__()
         self.time = TimeEmbedding(width)
         self.domain = nn.Embedding(len(DOMAINS), width)
         self.inward = nn.Linear(channels, width)
+        self.place = nn.Parameter(torch.randn(places, width))
         self.down = nn.ModuleList(SetBlock(width, width, heads) for _ in range(levels))
         self.middle = SetBlock(width, width, heads)
         self.up = nn.ModuleList(SetBlock(2 * width, width, heads) for _ in range(levels))
         self.norm = nn.LayerNorm(width)
-        self.outward = nn.Linear(width, channels)
+        self.outward = nn.Linear(2 * width, channels)
         nn.init.zeros_(self.outward.weight)
         nn.init.zeros_(self.outward.bias)
 
@@ -41,7 +42,7 @@ class SetUnet(nn.Module):
     ) -> Prediction:
         """Predict for all places, empty ones among them."""
         condition = self.time(t) + self.domain(batch.domain)
-        place = self.inward(x_t)
+        place = first = self.inward(x_t) + self.place
         kept: list[Tensor] = []
         for block in self.down:
             place = block(place, condition)
@@ -49,7 +50,9 @@ class SetUnet(nn.Module):
         place = self.middle(place, condition)
         for block, skip in zip(self.up, reversed(kept), strict=True):
             place = block(torch.cat([place, skip], dim=-1), condition)
-        return Prediction(self.outward(functional.silu(self.norm(place))))
+        # Most of what is predicted is in what is read: all of the noise, where it hides the rest.
+        place = torch.cat([functional.silu(self.norm(place)), first], dim=-1)
+        return Prediction(self.outward(place))
 
 
 class SetBlock(nn.Module):

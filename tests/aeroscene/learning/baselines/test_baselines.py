@@ -7,19 +7,22 @@ import numpy as np
 import pytest
 import torch
 
-from aeroscene.learning.baselines import diffusion_sdf
+from aeroscene.learning.baselines import diffuscene, diffusion_sdf, presets
 from aeroscene.learning.baselines.atiss import Atiss
 from aeroscene.learning.baselines.diffuscene import DiffuScene
 from aeroscene.learning.baselines.diffusion_sdf import DiffusionSdf
 from aeroscene.learning.baselines.fitting import Lessons
-from aeroscene.learning.baselines.layouts import LayoutCode, LayoutSet, boxes_of
+from aeroscene.learning.baselines.layouts import LayoutCode, LayoutSet, boxes_of, empty_batch
 from aeroscene.learning.baselines.model import BaselineCfg
 from aeroscene.learning.baselines.named import METHODS, fit
 from aeroscene.learning.baselines.networks.mixture import HALF_BIN, draw_mixture, mixture_loss
+from aeroscene.learning.baselines.networks.set_unet import SetUnet
 from aeroscene.learning.baselines.physcene import PhyScene, PhysicalGuidance
+from aeroscene.learning.diffusion.loss import diffusion_loss
 from aeroscene.learning.diffusion.sampling import Moment
 from aeroscene.learning.paper.guidance.collision import collision_loss
 from aeroscene.learning.training.config import Budget, TrainingError
+from aeroscene.learning.training.presets import preset_sections
 from tests.aeroscene.conftest import cached_scene
 from tests.aeroscene.learning.training.conftest import ten_objects
 
@@ -186,3 +189,90 @@ def test_physical_guidance_parts_objects_in_the_last_steps_and_resizes_nothing()
     assert torch.equal(moved[..., 3:6], x[..., 3:6])
     assert torch.equal(moved[..., 8:], x[..., 8:])
     assert torch.equal(guidance.on_mean(x, x, batch, Moment(10, 100, 0.9, 0.1, None)), x)
+
+
+def test_values_far_from_every_mean_still_pull_at_it():
+    parameters = torch.zeros(1, 1, 30)
+    parameters[..., 20:] = -4.0
+    parameters.requires_grad_()
+    for value in (-3.0, 3.0):
+        (gradient,) = torch.autograd.grad(
+            mixture_loss(parameters, torch.full((1, 1), value)).sum(), parameters
+        )
+        assert torch.sign(gradient[..., 10:20]).unique().item() == -np.sign(value)
+    sides = [mixture_loss(parameters, torch.full((1, 1), value)).item() for value in (-3.0, 3.0)]
+    assert sides[0] == pytest.approx(sides[1], rel=1e-5)
+
+
+def test_atiss_reads_no_slots_that_nobody_fills():
+    code = replace(LayoutCode.of(SCENES), n_slots=64)
+    model = Atiss(code, TINY)
+    read = []
+    model.encoder.register_forward_pre_hook(lambda _, args: read.append(args[0].shape[1]))
+    batch = LayoutSet.of(SCENES, code).in_order(0, len(SCENES))
+    for seed in range(8):
+        model(batch, torch.Generator().manual_seed(seed))
+    # A query and the domain stand before the objects.
+    assert max(read) <= 2 + int(batch.mask.sum(1).max())
+
+
+def test_the_code_of_a_layout_knows_the_order_in_which_it_is_read():
+    code = LayoutCode.of(SCENES)
+    model = DiffusionSdf(code, TINY)
+    batch = LayoutSet.of(SCENES[:1], code).in_order(0, 1)
+    other = batch.x0.clone()
+    other[:, :2] = batch.x0[:, :2].flip(1)
+    assert not torch.allclose(model._encode(batch.x0)[0], model._encode(other)[0], atol=1e-4)
+
+
+def test_geometry_weighs_as_much_as_the_many_channels_of_categories(monkeypatch):
+    code = LayoutCode.of(SCENES)
+    model = DiffuScene(code, TINY)
+    weights = []
+
+    def looked_at(denoiser, batch, *args):
+        weights.append(batch.weight)
+        return diffusion_loss(denoiser, batch, *args)
+
+    monkeypatch.setattr(diffuscene, "diffusion_loss", looked_at)
+    model(LayoutSet.of(SCENES, code).in_order(0, 4), torch.Generator().manual_seed(0))
+    geometry, categories = weights[0][..., :8].sum(), weights[0][..., 8:].sum()
+    assert float(geometry) == pytest.approx(float(categories), rel=1e-4)
+
+
+def test_the_vectors_of_a_code_are_told_apart_by_their_places():
+    model = DiffusionSdf(LayoutCode.of(SCENES), TINY)
+    code = torch.randn(1, 16, 32, generator=torch.Generator().manual_seed(0))
+    assert not torch.allclose(model._decode(code), model._decode(code.flip(1)), atol=1e-4)
+
+
+def test_what_is_read_soon_goes_through_to_what_is_predicted():
+    torch.manual_seed(0)
+    network = SetUnet(40, 8, 48, 2, 4)
+    optimiser = torch.optim.Adam(network.parameters(), lr=3e-3)
+    batch = empty_batch([0] * 8, 8)
+    for _ in range(60):
+        x_t = torch.randn(8, 8, 40)
+        loss = (network(x_t, torch.ones(8), batch).output - x_t).square().mean()
+        optimiser.zero_grad()
+        loss.backward()
+        optimiser.step()
+    assert loss.item() < 0.3
+
+
+def test_the_papers_preset_has_steps_enough_for_minutes():
+    sections = presets._sections("paper", 360.0, 5)
+    cfg = sections["training"]
+    assert (cfg.batch_size, cfg.learning_rate, cfg.keep, cfg.seed) == (16, 1e-3, "best", 5)
+    assert sections["loss"] == preset_sections("paper")["loss"]
+
+
+def test_where_objects_stand_is_heard_in_a_new_code():
+    torch.manual_seed(0)
+    model = DiffusionSdf(LayoutCode.of(SCENES), replace(TINY, width=96))
+    batch = LayoutSet.of(SCENES, model.code).in_order(0, len(SCENES))
+    moved = batch.x0.clone()
+    moved[..., :2] += torch.randn(moved[..., :2].shape) * batch.mask[..., None]
+    (before, log_variance), (after, _) = model._encode(batch.x0), model._encode(moved)
+    noise = (log_variance / 2).exp().mean()
+    assert (after - before).std().item() > 0.5 * noise.item()
