@@ -6,7 +6,7 @@ The same request gives the same scene on the same device with the same batch siz
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from types import MappingProxyType
@@ -20,6 +20,7 @@ from aeroscene.feasibility import FeasibilityReport
 from aeroscene.learning.generation.loading import load_proposer
 from aeroscene.learning.generation.proposal import OnStep, Proposal, Proposer
 from aeroscene.learning.generation.request import Request
+from aeroscene.learning.generation.sense import senseless
 from aeroscene.learning.program import DecodingCfg
 from aeroscene.learning.tokens.skeleton import Wish
 from aeroscene.learning.training.devices import choose_device, naming_memory
@@ -49,7 +50,7 @@ class Generated:
 
     @property
     def scene(self) -> Scene | None:
-        """The finished scene, None where it was rejected."""
+        """The finished scene, None where it was rejected: infeasible, or no place (`senseless`)."""
         return None if self.report.rejection else self.projected
 
 
@@ -69,6 +70,8 @@ class Generator:
         """
         self._proposer = proposer
         self._seen, self._is_corpus = tuple(seen), is_corpus
+        # What learnt from others may well have lots that nothing leads to, as the paper's has.
+        self._makes_places = is_corpus and bool(proposer.themes)
         self.device = device
 
     @staticmethod
@@ -192,7 +195,10 @@ class Generator:
     ) -> Generated:
         raw = _raw(proposal, request, rng)
         feasible = request.projected(raw, rng, limits)
-        return Generated(request, attempt, proposal, raw, feasible.scene, feasible.report)
+        report = feasible.report
+        if report.rejection is None and request.kept is None and self._makes_places:
+            report = replace(report, rejection=senseless(feasible.scene))
+        return Generated(request, attempt, proposal, raw, feasible.scene, report)
 
 
 def _raw(proposal: Proposal, request: Request, rng: np.random.Generator) -> Scene:

@@ -13,13 +13,16 @@ from aeroscene.feasibility import validity
 from aeroscene.feasibility.roles import COVERS
 from aeroscene.learning.diffusion.sampling import Moment
 from aeroscene.learning.generation import Generated, Generator, Request, RequestError
+from aeroscene.learning.generation import generator as generation
 from aeroscene.learning.generation.proposal import Proposal
+from aeroscene.learning.generation.sense import senseless
 from aeroscene.learning.training.checkpoint import CheckpointError
 from aeroscene.learning.training.devices import DeviceError
 from aeroscene.scene import Scene
 from aeroscene.scene.io import scene_to_json
 from aeroscene.validation import validate
 from tests.aeroscene.conftest import cached_scene
+from tests.aeroscene.metrics.scenes import box, scene_of
 
 
 @pytest.fixture(scope="module")
@@ -150,3 +153,17 @@ def test_missing_checkpoint_or_device_or_preset_says_what_is_valid() -> None:
         Generator.load(preset="better", device="cpu")
     with pytest.raises(DeviceError, match="device 'cuda:9' is not there"):
         Generator.load(device="cuda:9")
+
+
+def test_a_draw_with_a_lot_that_nothing_leads_to_is_drawn_again(
+    generator: Generator, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    lot = ("parking_lot", box((0, 0, 0.02), (8, 6, 0.04)))
+    road, away = (("road", box((0, y_m, 0.02), (20, 6, 0.04))) for y_m in (6, 30))
+    bridge = ("bridge", box((0, 6, 2), (4, 12, 4)))
+    assert senseless(scene_of(lot, road, bridge)) is None
+    assert senseless(scene_of(lot, away)) == "a parking lot is off every road, sidewalk and plaza"
+    assert senseless(scene_of(away, bridge)) == "a bridge is over neither water nor road"
+    reasons = iter(["no place", None])
+    monkeypatch.setattr(generation, "senseless", lambda _: next(reasons))
+    assert generator.sound_scene(Request(seed=4, n_objects=40)).attempt == 1
