@@ -6,7 +6,6 @@ a seed to a finished scene, landing areas and validation included.
 
 from __future__ import annotations
 
-import os
 import subprocess
 import sys
 import tempfile
@@ -49,6 +48,10 @@ _BATCH_SIZE = 64
 _N_TIMED = 6
 _N_IN_MEMORY = 8
 _COMMAND = "import sys; from scenarios.cli.entry import aeroscene; sys.exit(aeroscene())"
+_MEASURED = """import resource, subprocess, sys
+subprocess.run(sys.argv[1:], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)"""
+"""A small process starts what is measured: peaks count that of the process which starts it."""
 
 
 def rows(cfg: GenerateBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
@@ -212,12 +215,14 @@ def _peak_memory_gb(cfg: GenerateBenchCfg) -> float:
     options = [word for name, value in chosen.items() for word in (f"--{name}", str(value))]
     command = [sys.executable, "-c", _COMMAND, "generate", *options]
     with tempfile.TemporaryDirectory(prefix="aeroscene-generate-") as folder:
-        process = subprocess.Popen(  # noqa: S603 - arguments are ours
-            [*command, "--out", folder], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+        run = subprocess.run(  # noqa: S603 - arguments are ours
+            [sys.executable, "-c", _MEASURED, *command, "--out", folder],
+            capture_output=True,
+            text=True,
+            check=False,
         )
-        _, status, usage = os.wait4(process.pid, 0)
-        process.returncode = os.waitstatus_to_exitcode(status)
-    if process.returncode:
-        raise BenchError(f"aeroscene generate ended with status {process.returncode}")
+    if run.returncode:
+        raise BenchError(f"aeroscene generate failed: {' '.join(command[3:])}")
+    peak = int(run.stdout)
     # Kilobytes on Linux, bytes on macOS.
-    return usage.ru_maxrss / 1e9 if sys.platform == "darwin" else usage.ru_maxrss * 1024 / 1e9
+    return peak / 1e9 if sys.platform == "darwin" else peak * 1024 / 1e9
