@@ -1,17 +1,23 @@
-"""Shelves that are drawn back to back stand so, wherever the first of them were put."""
+"""Shelves that are drawn back to back stand so, wherever the first were put, and in their room."""
 
 import math
+from itertools import combinations
 
 import pytest
 
 from aeroscene.learning.program import encode
+from aeroscene.learning.program.decoding.decode import decode
 from aeroscene.learning.program.decoding.making import Making
+from aeroscene.learning.program.decoding.mending import is_on_any
 from aeroscene.learning.program.decoding.together import back_to_back, backed_by
 from aeroscene.learning.program.kinds import CATEGORY_IDS
+from aeroscene.learning.program.program import PITCH
 from aeroscene.relations import Array, Kind, Member, Relation, Unit
+from aeroscene.relations.plane import footprint
 from aeroscene.relations.relation import Align, Gap
 from aeroscene.scene import OrientedBox
 from aeroscene.scene.box import quat_from_yaw
+from tests.aeroscene.conftest import cached_scene
 
 ROOM = OrientedBox((0.0, 0.0, 1.5), quat_from_yaw(0.0), (10.0, 8.0, 3.0))
 SIZE_M = (0.5, 2.0, 2.0)
@@ -85,3 +91,35 @@ def test_the_first_make_room_for_those_behind_them(rows):
     assert max(box.p[0] + SIZE_M[0] / 2 for box in found) <= 5.0 + 1e-9
     assert making.objects[1].bbox.p[0] < 4.7 - PITCH_M
     assert back_to_back(rows(4.7), behind(), [1, 2, 3, 4], 5) is None
+
+
+def test_a_program_whose_rows_are_unevenly_apart_decodes_to_shelves_back_to_back():
+    program = encode(cached_scene(398)).program
+    behind_another = next(
+        token
+        for token, kind in enumerate(program.kinds)
+        if (kind.relation, kind.side, kind.gap, kind.is_group) == ("SIDE", 2, "TOUCH", True)
+    )
+    channels = program.channels.copy()
+    channels[behind_another, PITCH.start] -= 0.35
+    n_pairs = n_back_to_back(decode(program).scene)
+    assert n_pairs > 10
+    assert n_back_to_back(decode(program.with_channels(channels)).scene) == n_pairs
+
+
+def n_back_to_back(scene):
+    places = [obj.bbox.p for obj in scene.objects if obj.category == "shelf"]
+    return sum(0.4 < math.dist(p[:2], q[:2]) <= 0.85 for p, q in combinations(places, 2))
+
+
+def test_rows_that_reach_out_of_their_room_end_where_it_does():
+    program = encode(cached_scene(398)).program
+    channels = program.channels.copy()
+    rows = [token for token, kind in enumerate(program.kinds) if kind.is_group]
+    channels[rows, PITCH] *= 2.0
+    scene = decode(program.with_channels(channels)).scene
+    rooms = [footprint(obj.bbox) for obj in scene.objects if obj.category == "room"]
+    shelves = [obj.bbox for obj in scene.objects if obj.category == "shelf"]
+    assert len(shelves) > 10
+    assert all(is_on_any(box, rooms) for box in shelves)
+    assert all(math.dist(a.p, b.p) > 0.1 for a, b in combinations(shelves, 2))
