@@ -116,7 +116,7 @@ def test_rows_that_reach_out_of_their_room_end_where_it_does():
     program = encode(cached_scene(398)).program
     channels = program.channels.copy()
     rows = [token for token, kind in enumerate(program.kinds) if kind.is_group]
-    channels[rows, PITCH] *= 2.0
+    channels[rows, PITCH] *= 3.0
     scene = decode(program.with_channels(channels)).scene
     rooms = [footprint(obj.bbox) for obj in scene.objects if obj.category == "room"]
     shelves = [obj.bbox for obj in scene.objects if obj.category == "shelf"]
