@@ -3,6 +3,10 @@
 Of every object the eight nearest others, by their centres. The displacement is seen from the first:
 how far in the plane, in which direction from its heading, how much higher. Bins are narrow near it,
 so that a chair in line with its desk and a cup level with its table are told from almost so.
+
+What nobody sees is left out: of things that look the same after half a turn it is the data set that
+says which of two headings is written (the corpus' walls face either way, those of 3D-FRONT outwards),
+and of centres on top of each other, as a room's and its roof's, rounding says the direction.
 """
 
 from __future__ import annotations
@@ -13,6 +17,7 @@ import numpy as np
 from jaxtyping import Int
 
 from aeroscene.metrics.arrays import SceneArrays
+from aeroscene.scene.catalogue import CATALOGUE
 
 N_NEIGHBOURS = 8
 DISTANCE_EDGES_M = np.array([0.1, 0.2, 0.4, 0.7, 1.2, 2.0, 3.5, 6.0])
@@ -22,6 +27,15 @@ N_DIRECTIONS = 8
 N_DISTANCES = len(DISTANCE_EDGES_M) + 1
 N_HEIGHTS = len(HEIGHT_EDGES_M) + 1
 N_PLACES = N_DISTANCES * N_HEIGHTS * N_DIRECTIONS
+
+TWO_SIDED = frozenset(
+    "wall fence room floor lawn plaza deck bridge table coffee_table crate pallet chimney".split()
+)
+"""Categories whose shapes are the same after half a turn; a wall's with its openings mirrored."""
+_IS_TWO_SIDED = np.array([CATALOGUE[number].name in TWO_SIDED for number in sorted(CATALOGUE)])
+_HALF = N_DIRECTIONS // 2
+_ON_TOP_M = 0.01
+"""Distance in the plane below which one centre is on top of the other: it counts as ahead."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -36,6 +50,8 @@ class Neighbours:
     height: Int[np.ndarray, " k"]
     direction: Int[np.ndarray, " k"]
     """Sector as seen from the first: 0 is straight ahead, counter-clockwise."""
+    heading: Int[np.ndarray, " k"]
+    """Sector of the second's heading as seen from the first."""
 
     @property
     def place(self) -> Int[np.ndarray, " k"]:
@@ -48,14 +64,30 @@ def neighbours_of(arrays: SceneArrays) -> Neighbours:
     first, second = _nearest(arrays.centre_enu_m)
     displacement_m = arrays.centre_enu_m[second] - arrays.centre_enu_m[first]
     east, north, up = displacement_m.T
-    turn = (np.arctan2(north, east) - arrays.yaw_rad[first]) / (2.0 * np.pi)
+    distance_m = np.hypot(east, north)
+    is_on_top = distance_m < _ON_TOP_M
+    direction = _sectors(np.arctan2(north, east) - arrays.yaw_rad[first])
+    direction[is_on_top] = 0
+    heading = _sectors(arrays.yaw_rad[second] - arrays.yaw_rad[first])
+    # The first's other side sees the same: of both views that in which the second is ahead.
+    is_behind = _IS_TWO_SIDED[arrays.category[first]] & (direction >= _HALF)
+    direction[is_behind] -= _HALF
+    heading[is_behind] = (heading[is_behind] + _HALF) % N_DIRECTIONS
+    is_either = _IS_TWO_SIDED[arrays.category]
+    heading[is_either[second] | (is_either[first] & is_on_top)] %= _HALF
     return Neighbours(
         first=first,
         second=second,
-        distance=np.searchsorted(DISTANCE_EDGES_M, np.hypot(east, north)),
+        distance=np.searchsorted(DISTANCE_EDGES_M, distance_m),
         height=np.searchsorted(HEIGHT_EDGES_M, up),
-        direction=np.floor(turn * N_DIRECTIONS + 0.5).astype(int) % N_DIRECTIONS,
+        direction=direction,
+        heading=heading,
     )
+
+
+def _sectors(angle_rad: np.ndarray) -> np.ndarray:
+    """Sectors of angles, of which the first lies about 0."""
+    return np.floor(angle_rad / (2.0 * np.pi) * N_DIRECTIONS + 0.5).astype(int) % N_DIRECTIONS
 
 
 def _nearest(centres: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -92,11 +92,9 @@ class TurnFrequencies:
 def _cells(arrays: SceneArrays) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Category, neighbour's category, distance and turn of each pair of neighbours."""
     near = neighbours_of(arrays)
-    relative = (arrays.yaw_rad[near.second] - arrays.yaw_rad[near.first]) / (2.0 * np.pi)
-    heading = np.floor(relative * N_DIRECTIONS + 0.5).astype(int) % N_DIRECTIONS
     return (
         arrays.category[near.first],
         arrays.category[near.second],
         near.distance,
-        near.direction * N_DIRECTIONS + heading,
+        near.direction * N_DIRECTIONS + near.heading,
     )

@@ -37,7 +37,7 @@ from aeroscene.metrics.arrays import N_CATEGORIES, SceneArrays, scene_arrays
 from aeroscene.metrics.neighbours import N_PLACES, neighbours_of
 from aeroscene.scene import Scene, SceneError
 
-_VERSION = 1
+_VERSION = 2
 """Raise it when the bins of `aeroscene.metrics.neighbours` move."""
 _SHAPE = (N_CATEGORIES, N_CATEGORIES, N_PLACES)
 _CATEGORY_WEIGHT = 5.0
