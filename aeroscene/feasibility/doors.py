@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from aeroscene.feasibility.boxes import Boxes, strangers
 from aeroscene.feasibility.layout import Layout
+from aeroscene.feasibility.place_search import TOUCH_M
+from aeroscene.feasibility.places import find_place
 from aeroscene.scene import AttributeValue, OrientedBox
 
 _JAMB_M = 0.15
@@ -22,28 +24,72 @@ _SAME_M = 1e-4
 """Lengths that documents do not tell apart."""
 _APRON_M = 1.3
 """Depth of the air that stays free on either side, as curation keeps it."""
+_LEAST_APRON_M = 0.3
+"""The same where a room is too small: a step, which real bedrooms leave before their bed."""
 _SILL_M = 0.1
 """Height below which an object before a door is not in the way."""
 
 
 def door_air(layout: Layout) -> Boxes:
     """The air before and behind each door of a wall, which furniture leaves free."""
-    found = [
-        air
+    return _boxes_of(list(_airs(layout).values()))
+
+
+def yield_to_furniture(layout: Layout) -> None:
+    """Let doors have less air where a room has no place for what stands in it.
+
+    A bed in the doorway of a small bedroom stays: its door keeps the air down to the bed, but never
+    less than a step.
+    """
+    air, n = _airs(layout), len(layout.boxes)
+    walls, obstacles = list(air), _boxes_of(list(air.values()))
+    pairs = layout.overlaps(TOUCH_M, obstacles).pairs
+    found = [(row, walls[other - n]) for row, other in pairs.tolist() if row < n <= other]
+    for row, wall in found:
+        if not layout.is_fine[row] or find_place(layout, row, int(layout.host[row]), obstacles):
+            continue
+        clear_m = max(_clear_m(layout, row, wall), _LEAST_APRON_M)
+        layout.apron_m[wall] = min(layout.apron_m.get(wall, _APRON_M), clear_m)
+
+
+def _airs(layout: Layout) -> dict[int, OrientedBox]:
+    """The air about the door of each wall that has one, by row."""
+    return {
+        row: air
         for row, obj in enumerate(layout.objects)
         if obj.category == "wall"
         and layout.is_left[row]
-        and (air := air_of(layout.box(row), layout.attributes.get(row, obj.attributes)))
-    ]
+        and (
+            air := air_of(
+                layout.box(row),
+                layout.attributes.get(row, obj.attributes),
+                layout.apron_m.get(row, _APRON_M),
+            )
+        )
+    }
+
+
+def _boxes_of(air: Sequence[OrientedBox]) -> Boxes:
     return strangers(
-        np.array([air.p for air in found]).reshape(-1, 3),
-        np.array([air.s for air in found]).reshape(-1, 3) / 2,
-        np.array([air.yaw_rad for air in found]),
+        np.array([box.p for box in air]).reshape(-1, 3),
+        np.array([box.s for box in air]).reshape(-1, 3) / 2,
+        np.array([box.yaw_rad for box in air]),
     )
 
 
-def air_of(wall: OrientedBox, openings: Mapping[str, AttributeValue]) -> OrientedBox | None:
-    """The air before and behind the door of a wall; None where it has none."""
+def _clear_m(layout: Layout, row: int, wall: int) -> float:
+    """Distance of an object from the middle of a wall, across it."""
+    boxes = layout.boxes
+    across = boxes.frame(wall)[0]
+    offset_m = float(across @ (boxes.centre_m[row, :2] - boxes.centre_m[wall, :2]))
+    reach_m = float(np.abs(boxes.frame(row) @ across) @ boxes.half_m[row, :2])
+    return abs(offset_m) - reach_m
+
+
+def air_of(
+    wall: OrientedBox, openings: Mapping[str, AttributeValue], apron_m: float = _APRON_M
+) -> OrientedBox | None:
+    """The air before and behind the door of a wall, so deep on either side; None without a door."""
     width = openings.get("door_m", 0.0)
     if not isinstance(width, int | float) or width <= 0:
         return None
@@ -52,7 +98,7 @@ def air_of(wall: OrientedBox, openings: Mapping[str, AttributeValue]) -> Oriente
     y = wall.p[1] + math.cos(yaw_rad) * offset_m
     height_m = _LEAST_DOOR_M[1] - _SILL_M
     z = wall.p[2] - wall.s[2] / 2 + _SILL_M + height_m / 2
-    return OrientedBox((x, y, z), wall.q, (2 * _APRON_M, float(width) + 0.2, height_m))
+    return OrientedBox((x, y, z), wall.q, (2 * apron_m, float(width) + 0.2, height_m))
 
 
 def fit_openings(layout: Layout) -> None:

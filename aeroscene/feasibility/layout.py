@@ -52,6 +52,8 @@ class Layout:
     """Which rooms are tiles of one room, see `aeroscene.scene.rooms`."""
     attributes: dict[int, dict[str, AttributeValue]] = field(default_factory=dict)
     """New attributes of the objects whose attributes have changed."""
+    apron_m: dict[int, float] = field(default_factory=dict)
+    """Depth of the air at the doors of walls that have less of it than they should."""
 
     @property
     def objects(self) -> Sequence[SceneObject]:

@@ -46,6 +46,7 @@ def find_place(
     reach_m: float = math.inf,
     *,
     may_cut: bool = False,
+    may_push: bool = False,
 ) -> Place | None:
     """The nearest free place upon a host for an object with all it carries.
 
@@ -56,6 +57,7 @@ def find_place(
         obstacles: Boxes that must be left free, beside all objects of the layout.
         reach_m: Greatest distance of the place.
         may_cut: Whether ground is no obstacle, because it can be cut.
+        may_push: Whether fine objects that are smaller are none, because they can make room.
     """
     boxes, group = layout.boxes, layout.carried(row)
     group = np.array([row, *group[layout.is_left[group] & (group != row)].tolist()])
@@ -74,6 +76,9 @@ def find_place(
         others &= ~boxes.is_kin[row]
     if may_cut:
         others &= [obj.category not in GROUND for obj in layout.objects]
+    if may_push:
+        size = boxes.half_m.prod(axis=1)
+        others &= ~layout.is_fine | (size >= size[row])
     taken = np.concatenate([_rows(boxes, np.flatnonzero(others)), _all_rows(obstacles)])
     region, furthest_m = _region(layout, row, host)
     swing_m = _swing_m(layout, row)

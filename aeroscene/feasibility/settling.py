@@ -64,13 +64,17 @@ def cut_overlaps(
 def resettle(layout: Layout, is_wanted: Bool[np.ndarray, " n"], obstacles: Boxes) -> None:
     """Move what still overlaps to the nearest free place, larger things first, or drop it.
 
-    Obstacles are boxes to keep free beside all objects.
+    Obstacles are boxes to keep free beside all objects. A large thing without a place takes that of
+    smaller ones, which are then moved.
     """
-    losers = _losers(layout, is_wanted, obstacles)
-    size = layout.boxes.half_m[losers].prod(axis=1)
-    for row in losers[np.argsort(-size, kind="stable")].tolist():
-        if layout.is_left[row] and _is_in_conflict(layout, row, obstacles):
-            settle(layout, row, obstacles)
+    for _ in range(_ROUNDS):
+        losers = _losers(layout, is_wanted, obstacles)
+        size = layout.boxes.half_m[losers].prod(axis=1)
+        for row in losers[np.argsort(-size, kind="stable")].tolist():
+            if layout.is_left[row] and _is_in_conflict(layout, row, obstacles):
+                settle(layout, row, obstacles)
+        if not len(losers):
+            break
 
 
 def settle(layout: Layout, row: int, obstacles: Boxes) -> None:
@@ -87,6 +91,8 @@ def settle(layout: Layout, row: int, obstacles: Boxes) -> None:
     ):
         nearest_m = math.inf if place is None else place.distance_m
         place = find_place(layout, row, -1, obstacles, nearest_m, may_cut=True) or place
+    if place is None and layout.is_fine[row]:
+        place = find_place(layout, row, int(layout.host[row]), obstacles, may_push=True)
     if place is None:
         give_up(layout, row, obstacles)
     else:

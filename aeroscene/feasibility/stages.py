@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Bool, Int
 
 from aeroscene.feasibility.boxes import Boxes, joined, strangers
-from aeroscene.feasibility.doors import door_air, fit_openings
+from aeroscene.feasibility.doors import door_air, fit_openings, yield_to_furniture
 from aeroscene.feasibility.extents import fit_extent, hold_all
 from aeroscene.feasibility.ground import find_ground
 from aeroscene.feasibility.headings import square_up
@@ -114,6 +114,7 @@ def _part_coarse(layout: Layout) -> None:
 
 def _part_fine(layout: Layout) -> None:
     fit_openings(layout)
+    yield_to_furniture(layout)
     is_fine = _leave_home(layout)
     air = _air(layout)
     make_room(layout, is_fine, air)
