@@ -27,6 +27,10 @@ class WriterCfg:
     """Width of a kind's embedding."""
     dropout: float = 0.1
     """Share of activations that training switches off."""
+    least_share: float = 0.05
+    """What is less likely than this share of the likeliest is never drawn (min-p, Nguyen et al.
+    2024); all else as often as the network has it. With more, scenes would be nearer to those
+    trained on than other scenes of the grammar are; learnt from few scenes, what is rare goes."""
 
     def __post_init__(self) -> None:
         _require("width", self.width, 8, 1024)
@@ -35,6 +39,7 @@ class WriterCfg:
         _require("ffn_ratio", self.ffn_ratio, 1, 8)
         _require("kind_width", self.kind_width, 4, 512)
         _require("dropout", self.dropout, 0.0, 0.9)
+        _require("least_share", self.least_share, 0.0, 1.0)
         if self.heads % 2 or self.width % self.heads:
             raise WriterError(
                 f"heads is {self.heads} with width {self.width}, valid: an even number that "

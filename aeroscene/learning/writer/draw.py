@@ -17,12 +17,6 @@ from aeroscene.learning.writer.lesson import recent_of, seen_of, wish_numbers
 from aeroscene.learning.writer.stepwise import StepwiseWriter
 from aeroscene.learning.writer.syntax import Syntax
 
-LEAST_SHARE = 0.05
-"""What is less likely than this share of the likeliest is never drawn (min-p, Nguyen et al. 2024);
-all else as often as the network has it. With more, scenes would be nearer to those trained on than
-other scenes of the grammar are."""
-
-
 def draw_program(
     writer: StepwiseWriter,
     syntax: Syntax,
@@ -219,6 +213,6 @@ class _Draw:
         if allowed is not None and allowed.any():
             known = np.where(allowed, known, -np.inf)
         weight = np.exp(known - known.max())
-        total = np.where(weight < LEAST_SHARE, 0.0, weight).cumsum()
+        total = np.where(weight < self._writer.cfg.least_share, 0.0, weight).cumsum()
         # Above 0 and up to 1: so the first share that reaches it is never an empty one.
         return int((total < (1.0 - self._rng.random()) * total[-1]).sum())

@@ -121,10 +121,12 @@ class Builder:
         """
         making, kinds = self.making, self._program.kinds
         n_given = self._n_given = len(making.objects)
-        n_built = 0
-        for place in making.children[0]:
-            if kinds[place].node == "site" and not n_given:
-                add_site(making, place)
+        n_built = 1
+        if not n_given:
+            self._add_storeys(None)
+            for place in making.children[0]:
+                if kinds[place].node == "site":
+                    add_site(making, place, self._buildings.get(None))
         queue: list[int | None] = [None, *range(len(making.objects))]
         for turn in range(N_TURNS):
             for number, bearer in enumerate(queue):

@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+from aeroscene.learning.program.decoding.buildings import DecodedBuilding
 from aeroscene.learning.program.decoding.making import Making
 from aeroscene.learning.program.decoding.settling import settled
+from aeroscene.learning.program.decoding.yards import laid_about
 from aeroscene.learning.program.kinds import Word
 from aeroscene.learning.program.nesting import cells
 from aeroscene.partition import SitePartition, build_site, from_sequence
@@ -14,30 +16,40 @@ from aeroscene.partition.tree import VOID
 from aeroscene.relations.plane import footprint
 from aeroscene.scene import OrientedBox, SceneObject
 
+_Cover = tuple[int, Word, OrientedBox]
+"""A cover with its token and what it is."""
 _LEAST_COVER_M = 0.05
 _ON_M = 1e-6
 
 
-def add_site(making: Making, place: int) -> None:
-    """Add the covers of the site whose token is at a place."""
+def add_site(making: Making, place: int, house: DecodedBuilding | None = None) -> None:
+    """Add the covers of the site whose token is at a place, about the house that stands on it."""
     grown, widths = making.grower.head(place)
     tokens = cells(grown)
     plain = from_sequence([*widths, *grown.flat()])
     assert isinstance(plain, SitePartition)
     frame = plain.frame
     tree = settled(plain.tree, frame.length_m, frame.width_m, _LEAST_COVER_M)
-    for cover in build_site(replace(plain, tree=tree)):
-        token, _ = tokens[cover.leaf]
-        if token is None or cover.kind == VOID:
-            continue
-        word = Word.read(cover.kind)
+    drawn = [
+        (token, Word.read(cover.kind), cover.box)
+        for cover in build_site(replace(plain, tree=tree))
+        if cover.kind != VOID and (token := tokens[cover.leaf][0]) is not None
+    ]
+    for token, word, box in drawn if house is None else _about(making, house, drawn):
         parent = making.made[token][-1] if making.made[token] else None
         if parent is None and not making.program.kinds[token].is_root:
-            parent = _under(making.objects, cover.box, word)
+            parent = _under(making.objects, box, word)
         attributes = dict(word.attributes)
-        making.add(
-            token, word.category, word.domain, attributes, cover.box, parent=parent, bearer=None
-        )
+        making.add(token, word.category, word.domain, attributes, box, parent=parent, bearer=None)
+
+
+def _about(making: Making, house: DecodedBuilding, drawn: list[_Cover]) -> list[_Cover]:
+    """The same covers laid anew about a house, where they are one yard that bears nothing."""
+    words = {word for _, word, _ in drawn}
+    if len(words) != 1 or any(making.children[token] for token, _, _ in drawn):
+        return drawn
+    laid = laid_about(house, [box for _, _, box in drawn])
+    return drawn if laid is None else [(*drawn[number][:2], box) for box, number in laid]
 
 
 def _under(objects: Sequence[SceneObject], box: OrientedBox, word: Word) -> int | None:
