@@ -4,9 +4,9 @@ Of every object the eight nearest others, by their centres. The displacement is 
 how far in the plane, in which direction from its heading, how much higher. Bins are narrow near it,
 so that a chair in line with its desk and a cup level with its table are told from almost so.
 
-What nobody sees is left out: of things that look the same after half a turn it is the data set that
-says which of two headings is written (the corpus' walls face either way, those of 3D-FRONT outwards),
-and of centres on top of each other, as a room's and its roof's, rounding says the direction.
+What nobody sees is left out. Of things that look the same after half a turn the data set says which
+of two headings is written: walls of the corpus face either way, those of 3D-FRONT outwards. Of
+centres on top of each other, as a room's and its roof's, rounding says the direction.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ N_DISTANCES = len(DISTANCE_EDGES_M) + 1
 N_HEIGHTS = len(HEIGHT_EDGES_M) + 1
 N_PLACES = N_DISTANCES * N_HEIGHTS * N_DIRECTIONS
 
-TWO_SIDED = frozenset(
-    "wall fence room floor lawn plaza deck bridge table coffee_table crate pallet chimney".split()
+TWO_SIDED = frozenset({"lawn", "plaza", "deck", "floor", "room"}) | frozenset(
+    {"wall", "fence", "bridge", "chimney", "table", "coffee_table", "crate", "pallet"}
 )
 """Categories whose shapes are the same after half a turn; a wall's with its openings mirrored."""
 _IS_TWO_SIDED = np.array([CATALOGUE[number].name in TWO_SIDED for number in sorted(CATALOGUE)])

@@ -17,6 +17,7 @@ from aeroscene.learning.writer.lesson import recent_of, seen_of, wish_numbers
 from aeroscene.learning.writer.stepwise import StepwiseWriter
 from aeroscene.learning.writer.syntax import Syntax
 
+
 def draw_program(
     writer: StepwiseWriter,
     syntax: Syntax,

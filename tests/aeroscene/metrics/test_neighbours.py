@@ -91,17 +91,10 @@ def test_two_sided_things_look_the_same_after_half_a_turn_and_others_do_not():
 @pytest.mark.parametrize("turn_deg", [0.0, 37.0, 90.0, 180.0, 271.0])
 def test_neighbours_see_the_same_however_the_whole_is_turned(turn_deg):
     plain = beside_wall(0.0, bed_deg=30.0)
-    rotation = math.radians(turn_deg)
-    c, s = math.cos(rotation), math.sin(rotation)
-    rows = [
-        (
-            obj.category,
-            box(
-                (c * obj.bbox.p[0] - s * obj.bbox.p[1], s * obj.bbox.p[0] + c * obj.bbox.p[1], obj.bbox.p[2]),
-                obj.bbox.s,
-                math.degrees(obj.bbox.yaw_rad) + turn_deg,
-            ),
-        )
-        for obj in plain.objects
-    ]
+    c, s = math.cos(math.radians(turn_deg)), math.sin(math.radians(turn_deg))
+    rows = []
+    for obj in plain.objects:
+        x, y, z = obj.bbox.p
+        yaw_deg = math.degrees(obj.bbox.yaw_rad) + turn_deg
+        rows.append((obj.category, box((c * x - s * y, s * x + c * y, z), obj.bbox.s, yaw_deg)))
     assert relations(scene_of(*rows)) == relations(plain)

@@ -27,11 +27,7 @@ def house_with_a_corner():
 
 
 def outlines(scene, *categories):
-    return [
-        _polygon(footprint(obj.bbox))
-        for obj in scene.objects
-        if obj.category in categories
-    ]
+    return [_polygon(footprint(obj.bbox)) for obj in scene.objects if obj.category in categories]
 
 
 HOUSE = house_with_a_corner()
