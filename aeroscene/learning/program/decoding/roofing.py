@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import shapely
+from shapely.geometry.base import BaseGeometry
 
 from aeroscene.layouts.ground import cover
 from aeroscene.learning.program.decoding.stacking import outline_in
@@ -17,7 +18,7 @@ from aeroscene.scene import OrientedBox
 _TILE_M = 40.0
 """Longest tile, as in layouts that were mapped."""
 _SEAM_M = 0.05
-"""Gaps between walls that a roof goes over."""
+"""Gaps between walls that are none: a roof goes over them."""
 _SAME_M = 1e-4
 _CEILING_M = 0.4
 """Heights of rooms and walls that differ by less are of one storey under one roof."""
@@ -45,15 +46,19 @@ def _up_to(box: OrientedBox, top_m: float) -> OrientedBox:
     return replace(box, p=middle, s=sides)
 
 
-def roofs_over(
-    parts: Sequence[BuildingPart], frame: Frame, thickness_m: float
-) -> list[OrientedBox]:
-    """Tiles that cover all rooms and walls from above, and lie on the highest of them."""
+def ground_plan(parts: Iterable[BuildingPart], frame: Frame) -> BaseGeometry:
+    """All that rooms and walls stand on, in a frame that they are aligned with."""
     outlines = [shapely.box(*outline_in(frame, part)) for part in parts]
     house = shapely.union_all(outlines).buffer(_SEAM_M, join_style="mitre")
     house = house.buffer(-_SEAM_M, join_style="mitre")
     # Tiles would be as wide as the widest of corners that are nearly at one height.
-    house = shapely.set_precision(house, _SAME_M)
+    return shapely.set_precision(house, _SAME_M)
+
+
+def roofs_over(
+    parts: Sequence[BuildingPart], frame: Frame, thickness_m: float
+) -> list[OrientedBox]:
+    """Tiles that cover all rooms and walls from above, and lie on the highest of them."""
     base_m = max(_top_m(part.box) for part in parts)
-    tiles = cover(house, _TILE_M)
+    tiles = cover(ground_plan(parts, frame), _TILE_M)
     return [frame.inner(tile).box(0, base_m, base_m + thickness_m) for tile in tiles]

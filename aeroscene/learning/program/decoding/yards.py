@@ -9,18 +9,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import shapely
-from shapely.geometry.base import BaseGeometry
 
 from aeroscene.layouts.ground import cover
 from aeroscene.learning.program.decoding.buildings import DecodedBuilding
-from aeroscene.learning.program.decoding.stacking import outline_in
-from aeroscene.partition.frames import Bounds, Frame, frame_of, hull_of, nearest_quarter
+from aeroscene.learning.program.decoding.roofing import ground_plan
+from aeroscene.partition.frames import Bounds, frame_of, hull_of, nearest_quarter
 from aeroscene.scene import OrientedBox
 
 _TILE_M = 60.0
 """Longest tile, as in layouts that were mapped."""
-_SEAM_M = 0.05
-"""Gaps between walls that are none."""
 _SAME_M = 1e-4
 _ALIGNED_RAD = 1e-3
 _WHOLE = 0.85
@@ -41,7 +38,7 @@ def laid_about(
     if len(bases_m) != 1 or any(abs(off_rad) > _ALIGNED_RAD for off_rad in offs_rad):
         return None
     outlines = [frame.bounds_of(frame_of(box)) for box in covers]
-    walled = _outline(house, frame)
+    walled = ground_plan((part for part, _ in house.parts), frame)
     yard = shapely.box(*hull_of(outlines))
     drawn = shapely.union_all([*(shapely.box(*each) for each in outlines), walled])
     if not yard.contains(walled) or drawn.area < _WHOLE * yard.area:
@@ -52,13 +49,6 @@ def laid_about(
         (frame.inner(tile).box(0, base_m, top_m), _most_under(tile, outlines))
         for tile in cover(shapely.set_precision(yard.difference(walled), _SAME_M), _TILE_M)
     ]
-
-
-def _outline(house: DecodedBuilding, frame: Frame) -> BaseGeometry:
-    """All that a house stands on, in its own frame."""
-    parts = [shapely.box(*outline_in(frame, part)) for part, _ in house.parts]
-    closed = shapely.union_all(parts).buffer(_SEAM_M, join_style="mitre")
-    return closed.buffer(-_SEAM_M, join_style="mitre")
 
 
 def _most_under(tile: Bounds, outlines: Sequence[Bounds]) -> int:
