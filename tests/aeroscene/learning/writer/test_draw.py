@@ -9,7 +9,7 @@ import pytest
 import torch
 
 from aeroscene.learning.writer.batch import lesson_batch
-from aeroscene.learning.writer.config import WriterError
+from aeroscene.learning.writer.config import WriterCfg, WriterError
 from aeroscene.learning.writer.draw import _Draw, draw_program
 from aeroscene.learning.writer.examples import written
 from aeroscene.learning.writer.furnishing import Furnishing
@@ -63,6 +63,20 @@ def test_draws_keep_the_syntax_and_are_the_same_again(language, writer, wish):
     for place, parent in enumerate(first.parents[1:], 1):
         own, above = language.syntax.class_of[[first.kinds[place], first.kinds[parent]]]
         assert language.syntax.most[above, own] > 0
+
+
+@pytest.mark.parametrize(("least_share", "drawn"), [(0.0, {0, 1, 2}), (0.1, {0, 1}), (1.0, {0})])
+def test_what_is_too_rare_is_never_drawn(language, writer, wish, rng, least_share, drawn):
+    stepwise = StepwiseWriter(writer)
+    stepwise.cfg = replace(stepwise.cfg, least_share=least_share)
+    draw = _Draw(stepwise, language.syntax, wish, rng)
+    logits = np.log([0.8, 0.16, 0.04])
+    assert {draw._choose(logits) for _ in range(400)} == drawn
+
+
+def test_a_share_out_of_range_is_refused():
+    with pytest.raises(WriterError, match=r"least_share is 1\.5, valid: 0 to 1"):
+        WriterCfg(least_share=1.5)
 
 
 def test_groups_have_arrays_that_the_same_thing_had(language, writer, wish, rng):
