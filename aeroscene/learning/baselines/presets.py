@@ -43,10 +43,6 @@ _PAPER_TRAINING: Mapping[str, Any] = {
 }
 """What the paper's preset is trained with here. Its batches of 64 at a rate of 2e-4, without an
 average, are made for a GPU: a batch takes 1.5 s of a core, and minutes have too few of them."""
-_OTHER_LEAST_SHARE = 0.01
-"""`WriterCfg.least_share` for other scenes than the corpus', of which there are few: of the kinds
-that held-out rooms of 3D-FRONT have it leaves out 6.5%, as the corpus' share does of the corpus'
-7.1%; that one would leave out 11.6%."""
 _PRIOR_SHARE = 0.1
 _PRIOR_STEP_S = 0.15
 _PRIOR_STEPS = (10, 400)
@@ -103,7 +99,7 @@ def fit_preset(
         Plan(
             folder=lessons.folder,
             preset=preset,
-            sections=fitted(_sections(preset, seconds, lessons), data.train.known),
+            sections=fitted(_sections(preset, seconds, lessons.seed), data.train.known),
             data=data,
             budgets=part_budgets(parts, steps, None if seconds is None else seconds / 60),
             device=torch.device("cpu"),
@@ -129,13 +125,11 @@ def shipped_preset(preset: Preset) -> FittedPreset:
     return FittedPreset(Generator.load(preset=preset, device="cpu"), None)
 
 
-def _sections(preset: Preset, seconds: float | None, lessons: Lessons) -> dict[str, Any]:
+def _sections(preset: Preset, seconds: float | None, seed: int) -> dict[str, Any]:
     sections = preset_sections(preset)
-    if "writer" in sections and not lessons.is_corpus:
-        sections["writer"] = replace(sections["writer"], least_share=_OTHER_LEAST_SHARE)
     for name in ("training", "writer_training"):
         if name in sections:
-            changes: dict[str, Any] = {"seed": lessons.seed, "look_steps": _LOOK_STEPS}
+            changes: dict[str, Any] = {"seed": seed, "look_steps": _LOOK_STEPS}
             if name == "training" and preset == "paper":
                 changes |= _PAPER_TRAINING
                 if seconds is not None:

@@ -72,7 +72,7 @@ def read_begun(path: Path) -> Begun:
 
 def _sizes_of(cfg: object) -> dict[str, object]:
     """What of a network's section says which weights it has, but for what the language says."""
-    return {k: v for k, v in vars(cfg).items() if k not in {"n_kinds", "dropout"}}
+    return {k: v for k, v in vars(cfg).items() if k not in {"n_kinds", "dropout", "least_share"}}
 
 
 def carried(

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -47,9 +47,10 @@ from aeroscene.learning.training.presets import PARTS, Sections, sections_to_pla
 from aeroscene.learning.training.prior_stage import loss_function, train_prior_part
 from aeroscene.learning.training.same_data import check_same_data
 from aeroscene.learning.training.state import STATE, TrainingState, write_state
-from aeroscene.learning.training.writer_stage import writer_loss
+from aeroscene.learning.training.writer_stage import with_fitting_share, writer_loss
 from aeroscene.learning.writer.language import Language
 from aeroscene.learning.writer.model import new_writer
+from aeroscene.learning.writer.training_set import LessonSet
 
 CHECKPOINT = "checkpoint.safetensors"
 
@@ -147,7 +148,18 @@ class Training:
                 training, opened.batches, course.loss, budget, course.after_step, plan.clock
             )
             course.log()
-        return budget.share(training.step, training.seconds) >= 1.0
+        is_done = budget.share(training.step, training.seconds) >= 1.0
+        if is_done and part == "writer":
+            self._fit_share(training)
+        return is_done
+
+    def _fit_share(self, training: PartTraining) -> None:
+        """Let a writer that has learnt draw as rare things as held-out scenes have."""
+        train, held_out = self.plan.data.train, part_set(self.plan.data.held_out, "writer")
+        assert isinstance(train.known, Language)
+        assert isinstance(held_out, LessonSet)
+        cfg = with_fitting_share(self.plan.sections["writer"], training.kept, train.known, held_out)
+        self.plan = replace(self.plan, sections={**self.plan.sections, "writer": cfg})
 
     def _train_prior(self) -> bool:
         plan = self.plan

@@ -30,7 +30,8 @@ class WriterCfg:
     least_share: float = 0.05
     """What is less likely than this share of the likeliest is never drawn (min-p, Nguyen et al.
     2024); all else as often as the network has it. With more, scenes would be nearer to those
-    trained on than other scenes of the grammar are; learnt from few scenes, what is rare goes."""
+    trained on than other scenes of the grammar are. Training makes it less where too much of
+    held-out programs would never be drawn, as of a network that has learnt little."""
 
     def __post_init__(self) -> None:
         _require("width", self.width, 8, 1024)

@@ -156,6 +156,20 @@ def new_writer(cfg: WriterCfg, language: Language) -> Writer:
 
 def surprise(writer: Writer, lesson: LessonBatch) -> dict[str, Float[Tensor, ""]]:
     """Negative log likelihood of a batch of programs, nats in all, by what is said."""
+    return {
+        name: functional.cross_entropy(logits, said, reduction="sum")
+        for name, (logits, said) in _choices(writer, lesson).items()
+    }
+
+
+def shares_of_likeliest(writer: Writer, lesson: LessonBatch) -> Float[Tensor, " n"]:
+    """How likely each kind in a batch of programs was, as a share of the likeliest in its place."""
+    logits, said = _choices(writer, lesson)["kind"]
+    return torch.exp(logits.gather(1, said.unsqueeze(1))[:, 0] - logits.amax(1))
+
+
+def _choices(writer: Writer, lesson: LessonBatch) -> dict[str, tuple[Tensor, Tensor]]:
+    """Logits of all that a batch of programs says, and what it says."""
     table = writer.embedding()
     n = lesson.seen.shape[1]
     before = torch.ones(n, n, dtype=torch.bool, device=lesson.kin.device).tril()
@@ -177,13 +191,9 @@ def surprise(writer: Writer, lesson: LessonBatch) -> dict[str, Float[Tensor, ""]
     member, host, shape = writer.rest_logits(local, kind, table)
     said = lesson.depth >= 0
     return {
-        "depth": _nats(writer.depth(known[said]), lesson.depth[said]),
-        "kind": _nats(writer.kind_logits(local, table), kind),
-        "member": _nats(member, lesson.member[places]),
-        "host": _nats(host, lesson.host[places]),
-        "shape": _nats(shape, lesson.shape[places]),
+        "depth": (writer.depth(known[said]), lesson.depth[said]),
+        "kind": (writer.kind_logits(local, table), kind),
+        "member": (member, lesson.member[places]),
+        "host": (host, lesson.host[places]),
+        "shape": (shape, lesson.shape[places]),
     }
-
-
-def _nats(logits: Float[Tensor, "n choices"], target: Int[Tensor, " n"]) -> Float[Tensor, ""]:
-    return functional.cross_entropy(logits, target, reduction="sum")
