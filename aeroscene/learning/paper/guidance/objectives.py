@@ -35,8 +35,9 @@ class ObjectivesCfg:
     """Softness of the soft IoU."""
     region_distance: RegionDistance = "centroid"
     """`centroid` is the paper's."""
-    step_size: float = 0.3
-    """eta_0, in standardised units of x for a whole scene."""
+    step_size: float = 10.0
+    """eta_0, in standardised units of x for a whole scene. With less than 3 the terms move nothing
+    that the figures see, with 40 they tear scenes apart."""
 
     def __post_init__(self) -> None:
         require_choice("guidance", self, iou=IouKind, region_distance=RegionDistance)
