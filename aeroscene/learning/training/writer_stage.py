@@ -44,7 +44,8 @@ def with_fitting_share(
     n_programs = min(len(held_out.examples), _MOST)
     if n_programs == 0:
         return cfg
-    writer = new_writer(cfg, language)
+    with torch.random.fork_rng(devices=[]):
+        writer = new_writer(cfg, language)
     writer.load_state_dict(dict(weights))
     writer.eval()
     with torch.no_grad():

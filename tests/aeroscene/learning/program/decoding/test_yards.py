@@ -33,9 +33,9 @@ def outlines(scene, *categories):
 HOUSE = house_with_a_corner()
 
 
-def drawn(rng, spread):
+def drawn(rng, spread, scene=HOUSE):
     """The same with the shares of the yard's tiles off by a spread of their logits."""
-    program = encode(HOUSE).program
+    program = encode(scene).program
     channels = program.channels.copy()
     site = next(i for i, kind in enumerate(program.kinds) if kind.node == "site")
     below = [i for i in range(len(program)) if i != site and within(program, i, site)]
@@ -79,5 +79,8 @@ def test_a_yard_with_something_on_it_is_left_alone():
         bbox=replace(lawn.bbox, p=(x, y, 0.4), s=(1.0, 1.0, 0.75)),
         domain="outdoor",
     )
-    scene = decode(encode(replace(HOUSE, objects=(*HOUSE.objects, bench))).program).scene
-    assert len(outlines(scene, "lawn")) == len(outlines(HOUSE, "lawn"))
+    scene = drawn(np.random.default_rng(1), 0.4, replace(HOUSE, objects=(*HOUSE.objects, bench)))
+    lawns, walled = (
+        shapely.union_all(outlines(scene, *names)) for names in (("lawn",), ("wall", "room"))
+    )
+    assert lawns.intersection(walled).area > 0.1
