@@ -83,7 +83,7 @@ def prism(
     right, left = y if isinstance(y, tuple) else centred(y)
     vertices: list[Vector3] = []
     for px, pz in profile_xz_m:
-        inset = lean_m * (pz - foot) / (top - foot)
+        inset = lean_m * (pz - foot) / (top - foot) if lean_m else 0.0
         vertices += [(px, right + inset, pz), (px, left - inset, pz)]
     return hull(vertices, material)
 

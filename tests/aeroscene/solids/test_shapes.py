@@ -3,6 +3,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from itertools import product
 
 import numpy as np
 import pytest
@@ -134,6 +135,13 @@ def test_every_form_of_every_category_fits_sizes_a_little_beyond_the_real_ones(f
 def test_sizes_that_no_such_thing_has_still_give_something_solid(size, is_enterable):
     for name in SHAPES:
         assert_sound(make(name, size, is_enterable=is_enterable, door_m=1.2))
+
+
+def test_round_sizes_at_which_a_part_has_no_height_still_give_something_solid():
+    """A swivel chair of 0.3 m has no room for its rest."""
+    for name, form in FORMED:
+        for size in product((0.1, 0.5, 2.0), (0.5, 2.0), np.arange(0.02, 1.0, 0.02).round(2)):
+            assert object_parts(name, Look(size, {"form": form}, 0))
 
 
 @pytest.mark.parametrize("name", FORMS)
