@@ -91,7 +91,8 @@ def stands_on(wall: StandingWall, line: Line, *, is_inset: bool) -> bool:
     # A wall reaches over the line beside its own by half of what it meets, an outer one by all.
     reach = wall.thickness_m * (0.5 if is_inset else 1.0) + _LEAST_M
     overlap = min(high, line.high) - max(low, line.low)
-    if wall.axis != line.axis or overlap < min(reach, (line.high - line.low) / 2):
+    least = min(reach, (line.high - line.low) / 2, high - low - _LEAST_M)
+    if wall.axis != line.axis or overlap < least:
         return False
     at = line.at
     if not is_inset and NOBODY in line.rooms:

@@ -127,7 +127,10 @@ def _runs(plain: Wall, segments: Sequence[Segment]) -> list[Wall]:
 
 
 def fitted(walls: Sequence[Wall]) -> list[Wall]:
-    """Walls cut back or reaching out where they meet; what is shorter than it is thick is none.
+    """Walls cut back or reaching out where they meet.
+
+    An inner one that is then shorter than it is thick is none; an outer one closes a step of the
+    outline, however short.
 
     Args:
         walls: Those of all storeys of a building, since walls of different ones may meet.
@@ -136,7 +139,7 @@ def fitted(walls: Sequence[Wall]) -> list[Wall]:
     for wall in walls:
         reach = [_reach(wall, end, [o for o in walls if _meets(wall, end, o)]) for end in (0, 1)]
         low, high = wall.low - reach[0], wall.high + reach[1]
-        if high - low > wall.thickness_m:
+        if high - low > (_POINT_M if wall.beyond else wall.thickness_m):
             found.append(replace(wall, low=low, high=high))
     return found
 

@@ -168,13 +168,17 @@ def test_two_doors_on_a_line_make_two_walls():
     assert all("door_m" in wall.openings for wall in walls)
 
 
-def test_an_l_shaped_room_has_no_wall_inside_and_walls_all_round():
+@pytest.mark.parametrize("axes", ["xy", "yx"])
+@pytest.mark.parametrize(
+    "step", [(Part(0.5), Part(0.5)), (Part(1.0), Part(0.2, is_width=True))], ids=["half", "20 cm"]
+)
+def test_an_l_shaped_room_has_no_wall_inside_and_walls_all_round(step, axes):
     tree = Slice(
-        "x",
+        axes[0],
         (Part(0.5), Part(0.5)),
         (
             Leaf("living", 3.0, merge=1),
-            Slice("y", (Part(0.5), Part(0.5)), (Leaf("living", 3.0, merge=1), Leaf(VOID))),
+            Slice(axes[1], step, (Leaf("living", 3.0, merge=1), Leaf(VOID))),
         ),
     )
     storey = storey_of(tree, lambda _: WALL, is_inset=False, outer_m=0.15, wall_m=0.06)
