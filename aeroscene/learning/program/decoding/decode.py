@@ -25,6 +25,7 @@ from aeroscene.learning.program.decoding.extent import extent_of
 from aeroscene.learning.program.decoding.making import Making
 from aeroscene.learning.program.decoding.mending import LAID, drawn_in, laid_for, mended
 from aeroscene.learning.program.decoding.neighbours import (
+    buried,
     clashing,
     free_shift,
     moved,
@@ -56,8 +57,6 @@ _FIXED = GROUND | FITTINGS | AT_LEVELS | POSTS | {"roof"}
 """What lies where it was drawn, whatever stands there."""
 _HOLDING = GROUND | {"room"}
 """What holds all that is drawn on it or in it."""
-_MOST_LEFT_OUT = 0.5
-"""Largest share of a group that is left out for want of room."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -253,10 +252,11 @@ class Builder:
     def _free(self, unit: Unit, kind: Kind, boxes: Sequence[OrientedBox]) -> list[OrientedBox]:
         """A unit's boxes where they have room: as its relation has it, or else nearby.
 
-        Where there is room enough for what their category keeps free of its own, there.
+        Where there is room enough for what their category keeps free of its own, there. Where
+        there is none for all, those that have some, or that are at least not deep in others.
         """
         making, neighbours = self.making, self.making.neighbours
-        taken = neighbours.taken(unit.parent_id)
+        taken = making.taken(unit.parent_id)
         clearance_m = self._program.clearances.of(kind.category)
         tries: list[tuple[Float[np.ndarray, "k 8"], int | None]] = [(taken, None)]
         if any(clearance_m):
@@ -268,10 +268,8 @@ class Builder:
                 found = self._with_room(unit, kind, boxes, full, n_ways, needs_wall=needs_wall)
                 if found is not None:
                     return found
-        is_taken = clashing(boxes, taken)
-        if sum(is_taken) > _MOST_LEFT_OUT * len(boxes):
-            return list(boxes)
-        return [box for box, clashes in zip(boxes, is_taken, strict=True) if not clashes]
+        things = making.taken(unit.parent_id, has_air=False)
+        return _without(boxes, clashing(boxes, taken)) or _without(boxes, buried(boxes, things))
 
     def _with_room(
         self,
@@ -296,3 +294,7 @@ class Builder:
             if not needs_wall or has_wall(making, tried, found):
                 return found
         return None
+
+
+def _without(boxes: Sequence[OrientedBox], is_left_out: Sequence[bool]) -> list[OrientedBox]:
+    return [box for box, leaves in zip(boxes, is_left_out, strict=True) if not leaves]

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+
+import numpy as np
+from jaxtyping import Float
 
 from aeroscene.feasibility.doors import air_of
 from aeroscene.learning.program.companions import host_key
@@ -136,15 +139,25 @@ class Making:
 
     def tiles(self, room: int) -> list[Rectangle]:
         """All tiles of the room that an object is one of, from above."""
+        return [footprint(self.objects[number].bbox) for number in self._tiles(room)]
+
+    def _tiles(self, room: int) -> list[int]:
         own = self.objects[room]
         if "room" not in own.attributes:
-            return [footprint(own.bbox)]
+            return [room]
         name = own.attributes["room"], own.parent_id
         return [
-            footprint(obj.bbox)
-            for obj in self.objects
+            number
+            for number, obj in enumerate(self.objects)
             if obj.category == "room" and (obj.attributes.get("room"), obj.parent_id) == name
         ]
+
+    def taken(
+        self, bearer: int | None, without: Sequence[int] = (), *, has_air: bool = True
+    ) -> Float[np.ndarray, "k 8"]:
+        """What is in the way of what comes onto an object: no other tile of the same room is."""
+        tiles = [] if bearer is None else self._tiles(bearer)
+        return self.neighbours.taken(bearer, [*without, *tiles], has_air=has_air)
 
     def let_tiles_bear(self) -> None:
         """Give what stands in another tile of its room than its own the one that it is in."""

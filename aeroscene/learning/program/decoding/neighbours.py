@@ -1,7 +1,7 @@
 """Free places for units among what stands already, by ways that their relations leave open.
 
-Nothing changes where nothing has to: what was read off a scene stays as it is. A unit without such
-a place stays where it is too; the projection parts what is left.
+Nothing changes where nothing has to: what was read off a scene stays as it is. Of a unit without
+such a place what overlaps others is left out, or what is deep in them where all of it overlaps.
 """
 
 from __future__ import annotations
@@ -32,6 +32,8 @@ _SIDES: Mapping[Kind, tuple[int, ...]] = MappingProxyType(
 """Quarter turns about the host, the likeliest first: to the next wall, or in line with the host."""
 _IN_LINE = (0, 2)
 """The same for what is headed as its host is: to its other side, not before it."""
+_INNER = 0.5
+"""Share of length and width, about its middle, that is free of what a box is not deep in."""
 _DEEP_M = 0.004
 """Depth up to which boxes only touch: what documents round."""
 
@@ -59,15 +61,20 @@ class Neighbours:
         """Keep a box free of everything that comes from now on."""
         self._air.append(_row(box))
 
-    def taken(self, bearer: int | None, without: Sequence[int] = ()) -> Float[np.ndarray, "k 8"]:
-        """All that stands but for some, and what bears them and all that it belongs to."""
+    def taken(
+        self, bearer: int | None, without: Sequence[int] = (), *, has_air: bool = True
+    ) -> Float[np.ndarray, "k 8"]:
+        """All that stands but for some, and what bears them and all that it belongs to.
+
+        With what is kept free of everything, unless `has_air` is False.
+        """
         is_other = np.ones(len(self._rows), dtype=bool)
         is_other[list(without)] = False
         while bearer is not None:
             is_other[bearer] = False
             bearer = self._parents[bearer]
         rows = np.array(self._rows).reshape(-1, 8)[is_other]
-        return np.concatenate([rows, np.array(self._air).reshape(-1, 8)])
+        return np.concatenate([rows, np.array(self._air).reshape(-1, 8)]) if has_air else rows
 
     def rows(self, numbers: Sequence[int]) -> Float[np.ndarray, "k 8"]:
         """Some of what stands, by its places in the order."""
@@ -125,6 +132,14 @@ def free_shift(
 def clashing(group: Sequence[OrientedBox], taken: Float[np.ndarray, "k 8"]) -> list[bool]:
     """Which boxes overlap anything that is taken."""
     return [not _is_free(np.array([_row(box)]), taken) for box in group]
+
+
+def buried(group: Sequence[OrientedBox], taken: Float[np.ndarray, "k 8"]) -> list[bool]:
+    """Which boxes are deep in something that is taken, by over a quarter of a side."""
+    rows = [np.array([_row(box)]) for box in group]
+    for row in rows:
+        row[:, 2:4] *= _INNER
+    return [not _is_free(row, taken) for row in rows]
 
 
 def open_ways(unit: Unit, host: Rectangle) -> Iterator[tuple[int, Ways]]:

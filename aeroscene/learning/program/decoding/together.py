@@ -37,7 +37,7 @@ def moved_with(
     bearer = making.standing.bearer(others[0])
     own = [making.objects[number].bbox for number in others]
     within = None if bearer is None else making.outline(bearer)
-    taken = making.neighbours.taken(bearer, without=others)
+    taken = making.taken(bearer, without=others)
     shift = free_shift([*own, *boxes], taken, within, ways_rad=None)
     if shift is None:
         return None
@@ -53,9 +53,7 @@ def drawn_up(
     boxes = moved_with(making, chairs, [table], n_given)
     if boxes is not None:
         return boxes
-    is_taken = clashing(
-        chairs, making.neighbours.taken(making.standing.bearer(table), without=[table])
-    )
+    is_taken = clashing(chairs, making.taken(making.standing.bearer(table), without=[table]))
     return [box for box, clashes in zip(chairs, is_taken, strict=True) if not clashes]
 
 
