@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from aeroscene.scene.box import OrientedBox
@@ -64,6 +65,20 @@ def turned_reach_m(half_m: Half, turn_rad: float) -> Half:
     """How far a turned rectangle reaches along the axes it is turned against."""
     cos, sin = abs(math.cos(turn_rad)), abs(math.sin(turn_rad))
     return cos * half_m[0] + sin * half_m[1], sin * half_m[0] + cos * half_m[1]
+
+
+def hull(rectangles: Sequence[Rectangle]) -> Rectangle:
+    """The least rectangle about some, along the axes of the first."""
+    place = rectangles[0].place
+    low, high = [math.inf, math.inf], [-math.inf, -math.inf]
+    for each in rectangles:
+        u_m, v_m, turn_rad = place.local(each.place)
+        reach_m = turned_reach_m(each.half_m, turn_rad)
+        for axis, at_m in enumerate((u_m, v_m)):
+            low[axis] = min(low[axis], at_m - reach_m[axis])
+            high[axis] = max(high[axis], at_m + reach_m[axis])
+    middle = place.moved((low[0] + high[0]) / 2, (low[1] + high[1]) / 2)
+    return Rectangle(middle, ((high[0] - low[0]) / 2, (high[1] - low[1]) / 2))
 
 
 def nearest_quadrant(turn_rad: float) -> tuple[int, float]:

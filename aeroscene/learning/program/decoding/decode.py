@@ -25,8 +25,7 @@ from aeroscene.learning.program.decoding.extent import extent_of
 from aeroscene.learning.program.decoding.making import Making
 from aeroscene.learning.program.decoding.mending import LAID, drawn_in, laid_for, mended
 from aeroscene.learning.program.decoding.neighbours import (
-    buried,
-    clashing,
+    free_of,
     free_shift,
     moved,
     open_ways,
@@ -57,6 +56,8 @@ _FIXED = GROUND | FITTINGS | AT_LEVELS | POSTS | {"roof"}
 """What lies where it was drawn, whatever stands there."""
 _HOLDING = GROUND | {"room"}
 """What holds all that is drawn on it or in it."""
+_INNER = 0.5
+"""Share of length and width about the middle that is free where something is not deep in others."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -269,7 +270,7 @@ class Builder:
                 if found is not None:
                     return found
         things = making.taken(unit.parent_id, has_air=False)
-        return _without(boxes, clashing(boxes, taken)) or _without(boxes, buried(boxes, things))
+        return free_of(taken, boxes) or free_of(things, boxes, _INNER)
 
     def _with_room(
         self,
@@ -283,7 +284,7 @@ class Builder:
     ) -> list[OrientedBox] | None:
         """A unit's boxes by the first of the ways that its relation leaves open, if any."""
         making = self.making
-        within = None if unit.parent_id is None else making.outline(unit.parent_id)
+        within = making.extent(unit.parent_id)
         for turns, ways in islice(open_ways(unit, making.outline(unit.host_id)), n_ways):
             tried = turned(unit, turns)
             found = self._boxes(tried, kind) if turns else boxes
@@ -291,10 +292,7 @@ class Builder:
             if shift is None:
                 continue
             found = [moved(box, shift) for box in found]
-            if not needs_wall or has_wall(making, tried, found):
+            is_borne = making.is_borne(unit.parent_id, found)
+            if is_borne and (not needs_wall or has_wall(making, tried, found)):
                 return found
         return None
-
-
-def _without(boxes: Sequence[OrientedBox], is_left_out: Sequence[bool]) -> list[OrientedBox]:
-    return [box for box, leaves in zip(boxes, is_left_out, strict=True) if not leaves]

@@ -11,12 +11,13 @@ from jaxtyping import Float
 from aeroscene.feasibility.doors import air_of
 from aeroscene.learning.program.companions import host_key
 from aeroscene.learning.program.decoding.growing import Grower
+from aeroscene.learning.program.decoding.mending import is_on_any
 from aeroscene.learning.program.decoding.neighbours import Neighbours
 from aeroscene.learning.program.kinds import CATEGORY_IDS
 from aeroscene.learning.program.measures import BARE_SITE, site_rectangle
 from aeroscene.learning.program.program import Program
 from aeroscene.relations.hosts import Standing
-from aeroscene.relations.plane import Rectangle, footprint
+from aeroscene.relations.plane import Rectangle, footprint, hull
 from aeroscene.relations.relation import Kind
 from aeroscene.scene import AttributeValue, ObjectDomain, OrientedBox, Scene, SceneObject
 from aeroscene.scene.rooms import strayed_to, tile_groups
@@ -140,6 +141,18 @@ class Making:
     def tiles(self, room: int) -> list[Rectangle]:
         """All tiles of the room that an object is one of, from above."""
         return [footprint(self.objects[number].bbox) for number in self._tiles(room)]
+
+    def extent(self, bearer: int | None) -> Rectangle | None:
+        """How far what an object bears may reach: of a tile as far as any of its room does."""
+        if bearer is None:
+            return None
+        tiles = self.tiles(bearer)
+        return tiles[0] if len(tiles) == 1 else hull(tiles)
+
+    def is_borne(self, bearer: int | None, boxes: Sequence[OrientedBox]) -> bool:
+        """Whether the middles of boxes are on the tiles of a room that has several."""
+        tiles = [] if bearer is None else self.tiles(bearer)
+        return len(tiles) < 2 or all(is_on_any(box, tiles) for box in boxes)
 
     def _tiles(self, room: int) -> list[int]:
         own = self.objects[room]

@@ -32,8 +32,6 @@ _SIDES: Mapping[Kind, tuple[int, ...]] = MappingProxyType(
 """Quarter turns about the host, the likeliest first: to the next wall, or in line with the host."""
 _IN_LINE = (0, 2)
 """The same for what is headed as its host is: to its other side, not before it."""
-_INNER = 0.5
-"""Share of length and width, about its middle, that is free of what a box is not deep in."""
 _DEEP_M = 0.004
 """Depth up to which boxes only touch: what documents round."""
 
@@ -129,17 +127,17 @@ def free_shift(
     return x_m, y_m
 
 
-def clashing(group: Sequence[OrientedBox], taken: Float[np.ndarray, "k 8"]) -> list[bool]:
-    """Which boxes overlap anything that is taken."""
-    return [not _is_free(np.array([_row(box)]), taken) for box in group]
-
-
-def buried(group: Sequence[OrientedBox], taken: Float[np.ndarray, "k 8"]) -> list[bool]:
-    """Which boxes are deep in something that is taken, by over a quarter of a side."""
-    rows = [np.array([_row(box)]) for box in group]
-    for row in rows:
-        row[:, 2:4] *= _INNER
-    return [not _is_free(row, taken) for row in rows]
+def free_of(
+    taken: Float[np.ndarray, "k 8"], group: Sequence[OrientedBox], inner: float = 1.0
+) -> list[OrientedBox]:
+    """The boxes that overlap nothing that is taken, with a share of their length and width."""
+    found: list[OrientedBox] = []
+    for box in group:
+        row = np.array([_row(box)])
+        row[:, 2:4] *= inner
+        if _is_free(row, taken):
+            found.append(box)
+    return found
 
 
 def open_ways(unit: Unit, host: Rectangle) -> Iterator[tuple[int, Ways]]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from aeroscene.learning.program.decoding.making import Making
 from aeroscene.learning.program.decoding.mending import is_on_any
-from aeroscene.learning.program.decoding.neighbours import clashing, free_shift, moved
+from aeroscene.learning.program.decoding.neighbours import free_of, free_shift, moved
 from aeroscene.learning.program.decoding.units import member_boxes
 from aeroscene.relations import Unit
 from aeroscene.relations.relation import N_SIDES, Gap, Kind
@@ -36,10 +36,10 @@ def moved_with(
         return None
     bearer = making.standing.bearer(others[0])
     own = [making.objects[number].bbox for number in others]
-    within = None if bearer is None else making.outline(bearer)
+    within = making.extent(bearer)
     taken = making.taken(bearer, without=others)
     shift = free_shift([*own, *boxes], taken, within, ways_rad=None)
-    if shift is None:
+    if shift is None or not making.is_borne(bearer, [moved(box, shift) for box in [*own, *boxes]]):
         return None
     for number, box in zip(others, own, strict=True):
         making.move(number, moved(box, shift))
@@ -53,8 +53,7 @@ def drawn_up(
     boxes = moved_with(making, chairs, [table], n_given)
     if boxes is not None:
         return boxes
-    is_taken = clashing(chairs, making.taken(making.standing.bearer(table), without=[table]))
-    return [box for box, clashes in zip(chairs, is_taken, strict=True) if not clashes]
+    return free_of(making.taken(making.standing.bearer(table), without=[table]), chairs)
 
 
 def backed_by(making: Making, unit: Unit) -> list[int]:
@@ -77,7 +76,7 @@ def back_to_back(
     that is too small for both is left out.
     """
     drawn = member_boxes(_as_even_as(unit, making.pitch_m(others[0])), making.box)
-    if any(clashing(drawn, making.neighbours.rows(others))):
+    if len(free_of(making.neighbours.rows(others), drawn)) < len(drawn):
         return None
     boxes = moved_with(making, drawn, others, n_given)
     if boxes is None or unit.parent_id is None:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from aeroscene.learning.program import encode
+from aeroscene.learning.program import decode, encode
 from aeroscene.learning.program.decoding.furnish import furnish
 from aeroscene.learning.program.decoding.making import Given
 from tests.aeroscene.conftest import cached_scene
@@ -63,3 +63,32 @@ def test_chairs_without_room_at_a_given_table_are_left_out():
         made = furnish(encoded.program, Given(kept, ids), "garden", 0)
         assert made.objects[: len(kept.objects)] == kept.objects
         assert [obj.category for obj in made.objects[len(kept.objects) :]] == categories
+
+
+@pytest.mark.parametrize(
+    ("side_m", "categories"), [(25.0, ["tree"]), (30.0, [])], ids=["room at the edge", "no room"]
+)
+def test_what_has_no_room_anywhere_and_would_stand_deep_in_others_is_left_out(side_m, categories):
+    tree = thing(10, "tree", (10.0, 2.0, 2.06), (2.0, 2.0, 4.0), LAWN)
+    encoded = encode(garden(tree))
+    ids = {token: own for token, own in enumerate(encoded.object_ids) if own and own != (10,)}
+    hall = thing(11, "warehouse", (0.0, 0.0, 3.06), (side_m, side_m, 6.0), LAWN)
+    kept = garden(hall)
+    made = furnish(encoded.program, Given(kept, ids), "garden", 0)
+    assert [obj.category for obj in made.objects[len(kept.objects) :]] == categories
+
+
+@pytest.mark.parametrize("tiles", [(0, 0), (0, 1)], ids=["one room", "two rooms"])
+def test_only_the_tiles_of_one_room_are_no_obstacle_to_each_other(tiles):
+    """A table reaches over the line between two tiles, and stays where it was drawn."""
+    rooms = [
+        thing(i, "room", (4.0 * i, i, 1.5), (4.0, 6.0 - 2.0 * i, 3.0), room=tile)
+        for i, tile in enumerate(tiles)
+    ]
+    table = thing(2, "table", (1.7, 0.0, 0.375), (1.6, 1.6, 0.75), 0)
+    scene = replace(garden(), objects=(*rooms, table), domain="indoor")
+    scene = replace(scene, objects=tuple(replace(o, domain="indoor") for o in scene.objects))
+    encoded = encode(scene)
+    made = decode(encoded.program).scene
+    (found,) = [obj.bbox.p for obj in made.objects if obj.category == "table"]
+    assert (found == pytest.approx(table.bbox.p, abs=0.01)) == (tiles == (0, 0))

@@ -6,7 +6,7 @@ import pytest
 
 from aeroscene.learning.program.decoding.neighbours import (
     Neighbours,
-    clashing,
+    free_of,
     free_shift,
     moved,
     open_ways,
@@ -56,8 +56,8 @@ def test_a_unit_goes_along_its_way_until_it_overlaps_nothing(way_rad):
     assert shift is not None
     across = shift[1] * math.cos(way_rad) - shift[0] * math.sin(way_rad)
     assert across == pytest.approx(0.0, abs=1e-9)
-    assert clashing([own], taken) == [True]
-    assert clashing([moved(own, shift)], taken) == [False]
+    assert not free_of(taken, [own])
+    assert free_of(taken, [moved(own, shift)])
     assert 0.7 < math.hypot(*shift) < 1.6
 
 
@@ -68,7 +68,7 @@ def test_a_group_goes_as_one_and_stays_in_its_room():
     assert shift is None
     shift = free_shift(group, taken, ROOM, None)
     assert shift is not None
-    assert clashing([moved(each, shift) for each in group], taken) == [False] * 3
+    assert len(free_of(taken, [moved(each, shift) for each in group])) == 3
     assert max(abs(moved(each, shift).p[1]) for each in group) <= 3.5
 
 
@@ -85,7 +85,7 @@ def test_room_is_looked_for_from_where_the_bearer_ends():
     shift = free_shift([own], taken, ROOM, None)
     assert shift is not None
     found = moved(own, shift)
-    assert clashing([found], taken) == [False]
+    assert free_of(taken, [found])
     assert found.p[0] <= 4.5 + 1e-9
 
 
@@ -136,3 +136,17 @@ def test_what_is_headed_otherwise_turns_about_its_host(quadrant):
         relation = turned(unit, turns).relation
         assert (relation.side, relation.quadrant) == ((1 + turns) % 4, quadrant)
     assert turned(unit, 0) == unit
+
+
+def test_what_reaches_a_little_into_others_is_not_deep_in_them():
+    taken = room_with(box(0.0, 0.0)).taken(0)
+    group = [box(0.9, 0.0), box(0.5, 0.0), box(2.0, 0.0)]
+    assert free_of(taken, group) == group[2:]
+    assert free_of(taken, group, 0.5) == [group[0], group[2]]
+
+
+def test_what_is_kept_free_is_nothing_to_be_deep_in():
+    neighbours = room_with()
+    neighbours.add_air(box(3.0, 0.0))
+    assert not free_of(neighbours.taken(0), [box(3.0, 0.0)])
+    assert free_of(neighbours.taken(0, has_air=False), [box(3.0, 0.0)])
