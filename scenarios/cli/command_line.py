@@ -102,8 +102,10 @@ def fail(prog: str, message: str) -> NoReturn:
 
 def fail_on_file(prog: str, error: OSError) -> NoReturn:
     """Say which file cannot be read or written, and why; exit with status 2."""
-    where = f"file {error.filename!r}: " if error.filename else ""
-    fail(prog, f"{where}{(error.strerror or str(error)).lower()}")
+    reason = (error.strerror or str(error)).lower()
+    if error.filename:
+        reason = f"file {error.filename!r}: {reason}, valid: a path that you may read or write"
+    fail(prog, reason)
 
 
 @contextlib.contextmanager

@@ -13,7 +13,14 @@ import tyro
 from aeroscene.learning import require_torch
 from aeroscene.scene import Scene, SceneDomain, SceneError
 from scenarios.baselines.named import NamedPilot, PilotError, pilot_of
-from scenarios.cli.command_line import EXIT_DONE, EXIT_NEGATIVE, default_hint, fail, print_json
+from scenarios.cli.command_line import (
+    EXIT_DONE,
+    EXIT_NEGATIVE,
+    default_hint,
+    fail,
+    fail_on_file,
+    print_json,
+)
 from scenarios.cli.progress import progress_bar
 from scenarios.generation.asked import (
     GenerateError,
@@ -116,8 +123,7 @@ def run(cfg: GenerateCfg) -> int:
     except (SceneError, PilotError) as error:
         fail(_PROG, str(error))
     except OSError as error:
-        where = f"file {error.filename!r}: " if error.filename else ""
-        fail(_PROG, f"{where}{(error.strerror or str(error)).lower()}")
+        fail_on_file(_PROG, error)
 
 
 def _run(cfg: GenerateCfg) -> int:
@@ -195,10 +201,9 @@ def _run_worst(
 def _set_threads(cfg: GenerateCfg) -> None:
     import torch  # noqa: PLC0415
 
-    if cfg.threads is not None:
-        torch.set_num_threads(cfg.threads)
-    elif cfg.batch == 1:
-        torch.set_num_threads(1)
+    n_threads = 1 if cfg.threads is None and cfg.batch == 1 else cfg.threads
+    if n_threads is not None:
+        torch.set_num_threads(n_threads)
 
 
 def _check(cfg: GenerateCfg) -> None:
@@ -240,8 +245,7 @@ def _requests(cfg: GenerateCfg) -> list[Request]:
 
         complete = open_scene(cfg.complete) if cfg.complete else None
         if cfg.redo:
-            region = asked_region(cfg.region)
-            redo = Redo(scene=open_scene(cfg.redo), region=region)
+            redo = Redo(scene=open_scene(cfg.redo), region=asked_region(cfg.region))
     outline_m = outline_sides_m(cfg.outline) if cfg.outline else None
     count = cfg.count
     if cfg.worst_for:
