@@ -254,7 +254,8 @@ class Builder:
         """A unit's boxes where they have room: as its relation has it, or else nearby.
 
         Where there is room enough for what their category keeps free of its own, there. Where
-        there is none for all, those that have some, or that are at least not deep in others.
+        there is none for all, those that have some, or that are at least not deep in others; the
+        start pad whatever is there.
         """
         making, neighbours = self.making, self.making.neighbours
         taken = making.taken(unit.parent_id)
@@ -270,7 +271,8 @@ class Builder:
                 if found is not None:
                     return found
         things = making.taken(unit.parent_id, has_air=False)
-        return free_of(taken, boxes) or free_of(things, boxes, _INNER)
+        found = free_of(taken, boxes) or free_of(things, boxes, _INNER)
+        return found or [box for box in boxes if dict(kind.attributes).get("is_start")]
 
     def _with_room(
         self,

@@ -45,3 +45,9 @@ def test_the_scenes_that_come_with_the_package_are_all_there_and_small():
     for number in range(0, CORPUS_SIZE, 97):
         entry, scene = dataset.entries[number], read_shipped(number)
         assert (scene.scene_id, len(scene.objects)) == (entry.scene_id, entry.n_objects)
+
+
+def test_every_scene_that_comes_with_the_package_starts_on_a_pad():
+    for scene in open_shipped().scenes():
+        starts = [obj for obj in scene.objects if obj.attributes.get("is_start") is True]
+        assert [obj.category for obj in starts] == ["landing_pad"], scene.scene_id
