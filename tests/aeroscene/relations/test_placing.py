@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from aeroscene.relations import Align, Gap, Kind, Relation, Residual, place, scene_relations
 from aeroscene.relations.measures import without_noise
 from aeroscene.relations.placing import locate, residual_of
-from aeroscene.relations.plane import Place, Rectangle
+from aeroscene.relations.plane import Place, Rectangle, hull
 from tests.aeroscene.metrics.scenes import scene_of
 from tests.aeroscene.relations.rooms import ROOM, office, on_floor
 
@@ -58,3 +58,13 @@ def test_without_noise_a_wardrobe_stands_at_the_wall_where_it_stood_along_it():
     (unit,) = scene_relations(scene)
     (box,) = place([without_noise(unit)], {scene.objects[0].id: scene.objects[0].bbox}).values()
     assert box.p == pytest.approx((6.0 - 0.03 - 0.27, 1.3, 1.0))
+
+
+@given(metres, metres, angles)
+def test_a_hull_is_as_long_and_wide_as_what_it_is_about(x, y, yaw):
+    """Two tiles of an L, the second of them a quarter turn off the first."""
+    first = Rectangle(Place(x, y, yaw), (2.0, 3.0))
+    second = Rectangle(first.place.moved(4.0, 1.0, math.pi / 2), (2.0, 1.5))
+    found = hull([first, second])
+    assert found.half_m == pytest.approx((3.75, 3.0))
+    assert found.place.local(first.place) == pytest.approx((-1.75, 0.0, 0.0), abs=1e-9)
