@@ -10,6 +10,8 @@ from typing import Literal
 
 from aeroscene.corpus.dataset import open_dataset
 from aeroscene.layouts.kept import count_layouts, mapped_scenes
+from aeroscene.layouts.mapping import match, unknown_category
+from aeroscene.layouts.neutral import read_neutral
 from aeroscene.metrics.appearance.frechet import LEAST_PICTURES
 from aeroscene.scene import Scene, SceneError
 from aeroscene.scene.io import scene_to_json
@@ -72,6 +74,7 @@ def open_data(
             on_scene()
         train, test = splits["train"], splits["test"]
     else:
+        _require_known(where)
         scenes = mapped_scenes(where, on_scene)
         test = scenes[_TEST_EVERY - 1 :: _TEST_EVERY]
         train = [scene for i, scene in enumerate(scenes) if (i + 1) % _TEST_EVERY]
@@ -85,6 +88,15 @@ def open_data(
     for scene in (*train, *test):
         digest.update(scene_to_json(scene))
     return Data(name, train, test, digest.hexdigest()[:16])
+
+
+def _require_known(path: Path) -> None:
+    """Refuse layouts with things that are in none of our categories: scenes would lack them."""
+    for layout in read_neutral(path):
+        for number, obj in enumerate(layout.objects):
+            if match(obj) is None:
+                unknown = unknown_category(obj.category)
+                raise EvaluationError(f"scene {layout.scene_id!r}: object {number}: {unknown}")
 
 
 def _place(name: DataName, path: Path | None) -> Path:

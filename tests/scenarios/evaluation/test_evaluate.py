@@ -216,3 +216,22 @@ def test_an_ablation_trains_ours_on_programs_that_say_less(corpus, tmp_path):
     assert isinstance(language, Language)
     encoding = language.encoding
     assert (encoding.has_partitions, encoding.has_relations) == (True, False)
+
+
+def test_layouts_with_unknown_things_are_refused_by_scene_and_object(capsys, tmp_path):
+    box = {"p": [0.5, 0.5, 0.5], "q": [1.0, 0.0, 0.0, 0.0], "s": [1.0, 1.0, 1.0], "parent": None}
+    layout = {
+        "scene_id": "odd",
+        "source": "test",
+        "domain": "indoor",
+        "floor": [[2, 2], [-2, 2], [-2, -2], [2, -2]],
+        "objects": [{"category": "Zeppelin", **box}],
+        "attributes": {},
+    }
+    path = tmp_path / "rooms.jsonl"
+    path.write_text(json.dumps(layout) + "\n")
+    with pytest.raises(SystemExit) as stop:
+        main(["evaluate", "--data", "front3d", "--path", str(path), "--out", str(tmp_path / "out")])
+    assert stop.value.code == 2
+    assert "scene 'odd': object 0: category is 'Zeppelin', valid: " in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
