@@ -122,7 +122,7 @@ class LayoutReader:
             rows[..., CENTRE],
             heading / heading.norm(dim=-1, keepdim=True).clamp(min=1e-6),
             rows[..., LOG_SIZE].exp(),
-            torch.softmax(category, dim=-1),
+            1 + likely,
             category.amax(dim=-1) > x[..., EMPTY].detach(),
             # Of one scene: where there are more, nobody asks what is coarse.
             torch.from_numpy(IS_COARSE).to(x.device)[likely[0]],

@@ -26,11 +26,11 @@ import numpy as np
 import torch
 from jaxtyping import Float, Int
 
-from aeroscene.learning.paper.tokens import N_FLAT_CHANNELS, FlatStatistics, read_flat
+from aeroscene.learning.paper.boxes import FlatBoxes, as_skeleton
 from aeroscene.learning.tokens.assembly import assemble
 from aeroscene.learning.tokens.batch import TokenBatch
 from aeroscene.learning.tokens.kinds import DOMAINS, Vocabulary, count_kinds
-from aeroscene.learning.tokens.skeleton import Wish, token_order
+from aeroscene.learning.tokens.skeleton import token_order
 from aeroscene.learning.tokens.symmetry import draw_symmetry
 from aeroscene.metrics.arrays import N_CATEGORIES, scene_arrays
 from aeroscene.scene import Scene, SceneDomain
@@ -133,20 +133,10 @@ class LayoutCode:
         Raises:
             SceneError: If a number is not finite.
         """
-        n = len(boxes.category)
-        x = np.zeros((n, N_FLAT_CHANNELS))
-        half_rad = boxes.yaw_rad / 2
-        x[:, :3], x[:, 7:10] = boxes.centre_enu_m, boxes.size_m
-        x[:, 3], x[:, 6] = np.cos(half_rad), np.sin(half_rad)
-        x[np.arange(n), 10 + boxes.category] = 1.0
-        skeleton, geometry = read_flat(x, Wish(domain, 0, 0, 0), _AS_IT_IS, self.vocabulary, rng)
+        flat = FlatBoxes(1 + boxes.category, boxes.centre_enu_m, boxes.yaw_rad, boxes.size_m)
+        skeleton, geometry = as_skeleton(flat, domain, self.vocabulary, rng)
         name = f"scene-{seed:04d}"
         return assemble(skeleton, geometry, self.vocabulary, scene_id=name, seed=seed, rng=rng)
-
-
-_AS_IT_IS = FlatStatistics(
-    np.zeros(10), np.ones(10), np.zeros(N_FLAT_CHANNELS), np.zeros(N_FLAT_CHANNELS)
-)
 
 
 def _measures(boxes: Boxes) -> Float[np.ndarray, "n 6"]:

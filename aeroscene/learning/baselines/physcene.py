@@ -52,7 +52,7 @@ class PhysicalGuidance:
         """Nothing: the mean is guided."""
         return x0
 
-    def on_mean(self, mean: Tensor, x_t: Tensor, batch: TokenBatch, at: Moment) -> Tensor:  # noqa: ARG002 - of the protocol
+    def on_mean(self, mean: Tensor, x0: Tensor, batch: TokenBatch, at: Moment) -> Tensor:  # noqa: ARG002 - of the protocol
         """The mean after some steps down the gradient of both terms."""
         if at.index < at.n_steps - max(1, round(_GUIDED_SHARE * at.n_steps)):
             return mean

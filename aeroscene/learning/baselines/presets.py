@@ -17,10 +17,12 @@ from aeroscene.learning.generation.request import Request
 from aeroscene.learning.program import WHOLE, DecodingCfg, EncodingCfg
 from aeroscene.learning.tokens.skeleton import Wish
 from aeroscene.learning.training.batches.source import batch_generator
-from aeroscene.learning.training.checkpoint import Part
+from aeroscene.learning.training.checkpoint import FLAT_PRESETS, Part
 from aeroscene.learning.training.config import Preset
+from aeroscene.learning.training.contents_stage import contents_loss
 from aeroscene.learning.training.course import Watcher, part_set
 from aeroscene.learning.training.data import prepared
+from aeroscene.learning.training.loop import LossFunction
 from aeroscene.learning.training.presets import PARTS, fitted, part_budgets, preset_sections
 from aeroscene.learning.training.prior_stage import loss_function
 from aeroscene.learning.training.procedure import CHECKPOINT, Plan, Training
@@ -32,17 +34,8 @@ _SAVE_S = 60.0
 _N_COUNTED = 2
 """Batches in which operations are counted: those of the writer differ in length."""
 _LOOK_STEPS = 100
-_PAPER_TRAINING: Mapping[str, Any] = {
-    "batch_size": 16,
-    "learning_rate": 1e-3,
-    "second_decay": 0.99,
-    "warmup_steps": 50,
-    "clip_norm": 1.0,
-    "average_decay": 0.999,
-    "keep": "best",
-}
-"""What the paper's preset is trained with here. Its batches of 64 at a rate of 2e-4, without an
-average, are made for a GPU: a batch takes 1.5 s of a core, and minutes have too few of them."""
+_STEP_LOSSES: Mapping[Part, LossFunction] = {"writer": writer_loss, "contents": contents_loss}
+"""Losses of parts that need nothing but a batch."""
 _PRIOR_SHARE = 0.1
 _PRIOR_STEP_S = 0.15
 _PRIOR_STEPS = (10, 400)
@@ -81,13 +74,12 @@ def fit_preset(
         TrainingError: If the folder holds a training of other data, or too few scenes can be read.
         OSError: If a file cannot be written.
     """
-    is_flat = preset == "paper"
-    has_wishes = not (is_flat and lessons.is_corpus)
+    has_wishes = not (preset in FLAT_PRESETS and lessons.is_corpus)
     data = prepared(
         lessons.name,
         lessons.train,
         lessons.held_out,
-        is_flat=is_flat,
+        preset=preset,
         wishes=[Wish.of(scene) for scene in lessons.train] if has_wishes else [],
         is_corpus=lessons.is_corpus,
         encoding=encoding,
@@ -127,14 +119,12 @@ def shipped_preset(preset: Preset) -> FittedPreset:
 
 def _sections(preset: Preset, seconds: float | None, seed: int) -> dict[str, Any]:
     sections = preset_sections(preset)
-    for name in ("training", "writer_training"):
+    for name in ("training", "writer_training", "contents_training"):
         if name in sections:
             changes: dict[str, Any] = {"seed": seed, "look_steps": _LOOK_STEPS}
-            if name == "training" and preset == "paper":
-                changes |= _PAPER_TRAINING
-                if seconds is not None:
-                    steps = round(_PRIOR_SHARE * seconds / _PRIOR_STEP_S)
-                    changes["prior_steps"] = min(max(steps, _PRIOR_STEPS[0]), _PRIOR_STEPS[1])
+            if name == "training" and preset in FLAT_PRESETS and seconds is not None:
+                steps = round(_PRIOR_SHARE * seconds / _PRIOR_STEP_S)
+                changes["prior_steps"] = min(max(steps, _PRIOR_STEPS[0]), _PRIOR_STEPS[1])
             sections[name] = replace(sections[name], **changes)
     return sections
 
@@ -163,8 +153,8 @@ def _flop(training: Training, part: Part) -> float:
     plan, each = training.plan, training.trainings[part]
     scenes = part_set(plan.data.train, part)
     loss = (
-        writer_loss
-        if part == "writer"
+        _STEP_LOSSES[part]
+        if part in _STEP_LOSSES
         else loss_function(plan.sections, plan.data, plan.device, training.parts.get("prior"))
     )
     batches = [

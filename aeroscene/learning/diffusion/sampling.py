@@ -100,8 +100,8 @@ class Guidance(Protocol):
         """The predicted clean layout, corrected."""
         ...
 
-    def on_mean(self, mean: Tensor, x_t: Tensor, batch: TokenBatch, at: Moment) -> Tensor:
-        """The next state before its noise, corrected."""
+    def on_mean(self, mean: Tensor, x0: Tensor, batch: TokenBatch, at: Moment) -> Tensor:
+        """The next state before its noise, corrected; `x0` is the predicted clean layout."""
         ...
 
 
@@ -160,7 +160,7 @@ def sample(
             on_step(moment, x, x0)
         mean, std = _step(x, x0, at, to, before, cfg)
         if guidance is not None:
-            mean = guidance.on_mean(mean, x, batch, moment)
+            mean = guidance.on_mean(mean, x0, batch, moment)
         x = mean + std * normal_like(mean, generator) * is_free if std > 0 else mean
         before = (x0, at)
     return x if fixed is None else fixed.impose(x, fixed.x0)

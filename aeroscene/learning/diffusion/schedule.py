@@ -11,7 +11,7 @@ import torch
 from jaxtyping import Float, Float64
 from torch import Tensor
 
-ScheduleKind = Literal["linear", "cosine"]
+ScheduleKind = Literal["linear", "cosine", "log_snr"]
 
 _LEAST_ALPHA_BAR = 1e-5
 """The cosine schedule's at t = 1, where 0 would let the noise hide the layout wholly."""
@@ -45,13 +45,19 @@ class ScheduleCfg:
     """The noise schedule, which the paper leaves open."""
 
     kind: ScheduleKind = "cosine"
-    """`linear`: variances of Ho et al. 2020. `cosine`: Nichol and Dhariwal 2021."""
+    """`linear`: variances of Ho et al. 2020. `cosine`: Nichol and Dhariwal 2021. `log_snr`: even
+    steps of the logarithm of alpha_bar / (1 - alpha_bar), so that as many steps work on centimetres
+    as on rooms."""
     n_steps: int = 1000
     """Training steps T."""
     beta_first: float = 1e-4
     """First beta of `linear` for T = 1000; scaled by 1000/T, so any T ends in the same noise."""
     beta_last: float = 0.02
     """Last beta of `linear`, likewise."""
+    log_snr_first: float = 12.0
+    """Log signal-to-noise ratio of `log_snr` after the first step: noise of 0.25% of a spread."""
+    log_snr_last: float = -7.0
+    """And after the last one: the noise hides the layout."""
 
     def __post_init__(self) -> None:
         require_choice("schedule", self, kind=ScheduleKind)
@@ -81,6 +87,11 @@ class Schedule:
             )
             log = torch.log1p(-beta).cumsum(0)
             return torch.cat([log.new_zeros(1), log])
+        if cfg.kind == "log_snr":
+            ratio = torch.linspace(
+                cfg.log_snr_first, cfg.log_snr_last, cfg.n_steps, dtype=torch.float64
+            )
+            return torch.cat([ratio.new_zeros(1), torch.nn.functional.logsigmoid(ratio)])
         time = torch.arange(cfg.n_steps + 1, dtype=torch.float64) / cfg.n_steps
         angle = (time + _COSINE_OFFSET) / (1 + _COSINE_OFFSET) * (pi / 2)
         power = torch.cos(angle) ** 2
@@ -106,6 +117,7 @@ class Schedule:
         *,
         stratified: bool,
         small_noise_share: float = 0.0,
+        log_snr: tuple[float, float] | None = None,
     ) -> Tensor:
         """Times of training among the T steps, 1/T, ..., 1, on the generator's device.
 
@@ -117,6 +129,8 @@ class Schedule:
             small_noise_share: Share of the times at which log sigma is uniform; at the others the
                 time is. Uniform times of the cosine schedule have sigma below 0.1 at 6% and below
                 0.025 at 1%; times of the first kind at 61% and 37%.
+            log_snr: Mean and spread of a normal distribution of the log signal-to-noise ratio that
+                times are drawn by instead.
         """
         device = generator.device
         if stratified:
@@ -125,8 +139,13 @@ class Schedule:
         else:
             share = torch.rand(n, generator=generator, device=device)
         n_steps = self.cfg.n_steps
-        if small_noise_share > 0:
-            below = self._shares_below(small_noise_share).to(device)
+        if log_snr is not None or small_noise_share > 0:
+            shares = (
+                self._shares_below(small_noise_share)
+                if log_snr is None
+                else self._shares_by_log_snr(*log_snr)
+            )
+            below = shares.to(device)
             step = torch.searchsorted(below, share.double(), right=True)
             return (step.clamp(max=n_steps - 1) + 1).to(share) / n_steps
         return ((share * n_steps).floor().clamp(max=n_steps - 1) + 1) / n_steps
@@ -142,6 +161,14 @@ class Schedule:
         of_log = weight / weight.sum()
         share = torch.lerp(torch.full_like(of_log, 1 / len(of_log)), of_log, small_noise_share)
         return share.cumsum(0)
+
+    def _shares_by_log_snr(self, mean: float, spread: float) -> Float64[Tensor, " n_steps"]:
+        """Shares of the times at 1/T, ..., 1 and before, by a normal density over log SNR."""
+        log = self.log_alpha_bar[1:]
+        ratio = log - torch.log(-torch.expm1(log))
+        width = -torch.cat([ratio[1:2] - ratio[:1], ratio.diff()])
+        density = torch.exp(-(((ratio - mean) / spread) ** 2) / 2) * width
+        return (density / density.sum()).cumsum(0)
 
     def forward_noise(
         self,

@@ -17,12 +17,13 @@ from aeroscene.learning.generation.denoising import Denoising
 from aeroscene.learning.generation.programs import ProgramProposer
 from aeroscene.learning.generation.proposal import Proposer
 from aeroscene.learning.model.network import new_denoiser
-from aeroscene.learning.paper.guidance.layout import flat_reader
+from aeroscene.learning.paper.channels import FlatStatistics
+from aeroscene.learning.paper.contents.model import ContentsModel
+from aeroscene.learning.paper.guidance.layout import FlatReader
 from aeroscene.learning.paper.guidance.objectives import Objectives
 from aeroscene.learning.paper.guidance.semantic import SemanticPrior
 from aeroscene.learning.paper.preset import PAPER_SAMPLER
-from aeroscene.learning.paper.proposer import FlatProposer
-from aeroscene.learning.paper.tokens import FlatStatistics
+from aeroscene.learning.paper.proposer import FlatModel, FlatProposer
 from aeroscene.learning.program import DecodingCfg
 from aeroscene.learning.tokens.kinds import Vocabulary
 from aeroscene.learning.training.checkpoint import (
@@ -40,7 +41,7 @@ from aeroscene.learning.writer.model import new_writer
 Module = TypeVar("Module", bound=nn.Module)
 
 _SHIPPED = Path(__file__).parents[1] / "checkpoints"
-SHIPPED = {"default": _SHIPPED / "default.safetensors", "paper": _SHIPPED / "paper.safetensors"}
+SHIPPED = {name: _SHIPPED / f"{name}.safetensors" for name in ("default", "paper", "progressive")}
 """Checkpoints that come with the package, by preset."""
 DEFAULT_SAMPLER = SamplerCfg(kind="dpm-solver++", n_steps=14)
 
@@ -111,7 +112,7 @@ class _Loader:
             self._loaded(writer, "writer"),
             Denoising(
                 language,
-                self._loaded(new_denoiser(self._sections["model"], language), "denoiser"),
+                self._denoiser(language),
                 self._schedule,
                 self._sampler(DEFAULT_SAMPLER),
                 self._device,
@@ -121,16 +122,24 @@ class _Loader:
 
     def _flat(self, statistics: FlatStatistics) -> FlatProposer:
         prior = self._loaded(SemanticPrior(self._sections["prior"]), "prior")
-        read = flat_reader(statistics, self._device)
+        read = FlatReader(statistics, self._device)
+        is_hollow = torch.from_numpy(statistics.holds).to(self._device)
         return FlatProposer(
-            self._loaded(new_denoiser(self._sections["model"], None), "denoiser"),
-            Vocabulary.from_json(self._checkpoint.facts.vocabulary),
-            statistics,
-            self._schedule,
-            self._sampler(PAPER_SAMPLER),
-            Objectives(read, self._sections["guidance"], prior),
-            self._device,
+            FlatModel(
+                contents=self._loaded(ContentsModel(self._sections["contents"]), "contents"),
+                denoiser=self._denoiser(statistics),
+                vocabulary=Vocabulary.from_json(self._checkpoint.facts.vocabulary),
+                statistics=statistics,
+                schedule=self._schedule,
+                sampler=self._sampler(PAPER_SAMPLER),
+                guidance=Objectives(read, self._sections["guidance"], prior, is_hollow),
+                device=self._device,
+            )
         )
+
+    def _denoiser(self, known: Language | FlatStatistics) -> nn.Module:
+        network = new_denoiser(self._sections["model"], known, self._schedule)
+        return self._loaded(network, "denoiser")
 
     def _loaded(self, module: Module, part: Part) -> Module:
         self._checkpoint.load_into(module, part)

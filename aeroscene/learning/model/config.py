@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 N_GEOMETRY = 10
-"""Channels before the category in the paper's layout: p (3), q (4) and s (3)."""
+"""Channels of the paper's layout: p (3), q (4) and s (3)."""
 
 
 _CHOICES = {
@@ -56,8 +56,8 @@ class ModelCfg:
     n_kinds: int = 256
     """Kinds of the vocabulary; not read where the category is among the channels."""
     n_categories: int = 0
-    """Length C of the one-hot category behind position, quaternion and scale (paper); 0: the
-    kind is given and no channel."""
+    """Number C of categories that the paper's network is given; 0 is the default preset's, which is
+    given kinds."""
     n_domains: int = 3
     """Mixed, outdoor, indoor."""
     width: int = 128
@@ -71,23 +71,22 @@ class ModelCfg:
     ffn_ratio: int = 2
     """Hidden width of the default's FFN by `width`."""
     fourier_bands: int = 6
-    """Octaves of the Fourier features of a position; 0 leaves them out."""
+    """Octaves of the Fourier features of a position, or of the faces of a box (paper); 0 leaves
+    them out."""
     place_width: int = 16
     """Width of the encoding of a place among siblings."""
     max_depth: int = 16
     """Depths that the default tells apart."""
     unet_widths: tuple[int, ...] = (128, 192, 256)
     """Width of each level of the UNet."""
-    grid_shape: tuple[int, int, int] = (16, 16, 8)
+    grid_shape: tuple[int, int, int] = (8, 8, 4)
     """Voxels of the coarse branch along x, y and z."""
     grid_channels: int = 32
     """Width of the features on the grid."""
-    grid_reach: float = 2.25
-    """Half the extent of the grid in units of the position channels: 2.24 is the farthest east or
-    north of the corpus."""
-    graph_radius: float = 0.25
-    """The paper's delta_f, which it leaves open, in units of the position channels: about 5 m
-    in the corpus, where a fine object has 1.9 neighbours then."""
+    grid_reach: float = 1.0
+    """Half the extent of the grid, in half extents of the site."""
+    graph_radius: float = 2.0
+    """The paper's delta_f, which it leaves open, m."""
 
     def __post_init__(self) -> None:
         for name, choices in _CHOICES.items():
@@ -120,10 +119,10 @@ class ModelCfg:
                 raise ModelCfgError(
                     f"unet_widths is {width}, valid: multiples of heads, {self.heads}"
                 )
-        if self.n_categories and self.channels != N_GEOMETRY + self.n_categories:
+        if self.n_categories and self.channels != N_GEOMETRY:
             raise ModelCfgError(
                 f"channels is {self.channels} with n_categories {self.n_categories}, valid: "
-                f"{N_GEOMETRY + self.n_categories}"
+                f"{N_GEOMETRY}"
             )
 
     def _check_tokens(self) -> None:

@@ -5,15 +5,17 @@ from __future__ import annotations
 import torch
 from torch import nn
 
+from aeroscene.learning.diffusion.schedule import Schedule
 from aeroscene.learning.model.config import ModelCfg
 from aeroscene.learning.model.embedding import ProgramEmbedding
 from aeroscene.learning.model.token_denoiser import TokenDenoiser
+from aeroscene.learning.paper.channels import FlatStatistics
 from aeroscene.learning.paper.network.layout_denoiser import LayoutDenoiser
 from aeroscene.learning.writer.language import Language
 from aeroscene.learning.writer.model import program_traits
 
 
-def new_denoiser(cfg: ModelCfg, language: Language | None) -> nn.Module:
+def new_denoiser(cfg: ModelCfg, known: Language | FlatStatistics, schedule: Schedule) -> nn.Module:
     """The network that a configuration describes, with its first weights.
 
     It is called as `aeroscene.learning.diffusion.loss.Denoiser`. On CPUs with bfloat16 units
@@ -22,11 +24,12 @@ def new_denoiser(cfg: ModelCfg, language: Language | None) -> nn.Module:
 
     Args:
         cfg: Its shape.
-        language: What the default reads programs by; nothing to the paper's.
+        known: What it knows of its data: a language, or the paper's statistics.
+        schedule: Noise schedule, which the paper's network has within it.
     """
-    if language is None:
-        return LayoutDenoiser(cfg)
-    vocabulary, statistics = language.vocabulary, language.statistics
+    if isinstance(known, FlatStatistics):
+        return LayoutDenoiser(cfg, known, schedule)
+    vocabulary, statistics = known.vocabulary, known.statistics
     embedding = ProgramEmbedding(cfg, program_traits(vocabulary), len(vocabulary.shapes))
     scales = (torch.from_numpy(each) for each in (statistics.mean, statistics.spread))
     embedding.use_statistics(*scales)

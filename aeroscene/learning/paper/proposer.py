@@ -1,9 +1,9 @@
-"""The paper's way: all objects at once, absolute, without a skeleton."""
+"""The paper's algorithm 2: from a wish to a layout of boxes."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import torch
@@ -14,12 +14,22 @@ from aeroscene.learning.diffusion.sampling import Guidance, Moment, SamplerCfg, 
 from aeroscene.learning.diffusion.schedule import Schedule
 from aeroscene.learning.generation.proposal import OnStep, noise_of
 from aeroscene.learning.generation.request import NO_THEMES, Request, RequestError, Themes
-from aeroscene.learning.paper.tokens import FlatStatistics, empty_flat_batch, read_flat
+from aeroscene.learning.paper.boxes import FlatBoxes, as_skeleton, usable_categories
+from aeroscene.learning.paper.channels import N_GEOMETRY, FlatStatistics
+from aeroscene.learning.paper.contents.model import ContentsModel
+from aeroscene.learning.paper.contents.sentences import Contents
+from aeroscene.learning.paper.guidance.layout import FlatReader, Layout
+from aeroscene.learning.paper.layouts import FlatLayout
+from aeroscene.learning.paper.training_set import Row, batch_of, row_of
 from aeroscene.learning.tokens.assembly import assemble
+from aeroscene.learning.tokens.batch import TokenBatch
 from aeroscene.learning.tokens.geometry import Geometry
 from aeroscene.learning.tokens.kinds import Vocabulary
 from aeroscene.learning.tokens.skeleton import Skeleton, Wish
 from aeroscene.scene import Scene
+
+_MOST = 8.0
+"""A prediction is cut off at so many spreads: one object of 300 km spoils a scene."""
 
 
 @dataclass(frozen=True)
@@ -41,31 +51,29 @@ class FlatProposal:
         )
 
 
-class FlatProposer:
-    """The paper's algorithm 2, to the letter."""
+@dataclass(frozen=True, kw_only=True)
+class FlatModel:
+    """What draws layouts: the parts of a checkpoint."""
 
-    def __init__(
-        self,
-        model: Denoiser,
-        vocabulary: Vocabulary,
-        statistics: FlatStatistics,
-        schedule: Schedule,
-        sampler: SamplerCfg,
-        guidance: Guidance,
-        device: torch.device,
-    ) -> None:
-        self._vocabulary = vocabulary
+    contents: ContentsModel
+    denoiser: Denoiser
+    vocabulary: Vocabulary
+    statistics: FlatStatistics
+    schedule: Schedule
+    sampler: SamplerCfg
+    guidance: Guidance
+    device: torch.device
+
+
+class FlatProposer:
+    """Contents from their prior, then geometry by diffusion: at once, or coarse objects first."""
+
+    def __init__(self, model: FlatModel) -> None:
         self._model = model
-        self._statistics = statistics
-        self._schedule = schedule
-        self._sampler = sampler
-        self._guidance = guidance
-        self._device = device
-        # DDPM's clipping of the prediction: one object of 300 kilometres spoils a whole scene.
-        self._x0_range = (
-            torch.as_tensor(statistics.low, dtype=torch.float32, device=device),
-            torch.as_tensor(statistics.high, dtype=torch.float32, device=device),
-        )
+        self._read = FlatReader(model.statistics, model.device)
+        self._is_usable = usable_categories(model.vocabulary)
+        limit = torch.tensor(_MOST, device=model.device)
+        self._x0_range = (-limit, limit)
 
     @property
     def themes(self) -> Themes:
@@ -79,7 +87,7 @@ class FlatProposer:
         rngs: Sequence[np.random.Generator],
         on_step: OnStep | None = None,
     ) -> list[FlatProposal]:
-        """Layouts of as many objects as wished for.
+        """Layouts of about as many objects as wished for.
 
         Raises:
             RequestError: If an outline or a scene is given: the paper has neither.
@@ -90,39 +98,126 @@ class FlatProposer:
                     "an outline or a scene is given with the paper's preset, valid: neither; "
                     "--preset default takes them"
                 )
-        counts = [(wish.n_coarse, wish.n_fine) for wish in wishes]
-        batch = empty_flat_batch(wishes, counts).to(self._device)
+        model = self._model
+        blanks = [
+            _blank(self._contents(wish, rng), wish) for wish, rng in zip(wishes, rngs, strict=True)
+        ]
+        layouts, turns = [layout for layout, _ in blanks], [turn for _, turn in blanks]
+        noise = noise_of(rngs, model.device)
+        passes = (False, True) if model.statistics.has_regions else (True,)
+        for is_second in passes:
+            rows = [
+                _row(layout, turn, model.statistics, is_second=is_second)
+                for layout, turn in zip(layouts, turns, strict=True)
+            ]
+            if all(row.n == row.is_given * row.layout.n_coarse for row in rows):
+                continue
+            layouts = self._sampled(rows, noise, on_step)
+        return [self._proposal(layout, rng) for layout, rng in zip(layouts, rngs, strict=True)]
+
+    def _contents(self, wish: Wish, rng: np.random.Generator) -> Contents:
+        model = self._model
+        generator = noise_of([rng], model.device)
+        return model.contents.draw(wish, model.statistics, self._is_usable, generator)
+
+    def _sampled(
+        self, rows: Sequence[Row], noise: torch.Generator, on_step: OnStep | None
+    ) -> list[FlatLayout]:
+        """The layouts of the rows with the geometry that diffusion gives to what is not given."""
+        model = self._model
+        batch = batch_of(rows, model.statistics).to(model.device)
 
         def watch(moment: Moment, x_t: Tensor, x0: Tensor) -> None:
             del x0
             if on_step is not None:
+                shown = self._placed(x_t, batch, rows)
                 # Its own draws of kinds: looking on changes nothing.
-                on_step(moment, self._read(x_t, batch.mask, wishes, _same(wishes)))
+                on_step(
+                    moment,
+                    [
+                        self._proposal(_cut(*each), _same())
+                        for each in zip(shown, rows, strict=True)
+                    ],
+                )
 
         x0 = sample(
-            self._model,
+            model.denoiser,
             batch,
-            self._schedule,
-            self._sampler,
-            noise_of(rngs, self._device),
-            guidance=self._guidance,
+            model.schedule,
+            model.sampler,
+            noise,
+            guidance=model.guidance,
             x0_range=self._x0_range,
             on_step=watch,
         )
-        return self._read(x0, batch.mask, wishes, rngs)
+        return self._placed(x0, batch, rows)
 
-    def _read(
-        self, x: Tensor, mask: Tensor, wishes: Sequence[Wish], rngs: Sequence[np.random.Generator]
-    ) -> list[FlatProposal]:
-        layouts, is_there = x.double().cpu().numpy(), mask.cpu().numpy()
-        return [
-            FlatProposal(
-                *read_flat(layout[real], wish, self._statistics, self._vocabulary, rng),
-                self._vocabulary,
-            )
-            for layout, real, wish, rng in zip(layouts, is_there, wishes, rngs, strict=True)
-        ]
+    def _placed(self, x: Tensor, batch: TokenBatch, rows: Sequence[Row]) -> list[FlatLayout]:
+        boxes: Layout = self._read(x.double(), batch)
+        center, size = boxes.center_enu_m.cpu().numpy(), boxes.size_m.cpu().numpy()
+        yaw = torch.atan2(boxes.heading[..., 1], boxes.heading[..., 0]).cpu().numpy()
+        found = []
+        for i, row in enumerate(rows):
+            slots = np.flatnonzero(batch.mask[i].cpu().numpy())
+            layout = row.layout
+            news = [
+                values.copy() for values in (layout.center_enu_m, layout.yaw_rad, layout.size_m)
+            ]
+            for new, values in zip(news, (center, yaw, size), strict=True):
+                new[: row.n] = values[i, slots]
+            found.append(replace(layout, center_enu_m=news[0], yaw_rad=news[1], size_m=news[2]))
+        return found
+
+    def _proposal(self, layout: FlatLayout, rng: np.random.Generator) -> FlatProposal:
+        vocabulary = self._model.vocabulary
+        boxes = FlatBoxes(
+            layout.category,
+            layout.center_enu_m,
+            layout.yaw_rad,
+            layout.size_m,
+            layout.region if self._model.statistics.has_regions else None,
+        )
+        return FlatProposal(*as_skeleton(boxes, layout.wish.domain, vocabulary, rng), vocabulary)
 
 
-def _same(wishes: Sequence[Wish]) -> list[np.random.Generator]:
-    return [np.random.default_rng(0) for _ in wishes]
+def _blank(contents: Contents, wish: Wish) -> tuple[FlatLayout, np.ndarray]:
+    """Contents as a layout without geometry, and their quarter turns."""
+    n = len(contents.category)
+    layout = FlatLayout(
+        category=contents.category,
+        center_enu_m=np.zeros((n, 3)),
+        yaw_rad=np.zeros(n),
+        size_m=np.ones((n, 3)),
+        region=contents.region,
+        n_coarse=contents.n_coarse,
+        half_m=np.array(contents.half_m),
+        wish=wish,
+    )
+    return layout, contents.turn
+
+
+def _row(
+    layout: FlatLayout, turn: np.ndarray, statistics: FlatStatistics, *, is_second: bool
+) -> Row:
+    """A row of which the geometry is still to be made but for what is given."""
+    row = row_of(layout, statistics, is_second=is_second)
+    n_known = layout.n_coarse if row.is_given else 0
+    x0, turns = np.zeros((len(layout), N_GEOMETRY)), turn.copy()
+    x0[:n_known], turns[:n_known] = row.x0[:n_known], row.turn[:n_known]
+    return replace(row, x0=x0, turn=turns)
+
+
+def _cut(layout: FlatLayout, row: Row) -> FlatLayout:
+    """Only the objects that a row shows."""
+    return replace(
+        layout,
+        category=layout.category[: row.n],
+        center_enu_m=layout.center_enu_m[: row.n],
+        yaw_rad=layout.yaw_rad[: row.n],
+        size_m=layout.size_m[: row.n],
+        region=layout.region[: row.n],
+    )
+
+
+def _same() -> np.random.Generator:
+    return np.random.default_rng(0)

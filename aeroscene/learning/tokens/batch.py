@@ -41,6 +41,12 @@ class TokenBatch:
     """How much an error of a channel counts, up to 1; 0 where it does not vary, and in padding."""
     extra: Int[Tensor, "batch n 3"] | None = None
     """Of tokens of programs member, rank of the host, and array."""
+    turn: Int[Tensor, "batch n"] | None = None
+    """Quarter turn of each object of a flat layout, which is given as its category is."""
+    frame: Float[Tensor, "batch n 7"] | None = None
+    """Frame of each object of a flat layout: origin, cosine, sine of the yaw, half extents; m."""
+    given: Bool[Tensor, "batch n"] | None = None
+    """Objects of a flat layout whose `x0` is known: the coarse ones while fine ones are made."""
 
     @property
     def n_scenes(self) -> int:

@@ -25,7 +25,7 @@ from safetensors.torch import save
 from torch import Tensor, nn
 
 from aeroscene.files import replacing
-from aeroscene.learning.paper.tokens import FlatStatistics
+from aeroscene.learning.paper.channels import FlatStatistics
 from aeroscene.learning.tokens.skeleton import Wish
 from aeroscene.learning.writer.language import Language
 from aeroscene.scene import SceneError
@@ -33,10 +33,12 @@ from aeroscene.scene.catalogue import CATALOGUE
 
 FORMAT = "aeroscene-checkpoint"
 VERSION = 2
-_FLAT_VERSION = 1
-"""Since when checkpoints of the paper's preset are as they are."""
+_FLAT_VERSION = 3
+"""First version in which the paper's presets standardise by category and draw contents first."""
+FLAT_PRESETS = ("paper", "progressive")
+"""Presets that have scenes as the paper does."""
 
-Part = Literal["writer", "denoiser", "prior"]
+Part = Literal["writer", "contents", "denoiser", "prior"]
 PARTS: tuple[Part, ...] = get_args(Part)
 Weights = Mapping[str, Tensor]
 Known = Language | FlatStatistics
@@ -44,9 +46,11 @@ Known = Language | FlatStatistics
 
 _KEY = "aeroscene"
 _KNOWN = "known."
-_FLAT_KNOWN = "statistics."
-_FLAT_PREFIX = "network."
-"""Of the names of the denoiser's weights, in a version that had two networks in one."""
+
+
+def version_of(preset: object) -> int:
+    """Version of the checkpoints of a preset."""
+    return _FLAT_VERSION if preset in FLAT_PRESETS else VERSION
 
 
 class CheckpointError(SceneError):
@@ -159,7 +163,8 @@ def write_checkpoint(
         for name, value in weights.items()
     }
     tensors |= {f"{_KNOWN}{k}": v for k, v in _known_tensors(known).items()}
-    facts = msgspec.structs.replace(facts, digest=_digest(tensors.items()))
+    version = version_of(facts.preset)
+    facts = msgspec.structs.replace(facts, version=version, digest=_digest(tensors.items()))
     data = save(tensors, metadata={_KEY: msgspec.json.encode(facts).decode()})
     with replacing(path) as file:
         file.write(data)
@@ -182,10 +187,6 @@ def read_checkpoint(path: str | Path) -> Checkpoint:
         )
     single = {k: v.float() if v.dtype == torch.float16 else v for k, v in tensors.items()}
     parts: dict[Part, Weights] = {part: under(single, f"{part}.") for part in PARTS}
-    if facts.version == _FLAT_VERSION:
-        parts["denoiser"] = {
-            name.removeprefix(_FLAT_PREFIX): value for name, value in parts["denoiser"].items()
-        }
     found: dict[Part, Weights] = {part: weights for part, weights in parts.items() if weights}
     return Checkpoint(facts, found, _known(path, facts, tensors))
 
@@ -204,10 +205,9 @@ def _known_tensors(known: Known) -> dict[str, Tensor]:
 
 
 def _known(path: Path, facts: CheckpointFacts, tensors: Weights) -> Known:
-    prefix = _FLAT_KNOWN if facts.version == _FLAT_VERSION else _KNOWN
-    arrays: dict[str, Any] = {k: v.numpy() for k, v in under(tensors, prefix).items()}
+    arrays: dict[str, Any] = {k: v.numpy() for k, v in under(tensors, _KNOWN).items()}
     try:
-        if facts.preset == "paper":
+        if facts.preset in FLAT_PRESETS:
             return FlatStatistics(**arrays)
         return Language.restored(facts.vocabulary, arrays)
     except (TypeError, KeyError, msgspec.DecodeError):
@@ -253,10 +253,10 @@ def _facts(path: Path, text: str) -> CheckpointFacts:
             f"checkpoint {str(path)!r} holds weights of another program (format is "
             f"{head.get('format')!r}), valid: {FORMAT!r}, as aeroscene train writes it"
         )
-    is_flat = head.get("preset") == "paper" and head.get("version") == _FLAT_VERSION
-    if head.get("version") != VERSION and not is_flat:
+    valid = version_of(head.get("preset"))
+    if head.get("version") != valid:
         raise CheckpointError(
-            f"checkpoint {str(path)!r} is of version {head.get('version')!r}, valid: {VERSION}; "
+            f"checkpoint {str(path)!r} is of version {head.get('version')!r}, valid: {valid}; "
             f"it was made by AeroScene {head.get('code')}: use that, or train anew"
         )
     try:

@@ -8,7 +8,7 @@ from typing import Literal
 from aeroscene.learning.training.rates import RateSchedule
 from aeroscene.scene import SceneError
 
-Preset = Literal["default", "paper"]
+Preset = Literal["default", "paper", "progressive"]
 
 
 class TrainingError(SceneError):

@@ -11,6 +11,8 @@ from typing import Any, Protocol
 import torch
 from torch import Tensor
 
+from aeroscene.learning.paper.contents.lessons import ContentsLessons
+from aeroscene.learning.paper.training_set import FlatTrainingSet
 from aeroscene.learning.training.batches.opened import stream_stage
 from aeroscene.learning.training.batches.stream import StreamedBatches
 from aeroscene.learning.training.checkpoint import Part
@@ -113,8 +115,11 @@ def figure_prefix(part: Part) -> str:
     return "" if part == "denoiser" else f"{part}_"
 
 
-def part_set(data: Set, part: Part) -> Set | LessonSet:
+def part_set(data: Set, part: Part) -> Set | LessonSet | ContentsLessons:
     """Scenes as a part reads them."""
+    if part == "contents":
+        assert isinstance(data, FlatTrainingSet)
+        return ContentsLessons(data)
     return data.lessons if part == "writer" and isinstance(data, ProgramSet) else data
 
 

@@ -13,13 +13,13 @@ import msgspec
 from aeroscene.corpus.dataset import DatasetError, open_dataset
 from aeroscene.corpus.provenance import curation_digest
 from aeroscene.layouts.kept import count_layouts, mapped_scenes
-from aeroscene.learning.paper.tokens import FlatTrainingSet, flat_training_set
+from aeroscene.learning.paper.training_set import FlatTrainingSet, flat_training_set
 from aeroscene.learning.program import WHOLE, EncodingCfg
 from aeroscene.learning.tokens.skeleton import UnencodableError, Wish
 from aeroscene.learning.tokens.symmetry import may_be_mirrored, mirrored
 from aeroscene.learning.training.batches.curation import Encoder
-from aeroscene.learning.training.checkpoint import DataSource
-from aeroscene.learning.training.config import TrainingError
+from aeroscene.learning.training.checkpoint import FLAT_PRESETS, DataSource
+from aeroscene.learning.training.config import Preset, TrainingError
 from aeroscene.learning.writer.examples import ProgramEncoder, encodable, written
 from aeroscene.learning.writer.language import Language, learn_language
 from aeroscene.learning.writer.training_set import ProgramSet
@@ -51,7 +51,7 @@ class TrainingData:
 def open_training_data(
     path: Path,
     *,
-    is_flat: bool = False,
+    preset: Preset = "default",
     is_streamed: bool = False,
     language: Language | None = None,
     on_scene: OnScene = lambda: None,
@@ -60,8 +60,7 @@ def open_training_data(
 
     Args:
         path: Folder of a dataset, whose training split is taken; or a file of neutral layouts.
-        is_flat: As the paper has scenes, objects beside each other in the scene's frame; otherwise
-            as programs.
+        preset: Programs for the default one; lists of boxes for the paper's two.
         is_streamed: Whether the grammar goes on where the dataset ends. What is in the folder then
             is the first stretch: it fixes vocabulary and statistics, and its test split is held
             out.
@@ -80,12 +79,13 @@ def open_training_data(
         )
     is_corpus = not is_layouts(path)
     # The paper draws how many objects there are.
+    is_flat = preset in FLAT_PRESETS
     wishes = [] if is_flat and is_corpus else [Wish.of(scene) for scene in train]
     data = prepared(
         path.name,
         train,
         held_out,
-        is_flat=is_flat,
+        preset=preset,
         wishes=wishes,
         is_corpus=is_corpus,
         language=language,
@@ -101,7 +101,7 @@ def prepared(
     train: Sequence[Scene],
     held_out: Sequence[Scene],
     *,
-    is_flat: bool = False,
+    preset: Preset = "default",
     wishes: Sequence[Wish] = (),
     is_corpus: bool = True,
     encoding: EncodingCfg = WHOLE,
@@ -118,8 +118,8 @@ def prepared(
         TrainingError: If too few scenes have a program.
     """
     known = (
-        flat_training_set(train)
-        if is_flat
+        flat_training_set(train, has_regions=preset == "progressive")
+        if preset in FLAT_PRESETS
         else _program_set(_varied(train, is_corpus=is_corpus), encoding, language)
     )
     if len(known.examples) < _LEAST_SCENES:

@@ -9,7 +9,7 @@ from typing import Any, get_args
 from aeroscene.learning.diffusion.loss import LossCfg
 from aeroscene.learning.diffusion.schedule import ScheduleCfg
 from aeroscene.learning.model.config import ModelCfg
-from aeroscene.learning.paper.preset import PAPER_SECTIONS
+from aeroscene.learning.paper.preset import PAPER_SECTIONS, PROGRESSIVE_SECTIONS
 from aeroscene.learning.program.program import N_CHANNELS
 from aeroscene.learning.training.checkpoint import Known, Part
 from aeroscene.learning.training.config import Budget, Preset, TrainCfg, TrainingError
@@ -29,12 +29,20 @@ _DEFAULT: Sections = {
     "writer": WriterCfg(),
     "writer_training": TrainCfg(learning_rate=1e-3, second_decay=0.99, weight_decay=0.02),
 }
+_SECTIONS: Mapping[Preset, Sections] = {
+    "default": _DEFAULT,
+    "paper": PAPER_SECTIONS,
+    "progressive": PROGRESSIVE_SECTIONS,
+}
+_CONTENTS_SHARE = 0.08
+"""Share of the minutes of a training in which the prior of contents is trained."""
 _KINDS: Mapping[str, type] = {
     name: type(section) for name, section in {**_DEFAULT, **PAPER_SECTIONS}.items()
 }
 PARTS: Mapping[Preset, tuple[Part, ...]] = {
     "default": ("writer", "denoiser"),
-    "paper": ("prior", "denoiser"),
+    "paper": ("contents", "prior", "denoiser"),
+    "progressive": ("contents", "prior", "denoiser"),
 }
 """Parts of each preset, in the order of their training: L_guide reads the prior."""
 
@@ -47,7 +55,7 @@ def preset_sections(preset: Preset) -> dict[str, Any]:
     """
     if preset not in get_args(Preset):
         raise TrainingError(f"preset is {preset!r}, valid: {', '.join(get_args(Preset))}")
-    return dict(PAPER_SECTIONS if preset == "paper" else _DEFAULT)
+    return dict(_SECTIONS[preset])
 
 
 def part_budgets(
@@ -55,7 +63,7 @@ def part_budgets(
 ) -> dict[Part, Budget]:
     """The length of each part's training: as many steps each, minutes in equal shares.
 
-    The prior's is its own.
+    The prior of contents has a small share, and the semantic prior a length of its own.
 
     Raises:
         TrainingError: If there is no end, or it is out of range.
@@ -63,12 +71,17 @@ def part_budgets(
     shared: list[Part] = [part for part in parts if part != "prior"]
     seconds = None if minutes is None else 60.0 * minutes
     Budget(steps, seconds)
-    each = Budget(steps, None if seconds is None else seconds / max(1, len(shared)))
-    return dict.fromkeys(shared, each)
+    if seconds is None:
+        return dict.fromkeys(shared, Budget(steps))
+    if "contents" in shared and len(shared) > 1:
+        shares = {"contents": _CONTENTS_SHARE, "denoiser": 1 - _CONTENTS_SHARE}
+    else:
+        shares = dict.fromkeys(shared, 1 / max(1, len(shared)))
+    return {part: Budget(steps, shares[part] * seconds) for part in shared}
 
 
 def is_flat(sections: Sections) -> bool:
-    """Whether the model sees scenes as the paper does: no hierarchy, categories as channels."""
+    """Whether the model sees scenes as the paper does: lists of boxes with categories."""
     return sections["model"].n_categories > 0
 
 

@@ -10,10 +10,10 @@ import torch
 
 from aeroscene.learning.diffusion.loss import Denoiser, GuidanceLoss, LossCfg, diffusion_loss
 from aeroscene.learning.diffusion.schedule import Schedule
-from aeroscene.learning.paper.guidance.layout import Layout, flat_reader
+from aeroscene.learning.paper.guidance.layout import FlatReader, Layout
 from aeroscene.learning.paper.guidance.objectives import Objectives
 from aeroscene.learning.paper.guidance.semantic import SemanticPrior, train_semantic_prior
-from aeroscene.learning.paper.tokens import FlatTrainingSet
+from aeroscene.learning.paper.training_set import FlatTrainingSet
 from aeroscene.learning.tokens.batch import TokenBatch
 from aeroscene.learning.training.batches.source import batch_generator
 from aeroscene.learning.training.checkpoint import Weights
@@ -54,7 +54,7 @@ def train_prior_part(
     cfg = sections["training"]
     train = data.train
     assert isinstance(train, FlatTrainingSet)
-    read = flat_reader(train.statistics, device)
+    read = FlatReader(train.statistics, device)
     n_drawn = 0
 
     def layouts(size: int) -> Layout:
@@ -94,8 +94,10 @@ def loss_function(
             known.load_state_dict(dict(prior))
             known = known.to(device).eval().requires_grad_(requires_grad=False)
         assert isinstance(data.train, FlatTrainingSet)
-        read = flat_reader(data.train.statistics, device)
-        guide = Objectives(read, sections["guidance"], known).loss
+        statistics = data.train.statistics
+        is_hollow = torch.from_numpy(statistics.holds).to(device)
+        read = FlatReader(statistics, device)
+        guide = Objectives(read, sections["guidance"], known, is_hollow).loss
     return partial(_loss, Schedule(sections["schedule"]), cfg, guide)
 
 

@@ -15,7 +15,9 @@ from typing import Any
 
 import torch
 
+from aeroscene.learning.diffusion.schedule import Schedule
 from aeroscene.learning.model.network import new_denoiser
+from aeroscene.learning.paper.contents.model import ContentsModel
 from aeroscene.learning.training.batches.opened import Supply, open_batches
 from aeroscene.learning.training.batches.stream import StreamedBatches
 from aeroscene.learning.training.checkpoint import (
@@ -27,6 +29,7 @@ from aeroscene.learning.training.checkpoint import (
 )
 from aeroscene.learning.training.code_version import code_version
 from aeroscene.learning.training.config import Budget, Preset
+from aeroscene.learning.training.contents_stage import contents_loss
 from aeroscene.learning.training.course import (
     Course,
     Watcher,
@@ -54,7 +57,11 @@ from aeroscene.learning.writer.training_set import LessonSet
 
 CHECKPOINT = "checkpoint.safetensors"
 
-_SECTIONS: Mapping[Part, str] = {"writer": "writer_training", "denoiser": "training"}
+_SECTIONS: Mapping[Part, str] = {
+    "writer": "writer_training",
+    "contents": "contents_training",
+    "denoiser": "training",
+}
 """Section of the training of each part that is trained step by step."""
 
 
@@ -186,8 +193,10 @@ class Training:
             if part == "writer":
                 assert language is not None
                 model = new_writer(sections["writer"], language)
+            elif part == "contents":
+                model = ContentsModel(sections["contents"])
             else:
-                model = new_denoiser(sections["model"], language)
+                model = new_denoiser(sections["model"], known, Schedule(sections["schedule"]))
         if part in self.plan.begun:
             model.load_state_dict(dict(self.plan.begun[part]))
         return PartTraining(model, cfg, self.plan.device)
@@ -218,6 +227,8 @@ class Training:
         plan = self.plan
         if part == "writer":
             return writer_loss
+        if part == "contents":
+            return contents_loss
         return loss_function(plan.sections, plan.data, plan.device, self.parts.get("prior"))
 
     def _supply(self, part: Part) -> Supply:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 import torch
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from torch import Tensor
 
 from aeroscene.learning.paper.guidance.layout import Layout
@@ -16,25 +16,35 @@ _LEAST_DISTANCE_M = 1e-4
 """Where the distance to a point has no slope."""
 
 
-def coarse_to_fine_loss(layout: Layout, distance: RegionDistance) -> Float[Tensor, " batch"]:
+def coarse_to_fine_loss(
+    layout: Layout,
+    distance: RegionDistance,
+    is_hollow: Bool[Tensor, " categories"] | None = None,
+) -> Float[Tensor, " batch"]:
     """Sum over fine objects of their distance to the region of the nearest coarse object, m.
 
     `centroid` is the distance to the coarse object's centre, the paper's, which draws all fine
     objects into one point; `border` that to its box, 0 within its footprint.
 
     Source: the paper's L_c2f(x_t), section "Coarse-to-Fine Guidance". The region R_coarse(o_i) is
-    that of the coarse object whose centre is nearest.
+    that of the coarse object whose centre is nearest, as there. Where a layout knows the regions,
+    these are taken; and of categories only those that `is_hollow` marks, which hold anything, where
+    a scene has one: the wall that is nearest to a chair is not its region.
     """
     fine = layout.mask & ~layout.is_coarse
     coarse = layout.mask & layout.is_coarse
+    if is_hollow is not None:
+        holds = coarse & is_hollow.to(coarse.device)[layout.category]
+        coarse = torch.where(holds.any(-1, keepdim=True), holds, coarse)
     offset = layout.center_enu_m[:, :, None] - layout.center_enu_m[:, None]
     away = offset.square().sum(-1).clamp(min=_LEAST_DISTANCE_M**2).sqrt()
-    away = away.masked_fill(~coarse[:, None], torch.inf)
-    nearest = away.min(dim=-1)
+    own = away.masked_fill(~coarse[:, None], torch.inf).argmin(dim=-1)
+    if layout.region is not None:
+        own = torch.where(layout.region >= 0, layout.region, own)
     if distance == "centroid":
-        to_region = nearest.values
+        to_region = away.gather(2, own[..., None]).squeeze(-1)
     else:
-        to_region = _to_border(layout, offset, nearest.indices)
+        to_region = _to_border(layout, offset, own)
     has_region = fine & coarse.any(dim=-1, keepdim=True)
     return torch.where(has_region, to_region, 0.0).sum(-1)
 

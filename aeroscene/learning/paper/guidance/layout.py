@@ -1,4 +1,4 @@
-"""What the paper's guidance sees of a noisy layout: objects with place, heading, size, category."""
+"""A layout's channels as boxes in the world, differentiably."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import torch
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Int
 from torch import Tensor
 
-from aeroscene.learning.paper.tokens import N_GEOMETRY, POSITION, ROTATION, SCALE, FlatStatistics
+from aeroscene.learning.paper.channels import POSITION, SCALE, FlatStatistics
 from aeroscene.learning.tokens.batch import TokenBatch
 
-_LEAST_SIZE_M = 0.02
-"""Extents of a noisy layout may come out negative."""
+_LOG_SIZE = (-4.6, 5.7)
+"""Logarithms of the least and greatest extent that is read, 1 cm and 300 m."""
 
 
 @dataclass(frozen=True)
@@ -22,45 +22,68 @@ class Layout:
 
     center_enu_m: Float[Tensor, "batch n 3"]
     heading: Float[Tensor, "batch n 2"]
-    """Cosine and sine of the yaw; a tilt is left out, since the corpus stands upright."""
+    """Cosine and sine of the yaw; there is no tilt, since scenes stand upright."""
     size_m: Float[Tensor, "batch n 3"]
-    category: Float[Tensor, "batch n categories"]
-    """Weights of the categories, which a noisy layout does not know for sure."""
+    category: Int[Tensor, "batch n"]
+    """Numbers from 1."""
     mask: Bool[Tensor, "batch n"]
     """Which slots hold an object; a site is none."""
     is_coarse: Bool[Tensor, " n"]
+    region: Int[Tensor, "batch n"] | None = None
+    """Slot of the coarse object that each fine one belongs to, below 0 where none is known."""
 
 
 Reader = Callable[[Tensor, TokenBatch], Layout]
 """From channels to the objects that they stand for."""
 
 
-def flat_reader(statistics: FlatStatistics, device: torch.device | str = "cpu") -> Reader:
-    """Reads the paper's channels, see `aeroscene.learning.paper.tokens`."""
-    mean, spread = (
-        torch.as_tensor(values, dtype=torch.float32, device=device)
-        for values in (statistics.mean, statistics.spread)
-    )
+class FlatReader:
+    """Reads the channels of `aeroscene.learning.paper.channels`, given categories and frames."""
 
-    def read(x: Tensor, batch: TokenBatch) -> Layout:
-        geometry = x[..., :N_GEOMETRY] * spread.to(x) + mean.to(x)
-        return Layout(
-            geometry[..., POSITION],
-            heading_of_quaternion(geometry[..., ROTATION]),
-            geometry[..., SCALE].clamp(min=_LEAST_SIZE_M),
-            x[..., N_GEOMETRY:],
-            batch.mask,
-            _is_coarse(batch),
-        )
+    def __init__(self, statistics: FlatStatistics, device: torch.device | str = "cpu") -> None:
+        mean, spread = statistics.mean, statistics.spread
+        self._mean = torch.as_tensor(mean, dtype=torch.float32, device=device)
+        self._spread = torch.as_tensor(spread, dtype=torch.float32, device=device)
 
-    return read
+    def __call__(self, x: Tensor, batch: TokenBatch) -> Layout:
+        """The boxes of a batch's channels; those that are given are read from the batch."""
+        assert batch.frame is not None
+        assert batch.turn is not None
+        if batch.given is not None and batch.x0 is not None:
+            x = torch.where(batch.given[..., None], batch.x0.to(x), x)
+        rows = x * self.spread_of(batch).to(x) + self._mean[batch.kind].to(x)
+        frame = batch.frame.to(x)
+        along = turn_on(rows[..., :2] * frame[..., 5:7], frame[..., 3:5])
+        size = rows[..., SCALE].clamp(*_LOG_SIZE).exp()
+        up = rows[..., 2] + size[..., 2] / 2 + frame[..., 2]
+        center = torch.cat([along + frame[..., :2], up[..., None]], dim=-1)
+        w, z = rows[..., 3], rows[..., 6]
+        rest = torch.stack([w * w - z * z, 2 * w * z], dim=-1)
+        rest = rest / rest.norm(dim=-1, keepdim=True).clamp(min=1e-6)
+        heading = turn_on(turn_on(rest, _QUARTERS.to(x)[batch.turn]), frame[..., 3:5])
+        is_coarse = _is_coarse(batch)
+        return Layout(center, heading, size, batch.kind, batch.mask, is_coarse, batch.parent)
+
+    def spread_of(self, batch: TokenBatch) -> Float[Tensor, "batch n 10"]:
+        """Spread of each channel of each object, in the channel's own unit."""
+        return self._spread[batch.kind]
+
+    def metres_of(self, batch: TokenBatch) -> Float[Tensor, "batch n 3"]:
+        """Metres that a step of one in each position channel is."""
+        assert batch.frame is not None
+        spread = self.spread_of(batch)[..., POSITION]
+        return torch.cat([spread[..., :2] * batch.frame[..., 5:7], spread[..., 2:]], dim=-1)
 
 
-def heading_of_quaternion(quat_wxyz: Float[Tensor, "*batch 4"]) -> Float[Tensor, "*batch 2"]:
-    """Cosine and sine of the yaw of quaternions of any norm."""
-    w, x, y, z = quat_wxyz.unbind(-1)
-    along = torch.stack([w * w + x * x - y * y - z * z, 2 * (w * z + x * y)], dim=-1)
-    return along / along.norm(dim=-1, keepdim=True).clamp(min=1e-6)
+_QUARTERS = torch.tensor([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
+
+
+def turn_on(
+    vector: Float[Tensor, "*batch 2"], heading: Float[Tensor, "*batch 2"]
+) -> Float[Tensor, "*batch 2"]:
+    """Level vectors turned by a heading."""
+    (x, y), (c, s) = vector.unbind(-1), heading.unbind(-1)
+    return torch.stack([c * x - s * y, s * x + c * y], dim=-1)
 
 
 def turn_back(

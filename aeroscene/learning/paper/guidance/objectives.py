@@ -1,23 +1,40 @@
-"""The paper's guidance: the gradient of three objectives on x_t moves the denoising mean."""
+"""The paper's guidance: the gradients of three objectives move the denoising mean.
+
+| symbol | name | unit |
+|---|---|---|
+| L_col, L_c2f, L_sem | the objectives | - |
+| g_k | gradient of one of them by the place and heading of an object | 1/m |
+| eta_t | step, eta_0 sqrt(1 - alpha_bar) | m |
+
+Deviations from the paper's equations 21 to 23, with their reasons:
+
+- L_guide is read of the predicted clean layout. Boxes of a noisy x_t overlap by chance.
+- Each g_k is normalised on its own and an object at a time, in metres, and then weighted. Under
+  one norm for a whole
+  scene the
+  semantic term took 93% of the step, and moved categories.
+- Sizes and heights are not moved: these are right by category, and shrinking a cupboard is no way
+  out of a wall. A heading moves on
+  the lever of half the box's diagonal.
+- The last calls are not guided, or nothing would denoise what guidance did.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
 import torch
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from torch import Tensor
 
 from aeroscene.learning.diffusion.sampling import Moment
 from aeroscene.learning.diffusion.schedule import DiffusionError, require_choice
 from aeroscene.learning.paper.guidance.coarse_to_fine import RegionDistance, coarse_to_fine_loss
 from aeroscene.learning.paper.guidance.collision import IouKind, collision_loss
-from aeroscene.learning.paper.guidance.layout import Reader
+from aeroscene.learning.paper.guidance.layout import FlatReader, Layout, turn_back, turn_on
 from aeroscene.learning.paper.guidance.semantic import SemanticPrior, semantic_loss
 from aeroscene.learning.tokens.batch import TokenBatch
-
-_LEAST_NORM = 1e-8
-"""The paper's epsilon under the gradient's norm."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,18 +43,26 @@ class ObjectivesCfg:
 
     collision_weight: float = 1.0
     coarse_to_fine_weight: float = 1.0
-    semantic_weight: float = 1.0
-    """Zeros are the rows of the paper's ablation."""
-    iou: IouKind = "soft"
+    semantic_weight: float = 0.1
+    """Of the loss in training, and of the normalised steps in sampling; zeros are the rows of the
+    paper's ablation. A full semantic step draws neighbours together, so that more of them collide
+    and fewer stand as they should: on rooms CR 12.5% and SP 7.3 against 9.7% and 6.5 without."""
+    iou: IouKind = "depth"
     iou_tolerance: float = 0.01
-    """delta_d: the IoU from which the paper's collision rate counts a pair."""
+    """delta_d: the IoU from which the paper's collision rate counts a pair; m where `iou` is a
+    depth."""
     softness_m: float = 0.1
     """Softness of the soft IoU."""
-    region_distance: RegionDistance = "centroid"
-    """`centroid` is the paper's."""
-    step_size: float = 10.0
-    """eta_0, in standardised units of x for a whole scene. With less than 3 the terms move nothing
-    that the figures see, with 40 they tear scenes apart."""
+    region_distance: RegionDistance = "border"
+    """`centroid` is the paper's, whose least value is a heap in the middle of a region."""
+    step_size: float = 0.3
+    """eta_0, m: how far one term moves an object in one call at most, where all is noise."""
+    slack: float = 0.5
+    """The paper's epsilon beside a norm, 1/m: weaker gradients move less."""
+    first_share: float = 0.3
+    """Calls before this share of all are not guided: they know no places yet."""
+    n_quiet: int = 5
+    """Last calls, which are not guided."""
 
     def __post_init__(self) -> None:
         require_choice("guidance", self, iou=IouKind, region_distance=RegionDistance)
@@ -45,21 +70,35 @@ class ObjectivesCfg:
         for name in weights:
             if getattr(self, name) < 0:
                 raise DiffusionError(f"guidance.{name} is {getattr(self, name):g}, valid: from 0")
-        if not 0 <= self.iou_tolerance < 1:
-            raise DiffusionError(f"guidance.iou_tolerance is {self.iou_tolerance:g}, valid: 0 to 1")
-        if self.softness_m <= 0:
-            raise DiffusionError(f"guidance.softness_m is {self.softness_m:g}, valid: above 0")
+        for name in ("iou_tolerance", "first_share"):
+            if not 0 <= getattr(self, name) < 1:
+                value = getattr(self, name)
+                raise DiffusionError(f"guidance.{name} is {value:g}, valid: 0 to below 1")
+        for name in ("softness_m", "slack"):
+            if getattr(self, name) <= 0:
+                value = getattr(self, name)
+                raise DiffusionError(f"guidance.{name} is {value:g}, valid: above 0")
+        if self.n_quiet < 0:
+            raise DiffusionError(f"guidance.n_quiet is {self.n_quiet}, valid: from 0")
 
 
 class Objectives:
     """L_guide, and its use in sampling."""
 
     def __init__(
-        self, read: Reader, cfg: ObjectivesCfg | None = None, prior: SemanticPrior | None = None
+        self,
+        read: FlatReader,
+        cfg: ObjectivesCfg | None = None,
+        prior: SemanticPrior | None = None,
+        is_hollow: Bool[Tensor, " categories"] | None = None,
     ) -> None:
-        """Set up; without a prior P_sem the semantic objective is left out."""
+        """Set up; without a prior P_sem the semantic objective is left out.
+
+        `is_hollow` marks categories that hold fine objects, by their numbers.
+        """
         self._read = read
         self._prior = prior
+        self._is_hollow = is_hollow
         self.cfg = cfg or ObjectivesCfg()
 
     def loss(self, x: Tensor, batch: TokenBatch) -> Float[Tensor, " batch"]:
@@ -67,37 +106,92 @@ class Objectives:
 
         Source: the paper's L_guide = L_col + L_c2f + L_sem.
         """
-        cfg = self.cfg
         layout = self._read(x, batch)
-        total = x.new_zeros(len(x))
+        layout = replace(layout, size_m=layout.size_m.detach())
+        return sum((weight * term for weight, term in self._terms(layout)), x.new_zeros(len(x)))
+
+    def _terms(self, layout: Layout) -> Iterator[tuple[float, Float[Tensor, " batch"]]]:
+        """The objectives that have a weight, after it."""
+        cfg = self.cfg
         if cfg.collision_weight > 0:
-            total = total + cfg.collision_weight * collision_loss(
-                layout, tolerance=cfg.iou_tolerance, kind=cfg.iou, softness_m=cfg.softness_m
+            yield (
+                cfg.collision_weight,
+                collision_loss(
+                    layout,
+                    tolerance=cfg.iou_tolerance,
+                    kind=cfg.iou,
+                    softness_m=cfg.softness_m,
+                    is_hollow=self._is_hollow,
+                ),
             )
         if cfg.coarse_to_fine_weight > 0:
-            to_region = coarse_to_fine_loss(layout, cfg.region_distance)
-            total = total + cfg.coarse_to_fine_weight * to_region
+            term = coarse_to_fine_loss(layout, cfg.region_distance, self._is_hollow)
+            yield cfg.coarse_to_fine_weight, term
         if self._prior is not None and cfg.semantic_weight > 0:
-            total = total + cfg.semantic_weight * semantic_loss(layout, self._prior)
-        return total
+            yield cfg.semantic_weight, semantic_loss(layout, self._prior)
 
     def on_x0(self, x0: Tensor, batch: TokenBatch, at: Moment) -> Tensor:  # noqa: ARG002 - of the protocol
-        """Nothing: the paper guides x_t."""
+        """Nothing: the paper guides the mean."""
         return x0
 
-    def on_mean(self, mean: Tensor, x_t: Tensor, batch: TokenBatch, at: Moment) -> Tensor:
-        """The mean mu' = mu - eta_t g / (|g| + eps) with eta_t = eta_0 sqrt(1 - alpha_bar).
+    def on_mean(self, mean: Tensor, x0: Tensor, batch: TokenBatch, at: Moment) -> Tensor:
+        """The mean, corrected: mu' = mu - eta_t sum_k g_k / (|g_k| + eps).
 
-        Source: the paper's section "Inference Algorithm". The norm is that of each scene.
+        The step is eta_t = eta_0 sqrt(1 - alpha_bar).
+
+        Source: the paper's section "Inference Algorithm".
         """
+        is_early = at.index < self.cfg.first_share * at.n_steps
+        if is_early or at.index >= at.n_steps - self.cfg.n_quiet:
+            return mean
+        size_m = self.cfg.step_size * (1 - at.alpha_bar) ** 0.5
+        step = size_m * self.direction(x0, batch)
+        if batch.given is not None:
+            step = step * ~batch.given[..., None]
+        return mean - self._in_channels(step, x0, batch)
+
+    def direction(self, x0: Tensor, batch: TokenBatch) -> Float[Tensor, "batch n 3"]:
+        """Weighted sum of the terms' normalised gradients: east, north, on the lever."""
+        layout = self._read(x0, batch)
+        total = torch.zeros_like(layout.center_enu_m)
+        for weight, gradient in self.gradients(layout):
+            length = gradient.norm(dim=-1, keepdim=True)
+            total = total + weight * gradient / (length + self.cfg.slack)
+        return total
+
+    def gradients(self, layout: Layout) -> list[tuple[float, Float[Tensor, "batch n 3"]]]:
+        """Each term's weight, and its gradient by a shift east, north and a turn on the lever."""
+        found = []
         with torch.enable_grad():
-            x = x_t.detach().requires_grad_()
-            loss = self.loss(x, batch).sum()
-            if not loss.requires_grad:
-                return mean
-            (gradient,) = torch.autograd.grad(loss, x)
-        if at.fixed is not None:
-            gradient = gradient * ~at.fixed
-        norm = gradient.flatten(1).norm(dim=1)[:, None, None]
-        size = self.cfg.step_size * (1 - at.alpha_bar) ** 0.5
-        return mean - size * gradient / (norm + _LEAST_NORM)
+            shift = torch.zeros_like(layout.center_enu_m).requires_grad_()
+            for weight, term in self._terms(_shifted(layout, shift)):
+                if term.requires_grad:
+                    (gradient,) = torch.autograd.grad(term.sum(), shift, retain_graph=True)
+                    found.append((weight, gradient))
+        return found
+
+    def _in_channels(self, step: Tensor, x0: Tensor, batch: TokenBatch) -> Tensor:
+        """A step in metres as one of the channels that are free to move."""
+        assert batch.frame is not None
+        spread = self._read.spread_of(batch).to(x0)
+        along = turn_back(step, batch.frame[..., 3:5].to(x0))[..., :2]
+        moved = torch.zeros_like(x0)
+        moved[..., :2] = along / self._read.metres_of(batch).to(x0)[..., :2]
+        # q_z is the sine of half of what the quarter turn leaves.
+        moved[..., 6] = step[..., 2] / _lever_m(self._read(x0, batch)) / 2 / spread[..., 6]
+        return moved
+
+
+def _lever_m(layout: Layout) -> Float[Tensor, "batch n"]:
+    return layout.size_m[..., :2].norm(dim=-1) / 2
+
+
+def _shifted(layout: Layout, shift: Float[Tensor, "batch n 3"]) -> Layout:
+    angle = shift[..., 2] / _lever_m(layout)
+    turn = torch.stack([angle.cos(), angle.sin()], dim=-1)
+    level = torch.cat([shift[..., :2], torch.zeros_like(shift[..., :1])], dim=-1)
+    return replace(
+        layout,
+        center_enu_m=layout.center_enu_m + level,
+        heading=turn_on(layout.heading, turn),
+    )

@@ -17,6 +17,8 @@ _CORNERS = ((1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0))
 _TOUCH_M = 1e-6
 """A corner this far outside still counts as inside, so that equal boxes intersect."""
 _PARALLEL = 1e-9
+_KINK = 1e-3
+"""Sines and cosines below which an absolute value is rounded off."""
 
 
 @dataclass(frozen=True)
@@ -37,20 +39,31 @@ def exact_iou(pairs: BoxPairs) -> Float[Tensor, " pairs"]:
 
 
 def soft_iou(pairs: BoxPairs, softness_m: float) -> Float[Tensor, " pairs"]:
-    """A surrogate with a slope everywhere.
+    """A surrogate with a slope everywhere: `_soft_shared` over the joint volume."""
+    return _over_union(pairs, _soft_shared(pairs, softness_m))
+
+
+def penetration_m(pairs: BoxPairs) -> Float[Tensor, " pairs"]:
+    """How far one box has to move to part the two, below zero where they are apart.
+
+    The least overlap along the vertical and the level axes of either box (separating axes). Unlike
+    a volume it has a slope where a thin wall stands all in a bed, and a slab counts as a cupboard.
+    """
+    overlaps = [*_overlaps(pairs, 0, 1), *_overlaps(pairs, 1, 0), _overlap_up(pairs)]
+    return torch.stack(overlaps).amin(dim=0)
+
+
+def _soft_shared(pairs: BoxPairs, softness_m: float) -> Float[Tensor, " pairs"]:
+    """Soft shared volume, m^3.
 
     The shared volume is a product of soft overlaps along the axes of one box, with the other's
     extent along them, averaged over the two boxes. For parallel boxes it goes to the exact one as
     `softness_m` goes to 0; for turned ones it is larger.
     """
-    up = _soft(
-        (pairs.size_m[0][:, 2] + pairs.size_m[1][:, 2]) / 2
-        - (pairs.center_m[0][:, 2] - pairs.center_m[1][:, 2]).abs(),
-        torch.minimum(pairs.size_m[0][:, 2], pairs.size_m[1][:, 2]),
-        softness_m,
-    )
+    lower = torch.minimum(pairs.size_m[0][:, 2], pairs.size_m[1][:, 2])
+    up = _soft(_overlap_up(pairs), lower, softness_m)
     area = (_soft_area(pairs, 0, 1, softness_m) + _soft_area(pairs, 1, 0, softness_m)) / 2
-    return _over_union(pairs, area * up)
+    return area * up
 
 
 def _over_union(pairs: BoxPairs, shared: Tensor) -> Tensor:
@@ -66,24 +79,54 @@ def _shared_height(pairs: BoxPairs) -> Tensor:
     return (torch.minimum(*high) - torch.maximum(*low)).clamp(min=0)
 
 
+def _overlap_up(pairs: BoxPairs) -> Tensor:
+    """Overlap of the heights, below zero where one box is above the other."""
+    apart = (pairs.center_m[0][:, 2] - pairs.center_m[1][:, 2]).abs()
+    return (pairs.size_m[0][:, 2] + pairs.size_m[1][:, 2]) / 2 - apart
+
+
 def _soft_area(pairs: BoxPairs, own: int, other: int, softness_m: float) -> Tensor:
     """Soft overlap of the footprints along the axes of one of the boxes."""
+    sides = (pairs.size_m[own][:, 0], pairs.size_m[own][:, 1])
+    shadows = _shadows(pairs, own, other)
+    area = torch.ones_like(sides[0])
+    for overlap, side, shadow in zip(_overlaps(pairs, own, other), sides, shadows, strict=True):
+        area = area * _soft(overlap, torch.minimum(side, shadow), softness_m)
+    return area
+
+
+def _overlaps(pairs: BoxPairs, own: int, other: int) -> tuple[Tensor, Tensor]:
+    """Overlap along the two level axes of one of the boxes, below zero where there is a gap."""
     cos, sin = pairs.heading[own].unbind(-1)
     offset = (pairs.center_m[other] - pairs.center_m[own])[:, :2]
     along = cos * offset[:, 0] + sin * offset[:, 1]
     across = cos * offset[:, 1] - sin * offset[:, 0]
+    ahead, aside = _shadows(pairs, own, other)
+    size = pairs.size_m[own]
+    return (
+        (size[:, 0] + ahead) / 2 - along.abs(),
+        (size[:, 1] + aside) / 2 - across.abs(),
+    )
+
+
+def _shadows(pairs: BoxPairs, own: int, other: int) -> tuple[Tensor, Tensor]:
+    """Extents of the other box along the level axes of one."""
+    cos, sin = pairs.heading[own].unbind(-1)
     turned = pairs.heading[other]
-    c = (cos * turned[:, 0] + sin * turned[:, 1]).abs()
-    s = (cos * turned[:, 1] - sin * turned[:, 0]).abs()
+    c = _smooth_abs(cos * turned[:, 0] + sin * turned[:, 1])
+    s = _smooth_abs(cos * turned[:, 1] - sin * turned[:, 0])
     a, b = pairs.size_m[other][:, 0], pairs.size_m[other][:, 1]
-    area = torch.ones_like(c)
-    for apart, own_extent, extent in (
-        (along, pairs.size_m[own][:, 0], c * a + s * b),
-        (across, pairs.size_m[own][:, 1], s * a + c * b),
-    ):
-        gap = (own_extent + extent) / 2 - apart.abs()
-        area = area * _soft(gap, torch.minimum(own_extent, extent), softness_m)
-    return area
+    return c * a + s * b, s * a + c * b
+
+
+def _smooth_abs(x: Tensor) -> Tensor:
+    """Absolute value without a kink, and no smaller.
+
+    Two boxes are parallel to rounding only. With a kink, the sign of what rounding left would turn
+    one of them.
+    """
+    size = x.abs()
+    return torch.where(size < _KINK, (x * x / _KINK + _KINK) / 2, size)
 
 
 def _soft(overlap_m: Tensor, most_m: Tensor, softness_m: float) -> Tensor:

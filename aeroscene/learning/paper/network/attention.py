@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import torch
 from jaxtyping import Bool, Float, Int
 from torch import Tensor, nn
 from torch.nn import functional
@@ -33,22 +34,26 @@ class MaskedAttention(nn.Module):
         source: Float[Tensor, "batch k e"],
         is_allowed: Bool[Tensor, "batch queries k"],
         source_weight: Float[Tensor, "batch k 1"] | None = None,
+        bias: Float[Tensor, "batch heads q k"] | None = None,
     ) -> Float[Tensor, "batch q d"]:
         """Let features (Q, and the residual F) ask a source (K and V).
 
         A row without any allowed key stays as it is; one row of `is_allowed` serves all queries.
-        The source's weights of 1 carry the gate's gradient.
+        The source's weights of 1 carry the gate's gradient. `bias` is added to the logits.
         """
         has_key = is_allowed.any(-1, keepdim=True)
         value = self.value(self.value_norm(source))
         if source_weight is not None:
             value = value * source_weight
+        # A row of False alone would be NaN; its result is dropped below.
+        mask: Tensor = (is_allowed | ~has_key).unsqueeze(1)
+        if bias is not None:
+            mask = bias.masked_fill(~mask, torch.finfo(bias.dtype).min)
         found = functional.scaled_dot_product_attention(
             self._to_heads(self.query(self.query_norm(feature))),
             self._to_heads(self.key(self.key_norm(source))),
             self._to_heads(value),
-            # A row of False alone would be NaN; its result is dropped below.
-            attn_mask=(is_allowed | ~has_key).unsqueeze(1),
+            attn_mask=mask,
         )
         return feature + self.fc(found.transpose(1, 2).flatten(2)) * has_key
 

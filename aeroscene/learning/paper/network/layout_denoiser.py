@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import torch
-from jaxtyping import Float, Int
+from jaxtyping import Float
 from torch import Tensor, nn
 
 from aeroscene.learning.diffusion.loss import Prediction
+from aeroscene.learning.diffusion.schedule import Schedule
 from aeroscene.learning.model.config import ModelCfg
 from aeroscene.learning.model.encoding import TimeEmbedding
+from aeroscene.learning.paper.channels import FlatStatistics
+from aeroscene.learning.paper.guidance.layout import FlatReader, Layout
 from aeroscene.learning.paper.network.attention import (
     CrossScaleProgressiveAttention,
     ScaleAttention,
@@ -16,28 +21,61 @@ from aeroscene.learning.paper.network.attention import (
 from aeroscene.learning.paper.network.coarse import CoarseCnn
 from aeroscene.learning.paper.network.embedding import LayoutEmbedding
 from aeroscene.learning.paper.network.fine import FineGnn
+from aeroscene.learning.paper.network.nearness import NearnessBias
 from aeroscene.learning.paper.network.routing import LearnedRouting, Routes, given_routes
 from aeroscene.learning.paper.network.unet import Condition, TokenUnet
 from aeroscene.learning.tokens.batch import TokenBatch
+
+_LEAST_TOTAL = 1e-6
+_HEIGHT_M = 6.0
+"""Height of the grid's middle to its outermost voxels."""
+
+
+class Levels(NamedTuple):
+    """Signal and noise of each token; what is given has no noise."""
+
+    alpha: Float[Tensor, "batch n 1"]
+    sigma: Float[Tensor, "batch n 1"]
+    variance: Float[Tensor, "batch n c"]
+    """v, of the clean channels of the token's category."""
+
+    @property
+    def total(self) -> Float[Tensor, "batch n c"]:
+        """Variance of x_t, alpha_bar v + sigma^2."""
+        return (self.alpha**2 * self.variance + self.sigma**2).clamp(min=_LEAST_TOTAL)
 
 
 class LayoutDenoiser(nn.Module):
     """Sections 3.2 to 3.4 of the paper in their order, each part a module of its own.
 
-    Any of routing and branches can be exchanged for ours by the configuration.
+    The UNet does not predict eps from nothing. What is best without looking at any other object is
+    a formula,
+
+        eps = sigma / V x_t + alpha sqrt(v / V) F(x_t, t) with V = alpha_bar v + sigma^2
+
+    and v the variance of a channel; the UNet's output is F, zero at first, so that no training
+    can end worse than the formula. Source: the preconditioning of Karras et al. 2022, "Elucidating
+    the Design Space of Diffusion-Based Generative Models", section 5, for eps. The paper's
+    equations for eps stay as they are.
     """
 
-    def __init__(self, cfg: ModelCfg) -> None:
+    variance: Tensor
+
+    def __init__(self, cfg: ModelCfg, statistics: FlatStatistics, schedule: Schedule) -> None:
         super().__init__()
-        self.cfg = cfg
+        self.cfg, self._schedule = cfg, schedule
+        self._read = FlatReader(statistics)
+        variance = torch.as_tensor(statistics.variance, dtype=torch.float32)
+        self.register_buffer("variance", variance, persistent=False)
+        width, levels = cfg.width, cfg.unet_widths
         self.embedding = LayoutEmbedding(cfg)
-        self.routing = LearnedRouting(cfg.width) if cfg.routing == "learned" else None
+        self.routing = LearnedRouting(width) if cfg.routing == "learned" else None
         self.coarse = _coarse_branch(cfg)
         self.fine = _fine_branch(cfg)
-        self.attention = CrossScaleProgressiveAttention(cfg.width, cfg.heads, cfg.blocks)
-        self.time = TimeEmbedding(cfg.width)
-        self.unet = TokenUnet(cfg.channels, cfg.width, cfg.unet_widths, cfg.heads)
-        self.unet_position = nn.Linear(cfg.width, cfg.unet_widths[0])
+        self.attention = CrossScaleProgressiveAttention(width, cfg.heads, cfg.blocks)
+        self.time = TimeEmbedding(width)
+        self.nearness = NearnessBias(cfg.heads)
+        self.unet = TokenUnet(2 * width, cfg.channels, width, levels, cfg.heads)
 
     def forward(
         self,
@@ -45,19 +83,45 @@ class LayoutDenoiser(nn.Module):
         t: Float[Tensor, " batch"],
         batch: TokenBatch,
     ) -> Prediction:
-        """Predict for a batch of noisy layouts; grid and graph find the positions in x_t."""
-        real = batch.mask.unsqueeze(-1)
-        x_t = x_t * real
-        feature, token, place = self.embedding(x_t, batch)
+        """Predict the noise in a batch of layouts; what is given is read from the batch."""
+        levels, time = self._levels(x_t, t, batch)
+        if batch.given is not None and batch.x0 is not None:
+            x_t = torch.where(batch.given.unsqueeze(-1), batch.x0.to(x_t), x_t)
+        total = levels.total
+        # The formula's clean layout: grid, graph and embedding find the boxes in it.
+        boxes = self._read(levels.alpha * levels.variance / total * x_t, batch)
+        feature, token, place = self.embedding(x_t / total.sqrt(), boxes, time, batch)
         routes = given_routes(batch) if self.routing is None else self.routing(feature, batch.mask)
-        fused = self.attention(self._extract(token, x_t[..., :3], routes, batch), routes)
-        output = self._denoise(x_t, t, fused, place, batch)
-        return Prediction(output * real, routes.tokenizability)
+        fused = self.attention(self._extract(token, boxes, routes, batch), routes)
+        condition = Condition(
+            nn.functional.silu(time + self.embedding.domain(batch.domain).unsqueeze(1)),
+            fused + place,
+            batch.mask.unsqueeze(1),
+            self.nearness(boxes, batch),
+        )
+        learned = self.unet(torch.cat([token, fused], dim=-1), condition)
+        gain = levels.alpha * (levels.variance / total).sqrt()
+        output = levels.sigma / total * x_t + gain * learned
+        return Prediction(output * batch.mask.unsqueeze(-1), routes.tokenizability)
+
+    def _levels(
+        self, x_t: Tensor, t: Tensor, batch: TokenBatch
+    ) -> tuple[Levels, Float[Tensor, "batch n d"]]:
+        """Noise of each token, and the embedding of its time."""
+        clean = torch.zeros_like(batch.mask) if batch.given is None else batch.given
+        alpha, sigma = (each.to(x_t)[:, None] for each in self._schedule.signal_and_noise(t))
+        levels = Levels(
+            torch.where(clean, 1.0, alpha).unsqueeze(-1),
+            torch.where(clean, 0.0, sigma).unsqueeze(-1),
+            self.variance[batch.kind],
+        )
+        noisy, quiet = self.time(t).unsqueeze(1), self.time(torch.zeros_like(t)).unsqueeze(1)
+        return levels, torch.where(clean.unsqueeze(-1), quiet, noisy)
 
     def _extract(
         self,
         token: Float[Tensor, "batch n d"],
-        position: Float[Tensor, "batch n 3"],
+        boxes: Layout,
         routes: Routes,
         batch: TokenBatch,
     ) -> Float[Tensor, "batch n d"]:
@@ -69,30 +133,22 @@ class LayoutDenoiser(nn.Module):
         )
         found = torch.zeros_like(token)
         for branch, is_member, weight in sides:
-            where = batch.parent if isinstance(branch, ScaleAttention) else position
-            found = found + weight * branch(token, is_member, where)
+            found = found + weight * branch(token, is_member, _where(branch, boxes, batch))
         return found
 
-    def _denoise(
-        self,
-        x_t: Float[Tensor, "batch n c"],
-        t: Float[Tensor, " batch"],
-        fused: Float[Tensor, "batch n d"],
-        place: Float[Tensor, "batch n d"],
-        batch: TokenBatch,
-    ) -> Float[Tensor, "batch n c"]:
-        # The UNet's list has no gaps: real tokens first, in their order.
-        order = torch.argsort(batch.mask.to(torch.uint8), dim=1, descending=True, stable=True)
-        condition = Condition(self.time(t), fused, batch.mask.unsqueeze(1))
-        position = self.unet_position(place)
-        output = self.unet(
-            _pick(x_t, order), _pick(position, order), batch.mask.gather(1, order), condition
-        )
-        return _pick(output, torch.argsort(order, dim=1))
 
-
-def _pick(value: Float[Tensor, "batch n c"], order: Int[Tensor, "batch n"]) -> Tensor:
-    return value.gather(1, order.unsqueeze(-1).expand_as(value))
+def _where(branch: nn.Module, boxes: Layout, batch: TokenBatch) -> Tensor:
+    """What a branch places tokens by: parents, shares of the site's half extents, or metres."""
+    if isinstance(branch, ScaleAttention):
+        return batch.parent
+    if isinstance(branch, FineGnn):
+        return boxes.center_enu_m
+    assert batch.frame is not None
+    # Coarse objects have the site's frame.
+    site = torch.cat(
+        [batch.frame[:, :1, 5:7], batch.frame.new_full((len(batch.frame), 1, 1), _HEIGHT_M)], -1
+    )
+    return boxes.center_enu_m / site
 
 
 def _coarse_branch(cfg: ModelCfg) -> nn.Module:

@@ -7,10 +7,11 @@ from typing import Protocol
 
 import numpy as np
 
+from aeroscene.learning.paper.contents.batch import SentenceBatch
 from aeroscene.learning.tokens.batch import TokenBatch
 from aeroscene.learning.writer.batch import LessonBatch
 
-Batch = TokenBatch | LessonBatch
+Batch = TokenBatch | LessonBatch | SentenceBatch
 Batches = Callable[[int], Batch]
 """Batch of a step, counted from 0, on the processor; steps are asked for in ascending order.
 

@@ -22,7 +22,7 @@ def random_layout(
         center_enu_m=4 * rand(3) * torch.tensor([1.0, 1.0, 0.3]),
         heading=torch.stack([yaw.cos(), yaw.sin()], dim=-1),
         size_m=0.4 + 2.5 * rand(3),
-        category=rand(n_categories),
+        category=1 + (n_categories * rand()).long(),
         mask=torch.arange(n).expand(n_scenes, n) != n - 1,
         is_coarse=torch.arange(n) < n_coarse,
     )

@@ -10,6 +10,7 @@ from aeroscene.learning.paper.guidance.overlap import (
     BoxPairs,
     exact_iou,
     footprint_intersection,
+    penetration_m,
     soft_iou,
 )
 from aeroscene.scene import OrientedBox
@@ -126,3 +127,19 @@ def _check_gradient(value, flat: torch.Tensor) -> None:
             nudge[index] = step
             slope = (value(flat + nudge) - value(flat - nudge)) / (2 * step)
             assert float(gradient[index]) == pytest.approx(float(slope), abs=1e-5)
+
+
+def test_penetration_is_the_least_way_apart():
+    """A wall of 0.2 m all within a bed: out through its nearer side, thick or thin."""
+    for center, size, expected in (
+        ((0.0, 0.5, 0.0), (4.0, 0.2, 2.0), 0.6),
+        ((0.0, 0.0, 0.9), (4.0, 4.0, 0.2), 0.2),
+        ((3.0, 0.0, 0.0), (4.0, 0.2, 2.0), 0.0),
+        ((3.5, 0.0, 0.0), (4.0, 0.2, 2.0), -0.5),
+    ):
+        pairs = BoxPairs(
+            (torch.zeros(1, 3), torch.tensor([center])),
+            (torch.tensor([[1.0, 0.0]]), torch.tensor([[1.0, 0.0]])),
+            (torch.tensor([[2.0, 2.0, 2.0]]), torch.tensor([size])),
+        )
+        assert float(penetration_m(pairs)) == pytest.approx(expected, abs=1e-3)

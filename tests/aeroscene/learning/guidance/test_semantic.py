@@ -15,7 +15,7 @@ from aeroscene.learning.paper.guidance.semantic import (
 )
 from tests.aeroscene.learning.guidance.layouts import random_layout
 
-TABLE, CHAIR, TREE = range(3)
+TABLE, CHAIR, TREE = range(1, 4)
 CFG = SemanticPriorCfg(n_categories=3, n_neighbours=3, width=24, batch_size=24)
 
 
@@ -30,9 +30,7 @@ def _dinners(count: int, generator: torch.Generator) -> Layout:
         torch.stack([cos * x - sin * y, sin * x + cos * y, z], dim=-1),
         torch.stack([cos, sin], dim=-1).expand(count, 4, 2),
         torch.ones(count, 4, 3),
-        torch.nn.functional.one_hot(torch.tensor([TABLE, CHAIR, CHAIR, TREE]), 3)
-        .float()
-        .expand(count, 4, 3),
+        torch.tensor([TABLE, CHAIR, CHAIR, TREE]).expand(count, 4),
         torch.ones(count, 4, dtype=torch.bool),
         torch.tensor([True, False, False, False]),
     )

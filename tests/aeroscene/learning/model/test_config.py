@@ -16,7 +16,7 @@ from aeroscene.learning.paper.preset import paper_cfg
         ({"heads": 3}, "heads is 3 with width 128, valid: an even number"),
         ({"width": 100, "heads": 8}, "heads is 8 with width 100"),
         ({"place_width": 7}, "place_width is 7, valid: even numbers, 2 to 256"),
-        ({"channels": 20, "n_categories": 7}, "channels is 20 with n_categories 7, valid: 17"),
+        ({"channels": 20, "n_categories": 7}, "channels is 20 with n_categories 7, valid: 10"),
         ({"grid_reach": 0.0}, "grid_reach is 0.0, valid: above 0"),
         ({"graph_radius": -1.0}, "graph_radius is -1.0, valid: above 0"),
         ({"grid_shape": (4, 1, 4)}, "grid_shape is 1, valid: 2 to 64"),

@@ -1,0 +1,175 @@
+"""Geometry of a layout as ten channels (p, q, s), given categories and quarter turns.
+
+| channels | name | frame and unit |
+|---|---|---|
+| 0, 1 | centre, east and north | the object's frame, in half extents of that frame by 0.5 |
+| 2 | height of the underside over the frame's | m; standardised |
+| 3 to 6 | quaternion wxyz of what the quarter turn leaves of the heading | -; standardised |
+| 7, 8, 9 | logarithms of the full extents | -; standardised |
+
+Standardised means: less the mean of the category, by the spread of the category. The paper leaves
+the units of its x_t open. These make the best guess from a category alone the zero vector, so that
+five centimetres are visible to the network and a chair is never drawn as large as a house.
+
+The frame is the site's. In the progressive preset a fine object has the frame of its region, which
+is known by then. The paper says that p is in R^3 and names no frame.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from aeroscene.learning.paper.layouts import (
+    IS_TWO_SIDED,
+    NO_REGION,
+    FlatLayout,
+    quarter_turns,
+)
+from aeroscene.scene.catalogue import CATALOGUE
+
+POSITION, ROTATION, SCALE = slice(0, 3), slice(3, 7), slice(7, 10)
+N_GEOMETRY = 10
+N_ROWS = 1 + max(CATALOGUE)
+"""Rows of a table by category number; row 0 serves padding and categories that were never seen."""
+
+PLACE_SPREAD = 0.5
+"""Spread that east and north are standardised by, in half extents of the frame. It is one for all
+categories, so that noise moves all objects of a frame alike and leaves what is between them."""
+_LEAST_SPREAD = np.array([0.5, 0.5, 0.01, 0.02, 1.0, 1.0, 0.02, 0.05, 0.05, 0.05])
+"""Other spreads are at least so large: a hundredth of a metre in height, a twentieth in size."""
+_LEAST_VARIANCE = 1e-4
+"""Channels that vary less are constants of their category."""
+_LEAST_SEEN = 4
+"""Categories with fewer objects have the spreads of all objects."""
+LEAST_HALF_M = 0.25
+"""Half extents of a frame are at least so large: a wall is a region, too."""
+
+
+@dataclass(frozen=True, eq=False)
+class FlatStatistics:
+    """What standardises the channels, a row for each category."""
+
+    mean: Float[np.ndarray, "categories 10"]
+    spread: Float[np.ndarray, "categories 10"]
+    variance: Float[np.ndarray, "categories 10"]
+    """Variance of the standardised channels: 1, or less where the spread was raised, or other in
+    east and north; 0 where all objects of a category agree, whose channel is held at its mean."""
+    stands_on_top: Bool[np.ndarray, " categories"]
+    """Whether heights in a region of the category count from its top, not from its underside."""
+    holds: Bool[np.ndarray, " categories"]
+    """Whether regions of the category hold fine objects."""
+    has_regions: Bool[np.ndarray, ""]
+    """Whether fine objects have the frames of their regions."""
+
+
+@dataclass(frozen=True, eq=False)
+class Frames:
+    """Frames of the objects of a layout."""
+
+    origin_enu_m: Float[np.ndarray, "n 3"]
+    yaw_rad: Float[np.ndarray, " n"]
+    half_m: Float[np.ndarray, "n 2"]
+
+    @property
+    def packed(self) -> Float[np.ndarray, "n 7"]:
+        """Origin, cosine and sine of the yaw, half extents: as batches have them."""
+        heading = np.column_stack([np.cos(self.yaw_rad), np.sin(self.yaw_rad)])
+        return np.hstack([self.origin_enu_m, heading, self.half_m])
+
+
+def frames_of(layout: FlatLayout, statistics: FlatStatistics) -> Frames:
+    """The frame of each object: the site, or its region where the statistics have regions."""
+    n = len(layout)
+    origin, yaw, half = np.zeros((n, 3)), np.zeros(n), np.tile(layout.half_m, (n, 1))
+    if statistics.has_regions:
+        inside = np.flatnonzero(layout.region != NO_REGION)
+        region = layout.region[inside]
+        origin[inside] = layout.center_enu_m[region]
+        height = layout.size_m[region, 2]
+        on_top = statistics.stands_on_top[layout.category[region]]
+        origin[inside, 2] += np.where(on_top, height, -height) / 2
+        yaw[inside] = layout.yaw_rad[region]
+        half[inside] = np.maximum(layout.size_m[region, :2] / 2, LEAST_HALF_M)
+    return Frames(origin, yaw, half)
+
+
+def measured_channels(
+    layout: FlatLayout, frames: Frames
+) -> tuple[Float[np.ndarray, "n 10"], Int[np.ndarray, " n"]]:
+    """The channels of a layout, not standardised, and its quarter turns."""
+    offset = layout.center_enu_m - frames.origin_enu_m
+    cos, sin = np.cos(frames.yaw_rad), np.sin(frames.yaw_rad)
+    x, y = offset[:, 0], offset[:, 1]
+    along = np.column_stack([cos * x + sin * y, cos * y - sin * x]) / frames.half_m
+    turn, rest_rad = quarter_turns(layout.yaw_rad - frames.yaw_rad, IS_TWO_SIDED[layout.category])
+    zero = np.zeros(len(layout))
+    quat = np.column_stack([np.cos(rest_rad / 2), zero, zero, np.sin(rest_rad / 2)])
+    underside_m = offset[:, 2] - layout.size_m[:, 2] / 2
+    return np.column_stack([along, underside_m, quat, np.log(layout.size_m)]), turn
+
+
+def standardised(
+    rows: Float[np.ndarray, "n 10"], category: Int[np.ndarray, " n"], statistics: FlatStatistics
+) -> Float[np.ndarray, "n 10"]:
+    """Channels less the mean of their category, by its spread."""
+    return (rows - statistics.mean[category]) / statistics.spread[category]
+
+
+def measure(layouts: Sequence[FlatLayout], *, has_regions: bool) -> FlatStatistics:
+    """Statistics of training layouts, under the symmetries of the square."""
+    empty = np.zeros(N_ROWS, dtype=bool)
+    holds = empty.copy()
+    for layout in layouts:
+        holds[layout.category[layout.region[layout.region != NO_REGION]]] = True
+    ones = np.ones((N_ROWS, N_GEOMETRY))
+    on_top = _stands_on_top(layouts) if has_regions else empty
+    framed = FlatStatistics(0 * ones, ones, ones, on_top, holds, np.array(has_regions))
+    rows = [measured_channels(layout, frames_of(layout, framed))[0] for layout in layouts]
+    mean, spread, variance = _moments(
+        np.concatenate(rows), np.concatenate([layout.category for layout in layouts])
+    )
+    return FlatStatistics(mean, spread, variance, on_top, holds, np.array(has_regions))
+
+
+def _moments(
+    rows: Float[np.ndarray, "n 10"], category: Int[np.ndarray, " n"]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    mean = np.zeros((N_ROWS, N_GEOMETRY))
+    deviation = np.zeros((N_ROWS, N_GEOMETRY))
+    for number in range(N_ROWS):
+        own = rows[category == number]
+        seen = own if len(own) >= _LEAST_SEEN else rows
+        mean[number], deviation[number] = seen.mean(axis=0), seen.std(axis=0)
+        # Turned and mirrored, a layout is one, too: east and north are alike, left and right.
+        mean[number, :2], mean[number, 6] = 0.0, 0.0
+        deviation[number, :2] = np.sqrt((seen[:, :2] ** 2).mean())
+        deviation[number, 6] = np.sqrt((seen[:, 6] ** 2).mean())
+    spread = np.maximum(deviation, _LEAST_SPREAD)
+    spread[:, :2] = PLACE_SPREAD
+    variance = (deviation / spread) ** 2
+    return mean, spread, np.where(variance < _LEAST_VARIANCE, 0.0, variance)
+
+
+def _stands_on_top(layouts: Sequence[FlatLayout]) -> Bool[np.ndarray, " categories"]:
+    """Categories over whose top, not underside, the undersides of what they hold are more alike."""
+    over: list[list[np.ndarray]] = [[], []]
+    categories = []
+    for layout in layouts:
+        inside = np.flatnonzero(layout.region != NO_REGION)
+        region = layout.region[inside]
+        under_m = layout.center_enu_m[inside, 2] - layout.size_m[inside, 2] / 2
+        half_m = layout.size_m[region, 2] / 2
+        for sign, found in zip((-1, 1), over, strict=True):
+            found.append(under_m - layout.center_enu_m[region, 2] - sign * half_m)
+        categories.append(layout.category[region])
+    category = np.concatenate(categories)
+    bottom, top = (np.abs(np.concatenate(found)) for found in over)
+    result = np.zeros(N_ROWS, dtype=bool)
+    for number in np.unique(category):
+        own = category == number
+        result[number] = np.median(top[own]) < np.median(bottom[own])
+    return result

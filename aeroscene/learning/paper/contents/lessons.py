@@ -1,0 +1,44 @@
+"""Training layouts as sentences, in batches."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from aeroscene.learning.paper.contents.batch import SentenceBatch, sentence_batch
+from aeroscene.learning.paper.contents.sentences import sentence_of
+from aeroscene.learning.paper.layouts import FlatLayout, random_symmetry
+from aeroscene.learning.paper.training_set import FlatTrainingSet
+
+
+@dataclass(frozen=True, eq=False)
+class ContentsLessons:
+    """What scenes have, to learn the prior of contents from."""
+
+    scenes: FlatTrainingSet
+
+    @property
+    def examples(self) -> tuple[FlatLayout, ...]:
+        """The scenes."""
+        return self.scenes.examples
+
+    def with_examples(self, examples: Sequence[FlatLayout]) -> ContentsLessons:
+        """Other scenes with the same statistics."""
+        return ContentsLessons(self.scenes.with_examples(examples))
+
+    def sample_batch(self, size: int, rng: np.random.Generator) -> SentenceBatch:
+        """Scenes of about as many objects, each turned at random, indoors mirrored too."""
+        return self._batch([random_symmetry(each, rng) for each in self.scenes.alike(size, rng)])
+
+    def in_order(self, start: int, size: int) -> SentenceBatch:
+        """Scenes as they are, for measuring."""
+        return self._batch(self.examples[start : start + size])
+
+    def _batch(self, layouts: Sequence[FlatLayout]) -> SentenceBatch:
+        statistics = self.scenes.statistics
+        return sentence_batch(
+            [sentence_of(each, statistics) for each in layouts],
+            [each.wish for each in layouts],
+        )

@@ -1,0 +1,138 @@
+"""Scenes as the paper has them: lists of objects (p, q, s, c), coarse ones first.
+
+The paper leaves the order of its list open. Here a list has one order, so that a model need not
+learn that orders do not matter: coarse objects by category, quarter turn and falling volume, then
+fine ones alike, grouped by the region that they belong to.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from aeroscene.learning.tokens.skeleton import Wish
+from aeroscene.learning.tokens.symmetry import draw_symmetry
+from aeroscene.metrics.arrays import NO_PARENT, scene_arrays
+from aeroscene.metrics.neighbours import TWO_SIDED
+from aeroscene.scene import Scene
+from aeroscene.scene.catalogue import CATALOGUE
+
+NO_REGION = -1
+"""Region of an object that belongs to the site itself."""
+QUARTER_RAD = np.pi / 2
+_LEAST_HALF_M = 0.5
+
+IS_TWO_SIDED = np.array([False, *(CATALOGUE[c].name in TWO_SIDED for c in sorted(CATALOGUE))])
+"""Whether a category looks the same after half a turn, by its number from 1."""
+
+
+@dataclass(frozen=True, eq=False)
+class FlatLayout:
+    """One scene as a list of boxes with categories."""
+
+    category: Int[np.ndarray, " n"]
+    """Numbers from 1."""
+    center_enu_m: Float[np.ndarray, "n 3"]
+    yaw_rad: Float[np.ndarray, " n"]
+    """Of what looks the same after half a turn, from -45 to below 135 degrees."""
+    size_m: Float[np.ndarray, "n 3"]
+    region: Int[np.ndarray, " n"]
+    """Row of the coarse object that a fine one stands in or on; `NO_REGION` for others."""
+    n_coarse: int
+    half_m: Float[np.ndarray, " 2"]
+    """Half extents of the site along east and north, about the origin."""
+    wish: Wish
+
+    def __len__(self) -> int:
+        return len(self.category)
+
+    @property
+    def is_coarse(self) -> Bool[np.ndarray, " n"]:
+        """Which rows are coarse objects."""
+        return np.arange(len(self)) < self.n_coarse
+
+
+def flat_layout(scene: Scene, wish: Wish, *, has_regions: bool) -> FlatLayout:
+    """The list of a scene's objects, in the one order; the paper's own lists know no regions."""
+    arrays = scene_arrays(scene)
+    fine_first = np.argsort(~arrays.is_coarse, kind="stable")
+    row_of = np.argsort(fine_first)
+    region = arrays.region[fine_first]
+    region = np.where(region == NO_PARENT, NO_REGION, row_of[region])
+    n_coarse = int(arrays.is_coarse.sum())
+    region[: n_coarse if has_regions else None] = NO_REGION
+    layout = FlatLayout(
+        category=arrays.category[fine_first] + 1,
+        center_enu_m=arrays.centre_enu_m[fine_first],
+        yaw_rad=arrays.yaw_rad[fine_first],
+        size_m=arrays.size_m[fine_first],
+        region=region,
+        n_coarse=n_coarse,
+        half_m=np.full(2, _LEAST_HALF_M),
+        wish=wish,
+    )
+    reach = np.abs(layout.center_enu_m[:, :2]) + _level_extents(layout) / 2
+    half_m = np.maximum(reach.max(axis=0, initial=_LEAST_HALF_M), _LEAST_HALF_M)
+    return _ordered(replace(layout, half_m=half_m))
+
+
+def _level_extents(layout: FlatLayout) -> Float[np.ndarray, "n 2"]:
+    cos, sin = np.abs(np.cos(layout.yaw_rad)), np.abs(np.sin(layout.yaw_rad))
+    x, y, _ = layout.size_m.T
+    return np.column_stack([cos * x + sin * y, sin * x + cos * y])
+
+
+def random_symmetry(layout: FlatLayout, rng: np.random.Generator) -> FlatLayout:
+    """The layout turned by quarter turns at random, indoors mirrored too."""
+    turns, is_mirrored = draw_symmetry(layout.wish.domain, rng)
+    if turns == 0 and not is_mirrored:
+        return layout
+    center, yaw, half = (
+        layout.center_enu_m.copy(),
+        layout.yaw_rad + turns * QUARTER_RAD,
+        layout.half_m,
+    )
+    for _ in range(turns):
+        center[:, 0], center[:, 1] = -center[:, 1].copy(), center[:, 0].copy()
+        half = half[::-1]
+    if is_mirrored:
+        center[:, 1] *= -1
+        yaw = -yaw
+    return _ordered(replace(layout, center_enu_m=center, yaw_rad=yaw, half_m=half))
+
+
+def quarter_turns(
+    yaw_rad: Float[np.ndarray, " n"], is_two_sided: Bool[np.ndarray, " n"]
+) -> tuple[Int[np.ndarray, " n"], Float[np.ndarray, " n"]]:
+    """The nearest quarter turn of each heading, and what is left of it, from -45 to 45 degrees.
+
+    The turn is 0 or 1 for what looks the same after half a turn, else 0 to 3.
+    """
+    quarters = np.round(yaw_rad / QUARTER_RAD)
+    turn = quarters.astype(int) % np.where(is_two_sided, 2, 4)
+    return turn, yaw_rad - quarters * QUARTER_RAD
+
+
+def _ordered(layout: FlatLayout) -> FlatLayout:
+    turn, rest_rad = quarter_turns(layout.yaw_rad, IS_TWO_SIDED[layout.category])
+    layout = replace(layout, yaw_rad=turn * QUARTER_RAD + rest_rad)
+    volume = layout.size_m.prod(axis=1)
+    n = layout.n_coarse
+    coarse = np.lexsort((-volume[:n], turn[:n], layout.category[:n]))
+    # Where each coarse row goes; the last place is that of `NO_REGION`.
+    place = np.append(np.argsort(coarse), NO_REGION)
+    region = place[layout.region]
+    fine = n + np.lexsort(
+        (-volume[n:], turn[n:], layout.category[n:], np.where(region[n:] < 0, n, region[n:]))
+    )
+    order = np.concatenate([coarse, fine])
+    return replace(
+        layout,
+        category=layout.category[order],
+        center_enu_m=layout.center_enu_m[order],
+        yaw_rad=layout.yaw_rad[order],
+        size_m=layout.size_m[order],
+        region=region[order],
+    )
