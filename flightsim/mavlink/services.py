@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from flightsim.mavlink.absent import AbsentService
 from flightsim.mavlink.commands import CommandService, Executor
 from flightsim.mavlink.dialect import LAYOUTS
+from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.failure_commands import FailureCommands
 from flightsim.mavlink.faults import Faults
 from flightsim.mavlink.files import FileService
@@ -94,6 +95,9 @@ class Services:
     def __init__(self, setting: Setting) -> None:
         """Build them."""
         view, personality, payload = setting.view, setting.personality, setting.payload
+        view.autopilot.fence.switch = None if personality.switches_fence else True
+        unknown = () if personality.switches_fence else (mav.MAV_CMD_DO_FENCE_ENABLE,)
+        view.autopilot.mission.unknown_commands = frozenset(unknown)
         modes = ModeReport(personality, view.autopilot)
         guided = GuidedInput(view, modes) if personality.has_guided_mode else None
         metadata = MetadataService(view, setting.partners) if personality.has_metadata else None
@@ -139,7 +143,7 @@ def _answering(
     accept = guided.accept_setpoint if guided else view.autopilot.set_offboard_setpoint
     return (
         CommandService(_executors(setting, flight_commands, telemetry), statustext),
-        OldRequestService(flight_commands, telemetry, statustext),
+        OldRequestService(flight_commands, setting.personality, telemetry, statustext),
         OffboardService(view, accept),
         FollowTargetService(view),
         LandingTargetService(view),
@@ -183,8 +187,9 @@ def _missions(setting: Setting, guided: GuidedInput | None) -> MissionService:
 
 def _named_parameters(setting: Setting) -> NamedParameters:
     """The autopilot's parameters, under the names of the flight stack."""
-    parameters, names = setting.view.autopilot.parameters, setting.personality.aliases
-    return AliasedParameters(parameters, names) if names else parameters
+    view, personality = setting.view, setting.personality
+    has_names = bool(personality.aliases)
+    return AliasedParameters(view, personality) if has_names else view.autopilot.parameters
 
 
 def _parameters(setting: Setting, parameters: NamedParameters) -> ParameterService:
@@ -207,6 +212,7 @@ def _telemetry(
             **MotorTelemetry(view).producers,
             **SurroundingsTelemetry(view).producers,
             **personality.extra_telemetry(view),
+            **_of_the_mount(setting),
             **more,
         },
         setting.partners,
@@ -214,3 +220,9 @@ def _telemetry(
         setting.faults,
         Told(view),
     )
+
+
+def _of_the_mount(setting: Setting) -> Mapping[str, Producer]:
+    """The message in which the flight stack's own clients read the gimbal's attitude."""
+    name = setting.personality.mount_message
+    return {} if setting.payload is None else {name: setting.payload.producers[name]}
