@@ -29,6 +29,7 @@ class AliasedParameters:
         self._aliases = {alias.name: alias for alias in personality.aliases}
         self._settings = {setting.name: setting for setting in personality.settings}
         self._names = tuple(sorted((*self._aliases, *self._settings)))
+        self._chosen: dict[str, int] = {}
         # What clients see of our value, by name: (theirs, ours).
         self._told: dict[str, tuple[float, float]] = {
             alias.name: (alias.default, self._parameters[alias.ours])
@@ -45,7 +46,9 @@ class AliasedParameters:
     def __getitem__(self, name: str) -> float:
         """Value in the flight stack's unit; the nearest choice below for one that it lacks."""
         if (setting := self._settings.get(name)) is not None:
-            return setting.read(self._view)
+            present = setting.read(self._view)
+            chosen = self._chosen.get(name, present)
+            return chosen if setting.choices[chosen] == setting.choices[present] else present
         alias = self._alias(name)
         ours = self._parameters[alias.ours]
         told, of = self._told.get(name, (math.nan, math.nan))
@@ -95,6 +98,7 @@ class AliasedParameters:
         """
         if (setting := self._settings.get(name)) is not None:
             _check_choice(name, value, setting.choices)
+            self._chosen[name] = int(value)
             setting.write(self._view, int(value))
             return self[name]
         alias = self._alias(name)

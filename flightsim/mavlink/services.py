@@ -14,6 +14,7 @@ from flightsim.mavlink.faults import Faults
 from flightsim.mavlink.files import FileService
 from flightsim.mavlink.flight_commands import FlightCommands
 from flightsim.mavlink.follow_target import FollowTargetService
+from flightsim.mavlink.gps_input import GpsInputService
 from flightsim.mavlink.guided import GuidedInput
 from flightsim.mavlink.heartbeats import HeartbeatService
 from flightsim.mavlink.landing_target import LandingTargetService
@@ -54,6 +55,9 @@ from flightsim.mavlink.telemetry_status import StatusTelemetry
 from flightsim.mavlink.telemetry_surroundings import SurroundingsTelemetry
 from flightsim.mavlink.timesync import TimesyncService
 from flightsim.mavlink.view import VehicleView
+from flightsim.mavlink.vision import VisionService
+
+_FIX_HINT = "GPS_TYPE = 14 lets it be used"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -96,6 +100,7 @@ class Services:
         """Build them."""
         view, personality, payload = setting.view, setting.personality, setting.payload
         view.autopilot.fence.switch = None if personality.switches_fence else True
+        view.plant.outside.fix_source = personality.fix_source
         unknown = () if personality.switches_fence else (mav.MAV_CMD_DO_FENCE_ENABLE,)
         view.autopilot.mission.unknown_commands = frozenset(unknown)
         modes = ModeReport(personality, view.autopilot)
@@ -111,7 +116,12 @@ class Services:
 
         self.telemetry = _telemetry(setting, modes, metadata.producers if metadata else {})
         self.missions = _missions(setting, guided)
-        self.watching: Sequence[Watching] = (recorder, *((metadata,) if metadata else ()))
+        fixes = GpsInputService(view, setting.statustext, _FIX_HINT)
+        vision = VisionService(view, setting.statustext, personality.vision_switch)
+        self.watching: Sequence[Watching] = (
+            *(recorder, fixes, vision),
+            *((metadata,) if metadata else ()),
+        )
         self.stateful: Sequence[StatefulService] = (
             self.missions,
             _parameters(setting, parameters),
@@ -126,7 +136,7 @@ class Services:
         )
         stateless = _answering(setting, modes, guided, self.telemetry)
         watched = (metadata,) if metadata else ()
-        answering = (*stateless, *watched, *self.stateful, *self.common)
+        answering = (*stateless, fixes, vision, *watched, *self.stateful, *self.common)
         self.handlers: dict[int, Handler] = {
             LAYOUTS[name].message_id: handler
             for service in answering

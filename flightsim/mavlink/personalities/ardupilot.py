@@ -13,6 +13,7 @@ from flightsim.mavlink.personalities.copter_parameters import ALIASES, SETTINGS,
 from flightsim.mavlink.personalities.personality import ModeEntry, Personality
 from flightsim.mavlink.telemetry_sensors import imu_fields
 from flightsim.mavlink.view import VehicleView
+from flightsim.plant.outside import FixSource
 
 _EKF_STATUS_REPORT = layout("EKF_STATUS_REPORT")
 _RANGEFINDER = layout("RANGEFINDER")
@@ -143,6 +144,8 @@ ARDUPILOT = Personality(
     has_metadata=False,
     requests_int=False,
     n_home_items=1,
+    fix_source=FixSource.OWN,
+    vision_switch=("VISO_TYPE", 1),
     mount_message="MOUNT_STATUS",
     extra_telemetry=_extra_telemetry,
 )

@@ -11,6 +11,7 @@ from collections.abc import Iterable, Mapping
 
 from flightsim.mavlink.personalities.personality import Alias, Setting
 from flightsim.mavlink.view import VehicleView
+from flightsim.plant.outside import FixSource
 
 _CENTI, _MILLI = 0.01, 1e-3
 _CM, _CMPS, _CMPS2 = "cm", "cm/s", "cm/s/s"
@@ -163,6 +164,7 @@ ALIASES = (
         valid=(50, 500),
         default=250,
     ),
+    Alias(name="VISO_TYPE", ours="EKF2_EV_CTRL", is_integer=True, codes={0: 0, 1: 15}, default=0),
     Alias(name="WPNAV_JERK", ours="MPC_JERK_AUTO", unit="m/s/s/s", valid=(1, 20), default=1),
     Alias(
         name="WPNAV_RADIUS",
@@ -211,6 +213,25 @@ def defaults_of(aliases: Iterable[Alias]) -> Mapping[str, float]:
     return values
 
 
+_FIX_SOURCES = {
+    0: FixSource.NONE,
+    1: FixSource.OWN,  # whatever there is
+    2: FixSource.OWN,  # u-blox, which the simulated receivers are after
+    14: FixSource.CLIENT,
+    100: FixSource.OWN,  # the simulator's
+}
+"""GPS_TYPE."""
+
+
+def _fix_type(view: VehicleView) -> int:
+    source = view.plant.outside.fix_source
+    return next((number for number, named in _FIX_SOURCES.items() if named is source), 1)
+
+
+def _choose_fixes(view: VehicleView, value: int) -> None:
+    view.plant.outside.fix_source = _FIX_SOURCES[value]
+
+
 def _turn_fence(view: VehicleView, value: int) -> None:
     view.autopilot.fence.switch = value == 1
 
@@ -223,5 +244,11 @@ SETTINGS = (
         choices={0: "off", 1: "on"},
         read=lambda view: int(view.autopilot.fence.is_enabled),
         write=_turn_fence,
+    ),
+    Setting(
+        name="GPS_TYPE",
+        choices={number: source.value for number, source in _FIX_SOURCES.items()},
+        read=_fix_type,
+        write=_choose_fixes,
     ),
 )

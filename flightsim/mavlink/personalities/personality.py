@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 from flightsim.autopilot.modes import Mode
 from flightsim.mavlink.view import VehicleView
+from flightsim.plant.outside import FixSource
 
 ExtraTelemetry = Callable[[VehicleView], Mapping[str, Callable[[], bytes | None]]]
 """Makes the producers of the messages that only one flight stack sends, by message name."""
@@ -124,6 +125,10 @@ class Personality:
     """Whether uploads of missions are asked for with MISSION_REQUEST_INT."""
     n_home_items: int = 0
     """Mission items before the first of the mission: 1 if home is item 0."""
+    fix_source: FixSource = FixSource.EITHER
+    """Where satellite fixes come from at the start."""
+    vision_switch: tuple[str, int] = ("EKF2_EV_CTRL", 15)
+    """Parameter that lets poses of clients be used, and a value that does."""
     mount_message: str = "MOUNT_ORIENTATION"
     """Message that tells older clients where the gimbal points."""
     extra_telemetry: ExtraTelemetry = lambda _: {}
