@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from flightsim.mavlink.absent import AbsentService
 from flightsim.mavlink.commands import CommandService, Executor
 from flightsim.mavlink.dialect import LAYOUTS
 from flightsim.mavlink.dialect import dialect as mav
@@ -160,7 +159,6 @@ def _answering(
         ObstacleDistanceService(view),
         ManualControlService(view, setting.system_id),
         TimesyncService(lambda: view.plant.time_us),
-        AbsentService(statustext),
         *((SigningSetup(signing, view.autopilot, statustext),) if signing else ()),
     )
 

@@ -54,13 +54,16 @@ class VisionService:
         self._said: set[str] = set()
         self._names: set[str] = set()
         self._resets: dict[str, int] = {}
-        self.handlers: Mapping[str, Handler] = {
+        handlers: Mapping[str, Handler] = {
             "VISION_POSITION_ESTIMATE": self._on_angles,
             "GLOBAL_VISION_POSITION_ESTIMATE": self._on_angles,
             "VICON_POSITION_ESTIMATE": self._on_angles,
             "ATT_POS_MOCAP": self._on_mocap,
             "ODOMETRY": self._on_odometry,
             "VISION_SPEED_ESTIMATE": self._on_speed,
+        }
+        self.handlers: Mapping[str, Handler] = {
+            name: _from_companions(handler) for name, handler in handlers.items()
         }
 
     def update(self) -> None:
@@ -199,6 +202,16 @@ class VisionService:
             self._said.add(text)
             self._heard_us = self._view.time_us
             self._statustext.say(Severity.WARNING, text)
+
+
+def _from_companions(handler: Handler) -> Handler:
+    """The same without what other vehicles report of themselves, which reaches this one too."""
+
+    def handle(channel: Channel, message: Message) -> str | None:
+        is_telemetry = message.get_srcComponent() == mav.MAV_COMP_ID_AUTOPILOT1
+        return None if is_telemetry else handler(channel, message)
+
+    return handle
 
 
 def _variance(

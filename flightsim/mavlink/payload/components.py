@@ -113,11 +113,14 @@ class PayloadComponents:
         self._components = {_CAMERA: self._camera, _GIMBAL: self._gimbal}
         payload.camera.listeners.append(self._tell_photograph)
 
-    def hear(self, component_id: int, channel: Channel, message: Message) -> None:
-        """Handle a message that is addressed to one of the components; ignore any other."""
+    def hear(self, component_id: int, channel: Channel, message: Message) -> str | None:
+        """Handle a message that is addressed to one of the components; ignore any other.
+
+        Returns:
+            Why a message to one of them changes nothing, where that is so.
+        """
         component = self._components.get(component_id)
-        if component is not None:
-            component.hear(channel, message)
+        return None if component is None else component.hear(channel, message)
 
     def perform(self, item: MissionItem) -> None:
         """Do what a mission item orders; one for what is not aboard is skipped."""
