@@ -30,6 +30,8 @@ _GNSS_PATIENCE_S = 2.0
 _FIX_2D = 2
 _MOST_REFUSED = 10
 """Consecutive poses beyond the gate after which the filter starts from the next one."""
+_NEVER_TICKS = -(1 << 60)
+"""Time under the sky of a receiver that hears nothing: the plant counts it up."""
 _UNUSED = math.inf
 _UNKNOWN_VELOCITY_MPS = 1e3
 """Standard deviation of a velocity that a fix does not have."""
@@ -144,8 +146,8 @@ class OutsideAids:
         self.lose_fix()
 
     def lose_fix(self) -> None:
-        """Say that there is no fix."""
-        self._gnss["under_sky_ticks"] = 0
+        """Say that there is no fix until the next one comes."""
+        self._gnss["under_sky_ticks"] = _NEVER_TICKS
 
     def end_fixes(self) -> None:
         """Let the receiver search for its satellites again."""
@@ -156,8 +158,8 @@ class OutsideAids:
             r[name] = value
         r["is_replaced"] = 0
         r["settling_sigma_m"] = r["reacquired_sigma_m"]
+        r["under_sky_ticks"] = 0
         self.is_fed_fixes = False
-        self.lose_fix()
 
     def feed_fix(self, fix: Fix) -> None:
         """Take a fix for the receiver's, and let the filter use it."""
