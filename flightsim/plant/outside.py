@@ -261,7 +261,8 @@ class OutsideAids:
         f = self._filter
         age_s = self._tick_s * (int(f["tick"]) - int(f["last_gnss_tick"]))
         r = self._gnss
-        is_fixed = r["is_enabled"] and r["under_sky_ticks"] >= r["reacquire_ticks"]
+        is_on = r["is_enabled"] and r["failure"][0] != Failure.OFF and r["tick"] >= 0
+        is_fixed = is_on and r["under_sky_ticks"] >= r["reacquire_ticks"]
         return bool(is_fixed and age_s < _GNSS_PATIENCE_S)
 
     def _age_ticks(self, age_s: float) -> int:

@@ -161,3 +161,17 @@ def test_the_own_odometry_goes_on_afterwards(blind):
     assert "ATT_POS_MOCAP lost: the vehicle's own goes on" in _texts(blind)
     assert blind.plant.filter["has_vio"] == 1
     assert _error_ned_m(blind)[0] == pytest.approx(3.0, abs=0.2)
+
+
+def test_a_filter_that_waits_for_a_place_starts_at_the_one_that_it_is_told(field):
+    flight = Flight(field)
+    try:
+        flight.plant.failures.fail_sensor("gnss", Failure.OFF)
+        flight.send("HEARTBEAT", 6, 8, 0, 0, 4, 3)
+        flight.run(2.0)
+        assert not flight.plant.is_aligned
+        _stream(flight, "ATT_POS_MOCAP", (3.0, 0.0, 0.0))
+        assert flight.plant.is_aligned
+        assert _error_ned_m(flight)[0] == pytest.approx(3.0, abs=0.2)
+    finally:
+        flight.close()
