@@ -93,3 +93,32 @@ def test_a_hardware_type_of_receiver_is_the_simulated_one(copter):
         assert _set(copter, "GPS_TYPE", number) == (number, "")
         assert _get(copter, "GPS_TYPE") == number
     assert "is no choice; valid are 0, 1, 2, 14, 100" in _set(copter, "GPS_TYPE", 9)[1]
+
+
+@pytest.mark.parametrize(
+    ("name", "default", "also"),
+    [
+        ("LAND_SPEED", 50, (30, 200)),
+        ("RTL_ALT", 1500, (200, 20000, 300000)),
+        ("RTL_LOIT_TIME", 5000, (0, 60000)),
+        ("FS_GCS_TIMEOUT", 5, (2, 3, 120)),
+        ("FS_GCS_ENABLE", 0, (1, 2, 7)),
+        ("PILOT_SPEED_UP", 250, (50, 500)),
+        ("PILOT_SPEED_DN", 0, (0, 450, 500)),
+        ("WPNAV_SPEED", 1000, (10, 100, 2000)),
+        ("WPNAV_SPEED_UP", 250, (10, 1000)),
+        ("WPNAV_SPEED_DN", 150, (10, 500)),
+        ("WPNAV_RADIUS", 200, (5, 1000)),
+        ("LOIT_SPEED", 1250, (20, 3500)),
+        ("DISARM_DELAY", 10, (0, 127)),
+        ("FENCE_ACTION", 1, (0, 2, 3, 4, 5)),
+        ("FENCE_RADIUS", 300, (30, 10000)),
+        ("FENCE_ALT_MAX", 100, (10, 1000)),
+        ("ANGLE_MAX", 3000, (1000, 8000)),
+        ("GUID_TIMEOUT", 3, (0.1, 5)),
+    ],
+)
+def test_values_that_arducopter_documents_are_taken(copter, name, default, also):
+    assert _get(copter, name) == pytest.approx(default)
+    for value in also:
+        assert _set(copter, name, value) == (pytest.approx(value), "")
