@@ -53,9 +53,11 @@ _ANSWERS = frozenset(
         *("COMMAND_ACK", "LOGGING_ACK", "LOGGING_DATA", "LOGGING_DATA_ACKED", "MOUNT_STATUS"),
         *("PARAM_ERROR", "RESPONSE_EVENT_ERROR", "GIMBAL_DEVICE_ATTITUDE_STATUS"),
         "AUTOPILOT_STATE_FOR_GIMBAL_DEVICE",
+        # MAVProxy asks every component, and no group has a message of camera or gimbal.
+        "REQUEST_DATA_STREAM",
     }
 )
-"""Messages with an addressee that ask for nothing."""
+"""Messages with an addressee that ask for nothing, or for nothing that a component has."""
 _USUAL = "this vehicle does not use it"
 
 
