@@ -48,6 +48,7 @@ MEASUREMENTS = (
     "mocap position",
     "mocap heading",
     "drag",
+    "velocity",
 )
 """Kinds of measurement, by their row in `innovation_square_sum`."""
 

@@ -35,6 +35,31 @@ _MAX_REJECTIONS = 30
 @kernel
 def fuse_vio(f: np.record, position_vio_m: np.ndarray, yaw_vio_rad: float, age_ticks: int) -> None:
     """Fuse a pose, m (3,) and b of the module, that was valid `age_ticks` < `N_PAST` ago."""
+    variance, yaw_variance = f.vio_variance_m2, f.vio_yaw_variance_rad2
+    fuse_odometry(f, position_vio_m, yaw_vio_rad, age_ticks, variance, variance, yaw_variance)
+
+
+@kernel
+def fuse_odometry(
+    f: np.record,
+    position_vio_m: np.ndarray,
+    yaw_vio_rad: float,
+    age_ticks: int,
+    level_variance_m2: float,
+    height_variance_m2: float,
+    yaw_variance_rad2: float,
+) -> None:
+    """Fuse a pose of any odometry, with the variances of its noise.
+
+    Args:
+        f: The filter.
+        position_vio_m: m (3,).
+        yaw_vio_rad: b.
+        age_ticks: Time since the pose was valid, below `N_PAST`.
+        level_variance_m2: Variance of each horizontal axis; infinite leaves them out.
+        height_variance_m2: Variance of the height; infinite leaves it out.
+        yaw_variance_rad2: Variance of b; infinite leaves it out.
+    """
     if f.has_vio == 0:
         _place_frame(f, position_vio_m, yaw_vio_rad, age_ticks)
         return
@@ -42,18 +67,22 @@ def fuse_vio(f: np.record, position_vio_m: np.ndarray, yaw_vio_rad: float, age_t
     h = f.measurement_row
     worst = 0.0
     for i in range(3):
-        innovation = _innovation(f, position_vio_m, age_ticks, i)
-        worst = max(worst, gate_ratio(f, innovation, f.vio_variance_m2))
+        variance = level_variance_m2 if i < 2 else height_variance_m2
+        if variance < math.inf:
+            innovation = _innovation(f, position_vio_m, age_ticks, i)
+            worst = max(worst, gate_ratio(f, innovation, variance))
     if worst <= GROSS_RATIO:
         worst = 0.0
         for i in range(3):
-            innovation = _innovation(f, position_vio_m, age_ticks, i)
-            worst = max(worst, scalar_update(f, _VIO_POSITION, innovation, f.vio_variance_m2))
+            variance = level_variance_m2 if i < 2 else height_variance_m2
+            if variance < math.inf:
+                innovation = _innovation(f, position_vio_m, age_ticks, i)
+                worst = max(worst, scalar_update(f, _VIO_POSITION, innovation, variance))
         h[:] = 0.0
-        if write_heading_row(f.quat_wxyz, h):
+        if yaw_variance_rad2 < math.inf and write_heading_row(f.quat_wxyz, h):
             h[VIO_YAW] = -1.0
             innovation = wrap_angle(yaw_vio_rad + f.vio_yaw_rad - past_yaw(f, age_ticks))
-            worst = max(worst, scalar_update(f, _VIO_YAW, innovation, f.vio_yaw_variance_rad2))
+            worst = max(worst, scalar_update(f, _VIO_YAW, innovation, yaw_variance_rad2))
     _count(f, worst)
 
 

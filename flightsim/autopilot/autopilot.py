@@ -54,6 +54,8 @@ class Autopilot:
         *,
         airframe: Airframe,
         initial_parameters: Mapping[str, float] | None = None,
+        parameter_ranges: Mapping[str, tuple[float, float]] | None = None,
+        pilot_speeds_limit_all: bool = True,
     ) -> None:
         """Connect the parts.
 
@@ -62,23 +64,28 @@ class Autopilot:
             frame: Geodetic position of the local frame.
             airframe: Constants of the vehicle.
             initial_parameters: Values that replace defaults, read-only ones included.
+            parameter_ranges: Ranges that widen those of the table, by name.
+            pilot_speeds_limit_all: Whether the greatest climb and descent of the sticks bound
+                automatic flight too, as in PX4.
 
         Raises:
             ParameterError: If one of the initial parameters is unknown or out of range.
         """
         hover = airframe.quadrotor.hover_thrust_fraction
         self.parameters = Parameters(
+            parameter_ranges,
             **{
                 "BAT1_N_CELLS": airframe.battery.cells,
                 "BAT1_CAPACITY": airframe.battery.capacity_mah,
                 "MPC_THR_HOVER": min(max(hover, 0.1), 0.8),
                 **(initial_parameters or {}),
-            }
+            },
         )
         self._plant = plant
         self._events = EventLog()
         self._vehicle = Vehicle(plant, self.parameters, hover)
         self._flight = FlightContext(self._vehicle, self.parameters, self._events, frame)
+        self._flight.limits.pilot_speeds_limit_all = pilot_speeds_limit_all
         self.battery_monitor = BatteryMonitor(self.parameters, self._events, airframe.battery.cells)
         self.datalink = DatalinkWatch(self.parameters)
         self._checks = ArmingChecks(plant, self._flight, self.battery_monitor)
@@ -95,6 +102,7 @@ class Autopilot:
         guided = GuidedRequests(self._flight, self._commander)
         self.takeoff, self.land, self.restart = guided.takeoff, guided.land, guided.restart
         self.goto, self.orbit = guided.goto, guided.orbit
+        self.circle_ahead = guided.circle_ahead
         self.set_yaw, self.set_speed = guided.set_yaw, guided.set_speed
         self.set_home = guided.set_home
         self.setpoint: Setpoint = OFF

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from autonomy.types import Vector3
-from flightsim.autopilot.mission_check import check_horizontal_place
+from flightsim.autopilot.mission_check import check_horizontal_place, unsupported_command
 from flightsim.autopilot.mission_item import Cmd, MissionError, MissionFault, MissionItem
 from flightsim.frames import Geodetic, LocalFrame
 
@@ -57,18 +57,24 @@ class FenceStore:
     """Uploaded fence: a place is allowed inside any inclusion and outside all exclusions.
 
     Attributes:
-        is_enabled: Whether the geofence counts, of the parameters' limits too.
+        switch: Whether the geofence counts, the limits of the parameters included; None lets it
+            count as soon as a fence is uploaded.
     """
 
     def __init__(self, frame: LocalFrame) -> None:
         self._frame = frame
-        self.is_enabled = True
+        self.switch: bool | None = True
         self.items: tuple[MissionItem, ...] = ()
         self.fences: tuple[PolygonFence | CircleFence, ...] = ()
         self._has_inclusion = False
 
     def __len__(self) -> int:
         return len(self.items)
+
+    @property
+    def is_enabled(self) -> bool:
+        """Whether the geofence counts now."""
+        return bool(self.fences) if self.switch is None else self.switch
 
     def replace(self, items: Iterable[MissionItem]) -> None:
         """Replace the fence.
@@ -122,7 +128,7 @@ class RallyStore:
         points = []
         for index, item in enumerate(candidate):
             if item.command != Cmd.RALLY_POINT:
-                raise _unsupported(index, item, "rally points (5100)")
+                raise unsupported_command(index, item, "rally points (5100)")
             points.append(_point(index, item, self._frame))
         self.points_enu_m = tuple(points)
         self.items = candidate
@@ -145,11 +151,8 @@ def _fences(
             fence = _polygon(items, index, frame)
             fences.append(fence)
             index += len(fence.vertices_enu_m)
-        elif item.command == Cmd.FENCE_RETURN_POINT:
-            _point(index, item, frame)
-            index += 1
         else:
-            raise _unsupported(index, item, "fences (5000 to 5004)")
+            raise unsupported_command(index, item, "fences (5001 to 5004)")
     return tuple(fences)
 
 
@@ -183,8 +186,3 @@ def _point(index: int, item: MissionItem, frame: LocalFrame) -> Point2:
 def _invalid(index: int, param: int, what: str) -> MissionError:
     text = f"item {index}: {what}"
     return MissionError(MissionFault.INVALID_PARAM, text, index=index, param=param)
-
-
-def _unsupported(index: int, item: MissionItem, valid: str) -> MissionError:
-    text = f"item {index}: command {item.command} is not supported here; valid are {valid}"
-    return MissionError(MissionFault.UNSUPPORTED_COMMAND, text, index=index)

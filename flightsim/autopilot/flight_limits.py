@@ -29,6 +29,7 @@ class FlightLimits:
     def __init__(self, parameters: Parameters) -> None:
         self._parameters = parameters
         self._speeds = SpeedRequests()
+        self._pilot_speeds_limit_all = True
         self._build()
         parameters.add_listener(lambda _spec, _value: self._build())
 
@@ -43,14 +44,29 @@ class FlightLimits:
             self._speeds = speeds
             self._build()
 
+    @property
+    def pilot_speeds_limit_all(self) -> bool:
+        """Whether the greatest climb and descent of the sticks bound automatic flight too."""
+        return self._pilot_speeds_limit_all
+
+    @pilot_speeds_limit_all.setter
+    def pilot_speeds_limit_all(self, is_so: bool) -> None:
+        self._pilot_speeds_limit_all = is_so
+        self._build()
+
     def _build(self) -> None:
         p = self._parameters
         speed_xy_mps = min(self._speeds.cruise_mps or p["MPC_XY_CRUISE"], p["MPC_XY_VEL_MAX"])
         climb_mps = self._speeds.climb_mps or p["MPC_Z_V_AUTO_UP"]
         descent_mps = self._speeds.descent_mps or p["MPC_Z_V_AUTO_DN"]
+        takeoff_mps = p["MPC_TKO_SPEED"]
+        if self._pilot_speeds_limit_all:
+            climb_mps = min(climb_mps, p["MPC_Z_VEL_MAX_UP"])
+            takeoff_mps = min(takeoff_mps, p["MPC_Z_VEL_MAX_UP"])
+            descent_mps = min(descent_mps, p["MPC_Z_VEL_MAX_DN"])
         gentle = (descent_mps, p["MPC_ACC_HOR"], p["MPC_JERK_AUTO"])
         self.automatic = self._limits(speed_xy_mps, climb_mps, *gentle)
-        self.takeoff = self._limits(speed_xy_mps, p["MPC_TKO_SPEED"], *gentle)
+        self.takeoff = self._limits(speed_xy_mps, takeoff_mps, *gentle)
         self.sticks = self._limits(
             min(p["MPC_VEL_MANUAL"], p["MPC_XY_VEL_MAX"]),
             p["MPC_Z_VEL_MAX_UP"],
@@ -70,8 +86,8 @@ class FlightLimits:
         p = self._parameters
         return MotionLimits(
             speed_xy_mps=speed_xy_mps,
-            speed_up_mps=min(climb_mps, p["MPC_Z_VEL_MAX_UP"]),
-            speed_down_mps=min(descent_mps, p["MPC_Z_VEL_MAX_DN"]),
+            speed_up_mps=climb_mps,
+            speed_down_mps=descent_mps,
             acceleration_xy_mps2=acceleration_xy_mps2,
             acceleration_up_mps2=p["MPC_ACC_UP_MAX"],
             acceleration_down_mps2=p["MPC_ACC_DOWN_MAX"],

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import hypot, isfinite, isnan
+from math import cos, hypot, isfinite, isnan, sin
 
 from autonomy.types import Vector3
 from flightsim.autopilot.behaviours.hold import Hold
@@ -109,6 +109,20 @@ class GuidedRequests:
         is_clockwise = (radius_m > 0.0) == (speed_mps > 0.0)
         orbit = Orbit(flight, filled, abs(radius_m), abs(speed_mps), is_clockwise=is_clockwise)
         return self._commander.request(Mode.ORBIT, orbit)
+
+    def circle_ahead(self, turn_rate_radps: float) -> Reply:
+        """Circle the point that lies NAV_LOITER_RAD ahead of the nose, at a turn rate.
+
+        A positive rate circles clockwise. A vehicle on the ground does not take off for it.
+        """
+        vehicle, radius_m = self._flight.vehicle, self._flight.parameters["NAV_LOITER_RAD"]
+        if vehicle.is_landed:
+            return rejected("circle denied: not flying")
+        x, y, z = vehicle.position_enu_m
+        yaw_rad = vehicle.yaw_rad
+        centre = (x + radius_m * cos(yaw_rad), y + radius_m * sin(yaw_rad), z)
+        place = self._flight.frame.geodetic_from_enu(centre)
+        return self.orbit(place, radius_m=radius_m, speed_mps=radius_m * turn_rate_radps)
 
     def set_yaw(self, yaw_rad: float, *, rate_radps: float | None = None) -> Reply:
         """Turn to a heading while holding, or while setpoints leave the heading free."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from flightsim.autopilot.mission_check import check_mission
+from flightsim.autopilot.mission_check import check_mission, unsupported_command
 from flightsim.autopilot.mission_item import MissionItem
 
 
@@ -13,6 +13,8 @@ class MissionStore:
 
     def __init__(self) -> None:
         self.items: tuple[MissionItem, ...] = ()
+        self.unknown_commands: frozenset[int] = frozenset()
+        """Commands of ours that the imitated flight stack does not know."""
         self.current_index = 0
         self.last_reached_index: int | None = None
         self.is_finished = False
@@ -34,6 +36,9 @@ class MissionStore:
         """
         candidate = tuple(items)
         check_mission(candidate)
+        for index, item in enumerate(candidate):
+            if item.command in self.unknown_commands:
+                raise unsupported_command(index, item)
         self.items = candidate
         self.revision += 1
         self.rewind()

@@ -10,6 +10,7 @@ from flightsim.autopilot.mission_item import (
     GEODETIC_FRAMES,
     PAYLOAD_COMMANDS,
     PLACE_COMMANDS,
+    UNAVAILABLE_COMMANDS,
     Cmd,
     MissionError,
     MissionFault,
@@ -21,7 +22,7 @@ MAX_MISSION_ITEMS = 2000
 _COMMANDS = (
     PLACE_COMMANDS
     | {Cmd.RETURN, Cmd.DELAY, Cmd.CONDITION_DELAY, Cmd.CONDITION_DISTANCE, Cmd.CONDITION_YAW}
-    | {Cmd.JUMP, Cmd.CHANGE_SPEED, Cmd.SET_HOME, Cmd.LAND_START}
+    | {Cmd.JUMP, Cmd.CHANGE_SPEED, Cmd.SET_HOME, Cmd.LAND_START, Cmd.FENCE_ENABLE}
     | PAYLOAD_COMMANDS
 )
 _PLACE_FRAMES = GEODETIC_FRAMES | {FRAME_LOCAL_NED, FRAME_LOCAL_ENU}
@@ -38,11 +39,20 @@ def check_mission(items: tuple[MissionItem, ...]) -> None:
         raise MissionError(MissionFault.NO_SPACE, text, index=None)
     for index, item in enumerate(items):
         if item.command not in _COMMANDS:
-            text = f"item {index}: command {item.command} is not supported"
-            raise MissionError(MissionFault.UNSUPPORTED_COMMAND, text, index=index)
+            raise unsupported_command(index, item)
         if item.command in PLACE_COMMANDS or (item.command == Cmd.SET_HOME and item.param1 != 1.0):
             _check_place(index, item)
         _check_parameters(index, item, len(items))
+
+
+def unsupported_command(index: int, item: MissionItem, valid: str = "") -> MissionError:
+    """The refusal of an item whose command changes nothing here, by its name where it is known."""
+    reason = UNAVAILABLE_COMMANDS.get(item.command, "is not supported")
+    link = " " if reason.startswith("is ") else ", "
+    text = f"item {index}: command {item.command}{link}{reason}" + (
+        valid and f"; valid are {valid}"
+    )
+    return MissionError(MissionFault.UNSUPPORTED_COMMAND, text, index=index)
 
 
 def check_horizontal_place(index: int, item: MissionItem) -> None:
@@ -88,6 +98,8 @@ def _check_parameters(index: int, item: MissionItem, n_items: int) -> None:
             raise _invalid(index, 1, f"turns = {item.param1}", "0 to 1000")
         case Cmd.CONDITION_YAW if math.isnan(item.param1):
             raise _invalid(index, 1, "yaw = nan", "degrees clockwise from north")
+        case Cmd.FENCE_ENABLE if item.param1 not in {0.0, 1.0}:
+            raise _invalid(index, 1, f"fence = {item.param1:g}", "0 (off) and 1 (on)")
 
 
 def _invalid(index: int, param: int, what: str, valid: str) -> MissionError:

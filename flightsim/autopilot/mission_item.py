@@ -12,7 +12,7 @@ from enum import Enum, IntEnum, unique
 
 
 class Cmd(IntEnum):
-    """Mission commands that act, and those that are accepted without effect."""
+    """Mission commands that act by the autopilot."""
 
     WAYPOINT = 16
     LOITER_UNLIMITED = 17
@@ -30,7 +30,8 @@ class Cmd(IntEnum):
     CHANGE_SPEED = 178
     SET_HOME = 179
     LAND_START = 189
-    FENCE_RETURN_POINT = 5000
+    """Where a landing begins: DO_LAND_START as a command continues the mission there."""
+    FENCE_ENABLE = 207
     FENCE_POLYGON_INCLUSION = 5001
     FENCE_POLYGON_EXCLUSION = 5002
     FENCE_CIRCLE_INCLUSION = 5003
@@ -52,11 +53,28 @@ PLACE_COMMANDS = frozenset(
 """Items that fly to or at a place."""
 
 PAYLOAD_COMMANDS = frozenset(
-    # servo, relay, region of interest, camera, gimbal, gripper, parachute off, video, trigger
-    {181, 182, 183, 184, 195, 196, 197, 201, 202, 203, 204, 205, 206, 207, 211, 214, 530, 531, 532}
-    | {1000, 1001, 2000, 2001, 2003, 2500, 2501}
+    # regions of interest, camera, mount, trigger; gimbal, photographs, films
+    {195, 196, 197, 201, 203, 204, 205, 206, 214, 530, 1000, 1001, 2000, 2001, 2003, 2500, 2501}
 )
-"""Items for what a vehicle carries: told as `PayloadOrder`, on which those act who are aboard."""
+"""Items for the gimbal and its camera: told as `PayloadOrder`, on which these act."""
+
+UNAVAILABLE_COMMANDS = {
+    181: "DO_SET_RELAY: there is no relay",
+    182: "DO_REPEAT_RELAY: there is no relay",
+    183: "DO_SET_SERVO: there is no servo",
+    184: "DO_REPEAT_SERVO: there is no servo",
+    202: "DO_DIGICAM_CONFIGURE: the camera sets itself",
+    208: "DO_PARACHUTE: there is no parachute",
+    211: "DO_GRIPPER: there is no gripper",
+    212: "DO_AUTOTUNE_ENABLE: there is nothing to tune",
+    215: "DO_SET_RESUME_REPEAT_DIST: missions continue where they stopped",
+    216: "DO_SPRAYER: there is no sprayer",
+    222: "DO_GUIDED_LIMITS: guided flight in missions is not known",
+    531: "SET_CAMERA_ZOOM: the zoom is fixed",
+    532: "SET_CAMERA_FOCUS: the focus is fixed",
+    5000: "NAV_FENCE_RETURN_POINT: a breach leads home or to a rally point",
+}
+"""Commands of public missions that would change nothing, with the reason."""
 
 FRAME_GLOBAL = frozenset({0, 5})
 """Frames with altitude above mean sea level."""

@@ -16,7 +16,9 @@ from flightsim.autopilot.mission_item import (
 )
 from flightsim.frames import Geodetic, swap_enu_ned, swap_yaw_enu_ned
 
-_PASSED_OVER = PAYLOAD_COMMANDS | {Cmd.CHANGE_SPEED, Cmd.LAND_START, Cmd.SET_HOME}
+_PASSED_OVER = PAYLOAD_COMMANDS | {
+    *(Cmd.CHANGE_SPEED, Cmd.LAND_START, Cmd.SET_HOME, Cmd.FENCE_ENABLE)
+}
 
 
 def place_of(item: MissionItem, flight: FlightContext) -> Vector3:
@@ -62,8 +64,10 @@ def mission_obstacle(flight: FlightContext) -> str | None:
         return "no valid mission uploaded"
     p = flight.parameters
     home = flight.vehicle.position_enu_m if flight.home is None else flight.home.position_enu_m
-    is_first = True
+    is_first, is_fenced = True, True
     for index, item in enumerate(flight.mission.items):
+        if item.command == Cmd.FENCE_ENABLE:
+            is_fenced = item.param1 == 1.0
         if item.command not in PLACE_COMMANDS or item.is_here:
             continue
         place = place_of(item, flight)
@@ -71,7 +75,7 @@ def mission_obstacle(flight: FlightContext) -> str | None:
         if is_first and 0.0 <= p["MIS_DIST_1WP"] < distance_m:
             return f"first waypoint too far away: {distance_m:.0f} m"
         is_first = False
-        if p["GF_ACTION"] > 0 and (reason := fence_breach(flight, place)):
+        if is_fenced and p["GF_ACTION"] > 0 and (reason := fence_breach(flight, place)):
             return f"item {index} is outside the geofence ({reason})"
     return None
 

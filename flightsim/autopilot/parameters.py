@@ -9,8 +9,8 @@ from __future__ import annotations
 import csv
 import math
 import struct
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from importlib.resources import files
 from typing import Literal
 
@@ -85,16 +85,22 @@ PARAMETER_SPECS = _read_table()
 class Parameters:
     """Current values, read like a dictionary: `parameters["MIS_TAKEOFF_ALT"]`."""
 
-    def __init__(self, **airframe_values: float) -> None:
+    def __init__(
+        self, ranges: Mapping[str, tuple[float, float]] | None = None, **airframe_values: float
+    ) -> None:
         """Start with the defaults, except for values of the airframe.
 
         Args:
+            ranges: Least and greatest values that another flight stack allows, by name; they widen
+                the ranges of the table.
             airframe_values: Values that replace defaults; read-only parameters may be among them.
 
         Raises:
             ParameterError: If one of them is unknown or out of range.
         """
         self._specs = {spec.name: spec for spec in PARAMETER_SPECS}
+        for name, valid in (ranges or {}).items():
+            self._specs[name] = _widened(self.spec(name), *valid)
         self._names = tuple(self._specs)
         self._index = {name: index for index, name in enumerate(self._names)}
         self._values = {name: spec.default for name, spec in self._specs.items()}
@@ -187,6 +193,10 @@ class Parameters:
     def add_listener(self, listener: ParameterListener) -> None:
         """Call `listener(spec, value)` after each change."""
         self._listeners.append(listener)
+
+
+def _widened(spec: ParameterSpec, least: float, most: float) -> ParameterSpec:
+    return replace(spec, minimum=min(spec.minimum, least), maximum=max(spec.maximum, most))
 
 
 def _validated(spec: ParameterSpec, value: float) -> float:

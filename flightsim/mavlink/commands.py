@@ -20,7 +20,7 @@ from flightsim.mavlink.parsing import Message
 from flightsim.mavlink.service import Handler, send
 from flightsim.mavlink.statustext import StatustextSender
 
-_RESULTS = {
+RESULTS = {
     CommandResult.ACCEPTED: mav.MAV_RESULT_ACCEPTED,
     CommandResult.TEMPORARILY_REJECTED: mav.MAV_RESULT_TEMPORARILY_REJECTED,
     CommandResult.DENIED: mav.MAV_RESULT_DENIED,
@@ -28,6 +28,7 @@ _RESULTS = {
     CommandResult.FAILED: mav.MAV_RESULT_FAILED,
     CommandResult.IN_PROGRESS: mav.MAV_RESULT_IN_PROGRESS,
 }
+"""Value of MAV_RESULT of each outcome."""
 _PROGRESS_UNKNOWN = 255
 UNSUPPORTED = Reply(CommandResult.UNSUPPORTED)
 
@@ -117,7 +118,8 @@ class CommandService:
         if reply is None:
             return
         if reply.reason:
-            self._statustext.say(Severity.WARNING, _explanation(command, reply))
+            text = explanation(f"Command {command.number}", reply)
+            self._statustext.say(Severity.WARNING, text)
         acknowledge(command, reply)
 
 
@@ -129,7 +131,7 @@ def acknowledge(command: Command, reply: Reply) -> None:
         command.channel,
         "COMMAND_ACK",
         command=command.number,
-        result=_RESULTS[reply.result],
+        result=RESULTS[reply.result],
         progress=_PROGRESS_UNKNOWN if is_in_progress else 0,
         target_system=system,
         target_component=component,
@@ -140,10 +142,11 @@ def _sender(message: Message) -> tuple[int, int]:
     return (message.get_srcSystem(), message.get_srcComponent())
 
 
-def _explanation(command: Command, reply: Reply) -> str:
+def explanation(request: str, reply: Reply) -> str:
+    """Line that says why a request was refused, by its name."""
     if " denied: " in reply.reason:  # the autopilot itself announces what it denies
         return reply.reason[0].upper() + reply.reason[1:]
-    return f"Command {command.number} {reply.result.value}: {reply.reason}"
+    return f"{request} {reply.result.value}: {reply.reason}"
 
 
 def _values(c: Order) -> tuple[float, ...]:

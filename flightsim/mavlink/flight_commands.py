@@ -8,6 +8,7 @@ from dataclasses import replace
 
 from flightsim.autopilot.autopilot import Autopilot
 from flightsim.autopilot.behaviours.precision_land import Precision
+from flightsim.autopilot.mission_item import Cmd
 from flightsim.autopilot.modes import Mode
 from flightsim.autopilot.results import ACCEPTED, CommandResult, Reply, denied, rejected
 from flightsim.frames import Geodetic, swap_yaw_enu_ned
@@ -60,6 +61,7 @@ class FlightCommands:
             mav.MAV_CMD_PREFLIGHT_STORAGE: self._preflight_storage,
             mav.MAV_CMD_DO_SET_STANDARD_MODE: self._set_standard_mode,
             mav.MAV_CMD_MISSION_START: self._start_mission,
+            mav.MAV_CMD_DO_LAND_START: self._start_landing,
             mav.MAV_CMD_COMPONENT_ARM_DISARM: self._arm,
             mav.MAV_CMD_RUN_PREARM_CHECKS: self._run_prearm_checks,
         }
@@ -73,8 +75,12 @@ class FlightCommands:
             return denied(f"base mode {base_mode} has no custom mode flag (1)")
         entry = self._personality.selectable(custom_mode)
         if entry is None:
-            return denied(f"custom mode {custom_mode:#x} does not exist")
-        return self._modes.choose(entry)
+            reply = denied(f"custom mode {custom_mode:#x} does not exist")
+        else:
+            reply = self._modes.choose(entry)
+        if self._personality.acknowledges_set_mode and not reply.is_accepted:
+            return Reply(CommandResult.FAILED, reply.reason)
+        return reply
 
     def set_current_item(self, sequence: int) -> Reply:
         """Continue the mission at an item, by its number on the wire."""
@@ -118,11 +124,10 @@ class FlightCommands:
     def _enable_fence(self, c: Command) -> Reply:
         match choice(c.param1):
             case 0 | 1 as is_enabled:
-                self._autopilot.fence.is_enabled = is_enabled == 1
-            case 2:  # ArduPilot's "disable the floor"; there is none.
-                pass
+                self._autopilot.fence.switch = is_enabled == 1
             case _:
-                reason = f"param1 = {c.param1:g}; valid are 0 (disable), 1 (enable), 2 (no floor)"
+                # ArduPilot's 2 turns off a floor, which this fence does not have.
+                reason = f"param1 = {c.param1:g}; valid are 0 (disable) and 1 (enable)"
                 return Reply(CommandResult.FAILED, reason)
         return ACCEPTED
 
@@ -254,6 +259,14 @@ class FlightCommands:
         if first is None or last is None or not 0 <= first < max(1, n_items):
             return denied(f"items {c.param1:g} to {c.param2:g}; there are {n_items}")
         return self._autopilot.start_mission(first, last if last > first else None)
+
+    def _start_landing(self, _: Command) -> Reply:
+        """Continue the mission at its first DO_LAND_START."""
+        items = self._autopilot.mission.items
+        starts = [index for index, item in enumerate(items) if item.command == Cmd.LAND_START]
+        if not starts:
+            return rejected("the mission has no DO_LAND_START")
+        return self._autopilot.start_mission(starts[0])
 
     def _set_mission_current(self, c: Command) -> Reply:
         index = choice(c.param1)

@@ -17,24 +17,29 @@ _HAS_POSITION, _HAS_VELOCITY = 1, 2
 
 
 class FollowTargetService:
-    """Passes the target's reports on; one that is incomplete or out of range is dropped whole."""
+    """Passes the target's reports on; one that is incomplete or out of range is dropped whole.
+
+    Its sender is told.
+    """
 
     def __init__(self, view: VehicleView) -> None:
         self._view = view
         self.handlers: Mapping[str, Handler] = {"FOLLOW_TARGET": self._on_target}
 
-    def _on_target(self, _: Channel, message: Message) -> None:
+    def _on_target(self, _: Channel, message: Message) -> str | None:
         latitude_deg, longitude_deg = message.lat * 1e-7, message.lon * 1e-7
         is_place = abs(latitude_deg) <= 90.0 and abs(longitude_deg) <= 180.0
         if not message.est_capabilities & _HAS_POSITION or not is_place:
-            return
+            return "no position in range, or est_capabilities without bit 1"
         place = Geodetic(latitude_deg, longitude_deg, message.alt)
         position_enu_m = self._view.frame.enu_from_geodetic(place)
         if not all(abs(c) <= _FARTHEST_M for c in position_enu_m):
-            return
+            return f"the target is farther than {_FARTHEST_M / 1e3:g} km away"
         has_velocity = message.est_capabilities & _HAS_VELOCITY
         vx, vy, vz = message.vel if has_velocity else (0.0, 0.0, 0.0)
-        if all(abs(c) <= _FASTEST_MPS for c in (vx, vy, vz)):
-            self._view.autopilot.follow_target.receive(
-                position_enu_m, swap_enu_ned((vx, vy, vz)), self._view.plant.time_us
-            )
+        if not all(abs(c) <= _FASTEST_MPS for c in (vx, vy, vz)):
+            return f"the target is faster than {_FASTEST_MPS:g} m/s"
+        self._view.autopilot.follow_target.receive(
+            position_enu_m, swap_enu_ned((vx, vy, vz)), self._view.plant.time_us
+        )
+        return None

@@ -38,24 +38,28 @@ class GuidedInput:
         is_chosen = Mode.OFFBOARD in self._modes.entry.also
         return autopilot.is_armed and is_chosen and autopilot.mode in _GUIDED_MODES
 
-    def accept_setpoint(self, setpoint: Setpoint) -> None:
+    def accept_setpoint(self, setpoint: Setpoint) -> str | None:
         """Fly to a bare place and stay; follow any other setpoint until the stream ends.
 
         From the ground nothing but an attitude with a climb is followed, as by ArduCopter.
+
+        Returns:
+            Why the setpoint is not followed; None if it is.
         """
         takes_off = False
         if setpoint.level is ControlLevel.ATTITUDE:
             setpoint = self._with_climb(setpoint)
             takes_off = setpoint.velocity_enu_mps[2] > 0.0
         if not (self._is_ready if takes_off else self.is_guided):
-            return
+            return "not flying in guided mode"
         autopilot = self._view.autopilot
         if _is_bare_place(setpoint):
             self._fly_to(setpoint)
-            return
+            return None
         autopilot.set_offboard_setpoint(setpoint)
         if autopilot.mode is not Mode.OFFBOARD:
             autopilot.set_mode(Mode.OFFBOARD)
+        return None
 
     def accept_item(self, item: MissionItem, *, is_altitude_only: bool) -> Reply:
         """Fly to the place of a mission item that is not part of a mission."""

@@ -21,6 +21,8 @@ _LOCAL, _BODY = mav.MAV_FRAME_LOCAL_NED, mav.MAV_FRAME_BODY_FRD
 class LandingTargetService:
     """Passes the target's place on; a report that is incomplete or out of range is dropped whole.
 
+    Its sender is told.
+
     A report has a position, in the local frame as PX4 wants it or relative to the body, or the two
     angles at which a camera that looks down sees the target, right and up in its image.
     """
@@ -29,12 +31,13 @@ class LandingTargetService:
         self._view = view
         self.handlers: Mapping[str, Handler] = {"LANDING_TARGET": self._on_target}
 
-    def _on_target(self, _: Channel, message: Message) -> None:
+    def _on_target(self, _: Channel, message: Message) -> str | None:
         position_ned_m = self._position(message)
         if position_ned_m is None or not all(abs(c) <= _FARTHEST_M for c in position_ned_m):
-            return
+            return f"no position in frame {_LOCAL} or {_BODY} in range, and no angles in range"
         v = self._view
         v.autopilot.landing_target.receive(v.enu_from_ned(position_ned_m), _STILL, v.plant.time_us)
+        return None
 
     def _position(self, m: Message) -> Vector3 | None:
         if m.position_valid:

@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+from math import radians
+
 from flightsim.autopilot.autopilot import Autopilot
+from flightsim.autopilot.modes import Mode
 from flightsim.autopilot.results import ACCEPTED, Reply
 from flightsim.mavlink.personalities import ModeEntry, Personality
+
+_CIRCLE_RATE_RADPS = radians(20.0)
+"""Default of ArduCopter's CIRCLE_RATE: a positive rate circles clockwise."""
 
 
 class ModeReport:
@@ -30,7 +36,10 @@ class ModeReport:
         """Change the mode at a client's request."""
         if entry.also and entry is self.entry:
             return ACCEPTED  # What is being flown within this mode goes on.
-        reply = self._autopilot.set_mode(entry.mode)
+        if entry.mode is Mode.ORBIT:
+            reply = self._autopilot.circle_ahead(_CIRCLE_RATE_RADPS)
+        else:
+            reply = self._autopilot.set_mode(entry.mode)
         if reply.is_accepted:
             self._chosen = entry
         return reply

@@ -19,20 +19,23 @@ _NORTH = frozenset({mav.MAV_FRAME_GLOBAL, mav.MAV_FRAME_LOCAL_NED, mav.MAV_FRAME
 
 
 class ObstacleDistanceService:
-    """Passes reports on; one with an impossible step or in an unknown frame is dropped whole."""
+    """Passes reports on; one with an impossible step or in an unknown frame is dropped whole.
+
+    Its sender is told.
+    """
 
     def __init__(self, view: VehicleView) -> None:
         self._view = view
         self.handlers: Mapping[str, Handler] = {"OBSTACLE_DISTANCE": self._on_distances}
 
-    def _on_distances(self, _: Channel, message: Message) -> None:
+    def _on_distances(self, _: Channel, message: Message) -> str | None:
         v = self._view
         step_deg = message.increment_f or float(message.increment)
         is_step = _LEAST_STEP_DEG <= abs(step_deg) <= _MOST_STEP_DEG
         if not is_step or not abs(message.angle_offset) <= 360.0:
-            return
+            return f"step of {step_deg:g} deg from {message.angle_offset:g} deg is out of range"
         if message.frame not in _NORTH and message.frame != _BODY:
-            return
+            return f"frame {message.frame}; valid are 0, {_BODY} and local ones"
         ahead_rad = v.rpy_rad[2] if message.frame == _BODY else 0.0
         first_rad = swap_yaw_enu_ned(ahead_rad + math.radians(message.angle_offset))
         v.autopilot.collision_prevention.receive(
@@ -42,6 +45,7 @@ class ObstacleDistanceService:
             v.plant.estimate.position_enu_m,
             v.plant.time_us,
         )
+        return None
 
 
 def _distance_m(distance_cm: int, max_distance_cm: int) -> float:

@@ -1,16 +1,22 @@
 """Offboard setpoints: SET_POSITION_TARGET_LOCAL_NED, _GLOBAL_INT and SET_ATTITUDE_TARGET.
 
 A setpoint with a field that is not a number or out of range is dropped whole, so the stream counts
-as lost; NaN in a position, velocity or acceleration means "free", as in PX4.
+as lost, and its sender is told. NaN in a position, velocity or acceleration means "free", as in
+PX4.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from autonomy.types import NAN3, ControlLevel, Quaternion, Setpoint, Vector3
-from flightsim.autopilot.mission_item import FRAME_GLOBAL, FRAME_RELATIVE, FRAME_TERRAIN
+from flightsim.autopilot.mission_item import (
+    FRAME_GLOBAL,
+    FRAME_RELATIVE,
+    FRAME_TERRAIN,
+    GEODETIC_FRAMES,
+)
 from flightsim.frames import (
     Geodetic,
     swap_enu_ned,
@@ -43,8 +49,8 @@ _MAX_RATE_RADPS = 50.0
 class OffboardService:
     """Converts MAVLink's setpoints into the autopilot's."""
 
-    def __init__(self, view: VehicleView, accept: Callable[[Setpoint], None]) -> None:
-        """Pass setpoints in the view's frames on to `accept`."""
+    def __init__(self, view: VehicleView, accept: Callable[[Setpoint], str | None]) -> None:
+        """Pass setpoints in the view's frames on to `accept`, which says why it takes none."""
         self._view = view
         self._accept = accept
         self.handlers: Mapping[str, Handler] = {
@@ -53,14 +59,16 @@ class OffboardService:
             "SET_ATTITUDE_TARGET": self._on_attitude,
         }
 
-    def _on_local(self, _: Channel, message: Message) -> None:
-        if message.coordinate_frame in _LOCAL_FRAMES:
-            self._apply(message, self._position_of_local(message))
+    def _on_local(self, _: Channel, message: Message) -> str | None:
+        if message.coordinate_frame not in _LOCAL_FRAMES:
+            return f"frame {message.coordinate_frame}; valid are {_numbers(_LOCAL_FRAMES)}"
+        return self._apply(message, self._position_of_local(message))
 
-    def _on_global(self, _: Channel, message: Message) -> None:
+    def _on_global(self, _: Channel, message: Message) -> str | None:
         position = self._position_of_global(message)
-        if position is not None:
-            self._apply(message, position)
+        if position is None:
+            return f"frame {message.coordinate_frame}; valid are {_numbers(GEODETIC_FRAMES)}"
+        return self._apply(message, position)
 
     def _position_of_local(self, message: Message) -> Vector3:
         """Desired position in ENU, NaN on ignored axes."""
@@ -91,7 +99,7 @@ class OffboardService:
         north, east, up = _masked((north, east, up), message.type_mask)
         return (east, north, up)
 
-    def _apply(self, message: Message, position_enu_m: Vector3) -> None:
+    def _apply(self, message: Message, position_enu_m: Vector3) -> str | None:
         """Apply the fields of both messages: velocity, acceleration and yaw, NED or by heading."""
         mask = message.type_mask
         velocity = _masked((message.vx, message.vy, message.vz), mask >> 3)
@@ -100,16 +108,17 @@ class OffboardService:
             velocity = self._ned_from_heading(velocity)
             acceleration = self._ned_from_heading(acceleration)
         vectors = (position_enu_m, swap_enu_ned(velocity), swap_enu_ned(acceleration))
-        is_force = bool(mask & _FORCE) and any(map(math.isfinite, acceleration))
-        if is_force or not _is_usable(vectors):
-            return
+        if mask & _FORCE and any(map(math.isfinite, acceleration)):
+            return "a force; valid is an acceleration, without bit 512 of type_mask"
+        if not _is_usable(vectors):
+            return "no position, velocity or acceleration in range is given"
         yaw = math.nan if mask & _IGNORE_YAW else message.yaw
         yaw_rate = (
             0.0 if mask & _IGNORE_YAW_RATE or math.isnan(message.yaw_rate) else message.yaw_rate
         )
         if math.isinf(yaw) or not abs(yaw_rate) <= _MAX_RATE_RADPS:
-            return
-        self._accept(
+            return f"yaw {yaw:g} rad, yaw rate {yaw_rate:g} rad/s is out of range"
+        return self._accept(
             Setpoint(
                 level=ControlLevel.TRAJECTORY,
                 position_enu_m=vectors[0],
@@ -120,7 +129,7 @@ class OffboardService:
             )
         )
 
-    def _on_attitude(self, _: Channel, message: Message) -> None:
+    def _on_attitude(self, _: Channel, message: Message) -> str | None:
         mask = message.type_mask
         rates = _masked(
             (message.body_roll_rate, message.body_pitch_rate, message.body_yaw_rate), mask
@@ -128,14 +137,14 @@ class OffboardService:
         rates = (_or_zero(rates[0]), _or_zero(rates[1]), _or_zero(rates[2]))
         has_thrust = not mask & _IGNORE_THRUST and math.isfinite(message.thrust)
         if not has_thrust or not all(abs(rate) <= _MAX_RATE_RADPS for rate in rates):
-            return
+            return f"no thrust is given, or a rate above {_MAX_RATE_RADPS:g} rad/s"
         quat: Quaternion | None = (1.0, 0.0, 0.0, 0.0)
         level = ControlLevel.RATE
         if not mask & _IGNORE_ATTITUDE:
             level, quat = ControlLevel.ATTITUDE, _normalised(message.q)
         if quat is None:
-            return
-        self._accept(
+            return "q is no attitude"
+        return self._accept(
             Setpoint(
                 level=level,
                 quat_wxyz=swap_quat_enu_flu_ned_frd(quat),
@@ -159,6 +168,10 @@ class OffboardService:
             forward * math.sin(yaw) + right * math.cos(yaw),
             down,
         )
+
+
+def _numbers(frames: Iterable[int]) -> str:
+    return ", ".join(map(str, sorted(frames)))
 
 
 def _masked(vector: Vector3, mask: int) -> Vector3:

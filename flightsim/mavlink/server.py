@@ -16,6 +16,7 @@ from flightsim.autopilot.events import MissionItemReached, PayloadOrder, Severit
 from flightsim.frames import LocalFrame
 from flightsim.mavlink.channel import Channel
 from flightsim.mavlink.faults import Faults
+from flightsim.mavlink.ignored import IgnoredMessages, reason_for
 from flightsim.mavlink.links import Link
 from flightsim.mavlink.lockstep import Lockstep
 from flightsim.mavlink.parsing import Message
@@ -84,6 +85,7 @@ class MavlinkServer:
         self._view = VehicleView(plant, autopilot, frame, origin)
         self.lockstep = Lockstep() if has_lockstep else None
         self.statustext = StatustextSender(self._partners)
+        self._ignored = IgnoredMessages(self.statustext)
         self.faults = Faults(lambda line: self.statustext.say(Severity.ERROR, line))
         self._payload = payload and PayloadComponents(
             payload, self._view, self._partners, self.statustext, self.faults, self._own
@@ -201,6 +203,7 @@ class MavlinkServer:
             for service in (*self._stateful, *self._common):
                 service.forget(gone)
             self._router.forget(gone)
+            self._ignored.forget(gone)
             if self.lockstep is not None:
                 self.lockstep.forget(gone)
         for channel in channels:
@@ -217,12 +220,15 @@ class MavlinkServer:
         self._router.route(channel, message)
         if getattr(message, "target_system", 0) not in {0, self.system_id}:
             return
+        reason: str | None = None
         component = getattr(message, "target_component", 0)
         if component in {0, AUTOPILOT_COMPONENT}:
-            if handler := self._handlers.get(message.get_msgId()):
-                handler(channel, message)
+            handler = self._handlers.get(message.get_msgId())
+            reason = handler(channel, message) if handler else reason_for(message)
         elif self._payload is not None:
-            self._payload.hear(component, channel, message)
+            reason = self._payload.hear(component, channel, message)
+        if reason:
+            self._ignored.tell(channel, message, reason)
 
     def _tell_events(self) -> None:
         for event in self._autopilot.pop_events():

@@ -9,7 +9,8 @@ from flightsim.mavlink.channel import Channel
 from flightsim.mavlink.dialect import Layout, layout
 from flightsim.mavlink.parsing import Message
 
-Handler = Callable[[Channel, Message], None]
+Handler = Callable[[Channel, Message], str | None]
+"""Answers a message; returns why it changes nothing, where that is so and nothing else says it."""
 
 
 class Service(Protocol):

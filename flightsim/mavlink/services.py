@@ -5,14 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from flightsim.mavlink.absent import AbsentService
 from flightsim.mavlink.commands import CommandService, Executor
 from flightsim.mavlink.dialect import LAYOUTS
+from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.failure_commands import FailureCommands
 from flightsim.mavlink.faults import Faults
 from flightsim.mavlink.files import FileService
 from flightsim.mavlink.flight_commands import FlightCommands
 from flightsim.mavlink.follow_target import FollowTargetService
+from flightsim.mavlink.gps_input import GpsInputService
 from flightsim.mavlink.guided import GuidedInput
 from flightsim.mavlink.heartbeats import HeartbeatService
 from flightsim.mavlink.landing_target import LandingTargetService
@@ -53,6 +54,9 @@ from flightsim.mavlink.telemetry_status import StatusTelemetry
 from flightsim.mavlink.telemetry_surroundings import SurroundingsTelemetry
 from flightsim.mavlink.timesync import TimesyncService
 from flightsim.mavlink.view import VehicleView
+from flightsim.mavlink.vision import VisionService
+
+_FIX_HINT = "GPS_TYPE = 14 lets it be used"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -94,6 +98,10 @@ class Services:
     def __init__(self, setting: Setting) -> None:
         """Build them."""
         view, personality, payload = setting.view, setting.personality, setting.payload
+        view.autopilot.fence.switch = None if personality.switches_fence else True
+        view.plant.outside.fix_source = personality.fix_source
+        unknown = () if personality.switches_fence else (mav.MAV_CMD_DO_FENCE_ENABLE,)
+        view.autopilot.mission.unknown_commands = frozenset(unknown)
         modes = ModeReport(personality, view.autopilot)
         guided = GuidedInput(view, modes) if personality.has_guided_mode else None
         metadata = MetadataService(view, setting.partners) if personality.has_metadata else None
@@ -107,7 +115,12 @@ class Services:
 
         self.telemetry = _telemetry(setting, modes, metadata.producers if metadata else {})
         self.missions = _missions(setting, guided)
-        self.watching: Sequence[Watching] = (recorder, *((metadata,) if metadata else ()))
+        fixes = GpsInputService(view, setting.statustext, _FIX_HINT)
+        vision = VisionService(view, setting.statustext, personality.vision_switch)
+        self.watching: Sequence[Watching] = (
+            *(recorder, fixes, vision),
+            *((metadata,) if metadata else ()),
+        )
         self.stateful: Sequence[StatefulService] = (
             self.missions,
             _parameters(setting, parameters),
@@ -122,7 +135,7 @@ class Services:
         )
         stateless = _answering(setting, modes, guided, self.telemetry)
         watched = (metadata,) if metadata else ()
-        answering = (*stateless, *watched, *self.stateful, *self.common)
+        answering = (*stateless, fixes, vision, *watched, *self.stateful, *self.common)
         self.handlers: dict[int, Handler] = {
             LAYOUTS[name].message_id: handler
             for service in answering
@@ -139,14 +152,13 @@ def _answering(
     accept = guided.accept_setpoint if guided else view.autopilot.set_offboard_setpoint
     return (
         CommandService(_executors(setting, flight_commands, telemetry), statustext),
-        OldRequestService(flight_commands, telemetry, statustext),
+        OldRequestService(flight_commands, setting.personality, telemetry, statustext),
         OffboardService(view, accept),
         FollowTargetService(view),
         LandingTargetService(view),
         ObstacleDistanceService(view),
         ManualControlService(view, setting.system_id),
         TimesyncService(lambda: view.plant.time_us),
-        AbsentService(statustext),
         *((SigningSetup(signing, view.autopilot, statustext),) if signing else ()),
     )
 
@@ -183,8 +195,9 @@ def _missions(setting: Setting, guided: GuidedInput | None) -> MissionService:
 
 def _named_parameters(setting: Setting) -> NamedParameters:
     """The autopilot's parameters, under the names of the flight stack."""
-    parameters, names = setting.view.autopilot.parameters, setting.personality.aliases
-    return AliasedParameters(parameters, names) if names else parameters
+    view, personality = setting.view, setting.personality
+    has_names = bool(personality.aliases)
+    return AliasedParameters(view, personality) if has_names else view.autopilot.parameters
 
 
 def _parameters(setting: Setting, parameters: NamedParameters) -> ParameterService:
@@ -207,6 +220,7 @@ def _telemetry(
             **MotorTelemetry(view).producers,
             **SurroundingsTelemetry(view).producers,
             **personality.extra_telemetry(view),
+            **_of_the_mount(setting),
             **more,
         },
         setting.partners,
@@ -214,3 +228,9 @@ def _telemetry(
         setting.faults,
         Told(view),
     )
+
+
+def _of_the_mount(setting: Setting) -> Mapping[str, Producer]:
+    """The message in which the flight stack's own clients read the gimbal's attitude."""
+    name = setting.personality.mount_message
+    return {} if setting.payload is None else {name: setting.payload.producers[name]}

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 from flightsim.autopilot.events import Severity
+from flightsim.mavlink.channel import Channel
 from flightsim.mavlink.dialect import layout
 from flightsim.mavlink.service import Partners
 
@@ -39,6 +40,13 @@ class StatustextSender:
             listener(severity, text)
         for payload in self._payloads(severity, text.encode()[:_LONGEST_BYTES]):
             self._partners.broadcast(_STATUSTEXT, payload)
+
+    def answer(self, channel: Channel, severity: Severity, text: str) -> None:
+        """Send a text to one partner."""
+        for listener in self.listeners:
+            listener(severity, text)
+        for payload in self._payloads(severity, text.encode()[:_LONGEST_BYTES]):
+            channel.send(_STATUSTEXT, payload)
 
     def _payloads(self, severity: Severity, line: bytes) -> Iterator[bytes]:
         if len(line) <= _CHUNK_BYTES:

@@ -58,6 +58,7 @@ _RATES_HZ: Mapping[str, tuple[float, float]] = {
     "ESC_INFO": (0.5, 0.5),
     "WIND_COV": (0.5, 0.5),
     "ADSB_VEHICLE": (2, 2),
+    "MOUNT_STATUS": (2, 2),
     "GIMBAL_MANAGER_STATUS": (1, 1),
     "GIMBAL_DEVICE_ATTITUDE_STATUS": (10, 10),
 }
@@ -77,7 +78,7 @@ _GROUPS: Mapping[int, Sequence[str]] = {
     mav.MAV_DATA_STREAM_EXTRA2: ("VFR_HUD",),
     mav.MAV_DATA_STREAM_EXTRA3: (
         *("BATTERY_STATUS", "SYSTEM_TIME", "DISTANCE_SENSOR"),
-        *("EKF_STATUS_REPORT", "RANGEFINDER"),
+        *("EKF_STATUS_REPORT", "RANGEFINDER", "MOUNT_STATUS"),
     ),
 }
 

@@ -1,7 +1,7 @@
 """Messages that the dialects of pymavlink lack: declared here, read and packed like the others.
 
-Most are of MAVLink's `common`; three are of ArduPilot's own dialect, whose thousands of lines need
-not be loaded for them.
+Most are of MAVLink's `common`; the last are of ArduPilot's own dialect, whose thousands of lines
+need not be loaded for them.
 """
 
 from __future__ import annotations
@@ -190,5 +190,67 @@ SUPPLEMENT = (
         *("uint16_t flags", "float velocity_variance", "float pos_horiz_variance"),
         *("float pos_vert_variance", "float compass_variance", "float terrain_alt_variance"),
         extensions=("float airspeed_variance",),
+    ),
+    message(
+        "DIGICAM_CONTROL",
+        155,
+        *("uint8_t target_system", "uint8_t target_component", "uint8_t session"),
+        *("uint8_t zoom_pos", "int8_t zoom_step", "uint8_t focus_lock", "uint8_t shot"),
+        *("uint8_t command_id", "uint8_t extra_param", "float extra_value"),
+    ),
+    message(
+        "MOUNT_CONFIGURE",
+        156,
+        *("uint8_t target_system", "uint8_t target_component", "uint8_t mount_mode"),
+        *("uint8_t stab_roll", "uint8_t stab_pitch", "uint8_t stab_yaw"),
+    ),
+    message(
+        "MOUNT_CONTROL",
+        157,
+        *("uint8_t target_system", "uint8_t target_component"),
+        *("int32_t input_a", "int32_t input_b", "int32_t input_c", "uint8_t save_position"),
+    ),
+    message(
+        "MOUNT_STATUS",
+        158,
+        *("uint8_t target_system", "uint8_t target_component"),
+        *("int32_t pointing_a", "int32_t pointing_b", "int32_t pointing_c"),
+        extensions=("uint8_t mount_mode",),
+    ),
+    # These have no service here: they are read in order to say so.
+    message(
+        "FENCE_POINT",
+        160,
+        *("uint8_t target_system", "uint8_t target_component", "uint8_t idx", "uint8_t count"),
+        *("float lat", "float lng"),
+    ),
+    message(
+        "FENCE_FETCH_POINT",
+        161,
+        *("uint8_t target_system", "uint8_t target_component", "uint8_t idx"),
+    ),
+    message(
+        "RALLY_POINT",
+        175,
+        *("uint8_t target_system", "uint8_t target_component", "uint8_t idx", "uint8_t count"),
+        *("int32_t lat", "int32_t lng", "int16_t alt", "int16_t break_alt"),
+        *("uint16_t land_dir", "uint8_t flags"),
+    ),
+    message(
+        "RALLY_FETCH_POINT",
+        176,
+        *("uint8_t target_system", "uint8_t target_component", "uint8_t idx"),
+    ),
+    message(
+        "LED_CONTROL",
+        186,
+        *("uint8_t target_system", "uint8_t target_component", "uint8_t instance"),
+        *("uint8_t pattern", "uint8_t custom_len", "uint8_t[24] custom_bytes"),
+    ),
+    message(
+        "VISION_POSITION_DELTA",
+        11011,
+        *("uint64_t time_usec", "uint64_t time_delta_usec"),
+        *("float[3] angle_delta", "float[3] position_delta", "float confidence"),
     ),
 )

@@ -107,7 +107,8 @@ class StatusTelemetry:
         autopilot = self._view.autopilot
         health, battery = autopilot.health, autopilot.battery
         if health is not self._packed_of[0] or battery is not self._packed_of[1]:
-            self._packed_of, self._packed = (health, battery), _pack_status(health, battery)
+            more = self._personality.status_bits
+            self._packed_of, self._packed = (health, battery), _pack_status(health, battery, more)
         return self._packed
 
     def _extended_sys_state(self) -> bytes:
@@ -197,7 +198,8 @@ def _utc_us(time_us: int | None) -> int:
     return 0 if time_us is None else EPOCH_US + time_us
 
 
-def _pack_status(health: Health, battery: BatteryView) -> bytes:
+def _pack_status(health: Health, battery: BatteryView, more: int) -> bytes:
+    """SYS_STATUS, with bits of `more` that are always present, on and healthy."""
     # MAVSDK infers "position known" from GPS, and "calibrated" from gyro, accel and mag.
     bits = (
         (_GYRO | _ACCEL if health.is_imu_ok else 0)
@@ -210,9 +212,11 @@ def _pack_status(health: Health, battery: BatteryView) -> bytes:
         | (_GEOFENCE if health.is_geofence_ok else 0)
         | (_PREARM_CHECK if health.is_armable else 0)
         | _CONTROLLERS
+        | more
     )
+    present = _PRESENT | more
     return _SYS_STATUS.pack(
-        *(_PRESENT, _PRESENT if health.is_geofence_on else _PRESENT & ~_GEOFENCE, bits, 0),
+        *(present, present if health.is_geofence_on else present & ~_GEOFENCE, bits, 0),
         max(0, min(0xFFFE, round(1e3 * battery.voltage_v))),
         max(-1, min(0x7FFF, round(100.0 * battery.current_a))),
         *(0,) * 6,

@@ -6,6 +6,7 @@ import math
 
 from autonomy.types import Quaternion, Vector3
 from flightsim.autopilot.autopilot import Autopilot
+from flightsim.environment.date import EPOCH_US
 from flightsim.frames import (
     Geodetic,
     LocalFrame,
@@ -15,6 +16,9 @@ from flightsim.frames import (
     swap_quat_enu_flu_ned_frd,
 )
 from flightsim.plant import Plant
+
+_OLDEST_US = 250_000
+"""Age of the oldest measurement that the filter can still use."""
 
 
 class VehicleView:
@@ -92,6 +96,16 @@ class VehicleView:
         """Altitude of home above mean sea level, or of the start while there is no home."""
         home = self.autopilot.home
         return self.origin.altitude_m if home is None else home.geodetic.altitude_m
+
+    def age_s(self, time_us: int) -> float:
+        """Age of a measurement by its time stamp; 0 where the stamp is of another clock.
+
+        Stamps count from the vehicle's start, or from 1970 by its date.
+        """
+        for stamp_us in (time_us, time_us - EPOCH_US):
+            if 0 <= self.plant.time_us - stamp_us <= _OLDEST_US:
+                return 1e-6 * (self.plant.time_us - stamp_us)
+        return 0.0
 
     @property
     def heading_deg(self) -> float:

@@ -22,6 +22,7 @@ from flightsim.plant.failures import Failures
 from flightsim.plant.handover import Handover
 from flightsim.plant.kernel import advance
 from flightsim.plant.memory import PlantMemory
+from flightsim.plant.outside import OutsideAids
 from flightsim.plant.readings import EstimatorStatus, estimator_status
 from flightsim.plant.record import with_rotors
 from flightsim.plant.sensing import SensorReadings
@@ -81,6 +82,8 @@ class Plant:
         """Latest reading of each sensor."""
         self.failures = Failures(self._record, self.sensors)
         """What of it fails."""
+        self.outside = OutsideAids(self._record, self._memory.tick_us)
+        """Fixes and poses in the place of its own."""
         self.history = with_rotors(self._memory.history, n)
         """The last advance, a row for each control tick (`flightsim.plant.record`)."""
         self._read_afresh()

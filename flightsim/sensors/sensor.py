@@ -27,6 +27,7 @@ _CLOCK_FIELDS = (
     ("rate_hz", "i8"),
     ("period_ticks", "i8"),
     ("is_enabled", "i8"),
+    ("is_replaced", "i8"),  # by what a client sends (`flightsim.plant.outside`)
     ("first_normal", "i8"),  # of its block among the plant's normals
     ("n_normals", "i8"),  # that a sample takes
     *FAILURE_FIELDS,
@@ -117,13 +118,15 @@ class Sensor:
 @kernel
 def is_due(r: np.record, tick: int) -> bool:
     """Whether a sensor measures at this tick."""
-    return r.is_enabled == 1 and tick % r.period_ticks == 0 and is_heard(r, 0, tick)
+    is_on = r.is_enabled == 1 and r.is_replaced == 0
+    return is_on and tick % r.period_ticks == 0 and is_heard(r, 0, tick)
 
 
 @kernel
 def has_arrived(r: np.record, tick: int) -> bool:
     """Whether the last sample of a sensor with a delay arrives at this tick."""
-    return r.is_enabled == 1 and r.tick >= 0 and tick == r.tick + r.delay_ticks
+    is_on = r.is_enabled == 1 and r.is_replaced == 0
+    return is_on and r.tick >= 0 and tick == r.tick + r.delay_ticks
 
 
 @kernel

@@ -50,6 +50,7 @@ class OwnStack:
             VideoError: If there is nothing to encode video with.
             OSError: If the folder cannot be made.
         """
+        personality = PERSONALITIES[cfg.personality]
         self.autopilot = Autopilot(
             plant,
             frame,
@@ -58,6 +59,8 @@ class OwnStack:
                 **vehicle_parameters(plant.world.airframe),
                 **cfg.initial_parameters,
             },
+            parameter_ranges=personality.parameter_ranges,
+            pilot_speeds_limit_all=personality.pilot_speeds_limit_all,
         )
         follow_parameters(self.autopilot.parameters, plant)
         video_port = VIDEO_PORT + cfg.instance if has_video else None
@@ -80,7 +83,7 @@ class OwnStack:
             frame,
             links,
             system_id=1 + cfg.instance,
-            personality=PERSONALITIES[cfg.personality],
+            personality=personality,
             has_lockstep=cfg.lockstep,
             ticks_per_burst=cfg.ticks_per_burst,
             signing=signing,

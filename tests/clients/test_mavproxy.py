@@ -15,6 +15,7 @@ import pytest
 from flightsim.mavlink.personalities import ARDUPILOT
 
 MAVPROXY = Path(sys.executable).with_name("mavproxy.py")
+N_PARAMETERS = len(ARDUPILOT.aliases) + len(ARDUPILOT.settings)
 
 
 class MavProxy:
@@ -112,7 +113,7 @@ def guided(copter, tmp_path):
     try:
         proxy.expect(rf"Detected vehicle {1 + copter.instance}:1")
         n_parameters = int(proxy.expect(r"Received (\d+) parameters \(ftp\)")[1])
-        assert n_parameters == len(ARDUPILOT.aliases)
+        assert n_parameters == N_PARAMETERS
         proxy.type("signing setup open-sesame")
         proxy.expect("Signing is on")
         yield proxy
@@ -128,12 +129,12 @@ def _save_and_load_parameters(proxy, directory):
     proxy.type("param set RTL_ALT 800")
     proxy.ask("param show RTL_ALT", r"RTL_ALT\s+800\.0")
     proxy.type(f"param save {saved}")
-    proxy.expect(rf"Saved {len(ARDUPILOT.aliases)} parameters")
+    proxy.expect(rf"Saved {N_PARAMETERS} parameters")
     proxy.type("param set RTL_ALT 1200")
     proxy.ask("param show RTL_ALT", r"RTL_ALT\s+1200\.0")
     proxy.type(f"param load {saved}")
     proxy.expect(r"changed RTL_ALT from 1200\S* to 800")
-    proxy.expect(rf"Loaded {len(ARDUPILOT.aliases)} parameters .*\(changed 1\)")
+    proxy.expect(rf"Loaded {N_PARAMETERS} parameters .*\(changed 1\)")
 
 
 def _load_and_read_back(proxy, directory, name, title, items):

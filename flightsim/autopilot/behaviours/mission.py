@@ -196,6 +196,10 @@ class MissionFlight:
                 self.next_mode = Mode.RETURN
             case Cmd.SET_HOME:
                 flight.move_home(None if item.param1 == 1.0 else place_of(item, flight))
+            case Cmd.FENCE_ENABLE:
+                flight.fence.switch = item.param1 == 1.0
+                is_on = "enabled" if flight.fence.switch else "disabled"
+                flight.events.say(Severity.NOTICE, f"Fence {is_on} by mission")
             case command if command in PAYLOAD_COMMANDS:
                 flight.events.payload_order(item)
         return index + 1

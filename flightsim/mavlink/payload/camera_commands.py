@@ -5,13 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 
+from flightsim.autopilot.events import Severity
 from flightsim.autopilot.results import ACCEPTED, Reply, denied
-from flightsim.mavlink.commands import Command, Executor, Order, choice
+from flightsim.mavlink.channel import Channel
+from flightsim.mavlink.commands import Command, Executor, Order, choice, explanation
 from flightsim.mavlink.dialect import LAYOUTS
 from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.message_commands import DENIED, MessageCommands
+from flightsim.mavlink.parsing import Message
 from flightsim.mavlink.payload.camera_messages import STREAM_ID, CameraMessages
 from flightsim.mavlink.payload.component import Component
+from flightsim.mavlink.service import Handler
+from flightsim.mavlink.statustext import StatustextSender
 from flightsim.payload import Payload
 from flightsim.payload.camera import CameraMode
 
@@ -19,6 +24,7 @@ OrderExecutor = Callable[[Order], Reply]
 """Carries out what a command or a mission item orders."""
 
 _MODES = {mav.CAMERA_MODE_IMAGE: CameraMode.PHOTO, mav.CAMERA_MODE_VIDEO: CameraMode.VIDEO}
+_FIXED = denied("zoom and focus are fixed; valid is shot = 1 (param5), a picture")
 _IMAGE_CAPTURED = LAYOUTS["CAMERA_IMAGE_CAPTURED"].message_id
 
 
@@ -28,15 +34,24 @@ class CameraCommands:
     Attributes:
         orders: What clients and mission items may order.
         requests: What only clients may ask, for they get the answer.
+        handlers: Messages of older clients, which have no answer.
     """
 
-    def __init__(self, payload: Payload, component: Component, messages: CameraMessages) -> None:
+    def __init__(
+        self,
+        payload: Payload,
+        component: Component,
+        messages: CameraMessages,
+        statustext: StatustextSender,
+    ) -> None:
         self._camera = payload.camera
         self._shutter = payload.camera.shutter
         self._video = payload.video
         self._now_us = payload.now_us
         self._component = component
         self._messages = messages
+        self._statustext = statustext
+        self.handlers: Mapping[str, Handler] = {"DIGICAM_CONTROL": self._on_digicam_control}
         self._plain = MessageCommands(component.telemetry)
         self._last_capture: tuple[tuple[int, int], float, float, float] | None = None
         self.orders: Mapping[int, OrderExecutor] = {
@@ -95,7 +110,12 @@ class CameraCommands:
     def _digicam_control(self, c: Order) -> Reply:
         if choice(c.param5) == 1:
             return self._shutter.shoot(self._now_us())
-        return denied("zoom and focus are fixed; valid is param5 = 1, a picture")
+        return _FIXED
+
+    def _on_digicam_control(self, _: Channel, m: Message) -> None:
+        reply = self._shutter.shoot(self._now_us()) if m.shot == 1 else _FIXED
+        if reply.reason:
+            self._statustext.say(Severity.WARNING, explanation("DIGICAM_CONTROL", reply))
 
     def _trigger_by_way(self, c: Order) -> Reply:
         return self._shutter.each(c.param1, is_at_once=c.param3 == 1.0)
@@ -107,6 +127,8 @@ class CameraCommands:
         return self._shutter.shoot(self._now_us(), 0, 1e-3 * c.param1)
 
     def _control_trigger(self, c: Order) -> Reply:
+        if not {c.param1, c.param3} & {0.0, 1.0}:
+            return denied(f"param1 = {c.param1:g}, param3 = {c.param3:g}; valid are 0 and 1")
         if c.param1 in {0.0, 1.0}:
             self._shutter.is_paused = c.param1 == 0.0
         if c.param3 in {0.0, 1.0} and c.param1 != 0.0:

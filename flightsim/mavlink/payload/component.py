@@ -9,6 +9,7 @@ from flightsim.mavlink.commands import CommandService, Executor
 from flightsim.mavlink.dialect import LAYOUTS, layout
 from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.faults import Faults
+from flightsim.mavlink.ignored import reason_for
 from flightsim.mavlink.message_commands import MessageCommands
 from flightsim.mavlink.parsing import Message
 from flightsim.mavlink.service import Handler, Partners
@@ -88,11 +89,13 @@ class Component:
             self._partners.channels = tuple(self._own.values())
         return own
 
-    def hear(self, channel: Channel, message: Message) -> None:
-        """Handle a message that is addressed to this component."""
+    def hear(self, channel: Channel, message: Message) -> str | None:
+        """Handle a message that is addressed to this component; return why it changes nothing."""
         handler = self._handlers.get(message.get_msgId())
-        if handler is not None:
-            handler(self.of(channel), message)
+        if handler is None:
+            reason = reason_for(message)
+            return reason and f"component {self._id}: {reason}"
+        return handler(self.of(channel), message)
 
     def tell(self, name: str, payload: bytes) -> None:
         """Send a message to everybody."""

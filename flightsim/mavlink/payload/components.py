@@ -18,8 +18,10 @@ from flightsim.mavlink.payload.camera_messages import CameraMessages
 from flightsim.mavlink.payload.component import Component
 from flightsim.mavlink.payload.gimbal_commands import GimbalCommands
 from flightsim.mavlink.payload.gimbal_messages import DEVICE_ID, Control, GimbalMessages
+from flightsim.mavlink.payload.mount import Mount
 from flightsim.mavlink.service import Handler, Partners
 from flightsim.mavlink.statustext import StatustextSender
+from flightsim.mavlink.telemetry import Producer
 from flightsim.mavlink.view import VehicleView
 from flightsim.payload import Payload
 from flightsim.payload.photograph import Photograph
@@ -34,6 +36,7 @@ class PayloadComponents:
     Attributes:
         executors: Their commands, for those who address the autopilot.
         handlers: Their messages, for those who address the autopilot.
+        producers: What the autopilot itself tells of the gimbal, to older clients.
     """
 
     def __init__(
@@ -60,10 +63,12 @@ class PayloadComponents:
         self._address = autopilot_address
         self._control = Control()
         gimbal = GimbalMessages(view, payload.gimbal, self._control)
+        mount = Mount(view, payload.gimbal, self._control, statustext)
         turning = GimbalCommands(
             view,
             payload.gimbal,
             self._control,
+            mount=mount,
             own_address=autopilot_address,
             tell_status=lambda: self._gimbal.tell("GIMBAL_MANAGER_STATUS", gimbal.status()),
         )
@@ -86,9 +91,9 @@ class PayloadComponents:
             statustext=statustext,
             faults=faults,
             producers=gimbal.producers,
-            handlers=turning.handlers,
+            handlers={**turning.handlers, **mount.handlers},
         )
-        taking = CameraCommands(payload, self._camera, self._camera_messages)
+        taking = CameraCommands(payload, self._camera, self._camera_messages, statustext)
         self._orders = {**taking.orders, **turning.orders}
         self._camera.execute(
             {
@@ -99,15 +104,23 @@ class PayloadComponents:
         )
         self._gimbal.execute(turning.orders)
         self.executors: Mapping[int, Executor] = {**self._orders, **taking.requests}
-        self.handlers: Mapping[str, Handler] = turning.handlers
+        self.handlers: Mapping[str, Handler] = {
+            **turning.handlers,
+            **mount.handlers,
+            **taking.handlers,
+        }
+        self.producers: Mapping[str, Producer] = mount.producers
         self._components = {_CAMERA: self._camera, _GIMBAL: self._gimbal}
         payload.camera.listeners.append(self._tell_photograph)
 
-    def hear(self, component_id: int, channel: Channel, message: Message) -> None:
-        """Handle a message that is addressed to one of the components; ignore any other."""
+    def hear(self, component_id: int, channel: Channel, message: Message) -> str | None:
+        """Handle a message that is addressed to one of the components; ignore any other.
+
+        Returns:
+            Why a message to one of them changes nothing, where that is so.
+        """
         component = self._components.get(component_id)
-        if component is not None:
-            component.hear(channel, message)
+        return None if component is None else component.hear(channel, message)
 
     def perform(self, item: MissionItem) -> None:
         """Do what a mission item orders; one for what is not aboard is skipped."""

@@ -17,13 +17,13 @@ from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.parsing import Message
 from flightsim.mavlink.payload.camera_commands import OrderExecutor
 from flightsim.mavlink.payload.gimbal_messages import DEVICE_ID, NOBODY, Address, Control
+from flightsim.mavlink.payload.mount import STRAIGHT, Mount
 from flightsim.mavlink.service import Handler
 from flightsim.mavlink.view import VehicleView
 from flightsim.payload.gimbal import Gimbal, Pointing
 
 _DEVICE_IDS = frozenset({0, DEVICE_ID, mav.MAV_COMP_ID_GIMBAL})
 _MAX_ID = 255
-_STRAIGHT = Pointing(pitch_down_rad=0.0, yaw_rad=0.0)
 
 
 class GimbalCommands:
@@ -40,6 +40,7 @@ class GimbalCommands:
         gimbal: Gimbal,
         control: Control,
         *,
+        mount: Mount,
         own_address: Address,
         tell_status: Callable[[], None],
     ) -> None:
@@ -49,6 +50,7 @@ class GimbalCommands:
             view: State of the vehicle.
             gimbal: The gimbal.
             control: Who controls it; changed here.
+            mount: The same gimbal, for older commands.
             own_address: The autopilot, whose mission items act whoever is in control.
             tell_status: Called when the control has changed.
         """
@@ -63,11 +65,11 @@ class GimbalCommands:
             mav.MAV_CMD_DO_SET_ROI_WPNEXT_OFFSET: self._look_ahead,
             mav.MAV_CMD_DO_SET_ROI_NONE: self._look_straight,
             mav.MAV_CMD_DO_SET_ROI: self._old_region,
-            mav.MAV_CMD_DO_MOUNT_CONTROL: self._old_mount,
+            mav.MAV_CMD_DO_MOUNT_CONTROL: mount.turn,
+            mav.MAV_CMD_DO_MOUNT_CONFIGURE: mount.configure,
         }
         self.orders: Mapping[int, OrderExecutor] = {
             mav.MAV_CMD_DO_GIMBAL_MANAGER_CONFIGURE: self._configure,
-            mav.MAV_CMD_DO_MOUNT_CONFIGURE: lambda _: ACCEPTED,
             **{number: self._guarded(turn) for number, turn in turning.items()},
         }
         self.handlers: Mapping[str, Handler] = {
@@ -121,7 +123,7 @@ class GimbalCommands:
         """Turn by angles and rates in rad as they are on the wire; NaN leaves an axis alone."""
         gimbal = self._gimbal
         if flags & (mav.GIMBAL_MANAGER_FLAGS_NEUTRAL | mav.GIMBAL_MANAGER_FLAGS_RETRACT):
-            gimbal.point(_STRAIGHT)
+            gimbal.point(STRAIGHT)
             return
         is_locked = bool(flags & mav.GIMBAL_MANAGER_FLAGS_YAW_LOCK)
         is_of_earth = is_locked
@@ -177,7 +179,7 @@ class GimbalCommands:
         return self._view.autopilot.target_enu_m
 
     def _look_straight(self, _: Order) -> Reply:
-        self._gimbal.point(_STRAIGHT)
+        self._gimbal.point(STRAIGHT)
         return ACCEPTED
 
     def _old_region(self, c: Order) -> Reply:
@@ -192,16 +194,6 @@ class GimbalCommands:
                 if fault:
                     return denied(fault)
                 self._follow(c)
-                return ACCEPTED
-        return UNSUPPORTED
-
-    def _old_mount(self, c: Order) -> Reply:
-        match choice(c.z, default=mav.MAV_MOUNT_MODE_MAVLINK_TARGETING):
-            case mav.MAV_MOUNT_MODE_RETRACT | mav.MAV_MOUNT_MODE_NEUTRAL:
-                return self._look_straight(c)
-            case mav.MAV_MOUNT_MODE_MAVLINK_TARGETING:
-                pitch, yaw = math.radians(c.param1), math.radians(c.param3)
-                self._turn(0, pitch, yaw, math.nan, math.nan)
                 return ACCEPTED
         return UNSUPPORTED
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from flightsim.mavlink.personalities.ardupilot import ARDUPILOT
-from flightsim.mavlink.personalities.personality import Alias, ModeEntry, Personality
+from flightsim.mavlink.personalities.personality import Alias, ModeEntry, Personality, Setting
 from flightsim.mavlink.personalities.px4 import PX4
 
 PERSONALITIES: Mapping[str, Personality] = {stack.name: stack for stack in (PX4, ARDUPILOT)}
 """Every personality by its name."""
 
-__all__ = ["ARDUPILOT", "PERSONALITIES", "PX4", "Alias", "ModeEntry", "Personality"]
+__all__ = ["ARDUPILOT", "PERSONALITIES", "PX4", "Alias", "ModeEntry", "Personality", "Setting"]

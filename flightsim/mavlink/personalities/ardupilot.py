@@ -9,9 +9,11 @@ from flightsim.autopilot.modes import Mode
 from flightsim.frames import euler_rpy_rad, swap_flu_frd, swap_quat_enu_flu_ned_frd
 from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.dialect import layout
-from flightsim.mavlink.personalities.personality import Alias, ModeEntry, Personality
+from flightsim.mavlink.personalities.copter_parameters import ALIASES, SETTINGS, defaults_of
+from flightsim.mavlink.personalities.personality import ModeEntry, Personality
 from flightsim.mavlink.telemetry_sensors import imu_fields
 from flightsim.mavlink.view import VehicleView
+from flightsim.plant.outside import FixSource
 
 _EKF_STATUS_REPORT = layout("EKF_STATUS_REPORT")
 _RANGEFINDER = layout("RANGEFINDER")
@@ -29,7 +31,6 @@ _AUTOMATIC = _STICKS | mav.MAV_MODE_FLAG_GUIDED_ENABLED
 _EKF_ATTITUDE, _EKF_VELOCITY, _EKF_POSITION_ABSOLUTE = 1, 2 | 4, 16
 _EKF_HEIGHT, _EKF_PREDICTS_POSITION = 32, 256 | 512
 _EKF_NOT_READY = 1024
-_CENTI = 0.01
 
 
 def _mode(
@@ -38,13 +39,11 @@ def _mode(
     mode: Mode,
     *also: Mode,
     base_mode: int = _AUTOMATIC,
-    is_selectable: bool = True,
 ) -> ModeEntry:
     return ModeEntry(
         mode=mode,
         custom_mode=custom_mode,
         base_mode=base_mode,
-        is_selectable=is_selectable,
         also=frozenset(also),
         title=title,
     )
@@ -97,7 +96,7 @@ ARDUPILOT = Personality(
         _mode("AUTO", 3, Mode.MISSION),
         _mode("LOITER", 5, Mode.POSITION),
         _mode("RTL", 6, Mode.RETURN),
-        _mode("CIRCLE", 7, Mode.ORBIT, is_selectable=False),
+        _mode("CIRCLE", 7, Mode.ORBIT),
         _mode("LAND", 9, Mode.LAND, Mode.PRECISION_LAND, Mode.DESCEND, Mode.TERMINATION),
         _mode("POSHOLD", 16, Mode.POSITION),
         _mode("BRAKE", 17, Mode.HOLD),
@@ -123,54 +122,20 @@ ARDUPILOT = Personality(
     ),
     banner="ArduCopter V4.5.7 (AeroScene)",
     has_bytewise_integers=False,
-    aliases=(
-        Alias(name="ANGLE_MAX", ours="MPC_MAN_TILT_MAX", scale=_CENTI, is_integer=True),
-        Alias(name="BATT_CAPACITY", ours="BAT1_CAPACITY", is_integer=True),
-        Alias(name="CIRCLE_RADIUS", ours="NAV_LOITER_RAD", scale=_CENTI),
-        Alias(name="DISARM_DELAY", ours="COM_DISARM_PRFLT", is_integer=True),
-        Alias(
-            name="FENCE_ACTION",
-            ours="GF_ACTION",
-            is_integer=True,
-            codes={0: 1, 1: 3, 2: 5, 4: 2},
-        ),
-        Alias(name="FENCE_ALT_MAX", ours="GF_MAX_VER_DIST"),
-        Alias(name="FENCE_RADIUS", ours="GF_MAX_HOR_DIST"),
-        Alias(name="FS_GCS_ENABLE", ours="NAV_DLL_ACT", is_integer=True, codes={0: 0, 1: 2, 5: 3}),
-        Alias(name="FS_GCS_TIMEOUT", ours="COM_DL_LOSS_T"),
-        Alias(name="FS_THR_ENABLE", ours="NAV_RCL_ACT", is_integer=True, codes={0: 0, 1: 2, 3: 3}),
-        Alias(name="GUID_TIMEOUT", ours="COM_OF_LOSS_T"),
-        Alias(name="LAND_SPEED", ours="MPC_LAND_SPEED", scale=_CENTI, is_integer=True),
-        Alias(name="LOIT_SPEED", ours="MPC_VEL_MANUAL", scale=_CENTI),
-        Alias(name="MOT_THST_HOVER", ours="MPC_THR_HOVER"),
-        Alias(name="PILOT_SPEED_DN", ours="MPC_Z_VEL_MAX_DN", scale=_CENTI, is_integer=True),
-        Alias(name="PILOT_SPEED_UP", ours="MPC_Z_VEL_MAX_UP", scale=_CENTI, is_integer=True),
-        Alias(name="PILOT_TKOFF_ALT", ours="MIS_TAKEOFF_ALT", scale=_CENTI),
-        Alias(name="RC_OVERRIDE_TIME", ours="COM_RC_LOSS_T"),
-        Alias(name="RTL_ALT", ours="RTL_RETURN_ALT", scale=_CENTI, is_integer=True),
-        Alias(name="RTL_LOIT_TIME", ours="RTL_LAND_DELAY", scale=1e-3, is_integer=True),
-        Alias(name="SIM_WIND_DIR", ours="SIM_WIND_DIR"),
-        Alias(name="SIM_WIND_SPD", ours="SIM_WIND_SPD"),
-        Alias(name="SIM_WIND_TURB", ours="SIM_WIND_TURB"),
-        Alias(name="SYSID_THISMAV", ours="MAV_SYS_ID", is_integer=True),
-        Alias(name="WPNAV_ACCEL", ours="MPC_ACC_HOR", scale=_CENTI),
-        Alias(name="WPNAV_JERK", ours="MPC_JERK_AUTO"),
-        Alias(name="WPNAV_RADIUS", ours="NAV_ACC_RAD", scale=_CENTI),
-        Alias(name="WPNAV_SPEED", ours="MPC_XY_CRUISE", scale=_CENTI),
-        Alias(name="WPNAV_SPEED_DN", ours="MPC_Z_V_AUTO_DN", scale=_CENTI),
-        Alias(name="WPNAV_SPEED_UP", ours="MPC_Z_V_AUTO_UP", scale=_CENTI),
-    ),
+    aliases=ALIASES,
+    settings=SETTINGS,
     initial_parameters={
+        **defaults_of(ALIASES),
         "COM_OBL_RC_ACT": 5,  # Without setpoints it stops and holds, ...
-        "COM_OF_LOSS_T": 3.0,  # ... three seconds after the last one.
-        "COM_RC_LOSS_T": 3.0,
         "COM_RC_OVERRIDE": 0,
-        "MPC_XY_CRUISE": 10.0,
-        "MPC_Z_V_AUTO_UP": 2.5,
-        "NAV_RCL_ACT": 0,  # Its simulator has a radio, which is there when overrides end.
-        "RTL_RETURN_ALT": 15.0,
+        "MPC_XY_VEL_MAX": 35.0,  # ... and speeds have no limit besides their own.
     },
+    pilot_speeds_limit_all=False,
     takes_off_above_home=True,
+    acknowledges_set_mode=True,
+    # Its simulator has a database of the terrain; whether data is there does not matter to Copter.
+    # Source: ArduCopter 4.5, GCS_Copter.cpp, update_vehicle_sensor_status_flags.
+    status_bits=1 << 22,
     turns_as_told=False,
     has_guided_mode=True,
     switches_fence=True,
@@ -179,5 +144,8 @@ ARDUPILOT = Personality(
     has_metadata=False,
     requests_int=False,
     n_home_items=1,
+    fix_source=FixSource.OWN,
+    vision_switch=("VISO_TYPE", 1),
+    mount_message="MOUNT_STATUS",
     extra_telemetry=_extra_telemetry,
 )

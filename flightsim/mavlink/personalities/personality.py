@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 from flightsim.autopilot.modes import Mode
 from flightsim.mavlink.view import VehicleView
+from flightsim.plant.outside import FixSource
 
 ExtraTelemetry = Callable[[VehicleView], Mapping[str, Callable[[], bytes | None]]]
 """Makes the producers of the messages that only one flight stack sends, by message name."""
@@ -36,16 +37,43 @@ class ModeEntry:
 
 @dataclass(frozen=True, kw_only=True)
 class Alias:
-    """Name and unit of a parameter in a flight stack."""
+    """Name, unit, range and default of a parameter in a flight stack."""
 
     name: str
     ours: str
     """Name of the same parameter in our table."""
     scale: float = 1.0
     """One of the flight stack's units in units of ours."""
+    unit: str = ""
+    """The flight stack's unit, for people."""
     is_integer: bool = False
+    valid: tuple[float, float] | None = None
+    """Least and greatest value in the flight stack's unit; None takes our range."""
+    default: float | None = None
+    """Default in the flight stack's unit; None takes our default, or what the airframe has."""
     codes: Mapping[int, int] = field(default_factory=dict)
     """Our value of each value in the flight stack, for a parameter that is a choice."""
+    special: Mapping[float, float] = field(default_factory=dict)
+    """Our value of numbers with a meaning of their own, such as 0 for "never"."""
+    zero_means: str = ""
+    """Alias whose value a 0 stands for; empty if it stands for none."""
+
+    def ours_of(self, value: float) -> float:
+        """Our value of one in the flight stack."""
+        if self.codes:
+            return self.codes[int(value)]
+        return self.special.get(value, value * self.scale)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Setting:
+    """A parameter of a flight stack that is no number of our table but a state of the vehicle."""
+
+    name: str
+    choices: Mapping[int, str]
+    """What each valid value means."""
+    read: Callable[[VehicleView], int]
+    write: Callable[[VehicleView, int], None]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,10 +97,18 @@ class Personality:
     """Whether integers travel bytewise in the float field of PARAM_VALUE, instead of as floats."""
     aliases: tuple[Alias, ...] = ()
     """Parameters under the flight stack's names; none if they are ours."""
+    settings: tuple[Setting, ...] = ()
+    """Parameters of the flight stack that our table does not have."""
     initial_parameters: Mapping[str, float] = field(default_factory=dict)
     """Our parameters whose defaults differ in the flight stack."""
+    pilot_speeds_limit_all: bool = True
+    """Whether the greatest climb and descent of the sticks bound automatic flight too."""
     takes_off_above_home: bool = False
     """Whether the altitude of a takeoff counts from home, instead of as its frame says."""
+    acknowledges_set_mode: bool = False
+    """Whether the message SET_MODE gets a COMMAND_ACK, and a refused mode counts as FAILED."""
+    status_bits: int = 0
+    """Bits of MAV_SYS_STATUS_SENSOR that it reports as present, on and healthy, besides ours."""
     turns_as_told: bool = True
     """Whether takeoffs and landings turn to the heading of their command."""
     has_guided_mode: bool = False
@@ -89,7 +125,24 @@ class Personality:
     """Whether uploads of missions are asked for with MISSION_REQUEST_INT."""
     n_home_items: int = 0
     """Mission items before the first of the mission: 1 if home is item 0."""
+    fix_source: FixSource = FixSource.EITHER
+    """Where satellite fixes come from at the start."""
+    vision_switch: tuple[str, int] = ("EKF2_EV_CTRL", 15)
+    """Parameter that lets poses of clients be used, and a value that does."""
+    mount_message: str = "MOUNT_ORIENTATION"
+    """Message that tells older clients where the gimbal points."""
     extra_telemetry: ExtraTelemetry = lambda _: {}
+
+    @property
+    def parameter_ranges(self) -> Mapping[str, tuple[float, float]]:
+        """Range of each of our parameters that the flight stack allows, in our unit."""
+        initial = {name: (value, value) for name, value in self.initial_parameters.items()}
+        return initial | {
+            alias.ours: (min(numbers), max(numbers))
+            for alias in self.aliases
+            if alias.valid is not None
+            and (numbers := (*(end * alias.scale for end in alias.valid), *alias.special.values()))
+        }
 
     def entry(self, mode: Mode) -> ModeEntry:
         """Preferred entry that reports a mode."""

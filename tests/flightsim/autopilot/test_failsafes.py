@@ -225,10 +225,10 @@ def test_leaving_the_fence_is_acted_on_as_the_parameter_says(measure, mode):
 
 def test_a_fence_that_is_off_stops_nobody_until_it_is_on_again():
     bench = in_offboard(GF_ACTION=2, GF_MAX_HOR_DIST=8)
-    bench.pilot.fence.is_enabled = False
+    bench.pilot.fence.switch = False
     bench.stream(CRUISING, 4.0)
     assert bench.pilot.mode is Mode.OFFBOARD
-    bench.pilot.fence.is_enabled = True
+    bench.pilot.fence.switch = True
     bench.stream(CRUISING, 1.0)
     assert bench.pilot.mode is Mode.HOLD
 

@@ -38,6 +38,8 @@ class Flight:
             self.frame,
             airframe=world.airframe,
             initial_parameters=personality.initial_parameters,
+            parameter_ranges=personality.parameter_ranges,
+            pilot_speeds_limit_all=personality.pilot_speeds_limit_all,
         )
         self.link = InProcessLink()
         self.payload = (

@@ -6,6 +6,7 @@ import struct
 import pytest
 from pymavlink import mavutil
 
+from flightsim.autopilot.mission_item import MissionItem
 from flightsim.autopilot.modes import Mode
 from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.personalities import ARDUPILOT, PERSONALITIES
@@ -233,7 +234,7 @@ def test_a_jump_to_home_is_refused(copter):
 def test_parameters_have_ardupilots_names_units_and_encoding(copter):
     copter.send("PARAM_REQUEST_LIST", 1, 1)
     values = {m.param_id: m for m in named(copter.run(1.0), "PARAM_VALUE")}
-    assert list(values) == [alias.name for alias in ARDUPILOT.aliases]
+    assert list(values) == sorted(p.name for p in (*ARDUPILOT.aliases, *ARDUPILOT.settings))
     assert values["RTL_ALT"].param_value == 1500.0  # cast, in cm
     assert values["RTL_ALT"].param_type == mav.MAV_PARAM_TYPE_INT32
     assert values["WPNAV_SPEED"].param_value == 1000.0
@@ -243,9 +244,9 @@ def test_parameters_have_ardupilots_names_units_and_encoding(copter):
 
 
 def test_a_choice_that_the_flight_stack_lacks_is_refused_with_those_it_has(copter):
-    copter.send("PARAM_SET", 1, 1, b"FENCE_ACTION", 3.0, mav.MAV_PARAM_TYPE_INT8)
+    copter.send("PARAM_SET", 1, 1, b"FENCE_ACTION", 6.0, mav.MAV_PARAM_TYPE_INT8)
     text = "".join(m.text for m in named(copter.step(2), "STATUSTEXT"))
-    assert "FENCE_ACTION = 3 is no choice; valid are 0, 1, 2, 4" in text
+    assert "FENCE_ACTION = 6 is no choice; valid are 0, 1, 2, 3, 4, 5" in text
     copter.send("PARAM_SET", 1, 1, b"FENCE_ACTION", 1.0, mav.MAV_PARAM_TYPE_INT8)
     assert named(copter.step(2), "PARAM_VALUE")[-1].param_value == 1.0
     assert copter.autopilot.parameters["GF_ACTION"] == 3
@@ -329,11 +330,13 @@ def _reports_fence(flight):
 
 
 def test_copters_turn_their_fence_off_and_on(copter):
+    assert not _reports_fence(copter)  # as long as there is none
+    copter.autopilot.fence.replace([MissionItem(frame=3, command=5003, param1=9, x=47.4, y=8.5)])
     assert _reports_fence(copter)
     assert copter.command(mav.MAV_CMD_DO_FENCE_ENABLE, 0) == mav.MAV_RESULT_ACCEPTED
     assert not copter.autopilot.fence.is_enabled
     assert not _reports_fence(copter)
-    assert copter.command(mav.MAV_CMD_DO_FENCE_ENABLE, 2) == mav.MAV_RESULT_ACCEPTED
+    assert copter.command(mav.MAV_CMD_DO_FENCE_ENABLE, 2) == mav.MAV_RESULT_FAILED  # no floor
     assert copter.command(mav.MAV_CMD_DO_FENCE_ENABLE, 3) == mav.MAV_RESULT_FAILED
     assert not copter.autopilot.fence.is_enabled
     assert copter.command(mav.MAV_CMD_DO_FENCE_ENABLE, 1) == mav.MAV_RESULT_ACCEPTED

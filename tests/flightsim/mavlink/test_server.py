@@ -141,7 +141,7 @@ def test_a_tune_is_not_played_and_that_is_said(flight, name, values):
     frame = message_class(*values).pack(dialect.MAVLink(None, 255, 190))
     flight.link.client.send(bytes(frame))
     said = "".join(text.text for text in named(flight.step(), "STATUSTEXT"))
-    assert said == "This vehicle has no buzzer: the tune is not played"
+    assert said == f"{name} is ignored: there is no buzzer"
 
 
 def test_a_service_is_called_only_for_partners_with_work_due(flight, monkeypatch):
