@@ -63,14 +63,14 @@ class _KernelCache(FunctionCache):
 
     @contextlib.contextmanager
     def _guard_against_spurious_io_errors(self) -> Iterator[None]:
-        """numba reads and writes within this."""
+        """Report an error of reading or writing, which numba does within this."""
         try:
             yield
         except OSError as error:
             if not _REPORT.disabled:
                 _REPORT.warning(
-                    "no cache, kernels compile anew in each run: %s: %s; set AEROSCENE_CACHE_DIR to "
-                    "a folder that can be written",
+                    "no cache, kernels compile anew in each run: %s: %s; "
+                    "set AEROSCENE_CACHE_DIR to a folder that can be written",
                     cache_folder(""),
                     (error.strerror or str(error)).lower(),
                 )

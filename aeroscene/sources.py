@@ -27,6 +27,7 @@ _FILE = re.compile(r"(?P<path>.+?\.jsonl?(?:\.gz)?)(?:#(?P<scene_id>.*))?", re.D
 _LAYOUT_KEYS = (
     (b'"outdoor_scene"',),
     (b'"furniture"', b'"scene"'),
+    (b'"rooms"', b'"walls"', b'"objects"'),
     (b'"floor"', b'"objects"'),
 )
 
@@ -42,9 +43,10 @@ def open_scene(spec: str, *, skip_invalid: bool = False) -> Scene:
         spec: A number from 0 to 1015 for a scene of the AeroScene dataset; `corpus:N` for one of
             the training corpus, which has no last; `gen:SEED` for one that the model makes anew;
             `field` for an open, flat field; the path of a `.json` or `.json.gz` file that holds a
-            scene of ours, the AeroScene authors' JSON or a 3D-FRONT house; or `FILE.jsonl#ID`, also
-            gzip, for a scene of a file of neutral layouts, where ID is its scene_id, what follows
-            the last slash of that, or its number in the file from 0.
+            scene of ours, the AeroScene authors' JSON, or a house of 3D-FRONT, ProcTHOR or
+            Holodeck; or `FILE.jsonl#ID`, also gzip, for a scene of a file of neutral layouts or
+            such houses, where ID is its scene_id, what follows the last slash of that, or its
+            number in the file from 0.
         skip_invalid: Leave out objects of a layout that break a rule, instead of raising.
 
     Raises:

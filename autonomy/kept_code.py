@@ -1,8 +1,8 @@
-"""Machine code of kernels on disk: where it is kept, and what happens where nothing can be written.
+"""Machine code of kernels on disk: its folder, and what happens if that cannot be written.
 
-A container or a job of CI often has no home folder, or one that cannot be written. numba then refuses
-to compile at all. Here the code that is already in the folder is still read, new code stays in memory,
-and one line says so.
+A container or a job of CI often has no home folder, or one that cannot be written. numba then
+refuses to compile at all. Here the code that is already in the folder is still read, new code stays
+in memory, and one line says so.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ def cache_root() -> Path | None:
     """The folder of all that is kept between runs; it may not be there yet.
 
     Returns:
-        `AEROSCENE_CACHE_DIR`, else the user's cache folder. None if `AEROSCENE_CACHE=off`, or if the
-        user has no home folder.
+        `AEROSCENE_CACHE_DIR`, else the user's cache folder. None if `AEROSCENE_CACHE=off`, or if
+        the user has no home folder.
     """
     if os.environ.get("AEROSCENE_CACHE", "").lower() == "off":
         return None
@@ -43,8 +43,8 @@ def report_unkept(reason: str) -> None:
     """Log once that kernels are compiled for this run alone."""
     if not _REPORT.disabled:
         _REPORT.warning(
-            "no cache, kernels compile anew in each run: %s; set AEROSCENE_CACHE_DIR to a folder "
-            "that can be written",
+            "no cache, kernels compile anew in each run: %s; "
+            "set AEROSCENE_CACHE_DIR to a folder that can be written",
             reason,
         )
         _REPORT.disabled = True
@@ -70,7 +70,7 @@ class KernelCache(FunctionCache):
 
     @contextlib.contextmanager
     def _guard_against_spurious_io_errors(self) -> Iterator[None]:
-        """numba reads and writes within this."""
+        """Report an error of reading or writing, which numba does within this."""
         try:
             yield
         except OSError as error:
