@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 from autonomy.types import Vector3
@@ -60,8 +60,9 @@ class FenceStore:
         is_enabled: Whether the geofence counts, of the parameters' limits too.
     """
 
-    def __init__(self, frame: LocalFrame) -> None:
+    def __init__(self, frame: LocalFrame, on_change: Callable[[], None] = lambda: None) -> None:
         self._frame = frame
+        self._on_change = on_change
         self.is_enabled = True
         self.items: tuple[MissionItem, ...] = ()
         self.fences: tuple[PolygonFence | CircleFence, ...] = ()
@@ -83,6 +84,7 @@ class FenceStore:
         self.fences = _fences(candidate, self._frame)
         self.items = candidate
         self._has_inclusion = any(fence.is_inclusion for fence in self.fences)
+        self._on_change()
 
     def allows(self, position_enu_m: Vector3) -> bool:
         """Whether the fence allows a position."""
@@ -101,8 +103,9 @@ class FenceStore:
 class RallyStore:
     """Uploaded rally points: safe places to return to."""
 
-    def __init__(self, frame: LocalFrame) -> None:
+    def __init__(self, frame: LocalFrame, on_change: Callable[[], None] = lambda: None) -> None:
         self._frame = frame
+        self._on_change = on_change
         self.items: tuple[MissionItem, ...] = ()
         self.points_enu_m: tuple[Point2, ...] = ()
 
@@ -126,6 +129,7 @@ class RallyStore:
             points.append(_point(index, item, self._frame))
         self.points_enu_m = tuple(points)
         self.items = candidate
+        self._on_change()
 
 
 def _fences(
