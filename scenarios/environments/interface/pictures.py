@@ -64,9 +64,7 @@ class Photographer:
         position_enu_m, quat_wxyz = self._pose(index)
         eye = self._eyes.get(index)
         if eye is None:
-            eye = self._eyes[index] = ChaseEye(
-                self._fleet.worlds[index], yaw_from_quat(quat_wxyz.tolist())
-            )
+            eye = self._eyes[index] = ChaseEye(self._fleet.worlds[index], yaw_from_quat(quat_wxyz))
         velocity_enu_mps = self._fleet.history["velocity_true_enu_mps"][index, -1]
         place = eye.follow(position_enu_m, velocity_enu_mps, self._step_s)
         return self._view(index, place, position_enu_m.tolist())
