@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from flightsim.autopilot.events import Severity
 from flightsim.mavlink.hardware_uid import hardware_uid
 from flightsim.mavlink.logs import ulog
-from flightsim.mavlink.logs.topics import LOGGED, SENSOR_COMBINED, pack_inertial
+from flightsim.mavlink.logs.topics import LOGGED, SENSOR_COMBINED, InertialPacker
 from flightsim.mavlink.statustext import StatustextSender
 from flightsim.mavlink.view import VehicleView
 
@@ -57,6 +57,8 @@ class FlightRecorder:
         self.logs: list[FlightLog] = []
         self._is_recording = False
         self._due_us = [0] * len(LOGGED)
+        plant = view.plant
+        self._inertial = InertialPacker(_INERTIAL_ID, plant.history, plant.tick_us)
         statustext.listeners.append(self._note)
 
     def update(self) -> None:
@@ -76,7 +78,7 @@ class FlightRecorder:
             if time_us >= self._due_us[message_id]:
                 self._due_us[message_id] += 1000 * logged.interval_ms
                 yield logged.topic.pack(message_id, time_us, *logged.sample(view))
-        yield pack_inertial(_INERTIAL_ID, view.plant.history, view.plant.tick_us)
+        yield self._inertial.pack()
 
     def files(self) -> Mapping[str, bytearray]:
         """The logs as files, by their paths; one that is being written grows."""

@@ -27,8 +27,12 @@ from flightsim.frames import (
 from flightsim.mavlink.logs.ulog import Topic
 from flightsim.mavlink.vehicle_type import vehicle_type
 from flightsim.mavlink.view import VehicleView
+from flightsim.sensors.sensor import numbers
 
 Values = Sequence[float]
+
+_demanded = numbers("rate_cmd_flu_radps", "thrust_fraction", "rotor_command_radps")
+"""Body rates, collective thrust and rotor speeds that the controller asks for now."""
 
 # PX4's vehicle_status.msg, v1.15.
 NAV_STATES = {
@@ -127,13 +131,13 @@ def _attitude_setpoint(v: VehicleView) -> Values:
 
 
 def _rates_setpoint(v: VehicleView) -> Values:
-    x, y, z = v.plant.controller["rate_cmd_flu_radps"].tolist()
-    return (*swap_flu_frd((x, y, z)), 0.0, 0.0, -v.plant.collective_thrust_fraction)
+    rates, thrust, _ = _demanded(v.plant.controller)
+    return (*swap_flu_frd(rates), 0.0, 0.0, -thrust)
 
 
 def _shares(v: VehicleView) -> list[float]:
     """Commanded speeds over the largest, in the order of the motors' numbers."""
-    airframe, speeds = v.plant.world.airframe, v.plant.rotor_speed_commands_radps
+    airframe, (_, _, speeds) = v.plant.world.airframe, _demanded(v.plant.controller)
     rotors = airframe.quadrotor.rotors
     return [speeds[k] / rotors[k].max_speed_radps for k in airframe.motors]
 
@@ -372,18 +376,28 @@ _COMBINED_DTYPE = np.dtype(
 _FRD_FROM_FLU = np.array([1.0, -1.0, -1.0])
 
 
-def pack_inertial(message_id: int, history: np.ndarray, tick_us: int) -> bytes:
-    """Data messages of `sensor_combined` for the control ticks of an advance.
+class InertialPacker:
+    """Packs `sensor_combined` for the control ticks of each advance."""
 
-    Args:
-        message_id: Id of the topic in the file.
-        history: `flightsim.plant.record.HISTORY_DTYPE` (k,).
-        tick_us: Time between two ticks.
-    """
-    rows = np.zeros(len(history), _COMBINED_DTYPE)
-    rows["size"], rows["kind"], rows["id"] = SENSOR_COMBINED.size - 3, ord("D"), message_id
-    rows["time_us"] = history["time_us"]
-    rows["gyro"] = history["gyro_flu_radps"] * _FRD_FROM_FLU
-    rows["accel"] = history["accel_flu_mps2"] * _FRD_FROM_FLU
-    rows["gyro_dt"] = rows["accel_dt"] = tick_us
-    return rows.tobytes()
+    def __init__(self, message_id: int, history: np.ndarray, tick_us: int) -> None:
+        """Prepare the messages.
+
+        Args:
+            message_id: Id of the topic in the file.
+            history: `flightsim.plant.record.HISTORY_DTYPE` (k,), which each advance writes anew.
+            tick_us: Time between two ticks.
+        """
+        self._rows = rows = np.zeros(len(history), _COMBINED_DTYPE)
+        rows["size"], rows["kind"], rows["id"] = SENSOR_COMBINED.size - 3, ord("D"), message_id
+        rows["gyro_dt"] = rows["accel_dt"] = tick_us
+        # Views, since this is done fifty times a second.
+        self._to = (rows["time_us"], rows["gyro"], rows["accel"])
+        self._from = tuple(history[f] for f in ("time_us", "gyro_flu_radps", "accel_flu_mps2"))
+
+    def pack(self) -> bytes:
+        """Data messages of the last advance."""
+        (to_time, to_gyro, to_accel), (time_us, gyro, accel) = self._to, self._from
+        to_time[:] = time_us
+        np.multiply(gyro, _FRD_FROM_FLU, out=to_gyro, casting="same_kind")
+        np.multiply(accel, _FRD_FROM_FLU, out=to_accel, casting="same_kind")
+        return self._rows.tobytes()

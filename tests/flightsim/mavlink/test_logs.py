@@ -8,7 +8,7 @@ import pytest
 
 from flightsim.autopilot.modes import Mode
 from flightsim.mavlink.logs import recorder
-from flightsim.mavlink.logs.topics import NAV_STATES, SENSOR_COMBINED, pack_inertial
+from flightsim.mavlink.logs.topics import NAV_STATES, SENSOR_COMBINED, InertialPacker
 from flightsim.mavlink.logs.ulog import Topic
 from flightsim.plant.record import HISTORY_DTYPE
 from tests.flightsim.mavlink.wire import named
@@ -126,7 +126,7 @@ def test_every_inertial_sample_has_its_own_time():
     history = np.zeros(5, HISTORY_DTYPE)
     history["time_us"] = range(4000, 24_000, 4000)
     history["gyro_flu_radps"] = (1.0, 2.0, 3.0)
-    packed = pack_inertial(7, history, 4000)
+    packed = InertialPacker(7, history, 4000).pack()
     assert len(packed) == 5 * SENSOR_COMBINED.size
     second = packed[SENSOR_COMBINED.size : 2 * SENSOR_COMBINED.size]
     expected = SENSOR_COMBINED.pack(7, 8000, 1.0, -2.0, -3.0, 4000, 0.0, 0.0, 0.0, 4000, 0, 0)
