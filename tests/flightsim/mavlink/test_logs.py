@@ -122,6 +122,32 @@ def test_what_is_demanded_and_measured_is_in_the_log(flight):
     assert log.get_dataset("vehicle_status").data["system_type"][-1] == 2  # a quadrotor
 
 
+def test_px4s_tools_open_it(flight, tmp_path):
+    """What the commands ulog_info, ulog2csv and ulog2kml do."""
+    pytest.importorskip("pyulog", reason="pyulog is not among what tests need")
+    pytest.importorskip("simplekml", reason="simplekml is not among what tests need")
+    from pyulog.px4 import PX4ULog  # noqa: PLC0415 - only if it is there
+    from pyulog.ulog2csv import convert_ulog2csv  # noqa: PLC0415
+    from pyulog.ulog2kml import convert_ulog2kml  # noqa: PLC0415
+
+    flight.take_off(4.0)
+    (entry,) = entries(flight)
+    path = tmp_path / "flight.ulg"
+    path.write_bytes(download(flight, entry))
+    convert_ulog2csv(str(path), None, str(tmp_path), ",", None, None)
+    assert (tmp_path / "flight_vehicle_attitude_setpoint_0.csv").exists()
+    convert_ulog2kml(str(path), str(tmp_path / "flight.kml"))
+    assert "<coordinates>" in (tmp_path / "flight.kml").read_text()
+    log = PX4ULog(opened(path))
+    assert log.get_mav_type() == "Quadrotor"
+
+
+def opened(path):
+    from pyulog import ULog  # noqa: PLC0415 - only if it is there
+
+    return ULog(str(path))
+
+
 def test_every_inertial_sample_has_its_own_time():
     history = np.zeros(5, HISTORY_DTYPE)
     history["time_us"] = range(4000, 24_000, 4000)
