@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 _SINGLE = ("--out",)
 """Options of one value each time, so that what follows is free for a scene."""
-_GREEDY = ("--camera",)
+_GREEDY = ("--camera", "--format")
 """Options of all values up to the next option."""
 
 

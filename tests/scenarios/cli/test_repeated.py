@@ -12,6 +12,7 @@ from scenarios.cli.repeated import gathered
         ("--out a --out b 42", "42 --out a b"),
         ("--out=a 42 --out=b", "42 --out a b"),
         ("--out a --speed max", "--speed max --out a"),
+        ("--format png --format svg", "--format png svg"),
         ("42 --camera a b --json --camera c", "42 --json --camera a b c"),
     ],
 )
