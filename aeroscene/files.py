@@ -90,10 +90,17 @@ def cache_folder(name: str) -> Path | None:
         name: What is kept there.
 
     Returns:
-        The folder, None where `AEROSCENE_CACHE=off` says that no file is read or written.
+        The folder. None if `AEROSCENE_CACHE=off` says that no file is read or written, or if the
+        user has no home folder.
     """
     from platformdirs import user_cache_dir  # noqa: PLC0415 - only where the cache is used
 
     if os.environ.get("AEROSCENE_CACHE", "").lower() == "off":
         return None
-    return Path(os.environ.get("AEROSCENE_CACHE_DIR") or user_cache_dir("aeroscene")) / name
+    if named := os.environ.get("AEROSCENE_CACHE_DIR"):
+        return Path(named).absolute() / name
+    try:
+        root = Path(user_cache_dir("aeroscene"))
+    except RuntimeError:
+        return None
+    return root / name if root.is_absolute() else None

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import logging
-import os
 import re
-from functools import cache
+from contextlib import suppress
 from pathlib import Path
 from typing import Literal
 
 from aeroscene.corpus.corpus import CORPUS_SIZE
 from aeroscene.corpus.field import FIELD_NAME, field_scene
 from aeroscene.corpus.provenance import curation_digest
+from aeroscene.files import cache_folder
 from aeroscene.scene import Scene, SceneError
 from aeroscene.scene.io import FORMAT, read_scene, write_scene
 
@@ -27,6 +27,7 @@ _FILE = re.compile(r"(?P<path>.+?\.jsonl?(?:\.gz)?)(?:#(?P<scene_id>.*))?", re.D
 _LAYOUT_KEYS = (
     (b'"outdoor_scene"',),
     (b'"furniture"', b'"scene"'),
+    (b'"rooms"', b'"walls"', b'"objects"'),
     (b'"floor"', b'"objects"'),
 )
 
@@ -42,9 +43,10 @@ def open_scene(spec: str, *, skip_invalid: bool = False) -> Scene:
         spec: A number from 0 to 1015 for a scene of the AeroScene dataset; `corpus:N` for one of
             the training corpus, which has no last; `gen:SEED` for one that the model makes anew;
             `field` for an open, flat field; the path of a `.json` or `.json.gz` file that holds a
-            scene of ours, the AeroScene authors' JSON or a 3D-FRONT house; or `FILE.jsonl#ID`, also
-            gzip, for a scene of a file of neutral layouts, where ID is its scene_id, what follows
-            the last slash of that, or its number in the file from 0.
+            scene of ours, the AeroScene authors' JSON, or a house of 3D-FRONT, ProcTHOR or
+            Holodeck; or `FILE.jsonl#ID`, also gzip, for a scene of a file of neutral layouts or
+            such houses, where ID is its scene_id, what follows the last slash of that, or its
+            number in the file from 0.
         skip_invalid: Leave out objects of a layout that break a rule, instead of raising.
 
     Raises:
@@ -119,26 +121,17 @@ def _open_layout(path: str, scene_id: str | None, *, skip_invalid: bool) -> Scen
 
 
 def _open_corpus_scene(index: int) -> Scene:
-    path = _cache_folder() / f"corpus-{index:04d}.json"
-    try:
-        return read_scene(path)
-    except SceneError:
-        pass
+    folder = cache_folder("scenes")
+    # Scenes of exactly this code: another version of it has another folder.
+    path = folder and folder / curation_digest() / f"corpus-{index:04d}.json"
+    if path is not None:
+        with suppress(SceneError, OSError):
+            return read_scene(path)
     from aeroscene.corpus.curation import curate_scene  # noqa: PLC0415 - heavy, not needed when cached
 
     scene = curate_scene(index)
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        write_scene(scene, path)
-    except OSError:
-        pass  # A cache that cannot be written costs time, not the scene.
+    if path is not None:
+        with suppress(OSError):  # A cache that cannot be written costs time, not the scene.
+            path.parent.mkdir(parents=True, exist_ok=True)
+            write_scene(scene, path)
     return scene
-
-
-@cache
-def _cache_folder() -> Path:
-    """Folder for scenes of exactly this code; another version of it has another folder."""
-    from platformdirs import user_cache_dir  # noqa: PLC0415 - only where the cache is used
-
-    root = os.environ.get("AEROSCENE_CACHE_DIR") or user_cache_dir("aeroscene")
-    return Path(root) / "scenes" / curation_digest()

@@ -21,10 +21,11 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import numba
-import platformdirs
 from numba.core import config
-from numba.core.caching import FunctionCache
+from numba.core.caching import FunctionCache, NullCache
 from numba.np import linalg
+
+from autonomy.kept_code import KernelCache, cache_root, report_unkept
 
 _LOG = logging.getLogger(__name__)
 _config: Any = config  # its names are created at run time
@@ -75,11 +76,13 @@ class _KeptCode:
         self._function = function
 
     @functools.cached_property
-    def _opened(self) -> FunctionCache:
-        inherited = _config.CACHE_DIR
-        _config.CACHE_DIR = str(cache_directory(self._function.__module__))
+    def _opened(self) -> FunctionCache | NullCache:
+        inherited, directory = _config.CACHE_DIR, cache_directory(self._function.__module__)
+        if directory is None:
+            return NullCache()
+        _config.CACHE_DIR = str(directory)
         try:
-            return FunctionCache(self._function)
+            return KernelCache(self._function)
         finally:
             _config.CACHE_DIR = inherited  # nobody else's kernels belong under this digest
 
@@ -93,15 +96,24 @@ def fields(*names: str, kind: str = "f8", shape: tuple[int, ...] = ()) -> list[t
 
 
 @functools.cache
-def cache_directory(module: str) -> Path:
-    """Cache directory of a module's kernels, by the hash of all that they may call."""
+def cache_directory(module: str) -> Path | None:
+    """Cache directory of a module's kernels, by the hash of all that they may call.
+
+    It may not be there, or not be writable. None if nothing is kept.
+    """
+    kept = cache_root()
+    if kept is None:
+        if os.environ.get("AEROSCENE_CACHE", "").lower() != "off":
+            report_unkept("the user has no home folder")
+        return None
     digest = hashlib.blake2b(numba.__version__.encode(), digest_size=8)
     for path in sorted(_sources(_path_of(_ROOT, module)), key=str):
         digest.update(_bytes_of(path))
-    root = Path(platformdirs.user_cache_dir("aeroscene")) / "kernels" / module
+    root = kept / "kernels" / module
     directory = root / digest.hexdigest()
-    if not directory.exists():
-        _forget_old_caches(root)
+    with contextlib.suppress(OSError):  # such as a folder that cannot be read
+        if not directory.exists():
+            _forget_old_caches(root)
     return directory
 
 
@@ -116,9 +128,9 @@ def compile_ahead(
     if signature in compiled.overloads:
         return
     directory = cache_directory(compiled.__module__)
-    mark = directory / f"{compiled.__name__}.compiled"
-    if not mark.exists():
-        _LOG.warning("compiling %s, once, about %.0f s", title, expected_seconds)
+    mark = directory and directory / f"{compiled.__name__}.compiled"
+    if mark is None or not os.access(mark, os.F_OK):
+        _announce(title, expected_seconds, directory)
     _spare_linear_algebra()
     was_enabled = gc.isenabled()
     gc.disable()  # numba makes millions of lasting objects: a tenth of the time
@@ -127,8 +139,22 @@ def compile_ahead(
     finally:
         if was_enabled:
             gc.enable()
-    if directory.exists():
-        mark.touch()
+    if mark is not None:
+        with contextlib.suppress(OSError):
+            mark.touch()
+
+
+def _announce(title: str, expected_seconds: float, directory: Path | None) -> None:
+    often = ", once" if directory is not None and _is_writable(directory) else ""
+    _LOG.warning("compiling %s%s, about %.0f s", title, often, expected_seconds)
+
+
+def _is_writable(directory: Path) -> bool:
+    """Whether a folder, or the nearest one above it that is there, can be written to."""
+    there = directory
+    while not os.access(there, os.F_OK) and there != there.parent:
+        there = there.parent
+    return os.access(there, os.W_OK | os.X_OK)
 
 
 def _spare_linear_algebra() -> None:
@@ -155,14 +181,21 @@ def announce_if_cold(modules: Sequence[str], title: str, expected_seconds: float
     Some stay uncompiled until a later flight uses them, so that each module is announced once.
     """
     directories = [cache_directory(module) for module in modules]
-    cold = [d for d in directories if not (any(d.rglob("*.nbi")) or (d / _ANNOUNCED).exists())]
+    cold = [d for d in directories if d is None or not _was_announced(d)]
     if not cold:
         return
-    _LOG.warning("compiling %s, once, about %.0f s", title, expected_seconds)
-    for directory in cold:
+    _announce(title, expected_seconds, cold[0])
+    for directory in filter(None, cold):
         with contextlib.suppress(OSError):  # where nothing can be kept, all is compiled again
             directory.mkdir(parents=True, exist_ok=True)
             (directory / _ANNOUNCED).touch()
+
+
+def _was_announced(directory: Path) -> bool:
+    """Whether a cache holds code already, or will once somebody uses it."""
+    if not os.access(directory, os.R_OK | os.X_OK):
+        return False
+    return any(directory.rglob("*.nbi")) or (directory / _ANNOUNCED).exists()
 
 
 @functools.cache

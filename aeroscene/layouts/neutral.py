@@ -11,6 +11,8 @@ box to the world, `s` the full extents along the box's axes. The floor is an out
 at z = 0. `parent` is the index of an object further up in the list. Indoors the front of an
 object is its +y axis; outdoors x is the long side and nothing has a front. `source`, `attributes`
 and `parent` may be missing; `attributes.rooms` may list rooms as `{"room_type", "polygon"}`.
+
+A line may also be a house of ProcTHOR or Holodeck, see `thor`.
 """
 
 from __future__ import annotations
@@ -28,6 +30,7 @@ from aeroscene.layouts.document import (
     NeutralLayout,
 )
 from aeroscene.layouts.text_file import parse_json, source_name, text_lines
+from aeroscene.layouts.thor import KEYS, read_asset_sizes, thor_layout
 
 
 def read_neutral(
@@ -71,13 +74,22 @@ def read_each(path: Path, *, skip_invalid: bool) -> Iterator[NeutralLayout | Lay
             yield error
             continue
         try:
-            layout = neutral_layout(record, skip_invalid=skip_invalid)
+            layout = _of_line(record, path, number, skip_invalid=skip_invalid)
             _check_new(layout.scene_id, seen)
         except LayoutError as error:
             yield LayoutError(f"{where} line {number}: {error}")
             continue
         seen.add(layout.scene_id)
         yield layout
+
+
+def _of_line(record: object, path: Path, number: int, *, skip_invalid: bool) -> NeutralLayout:
+    """A line's scene; ProcTHOR-10k too is a file of lines, each a house without a name."""
+    if isinstance(record, dict) and record.keys() >= KEYS:
+        sizes = read_asset_sizes(path.parent)
+        name = f"house-{number - 1}"
+        return thor_layout(record, name, skip_invalid=skip_invalid, asset_sizes=sizes)
+    return neutral_layout(record, skip_invalid=skip_invalid)
 
 
 def _check_new(scene_id: str, seen: set[str]) -> None:

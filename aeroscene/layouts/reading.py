@@ -13,15 +13,17 @@ from aeroscene.layouts.front3d import front3d_layout, read_model_info
 from aeroscene.layouts.mapping import MappingReport
 from aeroscene.layouts.neutral import neutral_layout, read_each, read_neutral
 from aeroscene.layouts.text_file import read_json, source_name
+from aeroscene.layouts.thor import KEYS, read_asset_sizes, thor_layout
 from aeroscene.scene import Scene
 
 LINE_SUFFIXES = (".jsonl", ".jsonl.gz")
 
-Dialect = Literal["aeroscene", "front3d", "neutral"]
+Dialect = Literal["aeroscene", "front3d", "neutral", "thor"]
 
 DIALECTS: Mapping[Dialect, tuple[frozenset[str], str]] = {
     "aeroscene": (frozenset({"outdoor_scene"}), "the AeroScene authors' JSON"),
     "front3d": (frozenset({"furniture", "scene"}), "3D-FRONT's JSON"),
+    "thor": (KEYS, "a house of ProcTHOR or Holodeck"),
     "neutral": (frozenset({"floor", "objects"}), "one line of the neutral layouts"),
 }
 """Keys by which a JSON object is known, and what it is."""
@@ -30,7 +32,7 @@ DIALECTS: Mapping[Dialect, tuple[frozenset[str], str]] = {
 def read_layouts(
     path: str | Path, skip_invalid: bool = False, faults: list[str] | None = None
 ) -> Iterator[NeutralLayout]:
-    """All layouts of a file: neutral JSON lines, the AeroScene authors' JSON, or 3D-FRONT's.
+    """All layouts of a file: JSON lines, or one JSON of a form that `DIALECTS` knows.
 
     Args:
         path: The file, plain or gzip.
@@ -63,6 +65,10 @@ def _read_one(value: object, path: Path, *, skip_invalid: bool) -> NeutralLayout
             case "front3d":
                 info = read_model_info(path.parent)
                 return front3d_layout(value, skip_invalid=skip_invalid, model_info=info)
+            case "thor":
+                sizes = read_asset_sizes(path.parent)
+                name = path.name.partition(".json")[0]
+                return thor_layout(value, name, skip_invalid=skip_invalid, asset_sizes=sizes)
             case "neutral":
                 return neutral_layout(value, skip_invalid=skip_invalid)
     except LayoutError as error:

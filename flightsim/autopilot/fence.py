@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 from autonomy.types import Vector3
@@ -61,9 +61,10 @@ class FenceStore:
             count as soon as a fence is uploaded.
     """
 
-    def __init__(self, frame: LocalFrame) -> None:
+    def __init__(self, frame: LocalFrame, on_change: Callable[[], None] = lambda: None) -> None:
         self._frame = frame
         self.switch: bool | None = True
+        self._on_change = on_change
         self.items: tuple[MissionItem, ...] = ()
         self.fences: tuple[PolygonFence | CircleFence, ...] = ()
         self._has_inclusion = False
@@ -89,6 +90,7 @@ class FenceStore:
         self.fences = _fences(candidate, self._frame)
         self.items = candidate
         self._has_inclusion = any(fence.is_inclusion for fence in self.fences)
+        self._on_change()
 
     def allows(self, position_enu_m: Vector3) -> bool:
         """Whether the fence allows a position."""
@@ -107,8 +109,9 @@ class FenceStore:
 class RallyStore:
     """Uploaded rally points: safe places to return to."""
 
-    def __init__(self, frame: LocalFrame) -> None:
+    def __init__(self, frame: LocalFrame, on_change: Callable[[], None] = lambda: None) -> None:
         self._frame = frame
+        self._on_change = on_change
         self.items: tuple[MissionItem, ...] = ()
         self.points_enu_m: tuple[Point2, ...] = ()
 
@@ -132,6 +135,7 @@ class RallyStore:
             points.append(_point(index, item, self._frame))
         self.points_enu_m = tuple(points)
         self.items = candidate
+        self._on_change()
 
 
 def _fences(

@@ -6,7 +6,7 @@ from math import atan2, hypot, radians
 
 from autonomy.types import NAN3, ZERO3, ControlLevel, Setpoint, Vector3
 from flightsim.autopilot.collision_prevention import CollisionPrevention
-from flightsim.autopilot.events import EventLog
+from flightsim.autopilot.events import EventLog, Severity
 from flightsim.autopilot.fence import FenceStore, RallyStore
 from flightsim.autopilot.flight_limits import FlightLimits
 from flightsim.autopilot.heading import HeadingMotion, wrap_angle
@@ -44,8 +44,8 @@ class FlightContext:
         self.frame = frame
         self.home: Home | None = None
         self.mission = MissionStore()
-        self.fence = FenceStore(frame)
-        self.rally = RallyStore(frame)
+        self.fence = FenceStore(frame, self._report_rally)
+        self.rally = RallyStore(frame, self._report_rally)
         self.sticks = StickStream(parameters)
         self.offboard = OffboardStream()
         self.follow_target = TargetStream()
@@ -66,6 +66,14 @@ class FlightContext:
             yaw_rad=self.vehicle.yaw_rad,
             is_manual=is_manual,
         )
+
+    def _report_rally(self) -> None:
+        """Warn of rally points that a return will not use, when they or the fence have changed."""
+        height_m = self.vehicle.position_enu_m[2]
+        for number, (east_m, north_m) in enumerate(self.rally.points_enu_m):
+            if not self.fence.allows((east_m, north_m, height_m)):
+                text = f"Rally point {number} is outside the geofence, not used"
+                self.events.say(Severity.WARNING, text)
 
     def start_references_here(self) -> None:
         """Reset the references to the vehicle, at rest if it is landed."""

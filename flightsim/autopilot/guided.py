@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import cos, hypot, isfinite, isnan, sin
+from math import cos, hypot, isfinite, isnan, pi, sin
 
 from autonomy.types import Vector3
 from flightsim.autopilot.behaviours.hold import Hold
@@ -23,6 +23,8 @@ from flightsim.frames import Geodetic
 
 _FARTHEST_M = 1e5
 _LEAST_CLIMB_M = 0.3
+_ORBIT_POINTS = 36
+"""Points of an orbit that must lie within the geofence."""
 
 
 class GuidedRequests:
@@ -55,6 +57,8 @@ class GuidedRequests:
         place = self._place(latitude_deg, longitude_deg)
         if place is not None and not hypot(*place) <= _FARTHEST_M:
             return denied("takeoff place is out of range")
+        if place is not None and (refusal := self._beyond_fence("Takeoff", place)):
+            return refusal
         behaviour = Takeoff(self._flight, height_m, yaw_rad, place)
         return self._commander.request(Mode.TAKEOFF, behaviour)
 
@@ -70,6 +74,8 @@ class GuidedRequests:
         place = self._place(latitude_deg, longitude_deg)
         if place is not None and not hypot(*place) <= _FARTHEST_M:
             return denied("landing place is out of range")
+        if place is not None and (refusal := self._beyond_fence("Landing", place)):
+            return refusal
         if precision is not Precision.NONE:
             is_required = precision is Precision.REQUIRED
             landing = PrecisionLand(self._flight, place, is_required=is_required)
@@ -87,10 +93,8 @@ class GuidedRequests:
         filled = self._filled(target)
         if not _is_near(filled):
             return denied("reposition denied: place is out of range")
-        breach = fence_breach(flight, filled)
-        if breach is not None and flight.parameters["GF_ACTION"] > 1:
-            flight.events.say(Severity.CRITICAL, f"Reposition denied: {breach}")
-            return denied(f"reposition denied: {breach}")
+        if refusal := self._beyond_fence("Reposition", filled[:2], filled[2]):
+            return refusal
         reply = self._commander.request(Mode.HOLD, Hold(flight, target, yaw_rad))
         if reply.is_accepted and speed_mps is not None and speed_mps > 0.0:
             flight.limits.speeds = replace(flight.limits.speeds, cruise_mps=speed_mps)
@@ -106,6 +110,11 @@ class GuidedRequests:
         filled = self._filled(flight.frame.enu_from_geodetic(centre))
         if not _is_near(filled):
             return denied("orbit denied: centre is out of range")
+        x, y, z = filled
+        for turn_rad in (i * pi / _ORBIT_POINTS * 2 for i in range(_ORBIT_POINTS)):
+            point = (x + abs(radius_m) * cos(turn_rad), y + abs(radius_m) * sin(turn_rad))
+            if refusal := self._beyond_fence("Orbit", point, z):
+                return refusal
         is_clockwise = (radius_m > 0.0) == (speed_mps > 0.0)
         orbit = Orbit(flight, filled, abs(radius_m), abs(speed_mps), is_clockwise=is_clockwise)
         return self._commander.request(Mode.ORBIT, orbit)
@@ -161,6 +170,18 @@ class GuidedRequests:
         self._commander.request(Mode.HOLD)
         flight.events.say(Severity.INFO, "Restarted")
         return ACCEPTED
+
+    def _beyond_fence(
+        self, request: str, place_enu_m: tuple[float, float], height_enu_m: float | None = None
+    ) -> Reply | None:
+        """Refusal of a place that the geofence does not allow, None if it does or only warns."""
+        flight = self._flight
+        height_m = flight.vehicle.position_enu_m[2] if height_enu_m is None else height_enu_m
+        breach = fence_breach(flight, (*place_enu_m, height_m))
+        if breach is None or flight.parameters["GF_ACTION"] <= 1:
+            return None
+        flight.events.say(Severity.CRITICAL, f"{request} denied: {breach}")
+        return denied(f"{request.lower()} denied: {breach}")
 
     def _filled(self, position_enu_m: Vector3) -> Vector3:
         """A position with NaN replaced by the vehicle's own coordinates."""

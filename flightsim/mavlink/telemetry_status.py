@@ -11,6 +11,7 @@ from flightsim.environment.date import EPOCH_US
 from flightsim.frames import swap_quat_enu_flu_ned_frd
 from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.dialect import layout
+from flightsim.mavlink.hardware_uid import hardware_uid
 from flightsim.mavlink.mode_report import ModeReport
 from flightsim.mavlink.personalities import Personality
 from flightsim.mavlink.vehicle_type import vehicle_type
@@ -178,6 +179,7 @@ class StatusTelemetry:
             flight_sw_version=personality.flight_sw_version,
             flight_custom_version=personality.flight_custom_version,
             uid=0xAE5CE4E0_0000_0000 | self._system_id,
+            uid2=list(hardware_uid(self._system_id)),
         )
 
     def _protocol_version(self) -> bytes:

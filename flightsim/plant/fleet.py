@@ -97,6 +97,10 @@ class Fleet:
         """Simulated time of each vehicle (n,) since its own start."""
         return self._ticks * self._tick_s
 
+    def data(self, index: int) -> mujoco.MjData:
+        """MuJoCo's state of a vehicle's world now, for readers: not to be written to."""
+        return self._datas[index]
+
     def advance(self) -> None:
         """Advance all vehicles by one call of `PlantCfg.advance_hz`; other threads may run.
 

@@ -261,6 +261,16 @@ class Plant:
         return self._filter
 
     @property
+    def controller(self) -> np.void:
+        """Record of the controller (`autonomy.control.record`), for reports of what it demands."""
+        return self._controller
+
+    @property
+    def tick_us(self) -> int:
+        """Time between two control ticks."""
+        return self._memory.tick_us
+
+    @property
     def reference(self) -> tuple[Vector3, Vector3]:
         """Position and velocity that the controller tracks just now, ENU."""
         row = self.history[-1]

@@ -11,7 +11,7 @@ from flightsim.environment.effects import Effects
 from flightsim.environment.parameters import wind_parameters
 from flightsim.environment.traffic import TrafficCfg
 from flightsim.environment.wind import WindCfg, turbulence_mps
-from flightsim.mavlink.links import LinkError, SerialLine
+from flightsim.mavlink.links import LinkError, OutAddress, SerialLine
 from flightsim.mavlink.personalities import PERSONALITIES
 from flightsim.mavlink.signing import Signing, SigningKeyError, read_key
 from flightsim.plant import PlantCfg
@@ -79,6 +79,9 @@ class TestbenchCfg:
     """Number of this vehicle: shifts every port and the MAVLink system id (1 + instance)."""
     bind: str = "127.0.0.1"
     """Address that the MAVLink ports listen on; 0.0.0.0 opens them to the network."""
+    out: tuple[str, ...] = ()
+    """Address elsewhere to which the vehicle speaks first, udp:HOST:PORT, such as
+    udp:192.168.1.20:14550 for a QGroundControl there; once for each address."""
     serial: str = ""
     """Serial device for one more client, PATH or PATH:BAUD, such as /dev/ttyUSB0:57600."""
     signing_key: str = ""
@@ -103,6 +106,7 @@ class TestbenchCfg:
             lidar_by_name(self.lidar)
         _ = self.camera_size_px
         _ = self.wind_cfg, self.traffic_cfg, self.effects, self.serial_line, self.signing
+        _ = self.out_addresses
         if self.speed != "max" and not 0.0 < self.speed < float("inf"):
             raise TestbenchError(f"speed {self.speed} is not positive; valid: 1, a factor, or max")
         if not 0 <= self.instance < MAX_INSTANCES:
@@ -126,10 +130,11 @@ class TestbenchCfg:
                     f"valid: --autopilot {' or '.join(STACKS)}"
                 )
             return
-        for name in ("lockstep", "serial", "signing_key"):
+        for name in ("lockstep", "out", "serial", "signing_key"):
             if value := getattr(self, name):
+                shown = ", ".join(value) if isinstance(value, tuple) else value
                 raise TestbenchError(
-                    f"{name.replace('_', '-')} {value} is our autopilot's, and "
+                    f"{name.replace('_', '-')} {shown} is our autopilot's, and "
                     f"{self.autopilot} flies; valid: --autopilot builtin"
                 )
 
@@ -191,6 +196,18 @@ class TestbenchCfg:
         """
         try:
             return SerialLine.parse(self.serial) if self.serial else None
+        except LinkError as error:
+            raise TestbenchError(str(error)) from error
+
+    @property
+    def out_addresses(self) -> tuple[OutAddress, ...]:
+        """Addresses to which the vehicle speaks first.
+
+        Raises:
+            TestbenchError: If one is no address, or its host is unknown.
+        """
+        try:
+            return tuple(map(OutAddress.parse, self.out))
         except LinkError as error:
             raise TestbenchError(str(error)) from error
 

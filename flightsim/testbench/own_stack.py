@@ -74,6 +74,7 @@ class OwnStack:
                 cfg.bind,
                 first_instance=cfg.instance - plant.world.number,
                 serial_line=cfg.serial_line,
+                outs=cfg.out_addresses,
                 is_lockstep=cfg.lockstep,
                 signing=signing,
             )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import cache
@@ -51,6 +52,7 @@ def airframe_by_name(name: str) -> Airframe:
     if name in AIRFRAMES:
         return AIRFRAMES[name]
     if name.endswith(_SUFFIX):
-        return replace(read_airframe(Path(name).expanduser()), handle=name)
+        path = os.path.expanduser(name)  # noqa: PTH111 - pathlib's raises without a home folder
+        return replace(read_airframe(Path(path)), handle=name)
     valid = ", ".join(AIRFRAMES)
     raise AirframeError(f"vehicle {name!r} is unknown; valid: {valid}, or a file FILE{_SUFFIX}")

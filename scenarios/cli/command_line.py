@@ -52,6 +52,8 @@ def execute(
         The exit status; input that cannot be used ends the process with one line and status 2.
     """
     logging.basicConfig(level=logging.WARNING, format=f"{prog}: %(message)s", stream=sys.stderr)
+    # Without a home folder it would report at length where its list of fonts goes instead.
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)
     cfg = parse(command, prog, args)
     # From here on there may be files and ports to close.
     signal.signal(signal.SIGINT, signal.default_int_handler)

@@ -25,6 +25,7 @@ from scenarios.cli.command_line import (
     print_json,
 )
 from scenarios.cli.entry import lasting
+from scenarios.cli.repeated import gathered
 from scenarios.cli.sitl_words import announce, print_results
 from scenarios.cli.status_line import StatusLine
 from scenarios.run.cfg import SitlCfg
@@ -75,7 +76,7 @@ class SitlCommand(SitlCfg):
 
 def main(args: list[str] | None = None) -> int:
     """Run `aeroscene-sitl`; returns the exit status."""
-    return execute(SitlCommand, run, PROG, args)
+    return execute(SitlCommand, run, PROG, gathered(sys.argv[1:] if args is None else args))
 
 
 def run(command: SitlCommand) -> int:

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from rich.console import Console
 
+from flightsim.mavlink.links import is_loopback, local_ports
 from scenarios.run.shared import SharedResult
 from scenarios.run.sitl import Sitl
 from scenarios.trials.result import TrialResult
@@ -30,14 +31,23 @@ def announce(console: Console, flights: Sequence[Sitl]) -> None:
             highlight=False,
             soft_wrap=True,
         )
+    ports = local_ports(cfg.instance)
     clients = (
-        f"UDP {14550 + cfg.instance} (ground stations), "
-        f"UDP {14540 + cfg.instance} (SDKs), TCP {cfg.bind}:{5760 + 10 * cfg.instance}"
+        f"UDP {14550 + cfg.instance} (ground stations, from {ports.ground_station}), "
+        f"UDP {14540 + cfg.instance} (SDKs, from {ports.sdk}), TCP {cfg.bind}:{ports.tcp[0]}"
+        f"{''.join(f', {out}' for out in cfg.out)}"
         f"{cfg.serial and f', serial {cfg.serial}'}{cfg.signing_key and ', signed'}"
     )
     if external is not None:
         clients = external.kind.clients(cfg.instance)
     console.print(f"MAVLink: {clients}. Ctrl-C ends.", soft_wrap=True)
+    if external is None and not is_loopback(cfg.bind):
+        console.print(
+            f"From another machine, with this one's address: UDP {ports.ground_station} (ground "
+            f"stations), UDP {ports.sdk} (SDKs), TCP {', '.join(map(str, ports.tcp))}; "
+            "MAVLink is not encrypted.",
+            soft_wrap=True,
+        )
     if external is None and (video := sitl.bench.payload.video) is not None:
         console.print(f"Video: H.264 by RTP to {video.uri}", soft_wrap=True)
     for number, flight in enumerate(flights[1:], 2):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import time
 from collections.abc import Iterator
 from contextlib import closing
@@ -28,7 +29,9 @@ def check_kernels() -> Iterator[Check]:
     """Check whether the flight kernels are compiled; the flight check compiles them if not."""
     from autonomy.jit import cache_directory  # noqa: PLC0415 - numba takes a quarter of a second
 
-    is_warm = any(cache_directory("flightsim.plant.kernel").glob("*.compiled"))
+    directory = cache_directory("flightsim.plant.kernel")
+    is_readable = directory is not None and os.access(directory, os.R_OK | os.X_OK)
+    is_warm = directory is not None and is_readable and any(directory.glob("*.compiled"))
     yield Check(
         name="flight kernels",
         status="ok",

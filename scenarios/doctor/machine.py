@@ -11,6 +11,7 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
+from aeroscene.files import cache_folder
 from aeroscene.processes import default_jobs
 from scenarios.doctor.check import REINSTALL, Check, judged
 
@@ -79,16 +80,25 @@ def check_learning() -> Iterator[Check]:
 
 def check_storage() -> Iterator[Check]:
     """Check that the cache is writable, and how much room recordings have."""
-    import platformdirs  # noqa: PLC0415 - with the check
-
-    cache = Path(os.environ.get("AEROSCENE_CACHE_DIR") or platformdirs.user_cache_dir("aeroscene"))
-    is_writable = _is_writable(cache)
-    size_mb = sum(p.stat().st_size for p in cache.rglob("*") if p.is_file()) / 1e6
-    value = f"{cache}, {size_mb:.0f} MB" + ("" if is_writable else ", not writable")
+    cache = cache_folder("")
     remedy = "make it writable, or set AEROSCENE_CACHE_DIR to a folder"
-    yield judged("cache", value, remedy, is_fine=is_writable)
+    if cache is None:
+        is_off = os.environ.get("AEROSCENE_CACHE", "").lower() == "off"
+        value = "off, by AEROSCENE_CACHE" if is_off else "none: the user has no home folder"
+        yield judged("cache", value, remedy, is_fine=is_off)
+    else:
+        is_writable = _is_writable(cache)
+        value = f"{cache}, {_size_mb(cache):.0f} MB" + ("" if is_writable else ", not writable")
+        yield judged("cache", value, remedy, is_fine=is_writable)
     free_gb = shutil.disk_usage(Path.cwd()).free / 1e9
     yield Check(name="disk", status="ok", value=f"{free_gb:.0f} GB free for recordings")
+
+
+def _size_mb(folder: Path) -> float:
+    """Size of the files in a folder; 0 if it cannot be read."""
+    if not os.access(folder, os.R_OK | os.X_OK):
+        return 0.0
+    return sum(path.stat().st_size for path in folder.rglob("*") if path.is_file()) / 1e6
 
 
 def _linux_says(file: str, name: str) -> str | None:

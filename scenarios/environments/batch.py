@@ -23,6 +23,7 @@ from scenarios.environments.episodes.place import Place
 from scenarios.environments.interface.actions import Actuation, check_motors
 from scenarios.environments.interface.latency import ActionQueue
 from scenarios.environments.interface.observations import N_NOISES, Observation, Observer
+from scenarios.environments.interface.pictures import Photographer, Picture
 from scenarios.environments.tasks import TASKS, Situation, Start
 from scenarios.trials.limits import LIMITS
 
@@ -94,6 +95,7 @@ class Batch:
         self._actuation = Actuation(self._fleet, cfg.action)
         self._queue = ActionQueue(n, cfg.longest_latency)
         self._step_s = 1.0 / cfg.action_hz
+        self._photographer = Photographer(self._fleet, self._step_s)
         self._longest_s = cfg.episode_s or self._task.episode_s
         self._seeds, self._n_begun = [0] * n, [0] * n
         self._episodes: dict[int, _Episode] = {}
@@ -111,6 +113,11 @@ class Batch:
 
     def __len__(self) -> int:
         return len(self._places)
+
+    @property
+    def action_hz(self) -> int:
+        """Steps for each simulated second."""
+        return self._cfg.action_hz
 
     @property
     def history(self) -> np.ndarray:
@@ -145,6 +152,7 @@ class Batch:
         fleet.release(index)
         fleet.records["rotors"]["effectiveness"][index, :n_rotors] = drawn.rotor_shares
         self._queue.restart(index, drawn.latency)
+        self._photographer.begin(index)
         self._n_begun[index] += 1
         self._episodes[index] = _Episode(
             start=start,
@@ -196,8 +204,13 @@ class Batch:
                 self._draw_noise(i)
         return Step(reward, is_over, is_time_up, now.distance_m.copy(), outcomes)
 
+    def picture(self, index: int) -> Picture:
+        """A world's vehicle as it is now, from behind and above."""
+        return self._photographer.behind(index)
+
     def close(self) -> None:
-        """End the threads."""
+        """End the threads, and release what has rendered."""
+        self._photographer.close()
         self.observer.close()
         self._fleet.close()
 

@@ -13,6 +13,7 @@ from scenarios.environments.batch import Batch
 from scenarios.environments.cfg import EnvironmentCfg, EnvironmentInputError
 from scenarios.environments.interface.actions import N_ACTIONS, checked_actions
 from scenarios.environments.interface.observations import take
+from scenarios.environments.interface.pictures import RENDER_MODES, Picture, checked_render_mode
 
 ACTION_SPACE = spaces.Box(-1.0, 1.0, (N_ACTIONS,), dtype=np.float32)
 
@@ -20,10 +21,14 @@ ACTION_SPACE = spaces.Box(-1.0, 1.0, (N_ACTIONS,), dtype=np.float32)
 class AeroSceneEnv(gymnasium.Env[Any, np.ndarray]):
     """A vehicle in one world; `gymnasium.make("AeroScene/Hover-v0")` makes one."""
 
-    metadata = {"render_modes": []}  # noqa: RUF012 - Gymnasium declares it
+    metadata = {"render_modes": RENDER_MODES}  # noqa: RUF012 - Gymnasium declares it
 
     def __init__(
-        self, task: str, scene: str | Scene = "field", cfg: EnvironmentCfg | None = None
+        self,
+        task: str,
+        scene: str | Scene = "field",
+        cfg: EnvironmentCfg | None = None,
+        render_mode: str | None = None,
     ) -> None:
         """Build the world.
 
@@ -31,13 +36,17 @@ class AeroSceneEnv(gymnasium.Env[Any, np.ndarray]):
             task: hover, navigation or landing.
             scene: Scene, or its name as the command line takes it.
             cfg: Configuration.
+            render_mode: "rgb_array" if `render` shall return pictures.
 
         Raises:
-            EnvironmentInputError: If the configuration is not valid.
+            EnvironmentInputError: If the configuration or the mode is not valid.
             SceneError: If there is no such scene.
             AirframeError: If there is no such vehicle.
         """
+        self.render_mode = checked_render_mode(render_mode)
         self._batch = Batch(task, [scene], cfg, n_threads=1)
+        # Films of the environment run as fast as it does.
+        self.metadata = {**self.metadata, "render_fps": self._batch.action_hz}
         self.observation_space = self._batch.observer.space
         self.action_space = ACTION_SPACE
         self._is_seeded = False
@@ -74,6 +83,18 @@ class AeroSceneEnv(gymnasium.Env[Any, np.ndarray]):
         is_terminated, is_truncated = bool(step.is_terminated[0]), bool(step.is_truncated[0])
         observation = take(self._batch.observe(), 0)
         return observation, float(step.reward[0]), is_terminated, is_truncated, info
+
+    def render(self) -> Picture | None:
+        """The vehicle from behind and above, (480, 640, 3) uint8; None without a mode.
+
+        Raises:
+            EnvironmentInputError: If no episode has begun.
+        """
+        if self.render_mode is None:
+            return None
+        if not self._is_seeded:
+            raise EnvironmentInputError("render: before the first episode only reset() is valid")
+        return self._batch.picture(0)
 
     def close(self) -> None:
         """Free what the world holds."""

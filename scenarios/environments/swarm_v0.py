@@ -29,6 +29,7 @@ from flightsim.vehicles.catalogue import airframe_by_name
 from scenarios.environments.cfg import EnvironmentCfg, EnvironmentInputError
 from scenarios.environments.interface.actions import N_ACTIONS, check_motors, checked_actions
 from scenarios.environments.interface.observations import Observation, take
+from scenarios.environments.interface.pictures import RENDER_MODES, Picture, checked_render_mode
 from scenarios.environments.swarm_world import SwarmWorld
 
 _MOST_VEHICLES = 16
@@ -48,13 +49,17 @@ class AeroSceneSwarm(ParallelEnv[str, Observation, np.ndarray]):
     stop, and it falls; the others fly on around it.
     """
 
-    metadata = {"name": "AeroScene/Swarm-v0", "render_modes": []}  # noqa: RUF012 - PettingZoo's
+    metadata = {  # noqa: RUF012 - PettingZoo's
+        "name": "AeroScene/Swarm-v0",
+        "render_modes": RENDER_MODES,
+    }
 
     def __init__(
         self,
         vehicles: int | Sequence[str] = 4,
         scene: str | Scene = "field",
         cfg: EnvironmentCfg | None = None,
+        render_mode: str | None = None,
     ) -> None:
         """Build the world.
 
@@ -63,14 +68,18 @@ class AeroSceneSwarm(ParallelEnv[str, Observation, np.ndarray]):
                 have as many rotors.
             scene: Scene, or its name as the command line takes it.
             cfg: Configuration; its observations are each vehicle's own.
+            render_mode: "rgb_array" if `render` shall return pictures.
 
         Raises:
-            EnvironmentInputError: If the configuration or the vehicles are not valid.
+            EnvironmentInputError: If the configuration, the vehicles or the mode are not valid.
             SceneError: If there is no such scene.
             AirframeError: If there is no such vehicle.
             WorldError: If the scene's start has no room for so many.
         """
+        self.render_mode = checked_render_mode(render_mode)
         self._cfg = cfg = cfg or EnvironmentCfg()
+        # Films of the environment run as fast as it does.
+        self.metadata = {**self.metadata, "render_fps": cfg.action_hz}
         airframes = _airframes(vehicles, cfg)
         scene = open_scene(scene) if isinstance(scene, str) else scene
         self._world = SwarmWorld(scene, airframes, cfg)
@@ -148,6 +157,18 @@ class AeroSceneSwarm(ParallelEnv[str, Observation, np.ndarray]):
             infos,
         )
 
+    def render(self) -> Picture | None:
+        """All vehicles in one picture, (480, 640, 3) uint8; None without a mode.
+
+        Raises:
+            EnvironmentInputError: If no episode has begun.
+        """
+        if self.render_mode is None:
+            return None
+        if not self._is_seeded:
+            raise EnvironmentInputError("render: before the first episode only reset() is valid")
+        return self._world.picture()
+
     def close(self) -> None:
         """Free what the world holds."""
         self._world.close()
@@ -175,6 +196,7 @@ def parallel_env(
     vehicles: int | Sequence[str] = 4,
     scene: str | Scene = "field",
     cfg: EnvironmentCfg | None = None,
+    render_mode: str | None = None,
 ) -> AeroSceneSwarm:
     """Make `AeroScene/Swarm-v0`, by the name that PettingZoo's environments have for it.
 
@@ -182,11 +204,12 @@ def parallel_env(
         vehicles: Number of vehicles, or the airframe of each.
         scene: Scene, or its name.
         cfg: Configuration.
+        render_mode: "rgb_array" if `render` shall return pictures.
 
     Raises:
         EnvironmentInputError: If these are not valid; see `AeroSceneSwarm`.
     """
-    return AeroSceneSwarm(vehicles, scene, cfg)
+    return AeroSceneSwarm(vehicles, scene, cfg, render_mode)
 
 
 def _airframes(vehicles: int | Sequence[str], cfg: EnvironmentCfg) -> list[Airframe]:

@@ -22,6 +22,7 @@ from scenarios.environments.episodes.place import Place
 from scenarios.environments.interface.actions import Actuation
 from scenarios.environments.interface.latency import ActionQueue
 from scenarios.environments.interface.observations import N_NOISES, Observation, Observer
+from scenarios.environments.interface.pictures import Photographer, Picture
 from scenarios.environments.tasks.swarm import Swarm
 from scenarios.environments.tasks.task import Situation, Start
 
@@ -75,6 +76,7 @@ class SwarmWorld:
         self._queue = ActionQueue(n, cfg.longest_latency)
         self.task = Swarm()
         self._step_s, self._longest_s = 1.0 / cfg.action_hz, cfg.episode_s or self.task.episode_s
+        self._photographer = Photographer(self._fleet, self._step_s)
         self.seconds = self._begun_s = 0.0
         self._flights: list[_Flight] = []
         self._noise = np.zeros((n, N_NOISES))
@@ -181,8 +183,13 @@ class SwarmWorld:
         np.clip(numbers, self._numbers.low, self._numbers.high, out=numbers)
         return {**images, "numbers": numbers} if isinstance(own, dict) else numbers
 
+    def picture(self) -> Picture:
+        """All vehicles as they are now."""
+        return self._photographer.all_together()
+
     def close(self) -> None:
         """Free what the world holds."""
+        self._photographer.close()
         self._observer.close()
         self._fleet.close()
 

@@ -14,6 +14,7 @@ from scenarios.environments.batch import Batch
 from scenarios.environments.cfg import EnvironmentCfg, EnvironmentInputError
 from scenarios.environments.interface.actions import N_ACTIONS, checked_actions
 from scenarios.environments.interface.observations import take
+from scenarios.environments.interface.pictures import RENDER_MODES, Picture, checked_render_mode
 from scenarios.environments.single import ACTION_SPACE, refuse_options
 
 
@@ -27,7 +28,7 @@ class AeroSceneVectorEnv(VectorEnv[Any, np.ndarray, np.ndarray]):
     """
 
     metadata = {  # noqa: RUF012 - Gymnasium declares it
-        "render_modes": [],
+        "render_modes": RENDER_MODES,
         "autoreset_mode": AutoresetMode.SAME_STEP,
     }
 
@@ -38,6 +39,7 @@ class AeroSceneVectorEnv(VectorEnv[Any, np.ndarray, np.ndarray]):
         scenes: Sequence[str | Scene] = ("field",),
         cfg: EnvironmentCfg | None = None,
         n_threads: int | None = None,
+        render_mode: str | None = None,
     ) -> None:
         """Build the worlds.
 
@@ -47,9 +49,10 @@ class AeroSceneVectorEnv(VectorEnv[Any, np.ndarray, np.ndarray]):
             scenes: Scenes, or their names as the command line takes them.
             cfg: Configuration.
             n_threads: Threads that advance the worlds; None takes one for each core.
+            render_mode: "rgb_array" if `render` shall return pictures.
 
         Raises:
-            EnvironmentInputError: If the configuration is not valid.
+            EnvironmentInputError: If the configuration or the mode is not valid.
             SceneError: If there is no such scene.
             AirframeError: If there is no such vehicle.
         """
@@ -60,8 +63,11 @@ class AeroSceneVectorEnv(VectorEnv[Any, np.ndarray, np.ndarray]):
                 f'scenes = {scenes!r}: a sequence such as ("42", "field") is valid'
             )
         self.num_envs = num_envs
+        self.render_mode = checked_render_mode(render_mode)
         around = [scenes[i % len(scenes)] for i in range(num_envs)]
         self._batch = Batch(task, around, cfg, n_threads)
+        # Films of the environments run as fast as these do.
+        self.metadata = {**self.metadata, "render_fps": self._batch.action_hz}
         self.single_observation_space = self._batch.observer.space
         self.single_action_space = ACTION_SPACE
         self.observation_space = batch_space(self.single_observation_space, num_envs)
@@ -113,6 +119,18 @@ class AeroSceneVectorEnv(VectorEnv[Any, np.ndarray, np.ndarray]):
         if step.outcomes:
             observations = self._batch.observe((observations, list(step.outcomes)))
         return observations, step.reward, step.is_terminated, step.is_truncated, info
+
+    def render(self) -> tuple[Picture, ...] | None:
+        """A picture of each world's vehicle, (480, 640, 3) uint8; None without a mode.
+
+        Raises:
+            EnvironmentInputError: If no episode has begun.
+        """
+        if self.render_mode is None:
+            return None
+        if not self._is_seeded:
+            raise EnvironmentInputError("render: before the first episode only reset() is valid")
+        return tuple(self._batch.picture(i) for i in range(self.num_envs))
 
     def close_extras(self, **_kwargs: Any) -> None:
         """End the threads."""

@@ -28,7 +28,7 @@ def _result(folder: Path) -> str:
     path = os.pathsep.join([str(folder), *sys.path])
     done = subprocess.run(
         [sys.executable, "-c", "import kernels_of_test.caller"],
-        env=os.environ | {"PYTHONPATH": path, "XDG_CACHE_HOME": str(folder / "cache")},
+        env=os.environ | {"PYTHONPATH": path, "AEROSCENE_CACHE_DIR": str(folder / "cache")},
         capture_output=True,
         text=True,
         check=True,

@@ -22,9 +22,8 @@ from tests.aeroscene.layouts.samples import (
 @pytest.fixture
 def cache_folder(tmp_path, monkeypatch):
     monkeypatch.setenv("AEROSCENE_CACHE_DIR", str(tmp_path))
-    sources._cache_folder.cache_clear()
-    yield tmp_path
-    sources._cache_folder.cache_clear()
+    monkeypatch.delenv("AEROSCENE_CACHE", raising=False)
+    return tmp_path
 
 
 def test_a_corpus_scene_is_opened_the_second_time_from_the_cache(
@@ -64,7 +63,6 @@ def test_a_cache_that_cannot_be_written_does_no_harm(cache_folder, scene_42, mon
     blocked = cache_folder / "file"
     blocked.write_text("")
     monkeypatch.setenv("AEROSCENE_CACHE_DIR", str(blocked))
-    sources._cache_folder.cache_clear()
     assert open_scene("corpus:42") == scene_42
 
 

@@ -19,7 +19,8 @@ def fresh_tree(tmp_path, monkeypatch):
     source, cache = tmp_path / "source", tmp_path / "cache"
     source.mkdir()
     monkeypatch.setattr(jit, "_ROOT", source)
-    monkeypatch.setattr(jit.platformdirs, "user_cache_dir", lambda _name: str(cache))
+    monkeypatch.setenv("AEROSCENE_CACHE_DIR", str(cache))
+    monkeypatch.delenv("AEROSCENE_CACHE", raising=False)
     forget()
     yield source
     forget()
@@ -150,7 +151,7 @@ def test_kernels_load_without_scipys_linear_algebra_and_still_have_it(tmp_path):
     )
     environment = {
         **os.environ,
-        "XDG_CACHE_HOME": str(tmp_path / "cache"),
+        "AEROSCENE_CACHE_DIR": str(tmp_path / "cache"),
         "PYTHONPATH": str(Path(jit.__file__).parents[1]),
     }
     printed = subprocess.run(

@@ -1,14 +1,18 @@
-"""Return mode: climb, fly to home or to the nearest rally point, descend, land."""
+"""Return mode: climb, fly to home or the nearest rally point within the fence, descend, land."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from math import hypot, radians, tan
 
 from autonomy.types import Setpoint, Vector3
 from flightsim.autopilot.behaviours.land import Land
 from flightsim.autopilot.events import Severity
+from flightsim.autopilot.fence import Point2
+from flightsim.autopilot.fence_route import fence_routes
 from flightsim.autopilot.flight_context import FlightContext
+from flightsim.autopilot.mission_places import fence_breach
 from flightsim.autopilot.modes import Mode
 from flightsim.autopilot.vehicle import TICK_S
 
@@ -50,16 +54,21 @@ class ReturnHome:
             self._begin_landing((x, y))
             return
         ground_m = flight.home.position_enu_m[2]
-        self._place = east_m, north_m = self._nearest_place((x, y))
+        route = self._route((x, y))
+        if not route:
+            flight.events.say(Severity.CRITICAL, "RTL: no place within the geofence, landing here")
+            self._begin_landing((x, y))
+            return
+        self._place = east_m, north_m = route[-1]
         height_m = return_height(flight, hypot(east_m - x, north_m - y), z)
         descend_m = min(height_m, ground_m + flight.parameters["RTL_DESCEND_ALT"])
-        above = (east_m, north_m, height_m)
         heading = flight.heading
         heading.goal_yaw_rad = heading.yaw_rad
         yaw_rad = flight.home.yaw_rad
+        corners = [(east_m, north_m, height_m) for east_m, north_m in route]
         self._legs = [
             ((x, y, height_m), lambda: None),
-            (above, lambda: flight.face(above)),
+            *((corner, partial(flight.face, corner)) for corner in corners),
             ((east_m, north_m, descend_m), lambda: setattr(heading, "goal_yaw_rad", yaw_rad)),
         ]
         flight.events.say(
@@ -95,13 +104,27 @@ class ReturnHome:
         self._land = Land(self._flight, place_enu_m, self._flight.heading.goal_yaw_rad)
         self._land.start()
 
-    def _nearest_place(self, here_enu_m: tuple[float, float]) -> tuple[float, float]:
+    def _route(self, here_enu_m: Point2) -> list[Point2]:
+        """Points to fly over up to the place to land: home, or a rally point that is nearer.
+
+        Neither place nor route is beyond a geofence that counts. The route is empty if the fence
+        allows the vehicle's own place and no other.
+        """
         flight = self._flight
         assert flight.home is not None
         x, y = here_enu_m
         home = flight.home.position_enu_m
         places = [(home[0], home[1]), *flight.rally.points_enu_m]
-        return min(places, key=lambda place: hypot(place[0] - x, place[1] - y))
+        nearest = min(places, key=lambda place: hypot(place[0] - x, place[1] - y))
+        routes = fence_routes(flight)
+        if routes is None:
+            return [nearest]
+        found = [routes.length_and_route(here_enu_m, place) for place in places]
+        reachable = [each for each in found if each is not None]
+        if reachable:
+            return min(reachable, key=lambda each: each[0])[1]
+        is_inside = fence_breach(flight, flight.vehicle.position_enu_m) is None
+        return [] if is_inside else [(home[0], home[1])]
 
 
 def return_height(flight: FlightContext, distance_m: float, height_enu_m: float) -> float:

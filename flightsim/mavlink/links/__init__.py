@@ -4,8 +4,9 @@ Links never block, and no partner can delay or stop the flight.
 """
 
 from flightsim.mavlink.links.in_process import InProcessClient, InProcessLink
-from flightsim.mavlink.links.link import Link, LinkError, PortInUseError
-from flightsim.mavlink.links.network import network_links
+from flightsim.mavlink.links.link import Link, LinkError, PortInUseError, is_loopback
+from flightsim.mavlink.links.network import local_ports, network_links
+from flightsim.mavlink.links.out import OutAddress, UdpOutLink
 from flightsim.mavlink.links.serial import SerialLine, SerialLink
 from flightsim.mavlink.links.tcp import TcpServerLink
 from flightsim.mavlink.links.udp import UdpLink
@@ -15,10 +16,14 @@ __all__ = [
     "InProcessLink",
     "Link",
     "LinkError",
+    "OutAddress",
     "PortInUseError",
     "SerialLine",
     "SerialLink",
     "TcpServerLink",
     "UdpLink",
+    "UdpOutLink",
+    "is_loopback",
+    "local_ports",
     "network_links",
 ]

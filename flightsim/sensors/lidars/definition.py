@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
+import os
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -72,7 +73,7 @@ def lidar_by_name(name: str) -> LidarCfg:
     """
     if name in LIDARS:
         return LIDARS[name]
-    path = Path(name).expanduser()
+    path = Path(os.path.expanduser(name))  # noqa: PTH111 - pathlib's raises without one
     if path.suffix == ".toml":
         return _read(path)
     if path.suffix == ".csv":

@@ -100,6 +100,83 @@ def front3d_house() -> dict[str, Any]:
     }
 
 
+def _xyz(x: float, y: float, z: float) -> dict[str, float]:
+    return {"x": x, "y": y, "z": z}
+
+
+def _thor_room(room_id: str, kind: str, x0: float, x1: float) -> dict[str, Any]:
+    corners = [(x0, 0.0), (x0, 5.0), (x1, 5.0), (x1, 0.0)]
+    return {"id": room_id, "roomType": kind, "floorPolygon": [_xyz(x, 0, z) for x, z in corners]}
+
+
+def procthor_house() -> dict[str, Any]:
+    """Two rooms of 5 m by 5 m in ProcTHOR's form: y up, Unity's left-handed frame."""
+    desk = {
+        "id": "2|0",
+        "assetId": "Desk_307_1_1",
+        "position": _xyz(1.0, 0.4, 2.5),
+        "rotation": _xyz(0, 90, 0),
+        "children": [
+            {
+                "id": "small|2|7",
+                "assetId": "RoboTHOR_laptop_alienware_v",
+                "position": _xyz(1.0, 0.9, 2.5),
+                "rotation": _xyz(0, 90, 0),
+            }
+        ],
+    }
+    painting = {
+        "id": "window|2|3",
+        "assetId": "Wall_Decor_Painting_4",
+        "position": _xyz(8.0, 1.6, 4.98),
+        "rotation": _xyz(0, 180, 0),
+    }
+    sofa = {
+        "id": "3|0",
+        "assetId": "Sofa_203_2",
+        "position": _xyz(7.5, 0.45, 4.0),
+        "rotation": _xyz(0, 180, 0),
+    }
+    return {
+        "metadata": {"schema": "1.0.0"},
+        "rooms": [
+            _thor_room("room|2", "Bedroom", 0.0, 5.0),
+            _thor_room("room|3", "LivingRoom", 5.0, 10.0),
+        ],
+        "walls": [],
+        "doors": [],
+        "windows": [],
+        "proceduralParameters": {},
+        "objects": [desk, sofa, painting],
+    }
+
+
+def holodeck_house() -> dict[str, Any]:
+    """A room of 6 m by 5 m in Holodeck's form: outlines in cm, children by their ids."""
+    outline = [(95, 170), (95, 330), (205, 330), (205, 170)]
+    return {
+        "rooms": [_thor_room("office", "office", 0.0, 6.0)],
+        "walls": [],
+        "objects": [
+            {
+                "id": "standing_desk-0 (office)",
+                "object_name": "standing_desk-0",
+                "assetId": "0a1b2c3d4e5f",
+                "position": _xyz(1.5, 0.375, 2.5),
+                "rotation": _xyz(0, 90, 0),
+                "vertices": [list(corner) for corner in outline],
+            },
+            {
+                "id": "coffee_mug-0|standing_desk-0 (office)",
+                "assetId": "5f4e3d2c1b0a",
+                "position": _xyz(1.5, 0.8, 2.5),
+                "rotation": _xyz(0, 0, 0),
+                "roomId": "office",
+            },
+        ],
+    }
+
+
 def authors_scene() -> dict[str, Any]:
     """Two buildings, one of them furnished, in the form of the AeroScene authors."""
     return {

@@ -7,6 +7,7 @@ import pytest
 from flightsim.autopilot.modes import Mode
 from flightsim.mavlink.dialect import LAYOUTS
 from flightsim.mavlink.dialect import dialect as mav
+from flightsim.mavlink.hardware_uid import hardware_uid
 from flightsim.mavlink.personalities import PX4
 from tests.flightsim.mavlink.wire import named
 
@@ -293,6 +294,13 @@ def test_who_the_vehicle_is(flight):
     assert version.flight_sw_version >> 24 == 1
     assert version.capabilities & (8 | 16 | 128 | 8192) == 8 | 16 | 128 | 8192
     assert version.uid != 0
+    assert bytes(version.uid2) == hardware_uid(1)
+
+
+def test_each_vehicle_has_a_hardware_uid_of_its_own():
+    uids = {hardware_uid(system_id) for system_id in range(1, 256)}
+    assert len(uids) == 255
+    assert {len(uid) for uid in uids} == {18}
 
 
 def test_the_list_of_modes_is_complete_and_every_selectable_one_is_named(flight):

@@ -10,9 +10,11 @@ from flightsim.mavlink.dialect import layout
 from flightsim.mavlink.links import (
     InProcessLink,
     LinkError,
+    OutAddress,
     PortInUseError,
     TcpServerLink,
     UdpLink,
+    UdpOutLink,
 )
 from tests.flightsim.mavlink.wire import Wire, free_port, named
 
@@ -284,3 +286,72 @@ def test_the_in_process_client_meets_the_same_channel_in_simulated_time():
     assert [message.seq for message in named(wire.decode(link.client.recv()), "PING")] == [8]
     assert link.client.recv() == b""
     host.close()
+
+
+def _ping(sequence):
+    return Wire().encode("PING", 0, sequence, 0, 0)
+
+
+@pytest.fixture
+def listener():
+    client = _udp_client()
+    yield client
+    client.close()
+
+
+def test_the_vehicle_speaks_first_to_an_address_that_is_named(listener):
+    port = listener.getsockname()[1]
+    host = _Host(UdpOutLink(OutAddress.parse(f"udp:localhost:{port}")))
+    try:
+        host.say_to_all()
+        data, vehicle = listener.recvfrom(2048)
+        assert data
+        listener.sendto(_ping(7), vehicle)
+        (channel,) = host.link.channels
+        received = host.poll_until(_any)
+        assert [message.seq for message in received[channel]] == [7]
+    finally:
+        host.close()
+
+
+def test_nobody_but_the_named_address_is_heard(listener):
+    """Its port may be open to a network, unlike those on loopback."""
+    port = listener.getsockname()[1]
+    host = _Host(UdpOutLink(OutAddress.parse(f"udp:127.0.0.1:{port}")))
+    stranger = _udp_client()
+    try:
+        host.say_to_all()
+        _, vehicle = listener.recvfrom(2048)
+        stranger.sendto(_ping(1), vehicle)
+        listener.sendto(_ping(2), vehicle)
+        (messages,) = host.poll_until(_any).values()
+        assert [message.seq for message in messages] == [2]
+    finally:
+        stranger.close()
+        host.close()
+
+
+def test_it_goes_on_where_nobody_listens_yet():
+    port = free_port(socket.SOCK_DGRAM)
+    host = _Host(UdpOutLink(OutAddress.parse(f"udp:127.0.0.1:{port}")))
+    try:
+        for _ in range(3):
+            host.say_to_all()
+            host.poll()
+        late = _udp_client(port)
+        host.say_to_all()
+        host.say_to_all()
+        assert late.recv(2048)
+        late.close()
+    finally:
+        host.close()
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "udp", "udp:host", "udp::14550", "udp:127.0.0.1:", "udp:127.0.0.1:0", "udp:a:70000"]
+    + ["tcp:127.0.0.1:5760", "127.0.0.1:14550", "udp:127.0.0.1:٤٢", "udp:no.such.host.invalid:1"],
+)
+def test_what_is_no_address_to_speak_to_is_refused(text):
+    with pytest.raises(LinkError, match="valid: udp:HOST:PORT"):
+        OutAddress.parse(text)

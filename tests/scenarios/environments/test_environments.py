@@ -249,3 +249,67 @@ def test_seeds_are_one_for_each_world():
     with pytest.raises(EnvironmentInputError, match="seed: 3 numbers for 2 worlds"):
         env.reset(seed=[1, 2, 3])
     env.close()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_environment_returns_pictures_of_the_vehicle(name):
+    env = gymnasium.make(name, render_mode="rgb_array")
+    env.reset(seed=1)
+    first = env.render()
+    assert (first.shape, first.dtype) == ((480, 640, 3), np.uint8)
+    assert first.std() > 10
+    for _ in range(10):
+        env.step(np.array([0.3, 0.0, 0.3, 0.0], dtype=np.float32))
+    assert (env.render() != first).any()
+    assert env.unwrapped.metadata["render_fps"] == 50
+    env.close()
+
+
+def test_a_vector_of_worlds_returns_a_picture_of_each():
+    envs = gymnasium.make_vec(
+        "AeroScene/Hover-v0", num_envs=2, scenes=("field", "42"), render_mode="rgb_array"
+    )
+    envs.reset(seed=1)
+    first, second = envs.render()
+    assert first.shape == second.shape == (480, 640, 3)
+    assert (first != second).any()
+    envs.close()
+
+
+def test_pictures_change_no_episode():
+    flights = []
+    for mode in (None, "rgb_array"):
+        env = gymnasium.make("AeroScene/Landing-v0", cfg=NOISY, render_mode=mode)
+        seen = [env.reset(seed=4)[0]]
+        for _ in range(20):
+            seen.append(env.step(np.array([0.2, 0.1, -0.1, 0.3], dtype=np.float32))[0])
+            env.render()
+        flights.append(np.array(seen))
+        env.close()
+    np.testing.assert_array_equal(*flights)
+
+
+def test_gymnasiums_recorder_gets_every_frame(tmp_path):
+    """`RecordVideo` itself needs moviepy, which wants an older Pillow than ours."""
+    from gymnasium.wrappers import RenderCollection  # noqa: PLC0415 - with gymnasium
+
+    env = RenderCollection(gymnasium.make("AeroScene/Hover-v0", render_mode="rgb_array"))
+    env.reset(seed=0)
+    for _ in range(3):
+        env.step(np.zeros(4, dtype=np.float32))
+    frames = env.render()
+    assert [frame.shape for frame in frames] == [(480, 640, 3)] * 4
+    env.close()
+
+
+def test_a_mode_that_is_none_and_a_picture_before_the_first_episode_are_refused():
+    with pytest.raises(EnvironmentInputError, match="None and 'rgb_array' are valid"):
+        AeroSceneEnv("hover", render_mode="human")
+    env = AeroSceneEnv("hover", render_mode="rgb_array")
+    with pytest.raises(EnvironmentInputError, match="before the first episode"):
+        env.render()
+    env.close()
+    env = AeroSceneEnv("hover")
+    env.reset(seed=0)
+    assert env.render() is None
+    env.close()

@@ -160,3 +160,14 @@ def test_a_missing_action_is_refused(steered):
         steered.step({"vehicle_2": np.zeros(4)})
     with pytest.raises(EnvironmentInputError, match="its shape is"):
         steered.step(dict.fromkeys(steered.agents, np.zeros(3)))
+
+
+def test_a_picture_shows_all_vehicles_and_changes_nothing():
+    env = swarm_v0.parallel_env(vehicles=3, render_mode="rgb_array")
+    env.reset(seed=2)
+    first = env.render()
+    assert (first.shape, first.dtype) == ((480, 640, 3), np.uint8)
+    assert env.metadata["render_fps"] == 50
+    env.step({agent: np.full(4, 0.2, dtype=np.float32) for agent in env.agents})
+    assert (env.render() != first).any()
+    env.close()

@@ -29,7 +29,7 @@ def test_compiled_kernels_are_not_announced(caplog):
 
 
 def test_kernels_without_cached_code_are_announced_once(caplog, monkeypatch, tmp_path):
-    monkeypatch.setattr("platformdirs.user_cache_dir", lambda _: str(tmp_path))
+    monkeypatch.setenv("AEROSCENE_CACHE_DIR", str(tmp_path))
     cache_directory.cache_clear()
     try:
         with caplog.at_level(logging.WARNING):
@@ -92,7 +92,7 @@ def test_no_kernel_is_forgotten_and_none_needs_torch():
 
 
 def test_the_first_scene_compiles_nothing(tmp_path):
-    cache = {"XDG_CACHE_HOME": str(tmp_path)}
+    cache = {"AEROSCENE_CACHE_DIR": str(tmp_path)}
     python("-c", ARRANGE, **cache)
     kept = {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*.nb?")}
     assert len(kept) > 14

@@ -1,0 +1,157 @@
+"""Ways within a geofence: from here to a place by the fewest metres, round what is forbidden."""
+
+from __future__ import annotations
+
+import heapq
+from itertools import pairwise
+from math import hypot
+from typing import TYPE_CHECKING
+
+from flightsim.autopilot.fence import CircleFence, FenceStore, Point2, PolygonFence
+from flightsim.autopilot.flight_context import FlightContext
+
+if TYPE_CHECKING:
+    from shapely.geometry.base import BaseGeometry
+
+_MARGIN_M = 1.5
+"""Distance that corners of a route keep from the fence; straight parts keep half of it."""
+_MOST_CORNERS = 100
+"""Corners of the fence that a search looks at, so that no fence can hold up the flight."""
+_SIMPLER = 2.0
+"""Factor by which corners are smoothed more, from 0.1 m, until they are few enough."""
+_EVERYWHERE_M = 2e5
+
+
+class FenceRoutes:
+    """The area that a fence allows, as it is now, and routes in it."""
+
+    def __init__(self, area: BaseGeometry) -> None:
+        """Prepare an area.
+
+        Args:
+            area: Allowed places, ENU m.
+        """
+        import shapely  # noqa: PLC0415 - half a launch; only for a fence
+
+        self._area = area
+        self._half = area.buffer(-_MARGIN_M / 2, join_style="mitre")
+        shapely.prepare(self._area)
+        shapely.prepare(self._half)
+
+    def length_and_route(self, start: Point2, goal: Point2) -> tuple[float, list[Point2]] | None:
+        """Length of the shortest route and its points after the start; None if there is none.
+
+        A start beyond the fence goes straight back to the nearest allowed place first.
+        """
+        import shapely  # noqa: PLC0415 - as above
+
+        if not self._area.covers(shapely.Point(goal)):
+            return None
+        back: list[Point2] = []
+        if not self._area.covers(shapely.Point(start)):
+            inner = self._half if not self._half.is_empty else self._area
+            nearest = shapely.shortest_line(inner, shapely.Point(start)).coords[0]
+            back = [(nearest[0], nearest[1])]
+        begin = back[0] if back else start
+        if self._is_free([begin], goal)[0]:
+            route = [goal]
+        elif (found := self._search(begin, goal)) is not None:
+            route = found
+        else:
+            return None
+        points = [start, *back, *route]
+        return sum(hypot(c - a, d - b) for (a, b), (c, d) in pairwise(points)), points[1:]
+
+    def _search(self, start: Point2, goal: Point2) -> list[Point2] | None:
+        """Dijkstra over the corners, each of which sees others."""
+        points = [start, goal, *_corners(self._area)]
+        best: dict[int, float] = {0: 0.0}
+        before: dict[int, int] = {}
+        waiting, done = [(0.0, 0)], set[int]()
+        while waiting:
+            length_m, here = heapq.heappop(waiting)
+            if here in done:
+                continue
+            done.add(here)
+            if here == 1:
+                break
+            others = [i for i in range(1, len(points)) if i not in done]
+            free = self._is_free([points[i] for i in others], points[here])
+            for other in (i for i, is_free in zip(others, free, strict=True) if is_free):
+                (a, b), (c, d) = points[here], points[other]
+                total_m = length_m + hypot(c - a, d - b)
+                if total_m < best.get(other, float("inf")):
+                    best[other], before[other] = total_m, here
+                    heapq.heappush(waiting, (total_m, other))
+        if 1 not in before:
+            return None
+        route = [1]
+        while before[route[-1]] != 0:
+            route.append(before[route[-1]])
+        return [points[i] for i in reversed(route)]
+
+    def _is_free(self, points: list[Point2], to: Point2) -> list[bool]:
+        """Whether straight flight from each point is allowed, with room unless an end has none."""
+        import shapely  # noqa: PLC0415 - as above
+
+        if not points:
+            return []
+        lines = shapely.linestrings([[point, to] for point in points])
+        with_room = shapely.covers(self._half, lines)
+        has_room = shapely.covers(self._half, shapely.points(points))
+        is_tight = ~has_room | ~shapely.covers(self._half, shapely.Point(to))
+        return (with_room | (is_tight & shapely.covers(self._area, lines))).tolist()
+
+
+def fence_routes(flight: FlightContext) -> FenceRoutes | None:
+    """Routes within the geofence; None if none is on, or GF_ACTION ignores it."""
+    p = flight.parameters
+    farthest_m, home = p["GF_MAX_HOR_DIST"], flight.home
+    has_circle = farthest_m > 0.0 and home is not None
+    if (
+        not flight.fence.is_enabled
+        or p["GF_ACTION"] == 0
+        or not (flight.fence.fences or has_circle)
+    ):
+        return None
+    import shapely  # noqa: PLC0415 - as above
+
+    area = _area(flight.fence)
+    if has_circle and home is not None:
+        x, y, _ = home.position_enu_m
+        area = area.intersection(shapely.Point(x, y).buffer(farthest_m))
+    return FenceRoutes(area)
+
+
+def _area(fence: FenceStore) -> BaseGeometry:
+    """Places inside any inclusion and outside all exclusions."""
+    import shapely  # noqa: PLC0415 - as above
+
+    shapes = [(_shape(each), each.is_inclusion) for each in fence.fences]
+    included = [shape for shape, is_inclusion in shapes if is_inclusion]
+    everywhere = shapely.box(-_EVERYWHERE_M, -_EVERYWHERE_M, _EVERYWHERE_M, _EVERYWHERE_M)
+    area = shapely.union_all(included) if included else everywhere
+    return area.difference(shapely.union_all([s for s, is_inclusion in shapes if not is_inclusion]))
+
+
+def _shape(fence: PolygonFence | CircleFence) -> BaseGeometry:
+    import shapely  # noqa: PLC0415 - as above
+
+    if isinstance(fence, CircleFence):
+        return shapely.Point(fence.centre_enu_m).buffer(fence.radius_m)
+    return shapely.make_valid(shapely.Polygon(fence.vertices_enu_m))
+
+
+def _corners(area: BaseGeometry) -> list[Point2]:
+    """Corners of the area, moved inwards, at most `_MOST_CORNERS`."""
+    import shapely  # noqa: PLC0415 - as above
+
+    inner = area.buffer(-_MARGIN_M, join_style="mitre")
+    tolerance_m = 0.1
+    points = shapely.get_coordinates(inner).tolist()
+    while len(points) > _MOST_CORNERS:
+        points = shapely.get_coordinates(inner.simplify(tolerance_m)).tolist()
+        if tolerance_m > _EVERYWHERE_M:
+            return []
+        tolerance_m *= _SIMPLER
+    return [(x, y) for x, y in points]

@@ -1,0 +1,11 @@
+"""Identity of a flight controller, by which ground stations and logs tell vehicles apart."""
+
+from __future__ import annotations
+
+_LENGTH = 18
+"""Bytes of `uid2` in AUTOPILOT_VERSION."""
+
+
+def hardware_uid(system_id: int) -> bytes:
+    """Serial number of a vehicle's board, the same in each of its runs."""
+    return b"AeroScene" + system_id.to_bytes(_LENGTH - len(b"AeroScene"), "big")
