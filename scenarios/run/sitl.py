@@ -275,6 +275,7 @@ class Sitl:
             success=judgement.success,
             reason=judgement.reason,
             code=judgement.code,
+            fate=judgement.fate,
             scene=bench.scene.scene_id,
             vehicle=bench.airframe.name,
             seed=self.cfg.bench.seed,

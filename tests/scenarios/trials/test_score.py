@@ -10,10 +10,11 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from flightsim.vehicles.catalogue import AIRFRAMES
+from scenarios.trials.bounds import is_over_area
 from scenarios.trials.contacts import Contact
 from scenarios.trials.measures.estimation import rotation_angle_rad
 from scenarios.trials.result import figures
-from scenarios.trials.score import Goal, is_over_area, score_flight
+from scenarios.trials.score import Goal, score_flight
 from tests.scenarios.trials.histories import AIR, AREA, BESIDE, HOVER, LANDED, LEG_M, START, flight
 
 IRIS = AIRFRAMES["iris"]
