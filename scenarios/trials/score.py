@@ -83,7 +83,8 @@ class Goal:
     area: InteractionArea | None = None
     """Assigned area; None if no landing was asked for."""
     chosen_enu_m: Vector3 | None = None
-    """Point of the area that the pilot chose; None takes the centroid."""
+    """Point that the pilot chose to land on. None, or a point beside the area, stands for the
+    area's centroid."""
     others: Sequence[InteractionArea] = ()
     """Other areas that the flight may have ended on."""
     stays_up: bool = False
@@ -151,8 +152,10 @@ def _n_soles_inside(soles_enu_m: np.ndarray, area: InteractionArea | None) -> in
 def _error_m(rest: np.void, goal: Goal) -> float | None:
     if goal.area is None:
         return None
-    chosen_enu_m = goal.chosen_enu_m or goal.area.centroid
-    return math.dist(rest["position_true_enu_m"][:2], chosen_enu_m[:2])
+    at_enu_m, chosen = goal.area.centroid, goal.chosen_enu_m
+    if chosen is not None and is_in_footprint(goal.area, *np.array(chosen)[:2, None])[0]:
+        at_enu_m = chosen
+    return math.dist(rest["position_true_enu_m"][:2], at_enu_m[:2])
 
 
 def _soles_enu_m(row: np.void, airframe: Airframe) -> Float[np.ndarray, "n 3"]:

@@ -61,7 +61,7 @@ def test_with_a_motor_lost_it_comes_down_gently_in_wind(vehicle, rotor):
     before_mps = []
     assert bench.run(
         40.0,
-        lambda: bench.plant.history["is_touching"].any(),
+        lambda: bool(bench.plant.history["is_touching"].any()),
         each=lambda: before_mps.append(bench.plant.truth.velocity_enu_mps),
     )
     assert -before_mps[-1][2] < 0.5

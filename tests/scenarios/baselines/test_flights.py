@@ -1,6 +1,7 @@
 """The baselines fly: round what they can, and into what they are known to end in."""
 
 import dataclasses
+import math
 
 import pytest
 
@@ -26,6 +27,28 @@ def fly(name, scene):
     cfg = pilot.brief(SitlCfg(area=ON_LAWN.id, bench=TestbenchCfg(speed="max")))
     with Sitl(cfg, scene=scene, pilot=pilot.make, has_network=False) as sitl:
         return sitl.run(), sitl
+
+
+class Beside:
+    """The straight-line pilot, which says that it chose a point south of the area's middle."""
+
+    def __init__(self, aboard):
+        self._pilot = pilot_of("straight").make(aboard)
+        x, y, z = aboard.area.centroid
+        self.touchdown_enu_m = (x, y - 0.3, z)
+
+    def __getattr__(self, name):
+        return getattr(self._pilot, name)
+
+
+def test_the_touchdown_error_of_any_pilot_counts_from_its_chosen_point():
+    _, centred = fly("straight", beside())
+    cfg = SitlCfg(area=ON_LAWN.id, bench=TestbenchCfg(speed="max"))
+    with Sitl(cfg, scene=beside(), pilot=Beside, has_network=False) as sitl:
+        aside = sitl.run()
+    place_m = centred.bench.plant.truth.position_enu_m[:2]
+    x, y, _ = ON_LAWN.centroid
+    assert aside.touchdown_error_m == pytest.approx(math.dist(place_m, (x, y - 0.3)), abs=0.01)
 
 
 # A little off the straight line from above the start to above the lawn.

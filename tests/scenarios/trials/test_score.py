@@ -48,6 +48,8 @@ def test_without_a_choice_the_error_is_that_from_the_centroid():
     )
     away = Goal(area=AREA, chosen_enu_m=(10.2, 0.4, 2.0))
     assert score(*GOOD, goal=away).touchdown_error_m == pytest.approx(0.3)
+    beside = Goal(area=AREA, chosen_enu_m=(11.1, 0.1, 2.0))
+    assert score(*GOOD, goal=beside).touchdown_error_m == pytest.approx(math.hypot(0.2, 0.1))
 
 
 def test_brushing_a_tree_on_the_way_counts_once_however_it_rattles():
