@@ -1,7 +1,7 @@
 """Where a flight begins and ends: lift-off, touchdown, and the contacts between the two.
 
-A touchdown is a contact with a surface to land on: the ground, the place of an area, or the place
-where the vehicle stood at the start. Any other contact is a collision. A collision counts as a
+A touchdown is a contact with a surface to land on: the ground and what people walk on, the place of
+an area, or the place where the vehicle stood at the start. Any other contact is a collision. A collision counts as a
 contact before the touchdown even if no free flight follows it.
 """
 
@@ -18,6 +18,12 @@ from aeroscene.scene import InteractionArea
 from flightsim.vehicles.airframe import Airframe
 from scenarios.trials.contacts import Contact
 from scenarios.trials.limits import LIMITS
+
+GROUNDS = frozenset(
+    {"terrain", "lawn", "plaza", "sidewalk", "road", "parking_lot", "landing_pad"}
+    | {"deck", "bridge", "floor", "room", "roof"}
+)
+"""Categories that people walk on: whoever comes down there has landed, if not on an area."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -153,7 +159,7 @@ class _Landing:
         assert touched is not None
         is_home = contact.object_id is not None and contact.object_id == touched.home_id
         is_below = contact.position_enu_m[2] <= soles_enu_m[2] + LIMITS.surface_tolerance_m
-        if contact.is_with_ground or (is_home and is_below):
+        if contact.is_with_ground or (is_below and (is_home or contact.category in GROUNDS)):
             return True
         areas = (area for area in self._areas if _is_surface(contact, area))
         return any(is_over_area(soles_enu_m[None], area)[0] for area in areas)

@@ -39,6 +39,8 @@ class Contact:
     """Number of the object in the scene; None for the ground and for movers."""
     position_enu_m: Vector3
     """First point of contact."""
+    category: str | None = None
+    """Category of the object; None for the ground and for movers."""
     speed_mps: float = 0.0
     """Speed of the vehicle when the contact began."""
 
@@ -73,6 +75,7 @@ class ContactFinder:
     def __init__(self, world: World) -> None:
         """Copy the world, with a vehicle that feels somewhat beyond its hull."""
         self._world = world
+        self._category = {thing.id: thing.category for thing in world.scene.objects}
         self._model = model = copy.copy(world.model)
         model.geom_margin[_hull(world)] = _FELT_M
         is_mover = model.body_mocapid >= 0
@@ -122,6 +125,7 @@ class ContactFinder:
                     what=self._world.name_of(thing),
                     object_id=thing if thing >= 0 else None,
                     position_enu_m=point_enu_m,
+                    category=self._category.get(thing),
                     speed_mps=impact_mps(history, row),
                 )
                 found.append(contact)

@@ -19,7 +19,7 @@ BESIDE_TABLE = (13.0, 0.0, 1.0)
 ENDING = Ending(word=Verdict(success=False, reason="flipped"), is_done=True)
 
 
-def contact(time_s, until_s, object_id, height_m=2.0):
+def contact(time_s, until_s, object_id, height_m=2.0, category=None):
     what = GROUND_NAME if object_id is None else f"object {object_id}"
     return Contact(
         time_s=time_s + 1e-6 * TICK_US,
@@ -28,6 +28,7 @@ def contact(time_s, until_s, object_id, height_m=2.0):
         object_id=object_id,
         position_enu_m=(0.0, 0.0, height_m),
         speed_mps=4.0,
+        category=category,
     )
 
 
@@ -85,9 +86,10 @@ def test_an_armchair_beside_the_place_is_touched_before_the_table_is():
         (LANDED, contact(6.0, 8.0, TABLE)),
         ((14.0, 0.0, START[2]), contact(6.0, 8.0, None, 0.0)),
         ((30.0, 0.0, START[2]), contact(6.0, 8.0, None, 0.0)),
+        ((30.0, 0.0, START[2]), contact(6.0, 8.0, 9, 0.0, "lawn")),
         ((0.0, 0.0, START[2] + 3.0), contact(6.0, 8.0, HOME, 3.0)),
     ],
-    ids=["the assigned area", "another area", "the ground", "home"],
+    ids=["the assigned area", "another area", "the ground", "a lawn", "home"],
 )
 def test_a_surface_to_land_on_is_no_collision(place, touched):
     history = flight((1, START, 1), (5, AIR, 0), (2, place, 1))
@@ -100,6 +102,12 @@ def test_the_wall_of_what_it_started_from_is_a_collision():
     history = flight((1, START, 1), (5, AIR, 0), (2, (0.0, 0.0, 1.0), 1))
     wall = contact(6.0, 8.0, HOME, 1.3)
     assert bounds(history, wall, home_id=HOME)[1] == (wall,)
+
+
+def test_the_wall_of_a_room_is_no_floor():
+    history = flight((1, START, 1), (5, AIR, 0), (2, (30.0, 0.0, 1.0), 1))
+    wall = contact(6.0, 8.0, 9, 1.3, "room")
+    assert bounds(history, wall)[1] == (wall,)
 
 
 def test_all_contacts_of_a_flight_that_ends_in_the_air_count():
