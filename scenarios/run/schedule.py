@@ -57,14 +57,14 @@ class Schedule:
     def _flown(self, companion: Companion, log: FlightLog) -> Iterator[_Part]:
         """Parts of a flight: each begins when the one before is over."""
         yield LIMITS.trial_s, lambda: companion.is_done
+        if self._is_left_in_the_air():
+            self._watches_descent = True
+            yield LIMITS.longest_fall_s, lambda: not log.is_in_the_air()
+            yield LIMITS.longest_settle_s, log.is_still
+            return
         yield LIMITS.settle_s, lambda: False
         rest_s = LIMITS.longest_settle_s - LIMITS.settle_s
         yield rest_s, lambda: companion.area is None or log.is_still()
-        if not self._is_left_in_the_air():
-            return
-        self._watches_descent = True
-        yield LIMITS.longest_fall_s, lambda: not log.is_in_the_air()
-        yield LIMITS.longest_settle_s, log.is_still
 
     def _is_left_in_the_air(self) -> bool:
         """Whether a pilot that was to land has ended its flight in the air."""

@@ -93,6 +93,24 @@ def test_a_link_that_falls_silent_is_waited_for_and_then_left_to_the_autopilot(d
     assert pilot.verdict.reason == "no position from the autopilot for 0.5 s"
 
 
+def test_under_a_roof_it_is_left_to_the_autopilot_to_land_where_it_is(demo):
+    demo = demo(yard())
+    pilot = demo.fly_to(Phase.NAVIGATE)
+    demo.fly_on(1.0)
+    x, y, z = pilot._flight.telemetry.position_enu_m
+    also_stands(pilot, (x, y, z + 4.0), (30.0, 30.0, 0.2))
+    pipe = demo.bench.pilot_link.client
+    receive = pipe.recv
+    pipe.recv = lambda: receive()[:0]
+    demo.fly_to(Phase.HAND_OVER)
+    demo.fly()
+    assert demo.bench.autopilot.mode is Mode.LAND
+    highest_m = demo.bench.plant.truth.position_enu_m[2]
+    demo.bench.run(20.0)
+    assert not demo.bench.autopilot.is_armed
+    assert highest_m < z + 1.0
+
+
 def test_with_the_seventh_hold_it_gives_up_and_lands_at_home(demo):
     demo = demo(yard())
     pilot = demo.fly_to(Phase.NAVIGATE)
