@@ -1,6 +1,7 @@
 """Trust in the position: what rests on nothing is told from odometry and from a poor receiver."""
 
 import math
+from itertools import pairwise
 
 import pytest
 
@@ -30,7 +31,8 @@ def lost(time_s):
 def test_without_satellites_and_odometry_the_position_is_adrift_within_five_seconds():
     found = adrift_at_s(lost, 6.5)
     assert 2.0 < found[0] < 5.0
-    assert found[-1] == pytest.approx(6.4), "it stays so"
+    assert len(found) > 10, "it stays so"
+    assert max(b - a for a, b in pairwise(found)) < 0.3
 
 
 def test_a_position_that_is_measured_again_is_trusted_again():
@@ -45,7 +47,7 @@ def test_a_position_that_is_measured_again_is_trusted_again():
         lambda t: math.hypot(0.04, 0.025 * math.sqrt(2.0 * 6.5 * t)),
         lambda t: 0.05 if t < 5.0 else 0.5,
         lambda t: min(0.06 + 0.4 * max(t - 5.0, 0.0), 0.36),
-        lambda t: 1.8 + 0.1 * math.sin(t),
+        lambda t: 1.8 + 0.1 * math.sin(0.1 * t),
         lambda _: math.nan,
     ],
     ids=["odometry", "a step", "ambiguous", "a poor receiver", "nothing told"],
