@@ -39,7 +39,7 @@ def slanting_lines(foot_enu_m: Vector3, lowest_m: float) -> Iterator[Float[np.nd
         foot_enu_m: Point on the surface.
         lowest_m: Height of the lowest point above the surface.
     """
-    low = np.array(foot_enu_m) + [0.0, 0.0, lowest_m]
+    low = np.add(foot_enu_m, (0.0, 0.0, lowest_m))
     for aside_m in _ASIDE_M:
         for height_m in HOVER_HEIGHTS_M:
             if height_m - lowest_m < aside_m:
@@ -47,6 +47,6 @@ def slanting_lines(foot_enu_m: Vector3, lowest_m: float) -> Iterator[Float[np.nd
             for turn in range(_N_DIRECTIONS):
                 angle_rad = 2.0 * math.pi * turn / _N_DIRECTIONS
                 east_m, north_m = aside_m * math.cos(angle_rad), aside_m * math.sin(angle_rad)
-                hover = np.array(foot_enu_m) + [east_m, north_m, height_m]
+                hover = np.add(foot_enu_m, (east_m, north_m, height_m))
                 n_points = 2 + math.ceil(float(np.linalg.norm(hover - low)) / _STEP_M)
                 yield np.linspace(low, hover, n_points)

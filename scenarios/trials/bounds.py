@@ -1,8 +1,8 @@
 """Where a flight begins and ends: lift-off, touchdown, and the contacts between the two.
 
 A touchdown is a contact with a surface to land on: the ground and what people walk on, the place of
-an area, or the place where the vehicle stood at the start. Any other contact is a collision. A collision counts as a
-contact before the touchdown even if no free flight follows it.
+an area, or the place where the vehicle stood at the start. Any other contact is a collision. It
+counts as a contact before the touchdown even if no free flight follows it.
 """
 
 from __future__ import annotations

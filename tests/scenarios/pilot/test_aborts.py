@@ -327,3 +327,20 @@ def test_a_start_that_something_was_put_above_is_not_left(demo):
     assert demo.targets()[-2:] == [Phase.DISARM, Phase.FAILED]
     assert pilot.verdict.reason.startswith("no certified way up from the start: clearance falls")
     assert demo.bench.plant.truth.position_enu_m[2] < 0.2
+
+
+def test_without_satellites_and_odometry_it_lands_at_once_where_images_tell_no_place(demo):
+    demo = demo(field(), FAR_LAWN)
+    pilot = demo.fly_to(Phase.NAVIGATE)
+    demo.fly_on(1.0)
+    for sensor in ("gnss", "vio"):
+        demo.bench.plant.failures.fail_sensor(sensor, Failure.OFF)
+    demo.fly_to(Phase.HAND_OVER)
+    assert pilot.transitions[-1].reason.startswith("nothing measures the position any more")
+    truth_enu_m = demo.bench.plant.truth.position_enu_m
+    assert math.dist(pilot._flight.telemetry.position_enu_m, truth_enu_m) < 2.0
+    demo.fly()
+    assert demo.bench.autopilot.mode is Mode.LAND
+    demo.bench.run(30.0, until=lambda: not demo.bench.autopilot.is_armed)
+    assert demo.score().is_down
+    assert demo.score().tilt_at_rest_deg < 5.0
