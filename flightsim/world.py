@@ -41,6 +41,8 @@ from flightsim.world_rays import RayTree
 
 VEHICLE_ID, GROUND_ID = -1, -2
 """Ids of the vehicle's own geoms and of the ground plane in `World.geom_object_id`."""
+GROUND_NAME = "the ground"
+"""Name of the ground plane, as `World.name_of` gives it."""
 FIRST_MOVER_ID = -10
 """Id of the first moving obstacle in `World.geom_object_id`; the next ones count down."""
 FIRST_MATE_ID = -100
@@ -292,7 +294,7 @@ def _enable_sleep(model: mujoco.MjModel) -> None:
 
 def _describe(scene: Scene, object_id: int) -> str:
     if object_id == GROUND_ID:
-        return "the ground"
+        return GROUND_NAME
     if object_id <= FIRST_MOVER_ID:
         return f"moving obstacle {FIRST_MOVER_ID - object_id}"
     category = next((o.category for o in scene.objects if o.id == object_id), "unknown")

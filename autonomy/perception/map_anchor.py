@@ -81,14 +81,20 @@ class MapAnchor:
         east, north, up, _ = self._in_use.tolist()
         return east, north, up
 
-    def claim(self, horizontal_m: float, vertical_m: float = math.inf) -> None:
+    def claim(
+        self, horizontal_m: float, vertical_m: float = math.inf, *, is_adrift: bool = False
+    ) -> None:
         """Adopt the standard deviations that the autopilot claims for each axis of its estimate.
 
         A better estimate drifts less between images and needs a smaller search. An infinite
-        vertical deviation stands for half as much again as the horizontal one.
+        vertical deviation stands for half as much again as the horizontal one. While nothing
+        measures the position (`is_adrift`), the offset is off by as much more as the claim rises.
         """
         if (horizontal_m, vertical_m) == self._claimed_m:
             return
+        if is_adrift and horizontal_m > self._claimed_m[0]:
+            more = horizontal_m**2 - self._claimed_m[0] ** 2
+            self._covariance = self._covariance + np.diag([more, more, 0.0, 0.0])
         self._claimed_m = (horizontal_m, vertical_m)
         if not math.isfinite(vertical_m):
             vertical_m = _HEIGHT_TO_ACROSS * horizontal_m

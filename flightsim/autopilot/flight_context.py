@@ -124,12 +124,16 @@ class FlightContext:
         self.path.reset(position, velocity, acceleration)
         return self._setpoint(position, velocity, acceleration, ZERO3)
 
-    def sink(self, speed_mps: float) -> Setpoint:
-        """Setpoint of a level descent without any position."""
+    def sink(self, speed_mps: float, place_enu_m: tuple[float, float] | None = None) -> Setpoint:
+        """Setpoint of a level descent, onto a place or without any position.
+
+        Unlike the path, it does not wait for a vehicle that lags.
+        """
         self.turn()
+        east_m, north_m = place_enu_m or NAN3[:2]
         return Setpoint(
             level=ControlLevel.TRAJECTORY,
-            position_enu_m=NAN3,
+            position_enu_m=(east_m, north_m, NAN3[2]),
             velocity_enu_mps=(NAN3[0], NAN3[0], -speed_mps),
             acceleration_enu_mps2=ZERO3,
             yaw_rad=self.heading.yaw_rad,

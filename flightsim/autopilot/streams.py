@@ -114,6 +114,11 @@ class TargetStream:
         self.velocity_enu_mps = velocity_enu_mps
         self._received_us = time_us
 
+    @property
+    def latest_enu_m(self) -> Vector3 | None:
+        """Where the target was by the latest report, however old; None without any."""
+        return self._position_enu_m
+
     def at(self, time_us: int) -> Vector3 | None:
         """Where the target is at a time, by its velocity; None if it is not known any more."""
         age_us = time_us - self._received_us

@@ -106,6 +106,6 @@ def _above(area: InteractionArea, world: Surroundings) -> Vector3:
     Raises:
         MissionError: If there is none.
     """
-    if (place := world.hover_point(area)) is None:
+    if (place := world.hover_above(area)) is None:
         raise MissionError(f"area {area.id} has no free place to hover above it")
     return place

@@ -105,7 +105,7 @@ def _look_at_scene(
         ):
             n_done = 0
             for place in rng.permutation(len(areas)).tolist():
-                hover = surroundings.hover_point(areas[place]) if n_done < most else None
+                hover = surroundings.hover_above(areas[place]) if n_done < most else None
                 if hover is not None:
                     n_done += 1
                     look = Looker(rig, surroundings, areas[place], hover, rng).land()

@@ -37,6 +37,7 @@ SCHEMA = pa.schema(
         ("trial", _WHOLE),
         ("success", _FLAG),
         ("code", _TEXT),
+        ("fate", _TEXT),
         ("reason", _TEXT),
         ("navigated", _FLAG),
         ("seed", _WHOLE),

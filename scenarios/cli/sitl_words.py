@@ -101,6 +101,7 @@ def _print_result(console: Console, result: TrialResult) -> None:
 
 def _figures(result: TrialResult) -> Iterator[tuple[str, float | int | str | None, str]]:
     """Name, value and unit of what the verdict rests on."""
+    yield "the vehicle is", result.fate and result.fate.replace("_", " "), ""
     yield "area, assigned", result.area, ""
     yield "area, landed on", result.landed_area, ""
     yield "contacts before touchdown", result.contacts_before_touchdown, ""

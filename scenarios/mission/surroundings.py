@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -32,7 +32,7 @@ from autonomy.planning.openings import Opening
 from autonomy.types import FlatReference, Vector3
 from flightsim.vehicles.airframe import Airframe
 from scenarios.mission import legs
-from scenarios.mission.hovering import hover_columns
+from scenarios.mission.hovering import hover_columns, slanting_lines
 from scenarios.mission.maps import given_map, unseen_map
 
 FIELD_RESOLUTION_M = 0.25
@@ -207,16 +207,32 @@ class Surroundings:
         return brake(previous, at_time_s, self.obstacles, self.craft, moving=moving, start=start)
 
     def hover_point(self, area: InteractionArea) -> Vector3 | None:
-        """Hover point above an area, with free air all the way down; None if there is none.
+        """Hover point from which a straight way down to an area is free; None if there is none.
 
-        In a growing map, unseen space counts as free: ask again when nearer.
+        It is above the area, or aslant where a roof or a wall leaves no room to hover there. In a
+        growing map, unseen space counts as free: ask again when nearer.
         """
-        lowest_m = self.radius_m + 2 * DESCENT_MARGIN_M + self.lift_m
-        for column in hover_columns(area.centroid, lowest_m):
-            x, y, z = column[-1].tolist()
-            if not self.field.contains(column[-1]) or not self.map.may_be_reached((x, y, z)):
+        above = self.hover_above(area)
+        if above is not None or not self.is_known:
+            return above
+        return self._first_free(slanting_lines(area.centroid, self._lowest_m))
+
+    def hover_above(self, area: InteractionArea) -> Vector3 | None:
+        """Hover point straight above an area, with free air all the way down."""
+        return self._first_free(hover_columns(area.centroid, self._lowest_m))
+
+    @property
+    def _lowest_m(self) -> float:
+        """Height above a surface from which on the air must be free."""
+        return self.radius_m + 2 * DESCENT_MARGIN_M + self.lift_m
+
+    def _first_free(self, ways: Iterable[np.ndarray]) -> Vector3 | None:
+        """Upper end of the first way (n, 3) that is free, and has room to hover at its end."""
+        for way in ways:
+            x, y, z = way[-1].tolist()
+            if not self.field.contains(way[-1]) or not self.map.may_be_reached((x, y, z)):
                 continue
-            room_m = self.map.distance_to_seen_m(column) - self.radius_m
+            room_m = self.map.distance_to_seen_m(way) - self.radius_m
             if room_m[-1] >= HOVER_MARGIN_M and np.all(room_m >= DESCENT_MARGIN_M):
                 return (x, y, z)
         return None

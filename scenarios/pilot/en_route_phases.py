@@ -14,6 +14,7 @@ from scenarios.pilot.landing_phases import LandingPhases
 from scenarios.pilot.last_stretch import COMMIT_HEIGHTS_M, LAST_HEIGHT_M
 from scenarios.pilot.phases import Phase, Replan, Step
 from scenarios.pilot.take_over import state_at_take_over
+from scenarios.pilot.way_home import is_way_home_free
 
 _LOG = logging.getLogger(__name__)
 
@@ -132,10 +133,18 @@ class EnRoutePhases:
         return Phase.RETURN, reason
 
     def hand_over(self) -> Step:
-        """Hand over to the autopilot's own return."""
+        """Hand over to the autopilot: its own return if the way is free, else it lands here.
+
+        The autopilot has no map, and under a roof its return climbs into that.
+        """
         flight = self._flight
         if not flight.commands:
-            flight.commands = [flight.client.set_mode(flight.client.habits.return_home)]
+            habits, world = flight.client.habits, flight.mission.surroundings
+            here, home = flight.telemetry.position_enu_m, flight.mission.takeoff_enu_m
+            returns = not flight.senses.is_adrift and is_way_home_free(world, here, home)
+            mode = habits.return_home if returns else habits.land_here
+            _LOG.info("left to the autopilot, to %s", "return" if returns else "land here")
+            flight.commands = [flight.client.set_mode(mode)]
         if all(command.is_done for command in flight.commands):
             return Phase.FAILED, flight.given_up or "handed over to the autopilot"
         return None

@@ -19,6 +19,9 @@ SILENCE_S = 0.5
 """Time without a new position after which the position is unknown."""
 PATIENCE_S = 3.0
 """Longest hold with unknown position before the autopilot must take over."""
+LOST_M = 0.5
+"""Standard deviation of the position in the map beyond which it lands at once, while neither
+satellites nor odometry measure it: the distance to which plans keep clear of what stands."""
 LEAST_BATTERY = 0.2
 """Charge at which it returns home; common autopilots warn at 15 to 25%."""
 LEAST_DEVIATION_M, MOST_DEVIATION_M = 0.5, 1.0
@@ -60,6 +63,7 @@ class Guard:
             checks = (
                 self._control,
                 self._whereabouts,
+                self._trust,
                 self._battery,
                 self._deviation,
                 self._lookout.check,
@@ -93,6 +97,19 @@ class Guard:
             flight.given_up = flight.given_up or flight.complaint
             return Phase.HAND_OVER, flight.complaint
         return None
+
+    def _trust(self, phase: Phase) -> Step:
+        """Check that the place in the map is known, if nothing else tells the position."""
+        flight = self._flight
+        senses = flight.senses
+        if not senses.is_adrift or phase in _AT_THE_GROUND or senses.place_sigma_m <= LOST_M:
+            return None
+        reason = (
+            "nothing measures the position any more, and the images do not tell it to better "
+            f"than {senses.place_sigma_m:.1f} m"
+        )
+        flight.given_up = flight.given_up or reason
+        return Phase.HAND_OVER, reason
 
     def _complaint(self) -> str | None:
         flight = self._flight

@@ -19,6 +19,7 @@ from autonomy.types import FlatReference, Quaternion, Vector3
 from flightsim.mavlink.client.telemetry import Telemetry
 from scenarios.mission.surroundings import Surroundings
 from scenarios.pilot.eyes import Frames, NoDepthError, camera_mount, posed_image
+from scenarios.pilot.trust import Trust
 
 if TYPE_CHECKING:
     from autonomy.perception.map_anchor import MapAnchor
@@ -28,6 +29,8 @@ WATCHING = ("forward", "down", "up_left", "up_right", "up_rear")
 """Cameras that look out for movers."""
 LOOK_PERIOD_US = 200_000
 """Time between two looks ahead for what the map lacks."""
+ADRIFT_PERIOD_US = 100_000
+"""Time between two fixes while nothing else measures the position."""
 LOOK_AGAIN_US = 100_000
 """Time between two looks while a detection is still unconfirmed."""
 FIX_PERIOD_US = 500_000
@@ -73,6 +76,7 @@ class Senses:
         self._time_us = 0
         self._due_us = 0
         self._fix_camera = "forward"
+        self._trust = Trust()
 
     def locate(self, time_us: int, estimate: Telemetry) -> None:
         """Convert telemetry to the map's frame."""
@@ -81,7 +85,8 @@ class Senses:
         if not estimate.has_state:
             self.telemetry = estimate
             return
-        anchor.claim(estimate.horizontal_sigma_m)
+        self._trust.hear(time_us, estimate.horizontal_sigma_m)
+        anchor.claim(estimate.horizontal_sigma_m, is_adrift=self.is_adrift)
         if not self._world.is_known:
             at_s = estimate.position_time_ms * 1e-3
             anchor.follow(at_s, estimate.position_enu_m, estimate.velocity_enu_mps)
@@ -119,7 +124,8 @@ class Senses:
             self._due_us = self._time_us + (LOOK_PERIOD_US if is_sure else LOOK_AGAIN_US)
             return True
         if self._is_unsure:
-            self._due_us = self._time_us + FIX_PERIOD_US
+            period_us = ADRIFT_PERIOD_US if self.is_adrift else FIX_PERIOD_US
+            self._due_us = self._time_us + period_us
             self._glance(self._fix_camera)
             self._fix_camera = "down" if self._fix_camera == "forward" else "forward"
         return False
@@ -146,6 +152,16 @@ class Senses:
     def moving(self, time_us: int) -> MovingObstacles:
         """Movers, predicted from a given time on."""
         return NOTHING_MOVES if self._tracker is None else self._tracker.moving(time_us * 1e-6)
+
+    @property
+    def is_adrift(self) -> bool:
+        """Whether neither satellites nor odometry seem to measure the position."""
+        return self._trust.is_adrift
+
+    @property
+    def place_sigma_m(self) -> float:
+        """Standard deviation of the position in the map, in the worst horizontal direction."""
+        return self._anchor.sigma_m
 
     @property
     def _is_unsure(self) -> bool:

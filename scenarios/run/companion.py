@@ -45,7 +45,11 @@ class Aboard:
 
 
 class Companion(Protocol):
-    """Interface of a pilot that `Sitl` runs: our own or another class."""
+    """Interface of a pilot that `Sitl` runs: our own or another class.
+
+    Optional members: `touchdown_enu_m`, the point (scene, ENU) that the pilot chose to land on, or
+    None; `planned_enu_m`, the way that it plans to fly; `replans`, its plans made anew.
+    """
 
     @property
     def is_done(self) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from flightsim.plant import Plant
@@ -32,24 +32,18 @@ class Schedule:
             companion: Who flies; a run for clients alone has one part, which has no end.
             longest_s: Simulated time after which it is over anyway; None for never.
         """
-        self._plant = plant
-        parts: list[_Part] = []
-        if companion is not None:
-            rest_s = LIMITS.longest_settle_s - LIMITS.settle_s
-            parts = [
-                (LIMITS.trial_s, lambda: companion.is_done),
-                (LIMITS.settle_s, lambda: False),
-                (rest_s, lambda: companion.area is None or log.is_still()),
-            ]
+        self._plant, self._log, self._companion = plant, log, companion
         self._is_endless = companion is None
-        self._parts = iter(parts)
+        self._watches_descent = False
+        self._parts = iter(()) if companion is None else self._flown(companion, log)
         self._end_us = math.inf if longest_s is None else plant.time_us + round(longest_s * 1e6)
         self._next()
 
     def is_over(self) -> bool:
         """Whether the run is over; whoever has heard so needs not ask again."""
         now_us = self._plant.time_us
-        if now_us >= self._end_us:
+        # A time limit is the pilot's. What becomes of the vehicle that it left is still seen.
+        if now_us >= self._end_us and not (self._watches_descent or self._is_left_in_the_air()):
             return True
         if self._is_endless:
             return False
@@ -59,6 +53,25 @@ class Schedule:
                 return False
             self._next()
         return True
+
+    def _flown(self, companion: Companion, log: FlightLog) -> Iterator[_Part]:
+        """Parts of a flight: each begins when the one before is over."""
+        yield LIMITS.trial_s, lambda: companion.is_done
+        if self._is_left_in_the_air():
+            self._watches_descent = True
+            yield LIMITS.longest_fall_s, lambda: not log.is_in_the_air()
+            yield LIMITS.longest_settle_s, log.is_still
+            return
+        yield LIMITS.settle_s, lambda: False
+        rest_s = LIMITS.longest_settle_s - LIMITS.settle_s
+        yield rest_s, lambda: companion.area is None or log.is_still()
+
+    def _is_left_in_the_air(self) -> bool:
+        """Whether a pilot that was to land has ended its flight in the air."""
+        companion = self._companion
+        if companion is None or companion.area is None or not companion.is_done:
+            return False
+        return self._log.is_in_the_air()
 
     def _next(self) -> None:
         part = next(self._parts, None)

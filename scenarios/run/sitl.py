@@ -250,12 +250,14 @@ class Sitl:
         """Where the flight should have ended; None if nobody flew."""
         if self.companion is None:
             return None
-        area, chosen_enu_m = self.area or self.companion.area, None
+        area = self.area or self.companion.area
         if self.pilot is not None:
             area = self.pilot.mission.area
-            # A pilot that went on to another area chose a point there.
-            chosen_enu_m = self.pilot.touchdown_enu_m if self.pilot.area is area else None
-        return Goal(area=area, chosen_enu_m=chosen_enu_m, others=self.bench.scene.interaction_areas)
+        return Goal(
+            area=area,
+            chosen_enu_m=getattr(self.companion, "touchdown_enu_m", None),
+            others=self.bench.scene.interaction_areas,
+        )
 
     def _judge(self, score: FlightScore, goal: Goal | None, stopped_by: str | None) -> Judgement:
         companion = self.companion
@@ -275,6 +277,7 @@ class Sitl:
             success=judgement.success,
             reason=judgement.reason,
             code=judgement.code,
+            fate=judgement.fate,
             scene=bench.scene.scene_id,
             vehicle=bench.airframe.name,
             seed=self.cfg.bench.seed,

@@ -19,10 +19,12 @@ from jaxtyping import Bool, Float
 from autonomy.types import Vector3, vector3
 from flightsim.looks.movers import MOVER_CONTACT_BIT
 from flightsim.vehicles.builder import vehicle_name
-from flightsim.world import World
+from flightsim.world import GROUND_NAME, World
 from scenarios.trials.limits import LIMITS
 
 _FELT_M = 0.01
+_IMPACT_S = 0.02
+"""Time before a contact in which its speed is measured: solids are a little soft."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -37,12 +39,26 @@ class Contact:
     """Number of the object in the scene; None for the ground and for movers."""
     position_enu_m: Vector3
     """First point of contact."""
+    category: str | None = None
+    """Category of the object; None for the ground and for movers."""
+    speed_mps: float = 0.0
+    """Speed of the vehicle when the contact began."""
+
+    @property
+    def is_with_ground(self) -> bool:
+        """Whether it is a contact with the bare ground."""
+        return self.object_id is None and self.what == GROUND_NAME
+
+    def spans(self, time_s: float) -> bool:
+        """Whether the thing is touched at a time."""
+        return self.time_s <= time_s <= self.until_s
 
     def to_plain(self) -> dict[str, Any]:
         """The contact as plain data, rounded to a millimetre and a millisecond."""
         x, y, z = (round(c, 3) for c in self.position_enu_m)
         times = {"time_s": round(self.time_s, 3), "until_s": round(self.until_s, 3)}
-        return asdict(self) | times | {"position_enu_m": [x, y, z]}
+        speed = {"speed_mps": round(self.speed_mps, 3)}
+        return asdict(self) | times | {"position_enu_m": [x, y, z]} | speed
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -59,6 +75,7 @@ class ContactFinder:
     def __init__(self, world: World) -> None:
         """Copy the world, with a vehicle that feels somewhat beyond its hull."""
         self._world = world
+        self._category = {thing.id: thing.category for thing in world.scene.objects}
         self._model = model = copy.copy(world.model)
         model.geom_margin[_hull(world)] = _FELT_M
         is_mover = model.body_mocapid >= 0
@@ -108,6 +125,8 @@ class ContactFinder:
                     what=self._world.name_of(thing),
                     object_id=thing if thing >= 0 else None,
                     position_enu_m=point_enu_m,
+                    category=self._category.get(thing),
+                    speed_mps=impact_mps(history, row),
                 )
                 found.append(contact)
         return tuple(found)
@@ -129,6 +148,14 @@ class ContactFinder:
         # The deepest contact of each thing comes last.
         order = touched[np.argsort(-dist_m[touched], kind="stable")].tolist()
         return {int(things[i]): vector3(points_enu_m[i]) for i in order}
+
+
+def impact_mps(history: np.ndarray, row: int) -> float:
+    """Greatest speed just before a row of a history, at which a contact begins."""
+    times_us = history["time_us"]
+    first = np.searchsorted(times_us, times_us[row] - round(1e6 * _IMPACT_S))
+    before = history[first:row]
+    return float(np.linalg.norm(before["velocity_true_enu_mps"], axis=1).max(initial=0.0))
 
 
 def _hull(world: World) -> Bool[np.ndarray, " ngeom"]:

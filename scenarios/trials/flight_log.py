@@ -12,6 +12,7 @@ import numpy as np
 from flightsim.plant import Plant
 from flightsim.plant.cfg import ADVANCE_HZ
 from flightsim.plant.record import without_gaps
+from scenarios.trials.bounds import Touched, lift_off_row
 from scenarios.trials.contacts import Contact, ContactFinder, MoverPoses
 from scenarios.trials.limits import LIMITS
 from scenarios.trials.measures.effort import measure_effort
@@ -76,6 +77,11 @@ class FlightLog:
         last = self._rows(-math.ceil(LIMITS.rest_s * ADVANCE_HZ))
         return is_at_rest(last) and not rotors_turn(last, self._plant.world.airframe)[-1]
 
+    def is_in_the_air(self) -> bool:
+        """Whether it has touched nothing for a while, in a flight that is judged."""
+        last = self._rows(-math.ceil(LIMITS.lift_off_s * ADVANCE_HZ))
+        return not np.any(last["is_touching"])
+
     def state_hash(self) -> str:
         """BLAKE2b of every row so far: what was true, measured, estimated and commanded."""
         if self._n_hashed < len(self._ticks):
@@ -93,20 +99,21 @@ class FlightLog:
             )
         if not self._ticks:
             return FlightScore()
-        history = self._rows(0)
-        score = score_flight(history, self._plant.world.airframe, goal or Goal())
-        if goal is None or score.lift_off_s is None:
+        history, airframe = self._rows(0), self._plant.world.airframe
+        if goal is None:
+            return score_flight(history, airframe, Goal())
+        score = score_flight(history, airframe, goal, self._touched(history))
+        if score.lift_off_s is None:
             return score
         return replace(
             score,
             effort=measure_effort(
                 history,
-                self._plant.world.airframe,
+                airframe,
                 lift_off_s=score.lift_off_s,
                 reached_s=score.reached_s,
                 touchdown_s=score.touchdown_s,
             ),
-            contacts=self._contacts(history, score),
             least_clearance_m=self._least_clearance_m(history),
             nearest_mover_m=self._nearest_mover_m(history, score),
         )
@@ -130,10 +137,23 @@ class FlightLog:
         self._ticks.clear()
         self._n_hashed = 0
 
-    def _contacts(self, history: np.ndarray, score: FlightScore) -> tuple[Contact, ...]:
-        counts = history["time_us"] * 1e-6 >= (score.lift_off_s or 0.0)
-        if not np.any(counts & (history["is_touching"] > 0)):
-            return ()
+    def _touched(self, history: np.ndarray) -> Touched:
+        """What was touched from lift-off on, and what the vehicle stood on at the start."""
+        counts = np.arange(len(history)) >= lift_off_row(history)
+        is_touching = history["is_touching"] > 0
+        if not np.any(counts & is_touching):
+            return Touched(contacts=())
+        before = np.flatnonzero(is_touching & ~counts)[:1]
+        counts[before] = True
+        contacts = self._contacts(history, counts)
+        if not before.size:
+            return Touched(contacts=contacts)
+        started_s = float(history["time_us"][before[0]]) * 1e-6
+        homes = [contact.object_id for contact in contacts if contact.time_s == started_s]
+        later = [contact for contact in contacts if contact.time_s != started_s]
+        return Touched(contacts=later, home_id=homes[0] if homes else None)
+
+    def _contacts(self, history: np.ndarray, counts: np.ndarray) -> tuple[Contact, ...]:
         n_rows, shape = (
             len(self._plant.history),
             (len(self._ticks), self._plant.world.model.nmocap),

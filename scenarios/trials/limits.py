@@ -15,6 +15,8 @@ class Limits:
     """Time that is watched after the pilot is done, at least."""
     longest_settle_s: float = 5.0
     """Time within which vehicle and rotors must have come to rest after that."""
+    longest_fall_s: float = 120.0
+    """Time that is watched, at most, until a vehicle is down that its pilot left in the air."""
 
     lift_off_s: float = 0.5
     """A vehicle without contact for this long has left the ground."""

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from aeroscene.scene import InteractionArea
 from autonomy.types import Vector3
 from scenarios.trials.score import FlightScore
-from scenarios.trials.verdict import Code
+from scenarios.trials.verdict import Code, Fate
 
 if TYPE_CHECKING:
     from scenarios.pilot import Pilot
@@ -23,6 +23,8 @@ class TrialResult:
     success: bool | None
     reason: str
     code: Code
+    fate: Fate | None
+    """State in which the flight left the vehicle, whatever its task was."""
     scene: str
     vehicle: str
     seed: int
@@ -65,7 +67,7 @@ class TrialResult:
     position_rmse_m: float | None
     attitude_rmse_deg: float | None
     contacts: tuple[dict[str, Any], ...]
-    """All that was touched after lift-off: what, when and where."""
+    """All that was touched after lift-off: what, when, where and how fast."""
     state_hash: str
     """Hash of every state of the flight: the same seed gives the same one on the same machine."""
     recording: str | None
@@ -75,7 +77,8 @@ class TrialResult:
 
     def to_plain(self) -> dict[str, Any]:
         """The result as plain data."""
-        return asdict(self) | {"code": self.code.value}
+        fate = None if self.fate is None else self.fate.value
+        return asdict(self) | {"code": self.code.value, "fate": fate}
 
 
 def figures(

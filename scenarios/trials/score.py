@@ -13,13 +13,11 @@ from aeroscene.scene import InteractionArea
 from autonomy.model.quadrotor import GRAVITY_MPS2
 from autonomy.types import Vector3
 from flightsim.vehicles.airframe import Airframe
-from scenarios.trials.contacts import Contact
+from scenarios.trials.bounds import Touched, bounds_of, is_in_footprint, is_over_area, n_ticks
+from scenarios.trials.contacts import Contact, impact_mps
 from scenarios.trials.limits import LIMITS
 from scenarios.trials.measures.effort import Effort
 from scenarios.trials.measures.estimation import EstimationErrors
-
-_IMPACT_S = 0.02
-"""Time before the first contact in which its speed is measured: solids are a little soft."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -39,6 +37,8 @@ class FlightScore:
     None if it ended in the air."""
     contacts_before_touchdown: int = 0
     """Separate contacts between lift-off and touchdown."""
+    touched_before: tuple[Contact, ...] = ()
+    """Those contacts."""
     contacts: tuple[Contact, ...] = ()
     """All that was touched after lift-off."""
     landed_area: int | None = None
@@ -83,24 +83,34 @@ class Goal:
     area: InteractionArea | None = None
     """Assigned area; None if no landing was asked for."""
     chosen_enu_m: Vector3 | None = None
-    """Point of the area that the pilot chose; None takes the centroid."""
+    """Point that the pilot chose to land on. None, or a point beside the area, stands for the
+    area's centroid."""
     others: Sequence[InteractionArea] = ()
     """Other areas that the flight may have ended on."""
     stays_up: bool = False
     """Whether a flight without an assigned area may touch nothing once it is in the air."""
 
 
-def score_flight(history: np.ndarray, airframe: Airframe, goal: Goal) -> FlightScore:
-    """Measure a flight by its history, a row for each control tick (`flightsim.plant.record`)."""
-    is_touching, time_s = history["is_touching"] > 0, history["time_us"] * 1e-6
-    lift_off, touchdown = _bounds(history, airframe, goal.area)
+def score_flight(
+    history: np.ndarray, airframe: Airframe, goal: Goal, touched: Touched | None = None
+) -> FlightScore:
+    """Measure a flight.
+
+    Args:
+        history: Row for each control tick (`flightsim.plant.record`).
+        airframe: Vehicle that flew.
+        goal: Where it should have ended.
+        touched: What it touched; None if only is known when it touched something.
+    """
+    time_s = history["time_us"] * 1e-6
+    bounds = bounds_of(history, airframe, goal.area, goal.others, touched)
+    lift_off, touchdown = bounds.lift_off, bounds.touchdown
     errors = EstimationErrors()
     errors.add(history)
     rest = history[-1]
     soles_enu_m = _soles_enu_m(rest, airframe)
     candidates = goal.others if goal.area is None else (goal.area, *goal.others)
     end = touchdown if touchdown < len(history) else None
-    brushes = _episodes(is_touching[lift_off:touchdown], _ticks(history, LIMITS.contact_gap_s))
     landed = (area.id for area in candidates if is_over_area(soles_enu_m, area).all())
     return FlightScore(
         position_rmse_m=errors.position_rmse_m,
@@ -108,35 +118,20 @@ def score_flight(history: np.ndarray, airframe: Airframe, goal: Goal) -> FlightS
         lift_off_s=float(time_s[lift_off]) if lift_off < len(history) else None,
         reached_s=reached_s(history[lift_off:], goal.area),
         touchdown_s=None if end is None else float(time_s[end]),
-        contacts_before_touchdown=brushes,
+        contacts_before_touchdown=bounds.n_contacts,
+        touched_before=bounds.before,
+        contacts=() if touched is None else tuple(touched.contacts),
         landed_area=next(landed, None) if end is not None else None,
         n_soles=len(soles_enu_m),
         n_soles_inside=_n_soles_inside(soles_enu_m, goal.area) if end is not None else 0,
         touchdown_error_m=_error_m(rest, goal) if end is not None else None,
-        touchdown_speed_mps=None if end is None else _impact_mps(history, end),
+        touchdown_speed_mps=None if end is None else impact_mps(history, end),
         slide_m=None if end is None else _slide_m(history[end:]),
         tilt_at_rest_deg=math.degrees(_tilt_rad(rest["quat_true_wxyz"])),
         is_at_rest=is_at_rest(history),
         stopped_after_s=None if end is None else _stopped_after_s(history[end:], airframe),
         rotor_spin_ups=0 if end is None else _spin_ups(history[end:], airframe),
     )
-
-
-def _bounds(
-    history: np.ndarray, airframe: Airframe, area: InteractionArea | None
-) -> tuple[int, int]:
-    """Rows of lift-off and touchdown; the number of rows for what never happened."""
-    is_touching = history["is_touching"] > 0
-    flights = _runs(~is_touching, _ticks(history, LIMITS.lift_off_s))
-    if not flights:
-        return len(history), len(history)
-    (lift_off, _), (_, touchdown) = flights[0], flights[-1]
-    if area is None or touchdown == len(history):
-        return lift_off, touchdown
-    flown = history[lift_off:]
-    soles_enu_m = flown["position_true_enu_m"] - [0.0, 0.0, airframe.leg_length_m]
-    on_area = np.flatnonzero(is_touching[lift_off:] & is_over_area(soles_enu_m, area))
-    return lift_off, lift_off + int(on_area[0]) if on_area.size else touchdown
 
 
 def reached_s(flown: np.ndarray, area: InteractionArea | None) -> float | None:
@@ -146,7 +141,7 @@ def reached_s(flown: np.ndarray, area: InteractionArea | None) -> float | None:
     x, y, z = flown["position_true_enu_m"].T
     height_m = z - area.centroid[2]
     is_above = (height_m >= 0.0) & (height_m <= LIMITS.above_m)
-    rows = np.flatnonzero(is_above & _footprint_contains(area, x, y))
+    rows = np.flatnonzero(is_above & is_in_footprint(area, x, y))
     return float(flown["time_us"][rows[0]]) * 1e-6 if rows.size else None
 
 
@@ -157,8 +152,10 @@ def _n_soles_inside(soles_enu_m: np.ndarray, area: InteractionArea | None) -> in
 def _error_m(rest: np.void, goal: Goal) -> float | None:
     if goal.area is None:
         return None
-    chosen_enu_m = goal.chosen_enu_m or goal.area.centroid
-    return math.dist(rest["position_true_enu_m"][:2], chosen_enu_m[:2])
+    at_enu_m, chosen = goal.area.centroid, goal.chosen_enu_m
+    if chosen is not None and is_in_footprint(goal.area, *np.array(chosen)[:2, None])[0]:
+        at_enu_m = chosen
+    return math.dist(rest["position_true_enu_m"][:2], at_enu_m[:2])
 
 
 def _soles_enu_m(row: np.void, airframe: Airframe) -> Float[np.ndarray, "n 3"]:
@@ -166,12 +163,6 @@ def _soles_enu_m(row: np.void, airframe: Airframe) -> Float[np.ndarray, "n 3"]:
     soles_flu_m = np.array(airframe.soles_flu_m)
     across = 2.0 * np.cross(axis, soles_flu_m)
     return row["position_true_enu_m"] + soles_flu_m + scalar * across + np.cross(axis, across)
-
-
-def _impact_mps(history: np.ndarray, touchdown: int) -> float:
-    """Greatest speed just before the first contact."""
-    before = history[max(0, touchdown - _ticks(history, _IMPACT_S)) : touchdown]
-    return float(np.linalg.norm(before["velocity_true_enu_mps"], axis=1).max(initial=0.0))
 
 
 def _slide_m(landed: np.ndarray) -> float:
@@ -182,7 +173,7 @@ def _slide_m(landed: np.ndarray) -> float:
 
 def is_at_rest(history: np.ndarray) -> bool:
     """Whether the vehicle was at rest in the last part of a history."""
-    last = history[-_ticks(history, LIMITS.rest_s) :]
+    last = history[-n_ticks(history["time_us"] * 1e-6, LIMITS.rest_s) :]
     speed_mps = np.linalg.norm(last["velocity_true_enu_mps"], axis=1)
     rate_radps = np.linalg.norm(last["angular_rate_true_flu_radps"], axis=1)
     return bool(speed_mps.max() <= LIMITS.rest_mps and rate_radps.max() <= LIMITS.rest_radps)
@@ -218,42 +209,6 @@ def _weight_n(airframe: Airframe) -> float:
     return airframe.quadrotor.mass_kg * GRAVITY_MPS2
 
 
-def is_over_area(
-    soles_enu_m: Float[np.ndarray, "n 3"], area: InteractionArea
-) -> Bool[np.ndarray, " n"]:
-    """Whether each point lies over (or under) an area's polygon and close to its plane."""
-    height_m = np.abs(soles_enu_m[:, 2] - area.centroid[2])
-    reach_m = np.linalg.norm(soles_enu_m[:, :2] - np.array(area.centroid[:2]), axis=1)
-    is_level = height_m <= LIMITS.surface_tolerance_m + reach_m * math.tan(area.slope_rad)
-    return _footprint_contains(area, soles_enu_m[:, 0], soles_enu_m[:, 1]) & is_level
-
-
-def _footprint_contains(area: InteractionArea, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
-    import shapely  # noqa: PLC0415 - only scored flights need it
-
-    footprint = shapely.Polygon([corner[:2] for corner in area.polygon])
-    return shapely.contains_xy(footprint, x_m, y_m)
-
-
 def _tilt_rad(quat_wxyz: np.ndarray) -> float:
     _, x, y, _ = quat_wxyz
     return math.acos(max(-1.0, min(1.0, 1.0 - 2.0 * (x * x + y * y))))
-
-
-def _ticks(history: np.ndarray, seconds: float) -> int:
-    """Number of rows of a history in a time."""
-    tick_s = (history["time_us"][1] - history["time_us"][0]) * 1e-6
-    return round(seconds / tick_s)
-
-
-def _runs(is_true: np.ndarray, n_least: int) -> list[tuple[int, int]]:
-    """Begin and end of each stretch of at least so many true values; the end is the row after."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], is_true, [False]]).astype(np.int8)))
-    pairs = zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
-    return [(begin, end) for begin, end in pairs if end - begin >= n_least]
-
-
-def _episodes(is_touching: np.ndarray, gap_ticks: int) -> int:
-    """Stretches of contact, counting those that are closer than `gap_ticks` as one."""
-    ticks = np.flatnonzero(is_touching)
-    return 0 if ticks.size == 0 else 1 + int(np.count_nonzero(np.diff(ticks) > gap_ticks))

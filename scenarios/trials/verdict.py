@@ -12,6 +12,7 @@ from enum import StrEnum
 from typing import Protocol
 
 from aeroscene.scene import InteractionArea
+from scenarios.trials.contacts import Contact
 from scenarios.trials.limits import LIMITS
 from scenarios.trials.score import FlightScore, Goal
 
@@ -52,6 +53,17 @@ class Code(StrEnum):
     SLID = "slid"
     OFF_TARGET = "off_target"
     """On the area, but too far from the chosen point."""
+
+
+class Fate(StrEnum):
+    """State in which a flight left the vehicle, whatever it was to do."""
+
+    SAFE_DOWN = "safe_down"
+    """At rest and upright, after a soft touchdown and no contact before it."""
+    COLLIDED = "collided"
+    """It hit something: an object on the way, or the ground too hard or tilted."""
+    LOST = "lost"
+    """It never came to rest."""
 
 
 SUCCESSES = frozenset({Code.LANDED, Code.DONE})
@@ -97,6 +109,8 @@ class Judgement:
 
     code: Code
     reason: str
+    fate: Fate | None = None
+    """None if it never left the ground, or if nothing was to be judged."""
 
     @property
     def success(self) -> bool | None:
@@ -111,17 +125,34 @@ def judge(score: FlightScore, goal: Goal, ending: Ending) -> Judgement:
     """Judge a flight: the first objection decides."""
     objections = [*_to_any_flight(score, ending)]
     if goal.area is None:
+        objections += _to_the_rest(score)
         touched = goal.stays_up and (score.is_down or score.contacts_before_touchdown > 0)
         objections += [(touched, Code.CONTACT, "touched something"), *_to_a_word(ending)]
         code, reason = Code.DONE, ending.word.reason
     else:
-        objections += [*_to_the_way(score), *_to_the_place(score, goal.area, ending)]
+        # A collision before a fall: the fall is what followed it.
+        objections += [*_to_the_way(score), *_to_the_rest(score)]
+        objections += [*_to_movers(score), *_to_the_place(score, goal.area, ending)]
         objections += _to_the_touchdown(score)
         error_m = score.touchdown_error_m or 0.0
         code = Code.LANDED
         reason = f"landed on area {goal.area.id}, {error_m:.2f} m from the chosen point"
-    found = (Judgement(code=code, reason=reason) for applies, code, reason in objections if applies)
-    return next(found, Judgement(code=code, reason=reason))
+    found = ((code, reason) for applies, code, reason in objections if applies)
+    code, reason = next(found, (code, reason))
+    return Judgement(code=code, reason=reason, fate=fate_of(score, goal))
+
+
+def fate_of(score: FlightScore, goal: Goal) -> Fate | None:
+    """State in which a flight left the vehicle; None if it never left the ground."""
+    if not score.has_flown:
+        return None
+    # A flight without an area may touch things on purpose.
+    has_hit = goal.area is not None and score.contacts_before_touchdown > 0
+    is_hard = (score.touchdown_speed_mps or 0.0) > LIMITS.touchdown_speed_mps
+    is_tilted = score.tilt_at_rest_deg > LIMITS.tilt_deg
+    if has_hit or (score.is_down and (is_hard or is_tilted)):
+        return Fate.COLLIDED
+    return Fate.SAFE_DOWN if score.is_down and score.is_at_rest else Fate.LOST
 
 
 def _to_any_flight(score: FlightScore, ending: Ending) -> Iterator[_Objection]:
@@ -131,6 +162,9 @@ def _to_any_flight(score: FlightScore, ending: Ending) -> Iterator[_Objection]:
     why = "" if ending.word.success else f": {word}"
     is_grounded = ending.is_done and not score.has_flown
     yield is_grounded, Code.NEVER_FLEW, f"never left the ground{why}"
+
+
+def _to_the_rest(score: FlightScore) -> Iterator[_Objection]:
     has_fallen = score.is_down and score.tilt_at_rest_deg > LIMITS.tilt_deg
     yield has_fallen, Code.FELL_OVER, f"fell over: {score.tilt_at_rest_deg:.0f} degrees at rest"
 
@@ -142,19 +176,19 @@ def _to_a_word(ending: Ending) -> Iterator[_Objection]:
 
 
 def _to_the_way(score: FlightScore) -> Iterator[_Objection]:
-    touched = ", ".join(_before_touchdown(score)) or "something"
+    touched = ", ".join(_in_words(contact) for contact in score.touched_before) or "something"
     n = score.contacts_before_touchdown
     yield n > 0, Code.CONTACT, f"touched {touched} before touchdown"
+
+
+def _to_movers(score: FlightScore) -> Iterator[_Objection]:
     gap_m = math.inf if score.nearest_mover_m is None else score.nearest_mover_m
     yield gap_m < LIMITS.mover_m, Code.NEAR_MISS, f"something that moves came within {gap_m:.2f} m"
 
 
-def _before_touchdown(score: FlightScore) -> Iterator[str]:
-    """What was touched before touchdown, with its time."""
-    end_s = math.inf if score.touchdown_s is None else score.touchdown_s
-    for contact in score.contacts:
-        if contact.time_s < end_s:
-            yield f"{contact.what} at {contact.time_s:.1f} s"
+def _in_words(contact: Contact) -> str:
+    """What was touched, when and how fast."""
+    return f"{contact.what} at {contact.time_s:.1f} s and {contact.speed_mps:.1f} m/s"
 
 
 def _to_the_place(

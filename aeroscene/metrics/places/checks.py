@@ -23,6 +23,7 @@ from aeroscene.metrics.places import (
     ground,
     order,
     roads,
+    screens,
     seating,
     spacing,
     stairs,
@@ -111,6 +112,13 @@ CHECKS: tuple[PlaceCheck, ...] = (
         unit="%",
         goal=1.0,
         judge=seating.averted_chairs,
+    ),
+    PlaceCheck(
+        key="averted_screens",
+        title="screens on a table turned off who sits at it",
+        unit="%",
+        goal=5.0,
+        judge=screens.averted_screens,
     ),
     PlaceCheck(
         key="wrong_way_vehicles",

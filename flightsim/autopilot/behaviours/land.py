@@ -7,9 +7,12 @@ from math import hypot
 from autonomy.types import Setpoint, Vector3
 from flightsim.autopilot.flight_context import FlightContext
 from flightsim.autopilot.modes import Mode
+from flightsim.autopilot.vehicle import TICK_S
 
 _FAR_BELOW_M = 500.0
 _ABOVE_PLACE_M = 0.5
+_PATIENCE_S = 20.0
+"""Longest time beside the place in one landing; the wind may be too strong to stay there."""
 
 
 class Land:
@@ -32,6 +35,7 @@ class Land:
         self._place_enu_m = place_enu_m
         self._yaw_rad = yaw_rad
         self._above_enu_m: Vector3 | None = None
+        self._away_s = 0.0
         self.is_landing = False
         self.next_mode: Mode | None = None
 
@@ -51,27 +55,44 @@ class Land:
         if self._place_enu_m is not None:
             x, y = self._place_enu_m
         self._above_enu_m = (x, y, z)
+        self._away_s = 0.0
         self.is_landing = False
         flight.heading.goal_yaw_rad = (
             flight.heading.yaw_rad if self._yaw_rad is None else self._yaw_rad
         )
 
     def update(self) -> Setpoint:
-        """Fly to above the place, then descend."""
+        """Fly to above the place, then descend.
+
+        With a rotor lost it descends at once. It also stops waiting for the place if it has been
+        kept away from there for long.
+        """
         flight = self._flight
         above = self._above_enu_m
         assert above is not None
         x, y, z = above
+        px, py, _ = flight.vehicle.position_enu_m
+        is_near = hypot(px - x, py - y) < _ABOVE_PLACE_M
+        if not is_near and (self.is_landing or flight.path.is_at_rest):
+            self._away_s += TICK_S
+        if flight.vehicle.lost_rotors or self._away_s >= _PATIENCE_S:
+            self.is_landing = True
+            flight.target_enu_m = (x, y, self._ground_m)
+            return flight.sink(landing_speed(flight), (x, y))
         if not self.is_landing:
             flight.target_enu_m = above
             flight.path.fly_to(above, flight.limits.automatic)
-            px, py, _ = flight.vehicle.position_enu_m
-            self.is_landing = flight.path.is_at_rest and hypot(px - x, py - y) < _ABOVE_PLACE_M
+            self.is_landing = flight.path.is_at_rest and is_near
             return flight.follow_path()
-        flight.target_enu_m = (x, y, 0.0 if flight.home is None else flight.home.position_enu_m[2])
+        flight.target_enu_m = (x, y, self._ground_m)
         flight.path.fly_to((x, y, z - _FAR_BELOW_M), flight.limits.automatic)
         flight.path.speed_limit_mps = landing_speed(flight)
         return flight.follow_path()
+
+    @property
+    def _ground_m(self) -> float:
+        home = self._flight.home
+        return 0.0 if home is None else home.position_enu_m[2]
 
 
 class Descend:

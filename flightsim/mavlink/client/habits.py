@@ -33,6 +33,8 @@ class Habits:
     """Custom mode in which the vehicle follows a companion's setpoints."""
     return_home: int
     """Custom mode in which it returns by itself."""
+    land_here: int
+    """Custom mode in which it lands where it is."""
     streams_hz: Mapping[int, float]
     """Messages that a companion steers by, and how often it wants them."""
     unwanted: tuple[int, ...] = ()
@@ -56,6 +58,7 @@ class Habits:
 PX4_HABITS = Habits(
     offboard=PX4_OFFBOARD,
     return_home=PX4_RETURN,
+    land_here=PX4_LAND,
     streams_hz={
         **_STATE_HZ,
         mavlink.MAVLINK_MSG_ID_ESTIMATOR_STATUS: 5,
@@ -94,6 +97,7 @@ nothing else unasked."""
 ARDUPILOT_HABITS = Habits(
     offboard=_GUIDED,
     return_home=_RTL,
+    land_here=_LAND,
     streams_hz={
         **_STATE_HZ,
         mavlink.MAVLINK_MSG_ID_SYS_STATUS: 2,

@@ -11,6 +11,7 @@ from __future__ import annotations
 import time
 
 from aeroscene.scene import InteractionArea
+from autonomy.types import Vector3
 from flightsim.testbench import Testbench
 from scenarios.campaigns.external.program import Program
 from scenarios.run.companion import Aboard
@@ -67,6 +68,13 @@ class ExternalPilot:
         """What is known of the flight besides the truth."""
         reason = "the program has left" if self._has_left else "the program did not disarm"
         return Verdict(success=self.is_done, reason=reason)
+
+    @property
+    def touchdown_enu_m(self) -> Vector3 | None:
+        """Point that it chose to land on: that of its latest LANDING_TARGET."""
+        if self._bench is None or self._bench.external is not None:
+            return None
+        return self._bench.autopilot.landing_target.latest_enu_m
 
     def update(self, time_us: int) -> None:
         """Notice the end of the flight."""

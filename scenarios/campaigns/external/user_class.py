@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any
 
 from numpy.typing import ArrayLike
 
 from aeroscene.scene import InteractionArea
+from autonomy.types import Vector3
 from flightsim.sensors.cameras import CameraError
 from scenarios.baselines.named import MakePilot
 from scenarios.run.companion import Aboard, Companion
@@ -48,9 +50,28 @@ class UserPilot:
         """Way that it plans to fly, if it says so."""
         return _blaming(getattr, self._pilot, "planned_enu_m", None)
 
+    @property
+    def touchdown_enu_m(self) -> Vector3 | None:
+        """Point that it chose to land on, if it says so."""
+        return _blaming(lambda: _point(getattr(self._pilot, "touchdown_enu_m", None)))
+
     def update(self, time_us: int) -> None:
         """Let it decide and send."""
         _blaming(self._pilot.update, time_us)
+
+
+def _point(given: Any) -> Vector3 | None:
+    """A point as a pilot gives it.
+
+    Raises:
+        ValueError: If it is not three finite numbers.
+    """
+    if given is None:
+        return None
+    x, y, z = (float(c) for c in given)
+    if not math.isfinite(x + y + z):
+        raise ValueError(f"touchdown_enu_m {given!r} is not valid; valid: three finite numbers, m")
+    return (x, y, z)
 
 
 def _blaming(function: Callable[..., Any], *arguments: Any) -> Any:

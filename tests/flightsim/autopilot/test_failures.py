@@ -54,6 +54,39 @@ def test_with_a_motor_lost_it_spins_and_lands_where_it_was(vehicle, rotor):
     assert 1.0 - 2.0 * (x * x + y * y) > 0.95, "it stands on its legs"
 
 
+@pytest.mark.parametrize(("vehicle", "rotor"), [("iris", 0), ("hummingbird", 1)])
+def test_with_a_motor_lost_it_comes_down_gently_in_wind(vehicle, rotor):
+    bench = Bench(vehicle, wind=WindCfg(speed_mps=5.0, from_deg=270.0)).take_off(8.0)
+    bench.plant.failures.fail_rotor(rotor, Failure.OFF)
+    before_mps = []
+    assert bench.run(
+        40.0,
+        lambda: bool(bench.plant.history["is_touching"].any()),
+        each=lambda: before_mps.append(bench.plant.truth.velocity_enu_mps),
+    )
+    assert -before_mps[-1][2] < 0.5
+    assert math.hypot(*before_mps[-1][:2]) < 0.6
+    assert bench.run(10.0, lambda: not bench.pilot.is_armed)
+    assert math.hypot(*bench.position[:2]) < 2.0
+    _, x, y, _ = bench.plant.truth.quat_wxyz
+    assert 1.0 - 2.0 * (x * x + y * y) > 0.95, "it stands on its legs"
+
+
+def test_with_a_motor_lost_it_holds_a_place_in_wind():
+    wind = WindCfg(speed_mps=4.0, from_deg=270.0)
+    bench = Bench(initial_parameters={"COM_ACT_FAIL_ACT": 0}, wind=wind).take_off(HEIGHT_M)
+    bench.plant.failures.fail_rotor(0, Failure.OFF)
+    bench.run(30.0)
+    assert bench.position == pytest.approx((0.0, 0.0, HEIGHT_M), abs=0.5)
+
+
+def test_a_landing_in_a_wind_that_carries_it_away_does_not_wait_for_its_place():
+    bench = aloft()
+    bench.plant.wind = WindCfg(speed_mps=18.0, from_deg=270.0)
+    assert bench.pilot.land().is_accepted
+    assert bench.run(40.0, lambda: bench.is_on_ground)
+
+
 def test_a_lost_motor_can_be_flown_without_where_the_parameter_only_warns():
     bench = aloft(COM_ACT_FAIL_ACT=0)
     bench.plant.failures.fail_rotor(2, Failure.OFF)

@@ -98,6 +98,28 @@ def test_a_program_that_is_not_there_is_one_line(command):
     assert "\n" not in str(caught.value)
 
 
+def test_the_touchdown_error_counts_from_the_point_that_the_program_has_chosen():
+    chosen = (
+        "drone.mav.landing_target_send(0, 0, mav.MAV_FRAME_LOCAL_NED, 0, 0, 0, 0, 0, "
+        "x=north + 0.4, y=east, z=-up, position_valid=1)"
+    )
+    # The position is an extension of MAVLink 2.
+    source = f"import os\nos.environ['MAVLINK20'] = '1'\n{EXAMPLE.read_text()}"
+    mark = "    step(drone, 150)"
+    assert mark in source
+    calm = Recipe(wind_mps=(0.0, 0.0))
+    rows = []
+    for text in (source, source.replace(mark, f"    {chosen}\n{mark}")):
+        suite = Suite(recipe=calm, pilot="mavlink", program=python(text))
+        with Flyer(suite, patience_s=100.0) as flyer:
+            rows.append(flyer.fly(TRIAL))
+    centred, aside = rows
+    assert centred["state_hash"] == aside["state_hash"]
+    assert centred["touchdown_error_m"] < 0.2
+    assert aside["touchdown_error_m"] == pytest.approx(0.4, abs=0.2)
+    assert aside["touchdown_error_m"] != centred["touchdown_error_m"]
+
+
 def test_a_client_that_comes_by_itself_finds_its_task_on_standard_output(capsys):
     suite = Suite(recipe=Recipe(wind_mps=(0.0, 0.0)), pilot="mavlink")
     port = 5760 + 10 * own_instance()

@@ -9,7 +9,7 @@ import pytest
 from aeroscene.sources import open_scene
 from flightsim.vehicles.catalogue import AIRFRAMES
 from scenarios.mission.mission import FAR_ENOUGH_M, plan_mission, rank_areas, takeoff_point
-from scenarios.mission.surroundings import MissionError, survey
+from scenarios.mission.surroundings import HOVER_MARGIN_M, MissionError, survey
 from tests.scenarios.landing_scenes import (
     CONTAINER,
     ON_CONTAINER,
@@ -103,6 +103,19 @@ def test_a_roof_over_an_area_lowers_the_hover_point_or_takes_the_area_away():
     assert under is None or under[2] < 2.6
     inside = rectangle(6, (9.0, 0.0, 1.0), (0.5, 0.5), CONTAINER)
     assert survey(low, HUMMINGBIRD).hover_point(inside) is None
+
+
+def test_beside_a_post_an_area_is_approached_aslant():
+    low = yard()
+    post = thing(91, "container", (9.65, 8.0, 3.0), (0.2, 0.2, 6.0))
+    world = survey(dataclasses.replace(low, objects=(*low.objects, post)), HUMMINGBIRD)
+    assert world.hover_above(ON_LAWN) is None
+    hover = world.hover_point(ON_LAWN)
+    aside_m = math.dist(hover[:2], ON_LAWN.centroid[:2])
+    assert 0.2 < aside_m <= hover[2]
+    assert world.clearance_m(np.array([hover]))[0] >= HOVER_MARGIN_M
+    mission = plan_mission(world.scene, HUMMINGBIRD, area=ON_LAWN)
+    np.testing.assert_allclose(mission.hover_enu_m, hover)
 
 
 def test_no_area_and_no_way_are_named():

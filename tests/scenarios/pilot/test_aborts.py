@@ -93,6 +93,24 @@ def test_a_link_that_falls_silent_is_waited_for_and_then_left_to_the_autopilot(d
     assert pilot.verdict.reason == "no position from the autopilot for 0.5 s"
 
 
+def test_under_a_roof_it_is_left_to_the_autopilot_to_land_where_it_is(demo):
+    demo = demo(yard())
+    pilot = demo.fly_to(Phase.NAVIGATE)
+    demo.fly_on(1.0)
+    x, y, z = pilot._flight.telemetry.position_enu_m
+    also_stands(pilot, (x, y, z + 4.0), (30.0, 30.0, 0.2))
+    pipe = demo.bench.pilot_link.client
+    receive = pipe.recv
+    pipe.recv = lambda: receive()[:0]
+    demo.fly_to(Phase.HAND_OVER)
+    demo.fly()
+    assert demo.bench.autopilot.mode is Mode.LAND
+    highest_m = demo.bench.plant.truth.position_enu_m[2]
+    demo.bench.run(20.0)
+    assert not demo.bench.autopilot.is_armed
+    assert highest_m < z + 1.0
+
+
 def test_with_the_seventh_hold_it_gives_up_and_lands_at_home(demo):
     demo = demo(yard())
     pilot = demo.fly_to(Phase.NAVIGATE)
@@ -309,3 +327,20 @@ def test_a_start_that_something_was_put_above_is_not_left(demo):
     assert demo.targets()[-2:] == [Phase.DISARM, Phase.FAILED]
     assert pilot.verdict.reason.startswith("no certified way up from the start: clearance falls")
     assert demo.bench.plant.truth.position_enu_m[2] < 0.2
+
+
+def test_without_satellites_and_odometry_it_lands_at_once_where_images_tell_no_place(demo):
+    demo = demo(field(), FAR_LAWN)
+    pilot = demo.fly_to(Phase.NAVIGATE)
+    demo.fly_on(1.0)
+    for sensor in ("gnss", "vio"):
+        demo.bench.plant.failures.fail_sensor(sensor, Failure.OFF)
+    demo.fly_to(Phase.HAND_OVER)
+    assert pilot.transitions[-1].reason.startswith("nothing measures the position any more")
+    truth_enu_m = demo.bench.plant.truth.position_enu_m
+    assert math.dist(pilot._flight.telemetry.position_enu_m, truth_enu_m) < 2.0
+    demo.fly()
+    assert demo.bench.autopilot.mode is Mode.LAND
+    demo.bench.run(30.0, until=lambda: not demo.bench.autopilot.is_armed)
+    assert demo.score().is_down
+    assert demo.score().tilt_at_rest_deg < 5.0

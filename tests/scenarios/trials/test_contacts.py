@@ -38,6 +38,7 @@ def test_each_thing_is_named_with_its_times(world):
         ("the ground", None),
         ("object 1 (container)", 1),
     ]
+    assert [c.category for c in contacts] == [None, "container"]
     assert contacts[1].time_s == pytest.approx(2.004)
     assert contacts[1].until_s == pytest.approx(4.0)
     assert contacts[1].position_enu_m[2] == pytest.approx(TOP_M, abs=0.01)

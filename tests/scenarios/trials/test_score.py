@@ -10,10 +10,11 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from flightsim.vehicles.catalogue import AIRFRAMES
+from scenarios.trials.bounds import is_over_area
 from scenarios.trials.contacts import Contact
 from scenarios.trials.measures.estimation import rotation_angle_rad
 from scenarios.trials.result import figures
-from scenarios.trials.score import Goal, is_over_area, score_flight
+from scenarios.trials.score import Goal, score_flight
 from tests.scenarios.trials.histories import AIR, AREA, BESIDE, HOVER, LANDED, LEG_M, START, flight
 
 IRIS = AIRFRAMES["iris"]
@@ -47,6 +48,8 @@ def test_without_a_choice_the_error_is_that_from_the_centroid():
     )
     away = Goal(area=AREA, chosen_enu_m=(10.2, 0.4, 2.0))
     assert score(*GOOD, goal=away).touchdown_error_m == pytest.approx(0.3)
+    beside = Goal(area=AREA, chosen_enu_m=(11.1, 0.1, 2.0))
+    assert score(*GOOD, goal=beside).touchdown_error_m == pytest.approx(math.hypot(0.2, 0.1))
 
 
 def test_brushing_a_tree_on_the_way_counts_once_however_it_rattles():

@@ -28,9 +28,13 @@ GOOD = FlightScore(
 )
 HOME = replace(GOOD, landed_area=None, n_soles_inside=0)
 GATE = Contact(
-    time_s=9.0, until_s=9.1, what="object 7 (gate)", object_id=7, position_enu_m=(1, 2, 3)
+    time_s=9.0,
+    until_s=9.1,
+    what="object 7 (gate)",
+    object_id=7,
+    position_enu_m=(1, 2, 3),
+    speed_mps=4.0,
 )
-AT_REST = replace(GATE, time_s=20.0, until_s=22.0, what="the ground", object_id=None)
 
 
 def test_a_landing_within_all_limits_succeeds_whatever_the_pilot_says():
@@ -46,10 +50,10 @@ FAULTS = [
     (FlightScore(), Ending(word=NO, is_done=True), Code.NEVER_FLEW, "never left the ground: noth"),
     (FlightScore(), WELL, Code.NEVER_FLEW, "never left the ground"),
     (
-        replace(GOOD, contacts_before_touchdown=1, contacts=(GATE, AT_REST)),
+        replace(GOOD, contacts_before_touchdown=1, touched_before=(GATE,), tilt_at_rest_deg=90.0),
         WELL,
         Code.CONTACT,
-        "touched object 7 (gate) at 9.0 s before touchdown",
+        "touched object 7 (gate) at 9.0 s and 4.0 m/s before touchdown",
     ),
     (replace(GOOD, nearest_mover_m=0.29), WELL, Code.NEAR_MISS, "came within 0.29 m"),
     (replace(GOOD, tilt_at_rest_deg=20.1), WELL, Code.FELL_OVER, "fell over: 20 degrees"),

@@ -37,7 +37,7 @@ def _booth(room: Interior, u: float, v: float, turn: float) -> Iterator[None]:
         room.put("sign", *at, (0.2, 1.3, 2.3), turn)
     desk = room.put("desk", *origin.point(1.9, -0.6), (0.8, 1.6, 0.75), turn)
     room.behind(desk, "chair")
-    room.on(desk, "laptop", 0.0, 0.7)
+    room.on(desk, "laptop", 0.0, 0.7, turn=pi)
     yield
     table = room.put("table", *origin.point(1.6, 0.95), (0.8, 0.9, 0.76), turn)
     seats(room, table, 2)

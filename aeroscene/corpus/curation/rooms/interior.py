@@ -229,8 +229,13 @@ class Interior:
         u = -(anchor.size[0] / 2 + 0.06 + size[0] / 2)
         return self._stand(name, anchor.frame.moved(u, 0.0), size)
 
-    def on(self, bearer: Placed | None, name: str, u: float, v: float) -> Placed | None:
-        """Lay something on top of an object, at fractions of its half extents."""
+    def on(
+        self, bearer: Placed | None, name: str, u: float, v: float, turn: float = 0.0
+    ) -> Placed | None:
+        """Lay something on top of an object, at fractions of its half extents.
+
+        Without a turn it shows its front to whoever sits before the object's.
+        """
         if bearer is None:
             return None
         size = self._size_of(name)
@@ -238,7 +243,7 @@ class Interior:
             return None
         reach_u = bearer.size[0] / 2 - max(size[:2]) / 2 - 0.02
         reach_v = bearer.size[1] / 2 - max(size[:2]) / 2 - 0.02
-        return self.lie(bearer, name, u * max(0.0, reach_u), v * max(0.0, reach_v), size)
+        return self.lie(bearer, name, u * max(0.0, reach_u), v * max(0.0, reach_v), size, turn)
 
     def spots(
         self,

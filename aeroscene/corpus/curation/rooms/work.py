@@ -118,7 +118,7 @@ def furnish_classroom(room: Interior) -> Iterator[None]:
     x, _, _ = room.room.size
     desk = room.put("desk", -x / 2 + 1.6, draw.between(-1.0, 1.0), (0.8, 1.6, 0.75))
     room.behind(desk, "chair")
-    room.on(desk, "laptop", 0.0, 0.7)
+    room.on(desk, "laptop", 0.0, 0.7, turn=pi)
     room.against("back", "cabinet", (0.4, 1.8, 1.0))
     yield
     size = (0.85, 1.4, 0.74)

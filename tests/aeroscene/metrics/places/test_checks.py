@@ -66,6 +66,7 @@ AWAY = shifted(300.0, 300.0)
     [
         ("averted_chairs", ("chair",), turned_by(180.0)),
         ("averted_chairs", ("chair",), turned_by(90.0)),
+        ("averted_screens", ("laptop", "monitor"), turned_by(180.0)),
         ("wrong_way_vehicles", VEHICLES, turned_by(180.0)),
         ("wrong_way_vehicles", VEHICLES, turned_by(90.0)),
         ("lights_off_roads", ("traffic_light",), AWAY),
