@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import tyro
-from rich.console import Console
 
 from aeroscene.corpus.corpus import CORPUS_SIZE
 from aeroscene.processes import default_jobs
@@ -22,6 +21,7 @@ from scenarios.cli.command_line import EXIT_DONE, default_hint, fail, fail_on_fi
 from scenarios.cli.progress import progress_bar
 from scenarios.cli.report import print_summary
 from scenarios.cli.scene_numbers import SceneNumbersError, scene_numbers
+from scenarios.cli.terminal import shell, terminal
 from scenarios.run.levels import RecordLevel
 
 if TYPE_CHECKING:
@@ -123,8 +123,8 @@ def run(cfg: CampaignCfg) -> int:
     if cfg.json:
         print_json({"folder": str(cfg.out), **summary})
     else:
-        print_summary(Console(), summary)
-        print(f"More: aeroscene report {cfg.out}")
+        print_summary(terminal(), summary)
+        print(f"More: {shell('aeroscene', 'report', cfg.out)}")
     return EXIT_DONE
 
 

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import msgspec
 import tyro
-from rich.console import Console
 from rich.table import Table
 
 from scenarios.cli.command_line import (
@@ -27,6 +26,7 @@ from scenarios.cli.command_line import (
     print_json,
 )
 from scenarios.cli.progress import progress_bar, share_bar
+from scenarios.cli.terminal import terminal
 
 if TYPE_CHECKING:
     from aeroscene.metrics.scorecard import Metric
@@ -241,4 +241,4 @@ def _print_table(rows: Sequence[Row], shown: Sequence[str]) -> None:
     say: Callable[[float | None], str] = lambda value: "" if value is None else f"{value:.3g}"  # noqa: E731
     for method in dict.fromkeys(row.method for row in rows):
         table.add_row(method, *(say(cells.get((method, metric))) for metric in shown))
-    Console().print(table)
+    terminal().print(table)

@@ -8,9 +8,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import Literal
 
-from rich.console import Console
-
 from scenarios.cli.command_line import EXIT_DONE, fail, print_json
+from scenarios.cli.terminal import styled, terminal
 
 _PROG = "aeroscene export"
 _NO_VEHICLE = "none"
@@ -67,9 +66,9 @@ def run(cfg: ExportCfg) -> int:
     if cfg.json:
         print_json(facts)
     else:
-        Console().print(
-            f"[bold]{path}[/]  {facts['objects']} objects, {facts['areas']} areas, "
-            f"{path.stat().st_size / 1e6:.1f} MB, {facts['seconds']:.1f} s",
-            soft_wrap=True,
+        figures = (
+            f"  {facts['objects']} objects, {facts['areas']} areas, "
+            f"{path.stat().st_size / 1e6:.1f} MB, {facts['seconds']:.1f} s"
         )
+        terminal().print(styled((path, "bold"), figures), soft_wrap=True)
     return EXIT_DONE

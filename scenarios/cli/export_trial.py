@@ -9,11 +9,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import tyro
-from rich.console import Console
 
 from scenarios.campaigns.recordings import RECORDINGS
 from scenarios.cli.command_line import EXIT_DONE, fail, fail_on_file, print_json
 from scenarios.cli.progress import progress_bar
+from scenarios.cli.terminal import styled, terminal
 
 if TYPE_CHECKING:
     from scenarios.trial_data.reading import RecordedTrial
@@ -60,7 +60,8 @@ def run(cfg: ExportTrialCfg) -> int:
         print_json({"out": str(cfg.out), "format": cfg.to, **facts})
     else:
         there = f", {facts['there']} were there already" if facts["there"] else ""
-        Console().print(f"[bold]{cfg.out}[/]  {facts['trials']} trials{there}", soft_wrap=True)
+        said = styled((cfg.out, "bold"), f"  {facts['trials']} trials{there}")
+        terminal().print(said, soft_wrap=True)
     return EXIT_DONE
 
 

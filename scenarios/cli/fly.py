@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import tyro
-from rich.console import Console
 
 from scenarios.campaigns.recordings import RECORDINGS, Recordings
 from scenarios.cli.command_line import (
@@ -20,6 +19,7 @@ from scenarios.cli.command_line import (
     fail_on_file,
     print_json,
 )
+from scenarios.cli.terminal import shell, styled, terminal
 from scenarios.run.levels import RecordLevel
 
 if TYPE_CHECKING:
@@ -114,8 +114,9 @@ def _print_row(row: Row, is_same: bool | None) -> None:
     """Print the verdict, the task and where the recording is."""
     success = row["success"]
     word = "No task" if success is None else "Done" if success else f"Failed, {row['code']}"
-    console = Console()
-    console.print(f"[bold]{row['trial_id']}[/] {word}: {row['reason']}", soft_wrap=True)
+    console = terminal()
+    said = styled((row["trial_id"], "bold"), f" {word}: {row['reason']}")
+    console.print(said, soft_wrap=True)
     if "way_m" in row:
         console.print(
             f"  from {row['start']} to area {row['area']}: {row['way_m']:.0f} m, "
@@ -125,4 +126,5 @@ def _print_row(row: Row, is_same: bool | None) -> None:
     if is_same is not None:
         console.print(f"  {'the same' if is_same else 'ANOTHER'} flight as in the campaign")
     if row.get("recording"):
-        console.print(f"Replay it with: aeroscene replay {row['recording']}", soft_wrap=True)
+        replay = shell("aeroscene", "replay", row["recording"])
+        console.print(f"Replay it with: {replay}", soft_wrap=True)

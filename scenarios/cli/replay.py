@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import tyro
-from rich.console import Console
 from rich.table import Table
 
 from scenarios.cli.command_line import EXIT_DONE, fail, print_json
+from scenarios.cli.terminal import terminal
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -141,7 +141,7 @@ def _print_summary(summary: RecordingSummary, *, is_json: bool) -> None:
     if is_json:
         print_json(summary.to_json())
         return
-    console = Console()
+    console = terminal()
     head = Table(show_header=False, box=None)
     for name, value in _headline(summary):
         head.add_row(name, value)

@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import tyro
-from rich.console import Console
 from rich.table import Table
 
 from scenarios.cli.command_line import EXIT_DONE, default_hint, fail, fail_on_file, print_json
 from scenarios.cli.progress import share_bar
+from scenarios.cli.terminal import Terminal, terminal
 
 _PROG = "aeroscene report"
 _MOST_SCENES = 12
@@ -60,12 +60,12 @@ def run(cfg: ReportCfg) -> int:
     if cfg.json:
         print_json({"folder": str(cfg.folder), **summary, "page": str(page)})
     else:
-        print_summary(Console(), summary)
+        print_summary(terminal(), summary)
         print(f"With charts, ways and replays: {page}")
     return EXIT_DONE
 
 
-def print_summary(console: Console, summary: Mapping[str, Any]) -> None:
+def print_summary(console: Terminal, summary: Mapping[str, Any]) -> None:
     """Print the summary of a campaign as tables."""
     rates = Table("", "trials", "success", "95% interval", title_justify="left")
     _add_rate(rates, "all", summary)

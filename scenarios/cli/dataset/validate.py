@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-from rich.console import Console
-from rich.markup import escape
 from rich.table import Table
 
 from aeroscene.corpus.dataset import DatasetError
@@ -15,6 +13,7 @@ from aeroscene.processes import default_jobs
 from scenarios.cli.command_line import EXIT_DONE, EXIT_NEGATIVE, print_json
 from scenarios.cli.dataset.options import Data, SceneNumbers, check_jobs, open_scenes
 from scenarios.cli.progress import progress_bar
+from scenarios.cli.terminal import Terminal, styled, terminal
 from scenarios.dataset.drops import LEAST_SHARE, DropReport, drop_all
 from scenarios.dataset.validate import Report, first_of_each_kind, validate_all
 
@@ -66,7 +65,7 @@ def run(cfg: ValidateCfg) -> int:
         extra = {} if drops is None else {"drops": drops.to_plain()}
         print_json({**report.to_plain(), **extra})
     else:
-        _print(Console(), report, drops)
+        _print(terminal(), report, drops)
     is_good = not report.findings and (drops is None or drops.share >= LEAST_SHARE)
     return EXIT_DONE if is_good else EXIT_NEGATIVE
 
@@ -77,9 +76,9 @@ def _drop(cfg: ValidateCfg, dataset: SceneSet[Any]) -> DropReport:
         return drop_all(dataset, cfg.drops, cfg.seed, cfg.jobs, advance)
 
 
-def _print(console: Console, report: Report, drops: DropReport | None) -> None:
+def _print(console: Terminal, report: Report, drops: DropReport | None) -> None:
     for line in report.invalid[:_EXAMPLES]:
-        console.print(f"[bold red]unreadable[/]: {escape(line)}", soft_wrap=True)
+        console.print(styled(("unreadable", "bold red"), f": {line}"), soft_wrap=True)
     if report.invalid:
         console.print(f"{len(report.invalid)} scenes could not be read and were left out")
     table = Table("findings", title=f"{report.n_scenes:,} scenes", title_justify="left")
@@ -88,24 +87,27 @@ def _print(console: Console, report: Report, drops: DropReport | None) -> None:
     for kind, count in report.counts().items():
         scenes = {finding.scene_id for finding in report.findings if finding.kind == kind}
         style = "bold red" if count else "green"
-        table.add_row(kind, f"[{style}]{count:,}[/]", f"{len(scenes):,}")
+        table.add_row(kind, styled((f"{count:,}", style)), f"{len(scenes):,}")
     console.print(table)
     for found in first_of_each_kind(report.findings, _EXAMPLES):
         where = [found.scene_id]
         where += [] if found.object_id is None else [f"object {found.object_id}"]
         where += [] if found.area_id is None else [f"area {found.area_id}"]
         line = f"{found.kind}: {', '.join(where)}: {found.detail}"
-        console.print(escape(line), soft_wrap=True)
+        console.print(line, soft_wrap=True)
     if drops is not None:
         _print_drops(console, drops)
 
 
-def _print_drops(console: Console, report: DropReport) -> None:
+def _print_drops(console: Terminal, report: DropReport) -> None:
     style = "green" if report.share >= LEAST_SHARE else "bold red"
     n_good = len(report.drops) - len(report.failed)
     console.print(
-        f"Drops: {n_good:,} of {len(report.drops):,} came to rest on their areas, "
-        f"[{style}]{report.share:.1%}[/] (at least {LEAST_SHARE:.0%})"
+        styled(
+            f"Drops: {n_good:,} of {len(report.drops):,} came to rest on their areas, ",
+            (f"{report.share:.1%}", style),
+            f" (at least {LEAST_SHARE:.0%})",
+        )
     )
     for drop in report.failed[:_EXAMPLES]:
         where = f"{drop.scene_id}, {drop.drone_class} area {drop.area_id}"
