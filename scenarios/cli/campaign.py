@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import signal
 import sys
-from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from datetime import timedelta
@@ -17,7 +16,15 @@ import tyro
 from aeroscene.corpus.corpus import CORPUS_SIZE
 from aeroscene.processes import default_jobs
 from scenarios.campaigns.recordings import RECORDINGS, Recordings
-from scenarios.cli.command_line import EXIT_DONE, default_hint, fail, fail_on_file, print_json
+from scenarios.cli.campaign_news import CampaignNews
+from scenarios.cli.command_line import (
+    EXIT_DONE,
+    EXIT_NEGATIVE,
+    default_hint,
+    fail,
+    fail_on_file,
+    print_json,
+)
 from scenarios.cli.progress import progress_bar
 from scenarios.cli.report import print_summary
 from scenarios.cli.scene_numbers import SceneNumbersError, scene_numbers
@@ -40,7 +47,7 @@ class CampaignCfg:
 
     Trial N of a scene and a vehicle is always the same one. A campaign that was stopped, also by
     kill -9, goes on where it was by the same command; more scenes, vehicles or trials are added by
-    naming more.
+    naming more. Exit status 1 if every trial raised, hung or died, so that nothing is scored.
     """
 
     out: Path
@@ -125,7 +132,15 @@ def run(cfg: CampaignCfg) -> int:
     else:
         print_summary(terminal(), summary)
         print(f"More: {shell('aeroscene', 'report', cfg.out)}")
-    return EXIT_DONE
+    return EXIT_NEGATIVE if _has_only_mishaps(summary) else EXIT_DONE
+
+
+def _has_only_mishaps(summary: Mapping[str, Any]) -> bool:
+    """Whether every trial ended by an error of the pilot or its process, so that none is scored."""
+    from scenarios.campaigns.flyer import Mishap  # noqa: PLC0415 - see `run`
+
+    mishaps = {Mishap.RAISED.value, Mishap.HUNG.value, Mishap.DIED.value}
+    return bool(summary["codes"]) and mishaps.issuperset(summary["codes"])
 
 
 def _fly(cfg: CampaignCfg) -> dict[str, Any]:
@@ -137,14 +152,12 @@ def _fly(cfg: CampaignCfg) -> dict[str, Any]:
     with open_campaign(cfg.out, suite) as campaign:
         left = campaign.left(trials)
         sys.stderr.write(f"{_PROG}: {len(left)} of {len(trials)} trials to fly\n")
-        verdicts = Counter(read_results(cfg.out, ["success"])["success"].to_pylist())
+        known = read_results(cfg.out, ["success"])["success"].to_pylist()
+        news = CampaignNews(cfg.out, len(left), known, has_bar=terminal(stderr=True).is_terminal)
         with _engine(cfg, suite) as engine, progress_bar("", len(left), "trials") as advance:
             rows = campaign.fly(left, engine, workers=cfg.workers, patience_s=cfg.patience)
             for row in rows:
-                verdicts[row["success"]] += 1
-                n_judged = verdicts[True] + verdicts[False]
-                rate = f"{verdicts[True] / n_judged:.1%}" if n_judged else "none"
-                advance(1, title=f"success so far {rate}")
+                news.add(row, advance)
         return campaign.summary()
 
 

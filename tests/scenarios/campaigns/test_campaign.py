@@ -129,6 +129,30 @@ def test_bad_input_is_one_line_and_status_2(tmp_path, capsys, args, says):
     assert says in err
 
 
+def test_a_pilot_that_only_raises_is_told_after_one_trial_and_ends_with_status_1(tmp_path, capsys):
+    folder = tmp_path / "my runs"
+    args = ("--scenes", "7", "--trials", "2", "--vehicles", "iris", "--workers", "1")
+    status, out, err = in_process(
+        capsys, "campaign", "--out", folder, "--pilot", f"{STUBS}:Raising", *args
+    )
+    assert status == 1
+    begin, reason, hint, *progress = err.splitlines()
+    assert begin == "aeroscene campaign: 2 of 2 trials to fly"
+    assert reason.startswith("aeroscene campaign: first trial that is raised: 7/iris/")
+    assert reason.endswith(": ZeroDivisionError: no way")
+    assert f"aeroscene fly --out '{folder}' --scene 7 --vehicle iris --trial " in hint
+    assert progress == [
+        "aeroscene campaign: 1 of 2 trials flown, success so far 0.0%; 1 raised",
+        "aeroscene campaign: 2 of 2 trials flown, success so far 0.0%; 2 raised",
+    ]
+    assert f"More: aeroscene report '{folder}'" in out
+    # Nothing is left to fly, and still nothing is scored.
+    again, _, _ = in_process(
+        capsys, "campaign", "--out", folder, "--pilot", f"{STUBS}:Raising", *args
+    )
+    assert again == 1
+
+
 def test_without_ray_its_engine_is_refused_in_a_line(tmp_path, capsys, monkeypatch):
     monkeypatch.setitem(sys.modules, "ray", None)
     args = ("--out", tmp_path / "out", "--trials", "1", "--engine", "ray", "--pilot", "straight")
