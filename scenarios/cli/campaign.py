@@ -15,7 +15,9 @@ import tyro
 
 from aeroscene.corpus.corpus import CORPUS_SIZE
 from aeroscene.processes import default_jobs
+from aeroscene.ranges import Range
 from scenarios.campaigns.recordings import RECORDINGS, Recordings
+from scenarios.cli.campaign_limits import MOST_TRIALS, MOST_WORKERS
 from scenarios.cli.campaign_news import CampaignNews
 from scenarios.cli.command_line import (
     EXIT_DONE,
@@ -25,6 +27,7 @@ from scenarios.cli.command_line import (
     fail_on_file,
     print_json,
 )
+from scenarios.cli.outputs import OutFolder
 from scenarios.cli.progress import progress_bar
 from scenarios.cli.report import print_summary
 from scenarios.cli.scene_numbers import SceneNumbersError, scene_numbers
@@ -38,7 +41,8 @@ if TYPE_CHECKING:
     from scenarios.campaigns.flyer import Suite, Trial
 
 _PROG = "aeroscene campaign"
-_MOST_TRIALS = 1_000_000
+_MOST_INSTANCE = 99
+"""The last of `MAX_INSTANCES`, which the testbench has; `--help` should not load it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,11 +54,11 @@ class CampaignCfg:
     naming more. Exit status 1 if every trial raised, hung or died, so that nothing is scored.
     """
 
-    out: Path
+    out: Annotated[Path, OutFolder()]
     """Folder of the results; made where it is missing."""
     scenes: str = "0:10"
     """Numbers of scenes of the dataset: A:B without B, single ones, joined by commas."""
-    trials: int = 30
+    trials: Annotated[int, Range(1, MOST_TRIALS)] = 30
     """Trials of each scene with each vehicle."""
     vehicles: str = "iris,hummingbird"
     """Airframes by their names, or files FILE.toml that describe them, joined by commas."""
@@ -70,7 +74,7 @@ class CampaignCfg:
     """Flight stack that the pilot commands: ours, or one of its own, see docs/flight_stacks.md."""
     autopilot_binary: Annotated[str | None, tyro.conf.arg(help_behavior_hint="")] = None
     """With --autopilot: program of that flight stack, started anew for each trial."""
-    instance: int = 0
+    instance: Annotated[int, Range(0, _MOST_INSTANCE)] = 0
     """With --pilot mavlink, without --program: the first worker waits on TCP port 5760 + 10 N of
     loopback, each further one on the next such port. With --autopilot: the first worker has the
     ports of instance N, each further one those of the next."""
@@ -81,16 +85,15 @@ class CampaignCfg:
     record: Literal["none"] | RecordLevel = "none"
     """What is recorded of each trial, as OUT/recordings/SCENE-VEHICLE-TRIAL.rrd, see
     docs/recording.md; the flights are the same."""
-    workers: int = field(default_factory=default_jobs)
+    workers: Annotated[int, Range(1, MOST_WORKERS)] = field(default_factory=default_jobs)
     """Processes; the default is the number of cores."""
     engine: Literal["local", "ray"] = "local"
     """Where the processes are: on this machine, or on a cluster of Ray (aeroscene[cluster])."""
     ray_address: Annotated[str | None, tyro.conf.arg(help_behavior_hint="")] = None
     """With --engine ray: address of the cluster, such as auto or ray://HOST:10001. By default Ray
     is started on this machine, on loopback alone, and ended afterwards."""
-    patience: float = 900.0
-    """Wall time for one trial in s, after which its process is ended and the trial counts as
-    failed."""
+    patience: Annotated[float, Range(0.0, unit="s", is_above=True)] = 900.0
+    """Wall time for one trial, after which its process is ended and the trial counts as failed."""
     dry_run: bool = False
     """Fly nothing: say how many trials would be flown and, by what those in OUT have cost, how
     long that would take."""
@@ -197,12 +200,6 @@ def _trials(cfg: CampaignCfg) -> list[Trial]:
     from flightsim.vehicles import airframe_by_name  # noqa: PLC0415 - see `run`
     from scenarios.campaigns.campaign import all_trials  # noqa: PLC0415
 
-    if not 1 <= cfg.trials <= _MOST_TRIALS:
-        fail(_PROG, f"trials {cfg.trials} is out of range; valid: 1 to {_MOST_TRIALS}")
-    if cfg.workers < 1:
-        fail(_PROG, f"workers {cfg.workers} is too few; valid: 1 or more")
-    if not cfg.patience > 0:
-        fail(_PROG, f"patience {cfg.patience} is not valid; valid: seconds above 0")
     if cfg.suite is not None:
         return _fixed(cfg, cfg.suite).all_trials()
     numbers = scene_numbers(cfg.scenes)

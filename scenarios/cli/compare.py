@@ -11,6 +11,7 @@ import tyro
 from rich.table import Column, Table
 
 from scenarios.cli.command_line import EXIT_DONE, default_hint, fail, fail_on_file, print_json
+from scenarios.cli.outputs import OutFile
 from scenarios.cli.terminal import Terminal, styled, terminal
 
 _PROG = "aeroscene compare"
@@ -31,7 +32,7 @@ class CompareCfg:
     """Folder of a campaign."""
     second: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="DIR_B")]
     """Folder of another one, of the same recipe and of another pilot or version."""
-    html: Annotated[Path | None, default_hint("none")] = None
+    html: Annotated[Path | None, OutFile(), default_hint("none")] = None
     """File for a page of it."""
     json: Annotated[bool, tyro.conf.arg(name="json")] = False
     """Print one JSON object instead: pairs, a, b, both, a_alone, b_alone, neither, difference,

@@ -6,9 +6,10 @@ import time
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
-from typing import Literal
+from typing import Annotated, Literal
 
 from scenarios.cli.command_line import EXIT_DONE, fail, print_json
+from scenarios.cli.outputs import OutFolder
 from scenarios.cli.terminal import styled, terminal
 
 _PROG = "aeroscene export"
@@ -25,7 +26,7 @@ class ExportCfg:
 
     to: Literal["mjcf", "glb", "usd"]
     """Format of the file."""
-    out: Path
+    out: Annotated[Path, OutFolder()]
     """Folder to write into; made where it is missing."""
     scene: str = "42"
     """Scene of the dataset by number, corpus:N, gen:SEED, field, a scene file or one of a file of

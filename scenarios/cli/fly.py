@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import tyro
 
+from aeroscene.ranges import Range
 from scenarios.campaigns.recordings import RECORDINGS, Recordings
+from scenarios.cli.campaign_limits import MOST_TRIALS
 from scenarios.cli.command_line import (
     EXIT_BAD_INPUT,
     EXIT_DONE,
@@ -19,6 +21,7 @@ from scenarios.cli.command_line import (
     fail_on_file,
     print_json,
 )
+from scenarios.cli.outputs import OutFolder
 from scenarios.cli.terminal import shell, styled, terminal
 from scenarios.run.levels import RecordLevel
 
@@ -37,9 +40,9 @@ class FlyCfg:
     The recording is OUT/recordings/SCENE-VEHICLE-TRIAL.rrd; exit status 1 if the trial failed.
     """
 
-    out: Path
+    out: Annotated[Path, OutFolder()]
     """Folder of a campaign, whose recipe and pilot are taken; or any other one."""
-    trial: int
+    trial: Annotated[int, Range(0, MOST_TRIALS - 1)]
     """Number of the trial among those of the scene and the vehicle."""
     scene: str = "42"
     """Scene as the campaign names it: by its number."""
@@ -67,8 +70,6 @@ def run(cfg: FlyCfg) -> int:
     from scenarios.campaigns.flyer import Flyer, Trial  # noqa: PLC0415
     from scenarios.campaigns.store import TRACKS, StoreError  # noqa: PLC0415
 
-    if cfg.trial < 0:
-        fail(_PROG, f"trial {cfg.trial} is negative; valid: 0 or more")
     airframe_by_name(cfg.vehicle)
     trial = Trial(cfg.scene, cfg.vehicle, cfg.trial)
     # What a pilot raised is one line in a campaign; here it has its traceback.

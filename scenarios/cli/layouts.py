@@ -19,6 +19,7 @@ from aeroscene.layouts.reading import read_layouts
 from aeroscene.scene import SceneError
 from aeroscene.scene.io import write_scene
 from scenarios.cli.command_line import EXIT_DONE, EXIT_NEGATIVE, print_json
+from scenarios.cli.outputs import OutFolder
 from scenarios.cli.progress import progress_bar
 from scenarios.cli.terminal import Terminal, styled, terminal
 
@@ -36,7 +37,7 @@ class LayoutsCfg:
 
     file: tyro.conf.Positional[Path]
     """The file of layouts."""
-    out: Annotated[Path | None, tyro.conf.arg(help_behavior_hint="")] = None
+    out: Annotated[Path | None, OutFolder(), tyro.conf.arg(help_behavior_hint="")] = None
     """Write each layout as a scene of ours, SCENE_ID.json, into this folder."""
     skip_invalid: bool = False
     """Leave out objects and scenes that break a rule, name and count them, and go on."""

@@ -11,6 +11,7 @@ import tyro
 from rich.table import Table
 
 from scenarios.cli.command_line import EXIT_DONE, default_hint, fail, fail_on_file, print_json
+from scenarios.cli.outputs import OutFile
 from scenarios.cli.progress import share_bar
 from scenarios.cli.terminal import Terminal, terminal
 
@@ -29,7 +30,7 @@ class ReportCfg:
 
     folder: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="DIR")]
     """Folder of a campaign, also of one that is being flown."""
-    leaderboard: Annotated[Path | None, default_hint("none")] = None
+    leaderboard: Annotated[Path | None, OutFile(), default_hint("none")] = None
     """JSON file to which the entry of this campaign is added, with a table beside it in Markdown;
     only a campaign that flew a whole fixed suite has one, see docs/campaigns.md."""
     stack: Annotated[str | None, default_hint("the pilot's")] = None

@@ -17,7 +17,7 @@ from aeroscene.metrics.diversity import Layout
 from aeroscene.metrics.paper_table import INCONSISTENCIES, Row
 from aeroscene.processes import default_jobs
 from scenarios.cli.command_line import EXIT_DONE, default_hint, print_json
-from scenarios.cli.dataset.options import Data, SceneNumbers, check_jobs, open_scenes
+from scenarios.cli.dataset.options import JOBS, Data, SceneNumbers, open_scenes
 from scenarios.cli.progress import progress_bar
 from scenarios.cli.terminal import Terminal, styled, terminal
 from scenarios.dataset.stats import Diversity, Statistics, statistics
@@ -40,7 +40,7 @@ class StatsCfg:
     """Neutral layout files (.jsonl or .jsonl.gz) whose diversity is shown beside the dataset's."""
     scenes: SceneNumbers = ""
     """Only these scenes: A:B without B, single ones, joined by commas; all by default."""
-    jobs: int = field(default_factory=default_jobs)
+    jobs: Annotated[int, JOBS] = field(default_factory=default_jobs)
     """Processes; the default is the number of cores."""
     json: bool = False
     """Print one JSON object: a key for each row of the table with value, paper, deviation, train
@@ -49,7 +49,6 @@ class StatsCfg:
 
 def run(cfg: StatsCfg) -> int:
     """Count the scenes and print the statistics."""
-    check_jobs(cfg.jobs)
     dataset = open_scenes(cfg.data, cfg.scenes)
     beside = {_set_name(path): _read_layouts(path) for path in cfg.beside}
     found = statistics(dataset, beside, cfg.jobs, progress_bar)

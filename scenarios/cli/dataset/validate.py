@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Annotated, Any
 
 from rich.table import Table
 
-from aeroscene.corpus.dataset import DatasetError
 from aeroscene.corpus.summary import SceneSet
 from aeroscene.processes import default_jobs
+from aeroscene.ranges import SEEDS, Range
 from scenarios.cli.command_line import EXIT_DONE, EXIT_NEGATIVE, print_json
-from scenarios.cli.dataset.options import Data, SceneNumbers, check_jobs, open_scenes
+from scenarios.cli.dataset.options import JOBS, Data, SceneNumbers, open_scenes
 from scenarios.cli.progress import progress_bar
 from scenarios.cli.terminal import Terminal, styled, terminal
 from scenarios.dataset.drops import LEAST_SHARE, DropReport, drop_all
 from scenarios.dataset.validate import Report, first_of_each_kind, validate_all
 
+_MOST_DROPS = 1_000_000
 _EXAMPLES = 5
 """Number of examples shown of each kind of finding, of failed drops and of unreadable files."""
 
@@ -36,16 +37,16 @@ class ValidateCfg:
     data: Data = ""
     """Folder of a corpus or of scene files, or "shipped" for the scenes that come with the package;
     by default the folder corpus where there is one, and else shipped."""
-    drops: int = 0
+    drops: Annotated[int, Range(0, _MOST_DROPS)] = 0
     """Also let an unpowered Iris fall from 0.3 m on this many random landing areas: it must come
     to rest on them, level within their slope and 2 degrees."""
-    seed: int = 0
+    seed: Annotated[int, SEEDS] = 0
     """Seed of the areas that the Iris falls on, and of its headings."""
     scenes: SceneNumbers = ""
     """Only these scenes: A:B without B, single ones, joined by commas; all by default."""
     skip_invalid: bool = False
     """Go on after a file that cannot be read, name it and count it."""
-    jobs: int = field(default_factory=default_jobs)
+    jobs: Annotated[int, JOBS] = field(default_factory=default_jobs)
     """Processes; the default is the number of cores."""
     json: bool = False
     """Print one JSON object: scenes, findings by kind, details, invalid, and drops if asked for."""
@@ -53,10 +54,6 @@ class ValidateCfg:
 
 def run(cfg: ValidateCfg) -> int:
     """Check everything and print what was found."""
-    check_jobs(cfg.jobs)
-    for name, value in (("drops", cfg.drops), ("seed", cfg.seed)):
-        if value < 0:
-            raise DatasetError(f"{name} {value} is negative, valid: 0 or more")
     dataset = open_scenes(cfg.data, cfg.scenes)
     with progress_bar("checking scenes", len(dataset.entries)) as advance:
         report = validate_all(dataset, cfg.jobs, advance, skip_invalid=cfg.skip_invalid)

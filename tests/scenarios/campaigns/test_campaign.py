@@ -106,8 +106,8 @@ def test_fly_repeats_a_trial_with_a_recording_and_report_tells_of_it(campaign, c
     ("args", "says"),
     [
         (("--trials", "0"), "trials 0 is out of range; valid: 1 to 1000000"),
-        (("--workers", "0"), "workers 0 is too few; valid: 1 or more"),
-        (("--patience", "0"), "patience 0.0 is not valid; valid: seconds above 0"),
+        (("--workers", "0"), "workers 0 is out of range; valid: 1 to 10000"),
+        (("--patience", "0"), "patience 0.0 is out of range; valid: above 0 s"),
         (("--scenes", "5:5"), "scenes '5:5' is no range of scenes"),
         (("--scenes", "2000"), "scenes '2000' has no scene 2000; valid: 0:1016"),
         (("--vehicles", "iris,boat"), "'boat'"),
@@ -187,7 +187,10 @@ def test_a_dry_run_tells_what_is_left_and_writes_nothing(tmp_path, capsys):
 def test_fly_and_report_refuse_what_is_not_there(tmp_path, capsys):
     for args, says in (
         (("report", tmp_path), "holds no campaign; valid: a folder of one"),
-        (("fly", "--out", tmp_path, "--trial", "-1"), "trial -1 is negative; valid: 0 or more"),
+        (
+            ("fly", "--out", tmp_path, "--trial", "-1"),
+            "trial -1 is out of range; valid: 0 to 999999",
+        ),
         (("fly", "--out", tmp_path, "--trial", "0", "--scene", "x"), "scene 'x' is unknown"),
     ):
         status, out, err = in_process(capsys, *args)

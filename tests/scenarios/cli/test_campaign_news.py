@@ -6,7 +6,6 @@ import pytest
 
 from scenarios.cli.campaign_news import CampaignNews
 
-
 AGAIN = "aeroscene fly --out 'a b' --scene 7 --vehicle iris --trial 2"
 
 
