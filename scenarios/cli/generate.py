@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import tyro
 
@@ -21,8 +20,8 @@ from scenarios.cli.command_line import (
     default_hint,
     fail,
     fail_on_file,
-    print_json,
 )
+from scenarios.cli.generate_words import print_generated
 from scenarios.cli.outputs import OutFile, OutFolder
 from scenarios.cli.progress import progress_bar
 from scenarios.generation.asked import (
@@ -110,11 +109,16 @@ class GenerateCfg:
     """auto takes a GPU where there is one; or cpu, cuda, cuda:1, mps."""
     threads: Annotated[int | None, THREADS, default_hint("1, with --batch all cores")] = None
     """Number of CPU threads. For one scene at a time a second one brings little."""
+    strict: bool = False
+    """Keep only scenes that are as asked for: objects and density within a fifth, each side of the
+    outline within a tenth. Others are drawn again; a seed that gives none is named, exit status
+    1."""
     progress: Annotated[Path | None, OutFile((".png",)), default_hint("none")] = None
     """PNG file for pictures of how the first scene came about."""
     json: Annotated[bool, tyro.conf.arg(name="json")] = False
-    """Print one JSON object: scenes (files), seconds_per_scene, device, failed, stages; where asked
-    for measured, order and worst. docs/model.md says more."""
+    """Print one JSON object: scenes (files), seconds_per_scene, device, failed, stages; with wishes
+    also wishes (asked, got and met by file), missed (files) and measured; with --worst-for order
+    and worst. docs/model.md says more."""
 
 
 def run(cfg: GenerateCfg) -> int:
@@ -144,9 +148,9 @@ def _run(cfg: GenerateCfg) -> int:
     if pilot is not None:
         return _run_worst(cfg, generator, requests, pilot)
     cfg.out.mkdir(parents=True, exist_ok=True)
-    tally = Tally(cfg.out)
+    tally = Tally(cfg.out, is_strict=cfg.strict)
     _draw(cfg, generator, requests, tally)
-    _report(cfg, generator, tally, {})
+    print_generated(cfg.out, generator.device, tally, {}, as_json=cfg.json)
     return EXIT_NEGATIVE if tally.failed else EXIT_DONE
 
 
@@ -179,7 +183,7 @@ def _run_worst(
     left_open = {"seed", "count", "of", "out", "threads", "progress", "json"}
     asked = {name: str(v) for name, v in asdict(cfg).items() if name not in left_open}
     tries = Tries(cfg.out / "tried", asked)
-    tally = Tally(tries.folder)
+    tally = Tally(tries.folder, is_strict=cfg.strict)
     missing = [each for each in requests if not tries.scene_path(each.seed).exists()]
     if missing:
         _draw(cfg, generator, missing, tally)
@@ -195,7 +199,8 @@ def _run_worst(
         for flight in worst[: cfg.count]
     ]
     kept = [{"scene": str(path), **asdict(f)} for path, f in zip(files, worst, strict=False)]
-    _report(cfg, generator, tally, {"scenes": files, "order": ORDER, "worst": kept})
+    more = {"scenes": files, "order": ORDER, "worst": kept}
+    print_generated(cfg.out, generator.device, tally, more, as_json=cfg.json)
     return EXIT_NEGATIVE if tally.failed else EXIT_DONE
 
 
@@ -256,35 +261,3 @@ def _requests(cfg: GenerateCfg) -> list[Request]:
         )
         for seed in range(cfg.seed, cfg.seed + count)
     ]
-
-
-def _report(cfg: GenerateCfg, generator: Generator, tally: Tally, more: Mapping[str, Any]) -> None:
-    seconds = tally.seconds / max(1, len(tally.files))
-    files = sorted(tally.files)
-    stages = {
-        "sampled": {"collision_rate": _mean(tally.sampled), "rejected": 0},
-        "feasible": {"collision_rate": _mean(tally.feasible), "rejected": tally.n_rejected},
-    }
-    for seed, reason in tally.failed.items():
-        sys.stderr.write(f"{_PROG}: seed {seed} gave no scene: {reason}\n")
-    if cfg.json:
-        facts = {
-            "scenes": files,
-            "seconds_per_scene": seconds,
-            "device": generator.device,
-            "failed": sorted(tally.failed),
-            "stages": stages,
-        }
-        measured = {"measured": tally.measured} if tally.measured else {}
-        print_json({**facts, **measured, **more})
-        return
-    for each in more.get("worst", ()):
-        print(f"{each['scene']}: {each['reason']}")
-    print(
-        f"{cfg.out}: {len(files)} scenes, {seconds:.2f} s each on {generator.device}, "
-        f"{tally.n_rejected} draws rejected"
-    )
-
-
-def _mean(values: Sequence[float]) -> float | None:
-    return sum(values) / len(values) if values else None

@@ -121,6 +121,43 @@ def test_further_wishes_are_kept_and_named_in_the_document(tmp_path, capsys):
     assert json.loads(text)["measured"] == {str(path): dict(scene.measured)}
 
 
+def test_scenes_that_miss_a_wish_are_named_and_strict_draws_them_again(tmp_path, capsys):
+    wishes = ("--theme", "residential_street", "--outline", "150,150", "--objects", 200)
+    status, text, _ = run(capsys, "--seed", 3, "--out", tmp_path / "loose", *wishes, "--json")
+    facts = json.loads(text)
+    (file,) = facts["scenes"]
+    scene = read_scene(file)
+    told = facts["wishes"][file]
+    assert status == 0
+    assert told["objects"] == {
+        "asked": 200,
+        "got": len(scene.objects),
+        "met": abs(len(scene.objects) - 200) <= 40,
+    }
+    assert scene.measured["outline"] == told["outline"]["got"]
+    assert facts["missed"] == [file] * (not all(wish["met"] for wish in told.values()))
+    args = ("--seed", 3, "--out", tmp_path / "strict", *wishes, "--strict", "--json")
+    status, text, err = run(capsys, *args)
+    facts = json.loads(text)
+    if facts["failed"]:
+        assert (status, facts["scenes"]) == (1, [])
+        assert "where 150,150 was asked for" in err
+    else:
+        assert (status, facts["missed"]) == (0, [])
+        (told,) = facts["wishes"].values()
+        assert all(wish["met"] for wish in told.values())
+
+
+def test_the_sides_of_a_building_lie_east_and_north(tmp_path, capsys):
+    """Some buildings lie across the axes of the world by a quarter turn."""
+    args = ("--domain", "indoor", "--outline", "40,30", "--seed", 2, "--count", 2)
+    assert run(capsys, "--out", tmp_path, *args)[0] == 0
+    for path in tmp_path.glob("*.json"):
+        scene = read_scene(path)
+        low, high = scene.extent_min_enu_m, scene.extent_max_enu_m
+        assert (high[0] - low[0], high[1] - low[1]) == pytest.approx((40, 30), rel=0.1)
+
+
 def test_scenes_are_of_the_theme_that_was_asked_for_beside_other_wishes(tmp_path, capsys):
     wishes = ("--theme", "hillside", "--count", 2, "--density", 0.4)
     assert run(capsys, "--seed", 8, "--out", tmp_path, *wishes)[0] == 0
@@ -238,7 +275,10 @@ def test_progress_draws_noise_layouts_and_the_scene(tmp_path, capsys):
         (("--min-passage", 0.1), "min-passage 0.1 is out of range; valid: 0.5 to 3"),
         (("--difficulty", "dire"), "difficulty 'dire' is not valid; valid: "),
         (("--of", 3), "of is 3 without --worst-for, valid: --worst-for demo"),
-        (("--worst-for", "demo", "--of", 2, "--count", 3), "of 2 is out of range; valid: 3 to"),
+        (
+            ("--worst-for", "demo", "--of", 2, "--count", 3),
+            "of is 2 beside count 3, valid: 3 or more",
+        ),
         (("--worst-for", "nobody"), "worst-for is 'nobody', valid: demo, mueller, potential, "),
         (("--worst-for", "demo", "--progress", "a.png"), "beside --worst-for"),
         (("--outline", "60"), "outline is '60', valid: EAST,NORTH"),
