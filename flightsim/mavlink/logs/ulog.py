@@ -13,7 +13,14 @@ _NO_FLAGS = bytes(40)
 _HEADER = struct.Struct("<HB")
 """Size and kind of a message, before its bytes."""
 _DATA = ord("D")
-_STRUCT_LETTERS = {"uint64_t": "Q", "int32_t": "i", "float": "f", "uint8_t": "B", "bool": "?"}
+_STRUCT_LETTERS = {
+    "uint64_t": "Q",
+    "int32_t": "i",
+    "uint32_t": "I",
+    "float": "f",
+    "uint8_t": "B",
+    "bool": "?",
+}
 
 
 class Topic:
