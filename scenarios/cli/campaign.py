@@ -16,6 +16,7 @@ import tyro
 from aeroscene.corpus.corpus import CORPUS_SIZE
 from aeroscene.processes import default_jobs
 from aeroscene.ranges import Range
+from scenarios.campaigns.equipment import CameraHz, Equipment
 from scenarios.campaigns.recordings import RECORDINGS, Recordings
 from scenarios.cli.campaign_limits import MOST_TRIALS, MOST_WORKERS
 from scenarios.cli.campaign_news import CampaignNews
@@ -85,6 +86,12 @@ class CampaignCfg:
     record: Literal["none"] | RecordLevel = "none"
     """What is recorded of each trial, as OUT/recordings/SCENE-VEHICLE-TRIAL.rrd, see
     docs/recording.md; the flights are the same."""
+    camera_hz: CameraHz = 5.0
+    """With --record: frames of each camera in a simulated second."""
+    # Without a text of its own here, tyro would look for one in the sources.
+    equipment: Annotated[Equipment, tyro.conf.arg(help="Cameras and sensors of the vehicles.")] = (
+        field(default_factory=Equipment)
+    )
     workers: Annotated[int, Range(1, MOST_WORKERS)] = field(default_factory=default_jobs)
     """Processes; the default is the number of cores."""
     engine: Literal["local", "ray"] = "local"
@@ -208,6 +215,7 @@ def _trials(cfg: CampaignCfg) -> list[Trial]:
     vehicles = list(dict.fromkeys(cfg.vehicles.split(",")))
     for vehicle in vehicles:
         airframe_by_name(vehicle)
+        cfg.equipment.require(vehicle)
     return all_trials(map(str, numbers), vehicles, cfg.trials)
 
 
@@ -222,12 +230,15 @@ def _suite(cfg: CampaignCfg) -> Suite:
         recipe = Recipe() if cfg.recipe is None else read_recipe(cfg.recipe)
     recordings = None
     if cfg.record != "none":
-        recordings = Recordings(folder=cfg.out / RECORDINGS, level=cfg.record)
+        recordings = Recordings(
+            folder=cfg.out / RECORDINGS, level=cfg.record, camera_hz=cfg.camera_hz
+        )
     suite = Suite(
         recipe=recipe,
         pilot=cfg.pilot,
         program=cfg.program,
         stack=_stack(cfg),
+        equipment=cfg.equipment,
         recordings=recordings,
     )
     if cfg.program is not None and not suite.is_external:

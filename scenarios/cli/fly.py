@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import logging
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import tyro
 
 from aeroscene.ranges import Range
+from scenarios.campaigns.equipment import CameraHz, Equipment
 from scenarios.campaigns.recordings import RECORDINGS, Recordings
 from scenarios.cli.campaign_limits import MOST_TRIALS
 from scenarios.cli.command_line import (
@@ -54,6 +55,12 @@ class FlyCfg:
     """TOML file that says what the task is drawn from."""
     record: RecordLevel = "full"
     """What is recorded, see docs/recording.md; the flight is the same."""
+    camera_hz: CameraHz = 5.0
+    """Frames of each camera in a simulated second of the recording."""
+    # Without a text of its own here, tyro would look for one in the sources.
+    equipment: Annotated[
+        Equipment, tyro.conf.arg(help="Cameras and sensors; the campaign's by default.")
+    ] = field(default_factory=Equipment)
     json: Annotated[bool, tyro.conf.arg(name="json")] = False
     """Print one JSON object: the row of the trial but for its tracks, and same_as_campaign, null
     where the campaign has not flown it."""
@@ -78,7 +85,9 @@ def run(cfg: FlyCfg) -> int:
         suite, is_campaigns = _suite(cfg)
         suite.require_pilot()
         before = row_of(cfg.out, trial) if is_campaigns else None
-        recordings = Recordings(folder=cfg.out / RECORDINGS, level=cfg.record)
+        suite.equipment.require(cfg.vehicle)
+        folder = cfg.out / RECORDINGS
+        recordings = Recordings(folder=folder, level=cfg.record, camera_hz=cfg.camera_hz)
         with Flyer(replace(suite, recordings=recordings), shows_program=True) as flyer:
             row = flyer.fly(trial)
     except (CampaignError, StoreError, PilotError, ProgramError, FlightStackError) as error:
@@ -108,6 +117,8 @@ def _suite(cfg: FlyCfg) -> tuple[Suite, bool]:
         suite = replace(suite, recipe=read_recipe(cfg.recipe))
     if cfg.pilot is not None:
         suite = replace(suite, pilot=cfg.pilot)
+    if cfg.equipment != Equipment():
+        suite = replace(suite, equipment=cfg.equipment)
     return suite, suite == campaigns
 
 
