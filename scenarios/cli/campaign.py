@@ -280,6 +280,8 @@ def _fixed(cfg: CampaignCfg, name: str) -> FixedSuite:
     for option in ("scenes", "trials", "vehicles", "recipe"):
         if getattr(cfg, option) != getattr(CampaignCfg, option):
             fail(_PROG, f"{option} is fixed by suite {name!r}; valid: one of the two")
+    if cfg.equipment != Equipment():
+        fail(_PROG, f"cameras and sensors are fixed by suite {name!r}; valid: one of the two")
     return fixed_suite(name)
 
 
