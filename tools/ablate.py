@@ -28,7 +28,6 @@ from ablation.rows import SAMPLED, TRAINED, Row, SampledRow, TrainedRow
 from ablation.store import Outcome, outcome_key, read_outcome, write_outcome
 from ablation.table import Line, line, markdown_table, plain, rich_table
 from ablation.train import Trainer
-from rich.console import Console
 
 from aeroscene.corpus.dataset import open_dataset
 from aeroscene.files import replacing
@@ -37,6 +36,7 @@ from aeroscene.learning.training.checkpoint import read_checkpoint
 from aeroscene.learning.training.config import require
 from aeroscene.scene import SceneError
 from scenarios.cli.progress import progress_bar
+from scenarios.cli.terminal import terminal
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -138,7 +138,7 @@ def main(cfg: AblateCfg) -> None:
         return
     for title, lines in tables.items():
         if lines:
-            Console().print(rich_table(f"{title}, {cfg.scenes} test scenes", lines))
+            terminal().print(rich_table(f"{title}, {cfg.scenes} test scenes", lines))
 
 
 def _chosen(names: Sequence[str]) -> set[str]:

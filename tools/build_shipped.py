@@ -18,8 +18,8 @@ from statistics import fmean
 from typing import Literal
 
 import tyro
-from rich.console import Console
 from rich.table import Table
+from rich.text import Text
 
 from aeroscene.corpus.corpus import CORPUS_SIZE
 from aeroscene.corpus.dataset import Dataset, SceneEntry, open_dataset
@@ -29,6 +29,7 @@ from aeroscene.processes import WorkerDiedError, default_jobs
 from aeroscene.scene import SceneError
 from scenarios.cli.progress import progress_bar
 from scenarios.cli.scene_numbers import SceneNumbersError, scene_numbers
+from scenarios.cli.terminal import Terminal, styled, terminal
 from scenarios.dataset.build import build
 from scenarios.dataset.shipping import CorpusMaker, Maker, ModelMaker, pack_shipped, plan_shipped
 
@@ -64,12 +65,12 @@ def main(cfg: ShipCfg) -> None:
     with progress_bar("making scenes", len(plan.to_make)) as advance:
         build(plan, cfg.jobs, lambda _: advance())
     dataset = open_dataset(cfg.folder).select(frozenset(numbers))
-    _report(Console(), dataset.entries)
+    _report(terminal(), dataset.entries)
     if len(dataset.entries) == CORPUS_SIZE:
         _pack(cfg, dataset, maker)
 
 
-def _report(console: Console, entries: Sequence[SceneEntry]) -> None:
+def _report(console: Terminal, entries: Sequence[SceneEntry]) -> None:
     """The averages beside the paper's, and by how much to ask for more or less."""
     table = Table("average", title=f"{len(entries):,} scenes", title_justify="left")
     for heading in ("ours", "paper", "off by", "ask for"):
@@ -84,13 +85,13 @@ def _report(console: Console, entries: Sequence[SceneEntry]) -> None:
     console.print(f"{n_again} draws were rejected, {share:.1%}")
 
 
-def _cells(row: Row) -> tuple[str, ...]:
+def _cells(row: Row) -> tuple[str | Text, ...]:
     ours, paper = row.ours["total"], row.paper["total"]
     if not ours:
         return "-", f"{paper:g}", "-", "-"
     off = ours / paper - 1
     style = "green" if abs(off) <= TOLERANCE else "bold red"
-    return f"{ours:.2f}", f"{paper:g}", f"[{style}]{off:+.1%}[/]", f"x {paper / ours:.3f}"
+    return f"{ours:.2f}", f"{paper:g}", styled((f"{off:+.1%}", style)), f"x {paper / ours:.3f}"
 
 
 def _pack(cfg: ShipCfg, dataset: Dataset, maker: Maker) -> None:

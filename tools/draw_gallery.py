@@ -20,7 +20,6 @@ from drawing.gallery_page import Shown, write_page
 from drawing.gallery_scenes import PLACES, Place
 from drawing.views import choose_view
 from matplotlib import colormaps
-from rich.console import Console
 
 from aeroscene.sources import open_scene
 from autonomy.types import quat_about_up
@@ -28,6 +27,7 @@ from flightsim.sensors.cameras import RgbdFrame, open_camera_renderer
 from flightsim.sensors.cameras.view import Quality
 from flightsim.vehicles.catalogue import airframe_by_name
 from flightsim.world import build_world
+from scenarios.cli.terminal import terminal
 from scenarios.pictures.lettering import label
 
 _PLACE_PX = (832, 468)
@@ -65,7 +65,7 @@ class GalleryCfg:
 
 def draw(cfg: GalleryCfg) -> None:
     """Draw and write the pictures, and the page if they are all there."""
-    console = Console(stderr=True)
+    console = terminal(stderr=True)
     sections = cfg.only or ("generated", "places", "onboard", "areas", "categories")
     shown: list[Shown] = []
     makers: dict[Section, Callable[[GalleryCfg], list[Shown]]] = {

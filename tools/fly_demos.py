@@ -22,9 +22,10 @@ import numpy as np
 import tyro
 from judging.recording import read_recording
 from measure_tracking import tracking_errors_m
-from rich.console import Console
 from rich.progress import track
 from rich.table import Table
+
+from scenarios.cli.terminal import terminal
 
 COLUMNS = {
     "scene": "scene",
@@ -102,12 +103,12 @@ def main(cfg: FlyCfg) -> None:
         cfg.out.mkdir(parents=True, exist_ok=True)
     first, end = map(int, cfg.scenes.split(":"))
     flights = [(scene, vehicle) for vehicle in cfg.vehicles for scene in range(first, end)]
-    progress = track(flights, console=Console(stderr=True), description="flying")
+    progress = track(flights, console=terminal(stderr=True), description="flying")
     results = [fly(cfg, scene, vehicle) for scene, vehicle in progress]
     table = Table(*COLUMNS.values())
     for result in results:
         table.add_row(*(_cell(result[column]) for column in COLUMNS))
-    console = Console(width=150)
+    console = terminal(width=150)
     console.print(table)
     console.print(medians(results))
     failed = [result for result in results if not result["success"]]

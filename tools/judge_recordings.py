@@ -18,8 +18,9 @@ from typing import Annotated, Any
 import tyro
 from judging.judge import judge_recording
 from judging.recording import read_recording
-from rich.console import Console
 from rich.progress import track
+
+from scenarios.cli.terminal import terminal
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,8 +59,8 @@ def main(cfg: JudgeCfg) -> int:
         for path in cfg.paths
         for each in (sorted(path.glob("*.rrd")) if path.is_dir() else [path])
     ]
-    console = Console(stderr=cfg.json)
-    rows = [judge(path) for path in track(paths, "judging", console=Console(stderr=True))]
+    console = terminal(stderr=cfg.json)
+    rows = [judge(path) for path in track(paths, "judging", console=terminal(stderr=True))]
     if cfg.json:
         print(json.dumps({"recordings": rows}, indent=2))
     for row in rows:

@@ -146,8 +146,7 @@ class ExternalStack:
         self._is_connected = False
         try:
             launch = self.kind.launch(airframe, start, instance, self._folder, binary)
-            words = [f"{key}={value}" for key, value in launch.environment.items()]
-            self.start_line = " ".join([*words, self.kind.program, *launch.arguments])
+            self.start_line = launch.line(self.kind.program)
             if binary is not None:
                 self._process = StackProcess(self.kind.title, binary, launch, self._folder)
         except BaseException:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Annotated, Literal
 
+from aeroscene.ranges import SEEDS, Range, require_ranges
 from flightsim.bridges import STACKS
 from flightsim.environment.effects import Effects
 from flightsim.environment.parameters import wind_parameters
 from flightsim.environment.traffic import TrafficCfg
-from flightsim.environment.wind import WindCfg, turbulence_mps
+from flightsim.environment.wind import MAX_GUST_MPS, MAX_WIND_MPS, WindCfg, turbulence_mps
 from flightsim.mavlink.links import LinkError, OutAddress, SerialLine
 from flightsim.mavlink.personalities import PERSONALITIES
 from flightsim.mavlink.signing import Signing, SigningKeyError, read_key
@@ -40,22 +41,22 @@ class TestbenchCfg:
     vehicle: str = "iris"
     """Airframe by its name, or a file FILE.toml that describes one (docs/airframes.md); an unknown
     name is answered with the valid ones."""
-    seed: int = 0
+    seed: Annotated[int, SEEDS] = 0
     """Seed of every random draw: sensor noise, choice of the landing area."""
     gnss: Literal["rtk", "standard"] = "rtk"
     """GNSS grade: rtk has decimetre errors, standard metres."""
     aiding: Literal["gnss", "vio", "mocap", "auto"] = "auto"
     """Position source: gnss (not in rooms), vio (visual-inertial odometry), mocap (motion capture),
     or auto, which is GNSS under open sky and VIO everywhere."""
-    wind: float = 0.0
-    """Speed of the steady wind, m/s."""
-    wind_from: float = 270.0
-    """Direction of the wind's origin in degrees clockwise from north: 270 is the west."""
+    wind: Annotated[float, Range(0.0, MAX_WIND_MPS, "m/s")] = 0.0
+    """Speed of the steady wind."""
+    wind_from: Annotated[float, Range(-360.0, 360.0, "degrees")] = 270.0
+    """Direction of the wind's origin, clockwise from north: 270 is the west."""
     turbulence: str = "none"
     """Dryden turbulence: none, natural (by the steady wind), light, moderate, severe, or the
     standard deviation of its vertical part in m/s."""
-    gust: float = 0.0
-    """Peak speed that a gust adds to the wind, m/s; 3 s of every 15 s."""
+    gust: Annotated[float, Range(0.0, MAX_GUST_MPS, "m/s")] = 0.0
+    """Peak speed that a gust adds to the wind; 3 s of every 15 s."""
     traffic: str = "none"
     """Movers besides the vehicle, such as people=3,cars=2,drones=1."""
     depth_camera: Literal["exact", "d435", "d455"] = "exact"
@@ -73,9 +74,9 @@ class TestbenchCfg:
     """Carry a sensor of optical flow that looks down, and tell of it by MAVLink."""
     without: str = ""
     """Effects of the physics to leave out, such as ground,ceiling; docs/physics.md names them."""
-    speed: float | Literal["max"] = 1.0
+    speed: Annotated[float | Literal["max"], Range(0.0, is_above=True, word="max")] = 1.0
     """Simulated seconds per wall second, or max for as fast as it goes."""
-    instance: int = 0
+    instance: Annotated[int, Range(0, MAX_INSTANCES - 1)] = 0
     """Number of this vehicle: shifts every port and the MAVLink system id (1 + instance)."""
     bind: str = "127.0.0.1"
     """Address that the MAVLink ports listen on; 0.0.0.0 opens them to the network."""
@@ -101,24 +102,17 @@ class TestbenchCfg:
 
     def __post_init__(self) -> None:
         """Refuse invalid settings before anything is built."""
+        require_ranges(self, TestbenchError)
         with_cameras(airframe_by_name(self.vehicle), self.camera)
         if self.lidar:
             lidar_by_name(self.lidar)
         _ = self.camera_size_px
         _ = self.wind_cfg, self.traffic_cfg, self.effects, self.serial_line, self.signing
         _ = self.out_addresses
-        if self.speed != "max" and not 0.0 < self.speed < float("inf"):
-            raise TestbenchError(f"speed {self.speed} is not positive; valid: 1, a factor, or max")
-        if not 0 <= self.instance < MAX_INSTANCES:
-            raise TestbenchError(
-                f"instance {self.instance} is out of range; valid: 0 to {MAX_INSTANCES - 1}"
-            )
         if self.personality not in PERSONALITIES:
             raise TestbenchError(
                 f"personality {self.personality!r} is unknown; valid: {', '.join(PERSONALITIES)}"
             )
-        if self.seed < 0:
-            raise TestbenchError(f"seed {self.seed} is negative; valid: 0 or more")
         self._check_autopilot()
 
     def _check_autopilot(self) -> None:

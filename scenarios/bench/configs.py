@@ -4,9 +4,17 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Literal
+from typing import Annotated, Literal
+
+from aeroscene.ranges import SEEDS, Range, require_ranges
 
 MOST_SCENES = 1016
+MOST = 1_000_000
+"""Most of anything that a benchmark counts."""
+COUNT = Range(1, MOST)
+SCENES = Range(1, MOST_SCENES)
+SECONDS = Range(1.0, 36_000.0, "s")
+"""Simulated time of a flight; ten hours at most."""
 
 
 class BenchError(ValueError):
@@ -20,18 +28,14 @@ class AnyBenchCfg(ABC):
     json: bool = False
     """Print one JSON object: rows, each with metric, value, unit and target."""
 
+    def __post_init__(self) -> None:
+        """Refuse numbers that are out of their ranges."""
+        require_ranges(self, BenchError)
+
     @property
     @abstractmethod
     def title(self) -> str:
         """Title of the results."""
-
-
-def check_range(name: str, value: float, low: float, high: float | None = None) -> None:
-    """Refuse a value that is out of range or NaN."""
-    if value >= low and (high is None or value <= high):
-        return
-    valid = f"{low:g} or more" if high is None else f"{low:g} to {high:g}"
-    raise BenchError(f"{name} {value} is out of range; valid: {valid}")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,11 +46,8 @@ class SimBenchCfg(AnyBenchCfg):
     """Scene of the dataset by number, or a scene JSON file."""
     vehicle: str = "iris"
     """Airframe by its name; an unknown one is answered with the valid names."""
-    seconds: float = 60.0
+    seconds: Annotated[float, SECONDS] = 60.0
     """Simulated seconds of each flight; those with cameras take a fifth."""
-
-    def __post_init__(self) -> None:
-        check_range("seconds", self.seconds, 1.0)
 
     @property
     def title(self) -> str:
@@ -62,11 +63,8 @@ class SceneBenchCfg(AnyBenchCfg):
     twentieth of all scenes exceed.
     """
 
-    count: int = 12
+    count: Annotated[int, SCENES] = 12
     """Number of scenes, spread over the corpus."""
-
-    def __post_init__(self) -> None:
-        check_range("count", self.count, 1, MOST_SCENES)
 
     @property
     def title(self) -> str:
@@ -83,22 +81,25 @@ class PlanBenchCfg(AnyBenchCfg):
     weighted squared jerk, which the planner minimises.
     """
 
-    count: int = 200
+    count: Annotated[int, COUNT] = 200
     """Number of pairs of start and goal, 10 m apart or more where the scene allows."""
-    scenes: int = 20
+    scenes: Annotated[int, SCENES] = 20
     """Number of shipped scenes over which the pairs are spread."""
     vehicle: str = "iris"
     """Airframe by its name; an unknown one is answered with the valid names."""
-    seed: int = 0
+    seed: Annotated[int, SEEDS] = 0
     """Seed of the places and of crossing traffic."""
-    joint: int = 8
+    joint: Annotated[int, Range(0, MOST)] = 8
     """Plans compared with the joint optimum of states and times by ipopt, some seconds each."""
 
     def __post_init__(self) -> None:
-        check_range("scenes", self.scenes, 1, MOST_SCENES)
-        check_range("count", self.count, self.scenes)
-        check_range("joint", self.joint, 0)
-        check_range("seed", self.seed, 0)
+        """Refuse numbers that are out of their ranges, and scenes without a pair."""
+        require_ranges(self, BenchError)
+        if self.count < self.scenes:
+            raise BenchError(
+                f"count {self.count} is less than the {self.scenes} scenes; "
+                f"valid: {self.scenes} or more, or fewer --scenes"
+            )
 
     @property
     def title(self) -> str:
@@ -114,13 +115,10 @@ class DifficultyBenchCfg(AnyBenchCfg):
     a way over the distance of its ends, "quarter_turns" its changes of direction in right angles.
     """
 
-    count: int = 120
+    count: Annotated[int, SCENES] = 120
     """Number of scenes, spread over the dataset."""
     vehicle: str = "iris"
     """Airframe by its name; an unknown one is answered with the valid names."""
-
-    def __post_init__(self) -> None:
-        check_range("count", self.count, 1, MOST_SCENES)
 
     @property
     def title(self) -> str:
@@ -136,19 +134,14 @@ class EstimateBenchCfg(AnyBenchCfg):
     are compared with the covariance that the filter claims (NEES), innovations with theirs (NIS).
     """
 
-    count: int = 100
+    count: Annotated[int, COUNT] = 100
     """Number of flights in each case."""
     vehicle: str = "iris"
     """Airframe by its name; an unknown one is answered with the valid names."""
-    seconds: float = 30.0
+    seconds: Annotated[float, SECONDS] = 30.0
     """Seconds of curves in each flight, after 6.5 s of rest and take-off."""
-    seed: int = 0
+    seed: Annotated[int, SEEDS] = 0
     """Seed of the first flight; the others count up from it."""
-
-    def __post_init__(self) -> None:
-        check_range("count", self.count, 1)
-        check_range("seconds", self.seconds, 1.0)
-        check_range("seed", self.seed, 0)
 
     @property
     def title(self) -> str:
@@ -164,20 +157,15 @@ class ControlBenchCfg(AnyBenchCfg):
     errors are relative to the estimate, which is all that the controller can track.
     """
 
-    count: int = 1000
+    count: Annotated[int, COUNT] = 1000
     """Number of recoveries of each vehicle from random attitudes and rates."""
-    flights: int = 10
+    flights: Annotated[int, COUNT] = 10
     """Number of figure eights of each vehicle in 5 m/s of wind with moderate turbulence."""
     vehicles: tuple[str, ...] = ("hummingbird", "iris")
     """Airframes to fly, by their names, or files FILE.toml that describe them; an unknown name is
     answered with the valid ones."""
-    seed: int = 0
+    seed: Annotated[int, SEEDS] = 0
     """Seed of the noise, the wind and the attitudes."""
-
-    def __post_init__(self) -> None:
-        check_range("count", self.count, 1)
-        check_range("flights", self.flights, 1)
-        check_range("seed", self.seed, 0)
 
     @property
     def title(self) -> str:
@@ -195,19 +183,14 @@ class LandBenchCfg(AnyBenchCfg):
     solids.
     """
 
-    areas: int = 500
+    areas: Annotated[int, COUNT] = 500
     """Number of landing areas; perching places are tested in addition."""
-    flights: int = 10
+    flights: Annotated[int, Range(0, MOST)] = 10
     """Number of landings flown in the whole stack, one scene each."""
     camera: Literal["exact", "d435", "d455"] = "d435"
     """Depth camera: without errors, or with those of a RealSense D435 or D455."""
-    seed: int = 0
+    seed: Annotated[int, SEEDS] = 0
     """Seed of the areas and of all errors."""
-
-    def __post_init__(self) -> None:
-        check_range("areas", self.areas, 1)
-        check_range("flights", self.flights, 0)
-        check_range("seed", self.seed, 0)
 
     @property
     def title(self) -> str:
@@ -224,14 +207,10 @@ class EncountersBenchCfg(AnyBenchCfg):
     Hummingbird in turn. Distances are those between the hulls, by the truth.
     """
 
-    count: int = 100
+    count: Annotated[int, Range(1, 4 * MOST_SCENES)] = 100
     """Number of encounters, up to four a scene, some ten CPU seconds each."""
-    seed: int = 0
+    seed: Annotated[int, SEEDS] = 0
     """Seed of the flights and the encounters, and the scene to begin with."""
-
-    def __post_init__(self) -> None:
-        check_range("count", self.count, 1, 4 * MOST_SCENES)
-        check_range("seed", self.seed, 0)
 
     @property
     def title(self) -> str:

@@ -8,7 +8,8 @@ from typing import Annotated, Any, Literal
 
 import tyro
 
-from scenarios.bench.configs import MOST_SCENES, AnyBenchCfg, BenchError, check_range
+from aeroscene.ranges import SEEDS, Range, require_ranges
+from scenarios.bench.configs import MOST_SCENES, AnyBenchCfg, BenchError
 
 _N_GENERATED = 24
 
@@ -29,10 +30,10 @@ class GenerateBenchCfg(AnyBenchCfg):
     scenes: Annotated[str | None, _default("none")] = None
     """Judge existing scenes instead: shipped, or a folder with a dataset or with output of
     `aeroscene generate`."""
-    count: Annotated[int | None, _default("24; with --scenes all")] = None
+    count: Annotated[int | None, Range(2, MOST_SCENES), _default("24; with --scenes all")] = None
     """Number of scenes, a third in each domain; figures of sets need 64 or more. With --scenes, the
     number of first scenes to judge."""
-    seed: int = 0
+    seed: Annotated[int, SEEDS] = 0
     """Seed of the first scene; the others count up from it."""
     checkpoint: Annotated[Path | None, _default("the one that ships with the preset")] = None
     """File written by `aeroscene train`."""
@@ -44,8 +45,7 @@ class GenerateBenchCfg(AnyBenchCfg):
     """Folder made by `aeroscene dataset build`, with the scenes to compare with."""
 
     def __post_init__(self) -> None:
-        check_range("count", self.n_generated, 2, MOST_SCENES)
-        check_range("seed", self.seed, 0)
+        require_ranges(self, BenchError)
         chosen = (self.checkpoint, self.preset, self.device)
         if self.scenes is not None and chosen != (None, "default", "auto"):
             raise BenchError(

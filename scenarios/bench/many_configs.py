@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Annotated, Literal
 
-from scenarios.bench.configs import AnyBenchCfg, check_range
+from aeroscene.ranges import Range
+from scenarios.bench.configs import MOST, SECONDS, AnyBenchCfg
 
 PeerName = Literal["gym-pybullet-drones", "pyflyt"]
 """Environments of other projects, to compare ours with."""
@@ -18,20 +19,16 @@ class WorldsBenchCfg(AnyBenchCfg):
     Targets are for two quiet cores; figures in CPU seconds hold on a busy machine too.
     """
 
-    worlds: int = 64
+    worlds: Annotated[int, Range(2, 4096)] = 64
     """Number of worlds."""
     scenes: tuple[str, ...] = ("42",)
     """Scenes by number or file, in turn."""
     vehicle: str = "iris"
     """Airframe by its name; an unknown one is answered with the valid names."""
-    seconds: float = 10.0
+    seconds: Annotated[float, SECONDS] = 10.0
     """Simulated seconds of each world."""
     peers: tuple[PeerName, ...] = ()
     """Other projects whose hover environments are stepped in the same run, where installed."""
-
-    def __post_init__(self) -> None:
-        check_range("worlds", self.worlds, 2, 4096)
-        check_range("seconds", self.seconds, 1.0)
 
     @property
     def title(self) -> str:
@@ -46,21 +43,16 @@ class VehiclesBenchCfg(AnyBenchCfg):
     Figures are in CPU seconds: one core does it all.
     """
 
-    vehicles: int = 4
+    vehicles: Annotated[int, Range(2, 100)] = 4
     """Number of vehicles in the world."""
     scene: str = "42"
     """Scene of the dataset by number, or a scene JSON file."""
     vehicle: str = "iris"
     """Airframe by its name; an unknown one is answered with the valid names."""
-    seconds: float = 60.0
+    seconds: Annotated[float, SECONDS] = 60.0
     """Simulated seconds of the flight."""
-    collisions: int = 10_000
+    collisions: Annotated[int, Range(3, MOST)] = 10_000
     """Number of random collisions between two vehicles, a third of them of two airframes."""
-
-    def __post_init__(self) -> None:
-        check_range("vehicles", self.vehicles, 2, 100)
-        check_range("seconds", self.seconds, 1.0)
-        check_range("collisions", self.collisions, 3, 1_000_000)
 
     @property
     def title(self) -> str:

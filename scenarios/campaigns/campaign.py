@@ -15,6 +15,7 @@ from aeroscene import __version__
 from aeroscene.corpus.shipped import shipped_digest
 from aeroscene.files import replacing
 from scenarios.campaigns.engines.crew import Crew, Engine
+from scenarios.campaigns.equipment import Equipment, equipment_from
 from scenarios.campaigns.flight_stack import stack_from
 from scenarios.campaigns.flyer import Row, Suite, Trial
 from scenarios.campaigns.store import JOURNAL, Store, open_store, read_results
@@ -137,6 +138,7 @@ def read_suite(folder: Path) -> Suite | None:
             pilot=suite["pilot"],
             program=suite.get("program"),
             stack=stack_from(suite),
+            equipment=equipment_from(suite),
         )
     except (ValueError, KeyError, TypeError) as error:
         raise _no_manifest(path, error) from None
@@ -174,6 +176,8 @@ def require_same_suite(folder: Path, suite: Suite) -> None:
     if read_suite(folder) is None:
         return
     present = _flat(json.loads((folder / MANIFEST).read_bytes()))
+    # Campaigns of earlier versions name no equipment, and had the usual one.
+    present = json.loads(json.dumps(Equipment().to_plain())) | present
     # Through JSON, which knows no tuples.
     for name, value in _flat(json.loads(json.dumps(_manifest(suite)))).items():
         if present.get(name) != value:

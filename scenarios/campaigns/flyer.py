@@ -21,6 +21,7 @@ from flightsim.environment.traffic import TrafficError
 from flightsim.vehicles import airframe_by_name
 from flightsim.world import WorldError
 from scenarios.baselines.named import OURS, NamedPilot, pilot_of
+from scenarios.campaigns.equipment import Equipment
 from scenarios.campaigns.external.flight import ExternalFlights
 from scenarios.campaigns.external.pilot import CrashedError, SilentError
 from scenarios.campaigns.external.program import words_of
@@ -86,6 +87,8 @@ class Suite:
     """Command that flies each trial over MAVLink; None waits for a client."""
     stack: FlightStack | None = None
     """Flight stack that the pilot commands; None is our autopilot."""
+    equipment: Equipment = field(default_factory=Equipment)
+    """Cameras and sensors of the vehicles."""
     recordings: Recordings | None = field(default=None, compare=False)
     """Decides no outcome; None records nothing."""
 
@@ -115,6 +118,7 @@ class Suite:
             "recipe": asdict(self.recipe),
             "pilot": self.pilot,
             "program": self.program,
+            "equipment": self.equipment.to_plain(),
             **({"autopilot": None} if self.stack is None else self.stack.to_plain()),
         }
 
@@ -216,10 +220,15 @@ class Flyer:
         if recordings is None:
             return {}
         recordings.folder.mkdir(parents=True, exist_ok=True)
-        return {"record": recordings.path(trial.id), "record_level": recordings.level}
+        return {
+            "record": recordings.path(trial.id),
+            "record_level": recordings.level,
+            "camera_hz": recordings.camera_hz,
+        }
 
     def _flown(self, task: Task, recorded: dict[str, Any]) -> Row:
         cfg = replace(self._pilot.brief(task.cfg()), **recorded)
+        cfg = self._suite.equipment.fitted(cfg)
         if (stack := self._suite.stack) is not None:
             cfg = replace(cfg, bench=stack.flying(cfg.bench, self._instance))
         scene = task.place(self._hangar.scene(task.scene))

@@ -17,6 +17,8 @@ class Recordings:
 
     folder: Path
     level: RecordLevel = "full"
+    camera_hz: float = 5.0
+    """Frames of each camera in a simulated second."""
 
     def path(self, trial_id: str) -> Path:
         """File of a trial's recording."""

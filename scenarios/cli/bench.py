@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import tyro
-from rich.console import Console
 from rich.table import Table
 
 from scenarios.bench.configs import (
@@ -29,6 +28,7 @@ from scenarios.bench.many_configs import VehiclesBenchCfg, WorldsBenchCfg
 from scenarios.bench.row import Row
 from scenarios.cli.command_line import EXIT_DONE, EXIT_NEGATIVE, fail, print_json
 from scenarios.cli.progress import share_bar
+from scenarios.cli.terminal import styled, terminal
 
 _PROG = "aeroscene bench"
 
@@ -114,10 +114,10 @@ def _to_plain(bench: AnyBenchCfg, rows: tuple[Row, ...]) -> dict[str, Any]:
 def _print_table(bench: AnyBenchCfg, rows: tuple[Row, ...]) -> None:
     table = Table("metric", "value", "unit", "target", title=bench.title, title_justify="left")
     for row in rows:
-        target = ""
+        target = styled()
         if row.target is not None:
             sign = "≥" if row.better == "higher" else "≤"
             style = "green" if row.is_met else "bold red"
-            target = f"[{style}]{sign} {row.target:g}[/]"
+            target = styled((f"{sign} {row.target:g}", style))
         table.add_row(row.metric, f"{row.value:.4g}", row.unit, target)
-    Console().print(table)
+    terminal().print(table)

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import signal
 import sys
-from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from datetime import timedelta
@@ -13,15 +12,27 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import tyro
-from rich.console import Console
 
 from aeroscene.corpus.corpus import CORPUS_SIZE
 from aeroscene.processes import default_jobs
+from aeroscene.ranges import Range
+from scenarios.campaigns.equipment import CameraHz, Equipment
 from scenarios.campaigns.recordings import RECORDINGS, Recordings
-from scenarios.cli.command_line import EXIT_DONE, default_hint, fail, fail_on_file, print_json
+from scenarios.cli.campaign_limits import MOST_TRIALS, MOST_WORKERS
+from scenarios.cli.campaign_news import CampaignNews
+from scenarios.cli.command_line import (
+    EXIT_DONE,
+    EXIT_NEGATIVE,
+    default_hint,
+    fail,
+    fail_on_file,
+    print_json,
+)
+from scenarios.cli.outputs import OutFolder
 from scenarios.cli.progress import progress_bar
 from scenarios.cli.report import print_summary
 from scenarios.cli.scene_numbers import SceneNumbersError, scene_numbers
+from scenarios.cli.terminal import shell, terminal
 from scenarios.run.levels import RecordLevel
 
 if TYPE_CHECKING:
@@ -31,7 +42,8 @@ if TYPE_CHECKING:
     from scenarios.campaigns.flyer import Suite, Trial
 
 _PROG = "aeroscene campaign"
-_MOST_TRIALS = 1_000_000
+_MOST_INSTANCE = 99
+"""The last of `MAX_INSTANCES`, which the testbench has; `--help` should not load it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,14 +52,14 @@ class CampaignCfg:
 
     Trial N of a scene and a vehicle is always the same one. A campaign that was stopped, also by
     kill -9, goes on where it was by the same command; more scenes, vehicles or trials are added by
-    naming more.
+    naming more. Exit status 1 if every trial raised, hung or died, so that nothing is scored.
     """
 
-    out: Path
+    out: Annotated[Path, OutFolder()]
     """Folder of the results; made where it is missing."""
     scenes: str = "0:10"
     """Numbers of scenes of the dataset: A:B without B, single ones, joined by commas."""
-    trials: int = 30
+    trials: Annotated[int, Range(1, MOST_TRIALS)] = 30
     """Trials of each scene with each vehicle."""
     vehicles: str = "iris,hummingbird"
     """Airframes by their names, or files FILE.toml that describe them, joined by commas."""
@@ -63,7 +75,7 @@ class CampaignCfg:
     """Flight stack that the pilot commands: ours, or one of its own, see docs/flight_stacks.md."""
     autopilot_binary: Annotated[str | None, tyro.conf.arg(help_behavior_hint="")] = None
     """With --autopilot: program of that flight stack, started anew for each trial."""
-    instance: int = 0
+    instance: Annotated[int, Range(0, _MOST_INSTANCE)] = 0
     """With --pilot mavlink, without --program: the first worker waits on TCP port 5760 + 10 N of
     loopback, each further one on the next such port. With --autopilot: the first worker has the
     ports of instance N, each further one those of the next."""
@@ -74,16 +86,21 @@ class CampaignCfg:
     record: Literal["none"] | RecordLevel = "none"
     """What is recorded of each trial, as OUT/recordings/SCENE-VEHICLE-TRIAL.rrd, see
     docs/recording.md; the flights are the same."""
-    workers: int = field(default_factory=default_jobs)
+    camera_hz: CameraHz = 5.0
+    """With --record: frames of each camera in a simulated second."""
+    # Without a text of its own here, tyro would look for one in the sources.
+    equipment: Annotated[Equipment, tyro.conf.arg(help="Cameras and sensors of the vehicles.")] = (
+        field(default_factory=Equipment)
+    )
+    workers: Annotated[int, Range(1, MOST_WORKERS)] = field(default_factory=default_jobs)
     """Processes; the default is the number of cores."""
     engine: Literal["local", "ray"] = "local"
     """Where the processes are: on this machine, or on a cluster of Ray (aeroscene[cluster])."""
     ray_address: Annotated[str | None, tyro.conf.arg(help_behavior_hint="")] = None
     """With --engine ray: address of the cluster, such as auto or ray://HOST:10001. By default Ray
     is started on this machine, on loopback alone, and ended afterwards."""
-    patience: float = 900.0
-    """Wall time for one trial in s, after which its process is ended and the trial counts as
-    failed."""
+    patience: Annotated[float, Range(0.0, unit="s", is_above=True)] = 900.0
+    """Wall time for one trial, after which its process is ended and the trial counts as failed."""
     dry_run: bool = False
     """Fly nothing: say how many trials would be flown and, by what those in OUT have cost, how
     long that would take."""
@@ -123,9 +140,17 @@ def run(cfg: CampaignCfg) -> int:
     if cfg.json:
         print_json({"folder": str(cfg.out), **summary})
     else:
-        print_summary(Console(), summary)
-        print(f"More: aeroscene report {cfg.out}")
-    return EXIT_DONE
+        print_summary(terminal(), summary)
+        print(f"More: {shell('aeroscene', 'report', cfg.out)}")
+    return EXIT_NEGATIVE if _has_only_mishaps(summary) else EXIT_DONE
+
+
+def _has_only_mishaps(summary: Mapping[str, Any]) -> bool:
+    """Whether every trial ended by an error of the pilot or its process, so that none is scored."""
+    from scenarios.campaigns.flyer import Mishap  # noqa: PLC0415 - see `run`
+
+    mishaps = {Mishap.RAISED.value, Mishap.HUNG.value, Mishap.DIED.value}
+    return bool(summary["codes"]) and mishaps.issuperset(summary["codes"])
 
 
 def _fly(cfg: CampaignCfg) -> dict[str, Any]:
@@ -137,14 +162,12 @@ def _fly(cfg: CampaignCfg) -> dict[str, Any]:
     with open_campaign(cfg.out, suite) as campaign:
         left = campaign.left(trials)
         sys.stderr.write(f"{_PROG}: {len(left)} of {len(trials)} trials to fly\n")
-        verdicts = Counter(read_results(cfg.out, ["success"])["success"].to_pylist())
+        known = read_results(cfg.out, ["success"])["success"].to_pylist()
+        news = CampaignNews(cfg.out, len(left), known, has_bar=terminal(stderr=True).is_terminal)
         with _engine(cfg, suite) as engine, progress_bar("", len(left), "trials") as advance:
             rows = campaign.fly(left, engine, workers=cfg.workers, patience_s=cfg.patience)
             for row in rows:
-                verdicts[row["success"]] += 1
-                n_judged = verdicts[True] + verdicts[False]
-                rate = f"{verdicts[True] / n_judged:.1%}" if n_judged else "none"
-                advance(1, title=f"success so far {rate}")
+                news.add(row, advance)
         return campaign.summary()
 
 
@@ -184,12 +207,6 @@ def _trials(cfg: CampaignCfg) -> list[Trial]:
     from flightsim.vehicles import airframe_by_name  # noqa: PLC0415 - see `run`
     from scenarios.campaigns.campaign import all_trials  # noqa: PLC0415
 
-    if not 1 <= cfg.trials <= _MOST_TRIALS:
-        fail(_PROG, f"trials {cfg.trials} is out of range; valid: 1 to {_MOST_TRIALS}")
-    if cfg.workers < 1:
-        fail(_PROG, f"workers {cfg.workers} is too few; valid: 1 or more")
-    if not cfg.patience > 0:
-        fail(_PROG, f"patience {cfg.patience} is not valid; valid: seconds above 0")
     if cfg.suite is not None:
         return _fixed(cfg, cfg.suite).all_trials()
     numbers = scene_numbers(cfg.scenes)
@@ -198,6 +215,7 @@ def _trials(cfg: CampaignCfg) -> list[Trial]:
     vehicles = list(dict.fromkeys(cfg.vehicles.split(",")))
     for vehicle in vehicles:
         airframe_by_name(vehicle)
+        cfg.equipment.require(vehicle)
     return all_trials(map(str, numbers), vehicles, cfg.trials)
 
 
@@ -212,12 +230,15 @@ def _suite(cfg: CampaignCfg) -> Suite:
         recipe = Recipe() if cfg.recipe is None else read_recipe(cfg.recipe)
     recordings = None
     if cfg.record != "none":
-        recordings = Recordings(folder=cfg.out / RECORDINGS, level=cfg.record)
+        recordings = Recordings(
+            folder=cfg.out / RECORDINGS, level=cfg.record, camera_hz=cfg.camera_hz
+        )
     suite = Suite(
         recipe=recipe,
         pilot=cfg.pilot,
         program=cfg.program,
         stack=_stack(cfg),
+        equipment=cfg.equipment,
         recordings=recordings,
     )
     if cfg.program is not None and not suite.is_external:
@@ -259,6 +280,8 @@ def _fixed(cfg: CampaignCfg, name: str) -> FixedSuite:
     for option in ("scenes", "trials", "vehicles", "recipe"):
         if getattr(cfg, option) != getattr(CampaignCfg, option):
             fail(_PROG, f"{option} is fixed by suite {name!r}; valid: one of the two")
+    if cfg.equipment != Equipment():
+        fail(_PROG, f"cameras and sensors are fixed by suite {name!r}; valid: one of the two")
     return fixed_suite(name)
 
 

@@ -11,13 +11,15 @@ import re
 import signal
 import sys
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import is_dataclass
 from types import FrameType
-from typing import Any, NoReturn
+from typing import Any, NoReturn, get_args, get_type_hints
 
 import tyro
 
 from scenarios.cli.entry import EXIT_INTERRUPTED
 from scenarios.cli.help_text import flow_help
+from scenarios.cli.option_faults import option_faults
 
 EXIT_DONE = 0
 EXIT_NEGATIVE = 1
@@ -74,7 +76,8 @@ def execute(
 def parse(command: Any, prog: str, args: list[str] | None = None, description: str = "") -> Any:
     """Parse a command line into the dataclass `command`, or into one of a union of them.
 
-    Prints one line and exits with status 2 where the command line is malformed.
+    Prints one line and exits with status 2 where the command line is malformed, a number is out of
+    its range, or an output cannot be written.
     """
     args = sys.argv[1:] if args is None else args
     if not {"-h", "--help"}.isdisjoint(args):
@@ -82,13 +85,23 @@ def parse(command: Any, prog: str, args: list[str] | None = None, description: s
     errors = io.StringIO()
     try:
         with contextlib.redirect_stderr(errors):
-            return tyro.cli(
+            cfg = tyro.cli(
                 command, prog=prog, args=args, description=description or None, config=_CONFIG
             )
     except SystemExit as stop:
         if stop.code == EXIT_BAD_INPUT:
             fail(prog, _one_line(errors.getvalue(), prog))
         raise
+    for fault in option_faults(cfg):
+        fail(f"{prog} {args[0]}" if _has_commands(command) else prog, fault)
+    return cfg
+
+
+def _has_commands(command: Any) -> bool:
+    """Whether the first word of a command line chooses among commands of a command's own."""
+    hints = get_type_hints(command) if isinstance(command, type) else {}
+    choices = (get_args(hint) for hint in hints.values())
+    return any(choice and all(map(is_dataclass, choice)) for choice in choices)
 
 
 def default_hint(says: str, metavar: str | None = None) -> Any:

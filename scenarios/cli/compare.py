@@ -8,10 +8,11 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import tyro
-from rich.console import Console
 from rich.table import Column, Table
 
 from scenarios.cli.command_line import EXIT_DONE, default_hint, fail, fail_on_file, print_json
+from scenarios.cli.outputs import OutFile
+from scenarios.cli.terminal import Terminal, styled, terminal
 
 _PROG = "aeroscene compare"
 _COUNTS = {"A alone": "a_alone", "B alone": "b_alone", "both": "both", "neither": "neither"}
@@ -31,7 +32,7 @@ class CompareCfg:
     """Folder of a campaign."""
     second: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="DIR_B")]
     """Folder of another one, of the same recipe and of another pilot or version."""
-    html: Annotated[Path | None, default_hint("none")] = None
+    html: Annotated[Path | None, OutFile(), default_hint("none")] = None
     """File for a page of it."""
     json: Annotated[bool, tyro.conf.arg(name="json")] = False
     """Print one JSON object instead: pairs, a, b, both, a_alone, b_alone, neither, difference,
@@ -57,20 +58,23 @@ def run(cfg: CompareCfg) -> int:
     if cfg.json:
         print_json(found)
     else:
-        _print(Console(), found, telling_groups(found))
+        _print(terminal(), found, telling_groups(found))
         if cfg.html is not None:
             print(f"Page: {cfg.html}")
     return EXIT_DONE
 
 
 def _print(
-    console: Console, found: Mapping[str, Any], groups: Mapping[str, Mapping[str, Any]]
+    console: Terminal, found: Mapping[str, Any], groups: Mapping[str, Mapping[str, Any]]
 ) -> None:
     for side in "ab":
         facts = found[side]
         console.print(
-            f"[bold]{side.upper()}[/] {facts['pilot']}, {facts['folder']}: {found['pairs']} pairs, "
-            f"{facts['without_pair']} trials without",
+            styled(
+                (side.upper(), "bold"),
+                f" {facts['pilot']}, {facts['folder']}: {found['pairs']} pairs, "
+                f"{facts['without_pair']} trials without",
+            ),
             soft_wrap=True,
         )
     rates = Table(Column(no_wrap=True), "pairs", "A", "B", "A - B", "95% interval")

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from rich.console import Console
 from rich.table import Table
 
 from scenarios.cli.command_line import EXIT_DONE, EXIT_NEGATIVE, print_json
 from scenarios.cli.progress import share_bar
+from scenarios.cli.terminal import styled, terminal
 from scenarios.doctor.diagnosis import Diagnosis, diagnose
 
 _STYLES = {"ok": "green", "note": "yellow", "problem": "bold red"}
@@ -39,9 +39,9 @@ def run(cfg: DoctorCfg) -> int:
 def _print_table(diagnosis: Diagnosis) -> None:
     table = Table("check", "", "finding", "what to do")
     for check in diagnosis.checks:
-        status = f"[{_STYLES[check.status]}]{check.status}[/]"
+        status = styled((check.status, _STYLES[check.status]))
         table.add_row(check.name, status, check.value, check.remedy)
-    console = Console()
+    console = terminal()
     console.print(table)
     console.print(
         "This machine can fly." if diagnosis.can_fly else "This machine cannot fly yet: see above."

@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import msgspec
 import tyro
-from rich.console import Console
 from rich.table import Table
 
+from aeroscene.ranges import SEEDS, THREADS, Range
 from scenarios.cli.command_line import (
     EXIT_DONE,
     EXIT_INTERRUPTED,
@@ -26,7 +26,9 @@ from scenarios.cli.command_line import (
     handling_signals,
     print_json,
 )
+from scenarios.cli.outputs import OutFolder
 from scenarios.cli.progress import progress_bar, share_bar
+from scenarios.cli.terminal import terminal
 
 if TYPE_CHECKING:
     from aeroscene.metrics.scorecard import Metric
@@ -37,6 +39,8 @@ if TYPE_CHECKING:
     from scenarios.evaluation.sources import Data
 
 _PROG = "aeroscene evaluate"
+_LEAST_SCENES = 8
+"""`frechet.LEAST_PICTURES`, whose module loads SciPy; `--help` should not."""
 _OURS = ("ours", "ours_shipped")
 
 
@@ -56,29 +60,31 @@ class EvaluateCfg:
     """Scenes to learn from and to be held against."""
     path: Annotated[Path | None, default_hint("./corpus for the corpus")] = None
     """Folder that `aeroscene dataset build` has made, or your own file of neutral layouts."""
-    out: Path = Path("evaluation")
+    out: Annotated[Path, OutFolder()] = Path("evaluation")
     """Folder to work in; it is made where there is none."""
-    scenes: int = 1000
-    """Scenes of each method, 8 or more; of real ones as many as the test split has at most."""
+    scenes: Annotated[int, Range(_LEAST_SCENES, 1_000_000)] = 1000
+    """Scenes of each method; of real ones as many as the test split has at most."""
     methods: tuple[str, ...] = ()
     """Rows of the table by name. [default: all]"""
-    cpu_minutes: Annotated[float | None, default_hint("60 without --steps")] = None
-    """Budget of each method's training, minutes of CPU time."""
-    steps: Annotated[int | None, default_hint("no limit")] = None
+    cpu_minutes: Annotated[
+        float | None, Range(0.0, unit="minutes", is_above=True), default_hint("60 without --steps")
+    ] = None
+    """Budget of each method's training in CPU time."""
+    steps: Annotated[int | None, Range(1, 1_000_000_000), default_hint("no limit")] = None
     """Budget of each method's training in steps; it ends at whichever comes first."""
-    demo: int = 0
+    demo: Annotated[int, Range(0, 1_000_000)] = 0
     """Of each method so many draws are flown by the demo, which should land."""
-    seed: int = 0
+    seed: Annotated[int, SEEDS] = 0
     """Seed of trainings, draws and resampling."""
-    width: int = 192
+    width: Annotated[int, Range(16, 4096)] = 192
     """Width of the baselines' networks."""
-    levels: int = 4
+    levels: Annotated[int, Range(1, 64)] = 4
     """Levels or layers of the baselines' networks."""
-    denoising_steps: int = 100
+    denoising_steps: Annotated[int, Range(1, 1000)] = 100
     """Denoising steps of the baselines that diffuse."""
     inception: Annotated[Path | None, default_hint("EfficientNet-Lite0")] = None
     """inception-2015-12-05.pt, with whose features alone distances are called FID and KID."""
-    threads: int = 1
+    threads: Annotated[int, THREADS] = 1
     """CPU threads."""
     json: Annotated[bool, tyro.conf.arg(name="json")] = False
     """Print one JSON object: what the table is of, files, rows with method, metric, value,
@@ -107,7 +113,6 @@ def _run(cfg: EvaluateCfg) -> int:
     from aeroscene.learning.baselines.model import BaselineCfg  # noqa: PLC0415
     from aeroscene.learning.training.config import Budget, require  # noqa: PLC0415
     from aeroscene.metrics.appearance.features import open_network  # noqa: PLC0415
-    from aeroscene.metrics.appearance.frechet import LEAST_PICTURES  # noqa: PLC0415
     from scenarios.evaluation.entrants import entrants_of  # noqa: PLC0415
     from scenarios.evaluation.evaluation import (  # noqa: PLC0415
         Evaluation,
@@ -116,11 +121,7 @@ def _run(cfg: EvaluateCfg) -> int:
     )
 
     # Refuse bad options before reading the scenes.
-    least = f"{LEAST_PICTURES} or more"
-    require(ok=cfg.scenes >= LEAST_PICTURES, name="scenes", value=cfg.scenes, valid=least)
     require(ok=0 <= cfg.demo <= cfg.scenes, name="demo", value=cfg.demo, valid="0 to --scenes")
-    require(ok=cfg.seed >= 0, name="seed", value=cfg.seed, valid="0 or more")
-    require(ok=1 <= cfg.threads <= 1024, name="threads", value=cfg.threads, valid="1 to 1024")
     baseline = BaselineCfg(width=cfg.width, levels=cfg.levels, steps=cfg.denoising_steps)
     minutes = 60.0 if cfg.cpu_minutes is None and cfg.steps is None else cfg.cpu_minutes
     Budget(steps=cfg.steps, seconds=None if minutes is None else 60.0 * minutes)
@@ -241,4 +242,4 @@ def _print_table(rows: Sequence[Row], shown: Sequence[str]) -> None:
     say: Callable[[float | None], str] = lambda value: "" if value is None else f"{value:.3g}"  # noqa: E731
     for method in dict.fromkeys(row.method for row in rows):
         table.add_row(method, *(say(cells.get((method, metric))) for metric in shown))
-    Console().print(table)
+    terminal().print(table)

@@ -6,11 +6,11 @@ import time
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
-from typing import Literal
-
-from rich.console import Console
+from typing import Annotated, Literal
 
 from scenarios.cli.command_line import EXIT_DONE, fail, print_json
+from scenarios.cli.outputs import OutFolder
+from scenarios.cli.terminal import styled, terminal
 
 _PROG = "aeroscene export"
 _NO_VEHICLE = "none"
@@ -26,7 +26,7 @@ class ExportCfg:
 
     to: Literal["mjcf", "glb", "usd"]
     """Format of the file."""
-    out: Path
+    out: Annotated[Path, OutFolder()]
     """Folder to write into; made where it is missing."""
     scene: str = "42"
     """Scene of the dataset by number, corpus:N, gen:SEED, field, a scene file or one of a file of
@@ -67,9 +67,9 @@ def run(cfg: ExportCfg) -> int:
     if cfg.json:
         print_json(facts)
     else:
-        Console().print(
-            f"[bold]{path}[/]  {facts['objects']} objects, {facts['areas']} areas, "
-            f"{path.stat().st_size / 1e6:.1f} MB, {facts['seconds']:.1f} s",
-            soft_wrap=True,
+        figures = (
+            f"  {facts['objects']} objects, {facts['areas']} areas, "
+            f"{path.stat().st_size / 1e6:.1f} MB, {facts['seconds']:.1f} s"
         )
+        terminal().print(styled((path, "bold"), figures), soft_wrap=True)
     return EXIT_DONE

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import tyro
-from rich.console import Console
 
 from scenarios.campaigns.recordings import RECORDINGS
 from scenarios.cli.command_line import EXIT_DONE, fail, fail_on_file, print_json
+from scenarios.cli.outputs import OutFile, OutFolder
 from scenarios.cli.progress import progress_bar
+from scenarios.cli.terminal import styled, terminal
 
 if TYPE_CHECKING:
     from scenarios.trial_data.reading import RecordedTrial
@@ -39,7 +40,8 @@ class ExportTrialCfg:
     out: Path
     """File (ulog) or folder to write."""
     json: Annotated[bool, tyro.conf.arg(name="json")] = False
-    """Print one JSON object: out, format, trials, those that were there already, and skipped."""
+    """Print one JSON object: out, format, trials, there (already), skipped, and left_out, what the
+    recordings hold and the format does not."""
 
 
 def run(cfg: ExportTrialCfg) -> int:
@@ -50,6 +52,7 @@ def run(cfg: ExportTrialCfg) -> int:
 
     if not cfg.recordings:
         fail(_PROG, "no recording is named; valid: .rrd files, for dataset also folders")
+    _require_place(cfg)
     try:
         facts = _add_all(cfg) if cfg.to == "dataset" else _write_one(cfg)
     except (UnreadableRecordingError, TrialDataError) as error:
@@ -60,44 +63,63 @@ def run(cfg: ExportTrialCfg) -> int:
         print_json({"out": str(cfg.out), "format": cfg.to, **facts})
     else:
         there = f", {facts['there']} were there already" if facts["there"] else ""
-        Console().print(f"[bold]{cfg.out}[/]  {facts['trials']} trials{there}", soft_wrap=True)
+        said = styled((cfg.out, "bold"), f"  {facts['trials']} trials{there}")
+        terminal().print(said, soft_wrap=True)
+        if facts["left_out"]:
+            lacking = ", ".join(facts["left_out"])
+            terminal().print(f"Left out of {cfg.to}: {lacking}", soft_wrap=True)
     return EXIT_DONE
 
 
-def _write_one(cfg: ExportTrialCfg) -> dict[str, int]:
-    from scenarios.trial_data.reading import read_trial  # noqa: PLC0415 - see `run`
+def _write_one(cfg: ExportTrialCfg) -> dict[str, Any]:
+    from scenarios.trial_data.left_out import left_out  # noqa: PLC0415 - see `run`
+    from scenarios.trial_data.reading import read_trial  # noqa: PLC0415
 
     if len(cfg.recordings) != 1:
         fail(_PROG, f"recordings are {len(cfg.recordings)}; valid: one, or --to dataset")
-    write = _writer(cfg.to)
-    write(read_trial(cfg.recordings[0]), cfg.out)
-    return {"trials": 1, "there": 0, "skipped": 0}
+    write, tables = _writer(cfg.to)
+    trial = read_trial(cfg.recordings[0])
+    write(trial, cfg.out)
+    return {"trials": 1, "there": 0, "skipped": 0, "left_out": left_out(trial, tables)}
 
 
-def _writer(to: str) -> Callable[[RecordedTrial, Path], Path]:
-    """What writes a format; only its own library is loaded."""
+def _writer(to: str) -> tuple[Callable[[RecordedTrial, Path], Path], Iterable[str]]:
+    """What writes a format, and the tables that it holds; only its own library is loaded."""
+    from scenarios.trial_data.tables import TABLES  # noqa: PLC0415 - see `run`
+
     if to == "mcap":
-        from scenarios.trial_data.rosbag import write_bag  # noqa: PLC0415
+        from scenarios.trial_data.rosbag import BAG_TABLES, write_bag  # noqa: PLC0415
 
-        return write_bag
+        return write_bag, BAG_TABLES
     if to == "ulog":
-        from scenarios.trial_data.ulog import write_ulog  # noqa: PLC0415
+        from scenarios.trial_data.ulog import ULOG_TABLES, write_ulog  # noqa: PLC0415
 
-        return write_ulog
+        return write_ulog, ULOG_TABLES
     from scenarios.trial_data.csv_folder import write_csv  # noqa: PLC0415
 
-    return write_csv
+    return write_csv, TABLES
 
 
-def _add_all(cfg: ExportTrialCfg) -> dict[str, int]:
+def _require_place(cfg: ExportTrialCfg) -> None:
+    """Refuse an output that cannot be written before recordings are read."""
+    out = OutFile() if cfg.to == "ulog" else OutFolder()
+    if fault := out.fault("out", cfg.out):
+        fail(_PROG, fault)
+    if cfg.to in {"mcap", "csv"} and cfg.out.exists():
+        fail(_PROG, f"out {str(cfg.out)!r} is there already; valid: a name that is free")
+
+
+def _add_all(cfg: ExportTrialCfg) -> dict[str, Any]:
     """Add what is not in the dataset yet; of several recordings, bad ones are told and left out."""
     from scenarios.recording.summary import UnreadableRecordingError  # noqa: PLC0415 - see `run`
     from scenarios.trial_data.dataset.write import add_trial, has_trial  # noqa: PLC0415
+    from scenarios.trial_data.left_out import left_out  # noqa: PLC0415
     from scenarios.trial_data.reading import TrialDataError, read_trial  # noqa: PLC0415
 
     files = _files(cfg.recordings)
     left = [path for path in files if not has_trial(cfg.out, path.stem)]
     n_skipped = 0
+    lacking: dict[str, None] = {}
     with progress_bar("", len(left), "trials") as advance:
         for path in left:
             try:
@@ -110,9 +132,11 @@ def _add_all(cfg: ExportTrialCfg) -> dict[str, int]:
                 sys.stderr.write(f"{_PROG}: left out: {error}\n")
             else:
                 add_trial(cfg.out, trial)
+                lacking |= dict.fromkeys(left_out(trial))
             advance(1)
     n_there = len(files) - len(left)
-    return {"trials": len(left) - n_skipped, "there": n_there, "skipped": n_skipped}
+    counts = {"trials": len(left) - n_skipped, "there": n_there, "skipped": n_skipped}
+    return {**counts, "left_out": list(lacking)}
 
 
 def _files(named: tuple[Path, ...]) -> list[Path]:

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import logging
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import tyro
-from rich.console import Console
 
+from aeroscene.ranges import Range
+from scenarios.campaigns.equipment import CameraHz, Equipment
 from scenarios.campaigns.recordings import RECORDINGS, Recordings
+from scenarios.cli.campaign_limits import MOST_TRIALS
 from scenarios.cli.command_line import (
     EXIT_BAD_INPUT,
     EXIT_DONE,
@@ -20,6 +22,8 @@ from scenarios.cli.command_line import (
     fail_on_file,
     print_json,
 )
+from scenarios.cli.outputs import OutFolder
+from scenarios.cli.terminal import shell, styled, terminal
 from scenarios.run.levels import RecordLevel
 
 if TYPE_CHECKING:
@@ -37,9 +41,9 @@ class FlyCfg:
     The recording is OUT/recordings/SCENE-VEHICLE-TRIAL.rrd; exit status 1 if the trial failed.
     """
 
-    out: Path
+    out: Annotated[Path, OutFolder()]
     """Folder of a campaign, whose recipe and pilot are taken; or any other one."""
-    trial: int
+    trial: Annotated[int, Range(0, MOST_TRIALS - 1)]
     """Number of the trial among those of the scene and the vehicle."""
     scene: str = "42"
     """Scene as the campaign names it: by its number."""
@@ -51,6 +55,12 @@ class FlyCfg:
     """TOML file that says what the task is drawn from."""
     record: RecordLevel = "full"
     """What is recorded, see docs/recording.md; the flight is the same."""
+    camera_hz: CameraHz = 5.0
+    """Frames of each camera in a simulated second of the recording."""
+    # Without a text of its own here, tyro would look for one in the sources.
+    equipment: Annotated[
+        Equipment, tyro.conf.arg(help="Cameras and sensors; the campaign's by default.")
+    ] = field(default_factory=Equipment)
     json: Annotated[bool, tyro.conf.arg(name="json")] = False
     """Print one JSON object: the row of the trial but for its tracks, and same_as_campaign, null
     where the campaign has not flown it."""
@@ -67,8 +77,6 @@ def run(cfg: FlyCfg) -> int:
     from scenarios.campaigns.flyer import Flyer, Trial  # noqa: PLC0415
     from scenarios.campaigns.store import TRACKS, StoreError  # noqa: PLC0415
 
-    if cfg.trial < 0:
-        fail(_PROG, f"trial {cfg.trial} is negative; valid: 0 or more")
     airframe_by_name(cfg.vehicle)
     trial = Trial(cfg.scene, cfg.vehicle, cfg.trial)
     # What a pilot raised is one line in a campaign; here it has its traceback.
@@ -77,7 +85,9 @@ def run(cfg: FlyCfg) -> int:
         suite, is_campaigns = _suite(cfg)
         suite.require_pilot()
         before = row_of(cfg.out, trial) if is_campaigns else None
-        recordings = Recordings(folder=cfg.out / RECORDINGS, level=cfg.record)
+        suite.equipment.require(cfg.vehicle)
+        folder = cfg.out / RECORDINGS
+        recordings = Recordings(folder=folder, level=cfg.record, camera_hz=cfg.camera_hz)
         with Flyer(replace(suite, recordings=recordings), shows_program=True) as flyer:
             row = flyer.fly(trial)
     except (CampaignError, StoreError, PilotError, ProgramError, FlightStackError) as error:
@@ -107,6 +117,8 @@ def _suite(cfg: FlyCfg) -> tuple[Suite, bool]:
         suite = replace(suite, recipe=read_recipe(cfg.recipe))
     if cfg.pilot is not None:
         suite = replace(suite, pilot=cfg.pilot)
+    if cfg.equipment != Equipment():
+        suite = replace(suite, equipment=cfg.equipment)
     return suite, suite == campaigns
 
 
@@ -114,8 +126,9 @@ def _print_row(row: Row, is_same: bool | None) -> None:
     """Print the verdict, the task and where the recording is."""
     success = row["success"]
     word = "No task" if success is None else "Done" if success else f"Failed, {row['code']}"
-    console = Console()
-    console.print(f"[bold]{row['trial_id']}[/] {word}: {row['reason']}", soft_wrap=True)
+    console = terminal()
+    said = styled((row["trial_id"], "bold"), f" {word}: {row['reason']}")
+    console.print(said, soft_wrap=True)
     if "way_m" in row:
         console.print(
             f"  from {row['start']} to area {row['area']}: {row['way_m']:.0f} m, "
@@ -125,4 +138,5 @@ def _print_row(row: Row, is_same: bool | None) -> None:
     if is_same is not None:
         console.print(f"  {'the same' if is_same else 'ANOTHER'} flight as in the campaign")
     if row.get("recording"):
-        console.print(f"Replay it with: aeroscene replay {row['recording']}", soft_wrap=True)
+        replay = shell("aeroscene", "replay", row["recording"])
+        console.print(f"Replay it with: {replay}", soft_wrap=True)

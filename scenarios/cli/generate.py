@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import tyro
 
 from aeroscene.learning import require_torch
+from aeroscene.learning.wishes import CLUTTER, DENSITY, OBJECTS, PASSAGE_M
+from aeroscene.ranges import THREADS, Range
 from aeroscene.scene import Scene, SceneDomain, SceneError
 from scenarios.baselines.named import NamedPilot, PilotError, pilot_of
 from scenarios.cli.command_line import (
@@ -19,8 +20,9 @@ from scenarios.cli.command_line import (
     default_hint,
     fail,
     fail_on_file,
-    print_json,
 )
+from scenarios.cli.generate_words import print_generated
+from scenarios.cli.outputs import OutFile, OutFolder
 from scenarios.cli.progress import progress_bar
 from scenarios.generation.asked import (
     GenerateError,
@@ -37,7 +39,6 @@ if TYPE_CHECKING:
 _PROG = "aeroscene generate"
 _MOST_SCENES = 100_000
 _MOST_STEPS = 1000
-_MOST_SEED = 2**63 - 1
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,9 +49,9 @@ class GenerateCfg:
     if a seed gave no scene.
     """
 
-    seed: int = 42
+    seed: Annotated[int, Range(0, 2**63 - 1 - _MOST_SCENES)] = 42
     """Seed of the first scene; the others have the seeds after it."""
-    count: int = 1
+    count: Annotated[int, Range(1, _MOST_SCENES)] = 1
     """Number of scenes."""
     domain: Literal["any", "outdoor", "indoor", "mixed"] = "any"
     """Domain of the scenes; any draws one for each."""
@@ -60,20 +61,19 @@ class GenerateCfg:
     warehouse. Mixed: hillside, industrial_yard, residential_street, urban_block, waterfront. With
     --domain any, one of the domains that have the theme is drawn. A checkpoint of your own knows
     the themes of its corpus; the paper's knows none."""
-    objects: Annotated[int | None, default_hint("drawn, 149 on average")] = None
+    objects: Annotated[int | None, OBJECTS, default_hint("drawn, 149 on average")] = None
     """Approximate number of objects in each scene."""
     areas: Annotated[str, default_hint("drawn")] = ""
-    """Greatest number of landing areas in each scene: in all, or by class, such as
-    small=20,medium=5,large=2."""
-    density: Annotated[float | None, default_hint("1")] = None
-    """Factor on the number of fine objects that a scene of its domain has, 0.2 to 2; at most 250
-    objects in all are asked for. With --redo on the number that goes."""
-    clutter: Annotated[float | None, default_hint("1")] = None
-    """Factor on the loose things (crates, barrels, pallets, bins, boxes) on ground and floors, 1 to
-    10."""
-    min_passage: Annotated[float | None, default_hint("none")] = None
-    """Least clear width of doors and corridors in metres, 0.5 to 3: doors are widened, and a scene
-    that still has a narrower passage is drawn again."""
+    """Greatest number of landing areas in each scene: 1 to 200 in all, or 0 to 200 of a class, such
+    as small=20,medium=5,large=2."""
+    density: Annotated[float | None, DENSITY, default_hint("1")] = None
+    """Factor on the number of fine objects that a scene of its domain has; at most 250 objects in
+    all are asked for. With --redo on the number that goes."""
+    clutter: Annotated[float | None, CLUTTER, default_hint("1")] = None
+    """Factor on the loose things (crates, barrels, pallets, bins, boxes) on ground and floors."""
+    min_passage: Annotated[float | None, PASSAGE_M, default_hint("none")] = None
+    """Least clear width of doors and corridors: doors are widened, and a scene that still has a
+    narrower passage is drawn again."""
     difficulty: Literal["any", "easy", "medium", "hard"] = "any"
     """Class of the planner's ways to landing areas, by thirds of the shipped scenes; drawn until a
     scene is of it, 24 times at most."""
@@ -81,10 +81,10 @@ class GenerateCfg:
     """Keep the scenes in which this pilot does worst: demo, mueller, potential, straight, or
     MODULE:CLASS of your own. Scenes and flights lie in OUT/tried; what is there is not done
     again."""
-    of: Annotated[int | None, default_hint("four times count")] = None
+    of: Annotated[int | None, Range(1, _MOST_SCENES), default_hint("four times count")] = None
     """Number of scenes, from seed on, of which --worst-for keeps --count."""
     outline: Annotated[str, default_hint("drawn")] = ""
-    """The site's sides in metres as EAST,NORTH, or a JSON file with a list of corners
+    """The site's sides as EAST,NORTH, 15 to 150 m each, or a JSON file with a list of corners
     [[x, y], ...], whose bounding rectangle is taken."""
     complete: Annotated[str, default_hint("none")] = ""
     """Scene whose coarse objects stay; fine ones are made for them: a number, gen:SEED, corpus:N or
@@ -95,25 +95,30 @@ class GenerateCfg:
     buildings, storeys, rooms, walls, roads) and the pad of the start stay."""
     region: Annotated[str, default_hint("none")] = ""
     """Region of --redo in metres, ENU, as X0,Y0,X1,Y1 or X0,Y0,X1,Y1,Z0,Z1."""
-    out: Path = Path("scenes")
+    out: Annotated[Path, OutFolder()] = Path("scenes")
     """Folder to write into; made where it is missing."""
     checkpoint: Annotated[Path | None, default_hint("the one that ships")] = None
     """File that `aeroscene train` has written."""
     preset: Literal["default", "paper"] = "default"
     """Checkpoint that ships with the package: ours or the paper's."""
-    steps: Annotated[int | None, default_hint("the preset's")] = None
+    steps: Annotated[int | None, Range(1, _MOST_STEPS), default_hint("the preset's")] = None
     """Denoising steps."""
-    batch: int = 1
+    batch: Annotated[int, Range(1, _MOST_SCENES)] = 1
     """Scenes that are denoised at once: faster on a GPU. Another number gives other scenes."""
     device: str = "auto"
     """auto takes a GPU where there is one; or cpu, cuda, cuda:1, mps."""
-    threads: Annotated[int | None, default_hint("1, with --batch all cores")] = None
+    threads: Annotated[int | None, THREADS, default_hint("1, with --batch all cores")] = None
     """Number of CPU threads. For one scene at a time a second one brings little."""
-    progress: Annotated[Path | None, default_hint("none")] = None
+    strict: bool = False
+    """Keep only scenes that are as asked for: objects and density within a fifth, each side of the
+    outline within a tenth. Others are drawn again; a seed that gives none is named, exit status
+    1."""
+    progress: Annotated[Path | None, OutFile((".png",)), default_hint("none")] = None
     """PNG file for pictures of how the first scene came about."""
     json: Annotated[bool, tyro.conf.arg(name="json")] = False
-    """Print one JSON object: scenes (files), seconds_per_scene, device, failed, stages; where asked
-    for measured, order and worst. docs/model.md says more."""
+    """Print one JSON object: scenes (files), seconds_per_scene, device, failed, stages; with wishes
+    also wishes (asked, got and met by file), missed (files) and measured; with --worst-for order
+    and worst. docs/model.md says more."""
 
 
 def run(cfg: GenerateCfg) -> int:
@@ -128,13 +133,13 @@ def run(cfg: GenerateCfg) -> int:
 
 def _run(cfg: GenerateCfg) -> int:
     _check(cfg)
+    requests = _requests(cfg)
     require_torch()
     # Imported here because PyTorch takes seconds that no other command should spend.
     from aeroscene.learning.generation import Generator  # noqa: PLC0415
     from scenarios.generation.draws import Tally  # noqa: PLC0415 - SciPy
 
     pilot = pilot_of(cfg.worst_for, "worst-for") if cfg.worst_for else None
-    requests = _requests(cfg)
     generator = Generator.load(
         cfg.checkpoint, preset=cfg.preset, device=cfg.device, n_steps=cfg.steps
     )
@@ -143,9 +148,9 @@ def _run(cfg: GenerateCfg) -> int:
     if pilot is not None:
         return _run_worst(cfg, generator, requests, pilot)
     cfg.out.mkdir(parents=True, exist_ok=True)
-    tally = Tally(cfg.out)
+    tally = Tally(cfg.out, is_strict=cfg.strict)
     _draw(cfg, generator, requests, tally)
-    _report(cfg, generator, tally, {})
+    print_generated(cfg.out, generator.device, tally, {}, as_json=cfg.json)
     return EXIT_NEGATIVE if tally.failed else EXIT_DONE
 
 
@@ -178,7 +183,7 @@ def _run_worst(
     left_open = {"seed", "count", "of", "out", "threads", "progress", "json"}
     asked = {name: str(v) for name, v in asdict(cfg).items() if name not in left_open}
     tries = Tries(cfg.out / "tried", asked)
-    tally = Tally(tries.folder)
+    tally = Tally(tries.folder, is_strict=cfg.strict)
     missing = [each for each in requests if not tries.scene_path(each.seed).exists()]
     if missing:
         _draw(cfg, generator, missing, tally)
@@ -194,7 +199,8 @@ def _run_worst(
         for flight in worst[: cfg.count]
     ]
     kept = [{"scene": str(path), **asdict(f)} for path, f in zip(files, worst, strict=False)]
-    _report(cfg, generator, tally, {"scenes": files, "order": ORDER, "worst": kept})
+    more = {"scenes": files, "order": ORDER, "worst": kept}
+    print_generated(cfg.out, generator.device, tally, more, as_json=cfg.json)
     return EXIT_NEGATIVE if tally.failed else EXIT_DONE
 
 
@@ -207,19 +213,8 @@ def _set_threads(cfg: GenerateCfg) -> None:
 
 
 def _check(cfg: GenerateCfg) -> None:
-    limits = (
-        ("seed", cfg.seed, 0, _MOST_SEED - _MOST_SCENES),
-        ("count", cfg.count, 1, _MOST_SCENES),
-        ("steps", cfg.steps, 1, _MOST_STEPS),
-        ("batch", cfg.batch, 1, _MOST_SCENES),
-        ("threads", cfg.threads, 1, 1024),
-        ("of", cfg.of, cfg.count, _MOST_SCENES),
-    )
-    for name, value, low, high in limits:
-        if value is not None and not low <= value <= high:
-            raise GenerateError(f"{name} is {value}, valid: {low} to {high}")
-    if cfg.progress is not None and cfg.progress.suffix != ".png":
-        raise GenerateError(f"progress {str(cfg.progress)!r} is no .png file, valid: NAME.png")
+    if cfg.of is not None and cfg.of < cfg.count:
+        raise GenerateError(f"of is {cfg.of} beside count {cfg.count}, valid: {cfg.count} or more")
     if cfg.of is not None and not cfg.worst_for:
         raise GenerateError(f"of is {cfg.of} without --worst-for, valid: --worst-for demo")
     if bool(cfg.redo) != bool(cfg.region):
@@ -235,7 +230,7 @@ def _check(cfg: GenerateCfg) -> None:
 
 
 def _requests(cfg: GenerateCfg) -> list[Request]:
-    from aeroscene.learning.generation import Redo, Request  # noqa: PLC0415 - PyTorch
+    from aeroscene.learning.generation import Redo, Request  # noqa: PLC0415 - SciPy, shapely
 
     domain: SceneDomain | None = None if cfg.domain == "any" else cfg.domain
     complete: Scene | None = None
@@ -266,35 +261,3 @@ def _requests(cfg: GenerateCfg) -> list[Request]:
         )
         for seed in range(cfg.seed, cfg.seed + count)
     ]
-
-
-def _report(cfg: GenerateCfg, generator: Generator, tally: Tally, more: Mapping[str, Any]) -> None:
-    seconds = tally.seconds / max(1, len(tally.files))
-    files = sorted(tally.files)
-    stages = {
-        "sampled": {"collision_rate": _mean(tally.sampled), "rejected": 0},
-        "feasible": {"collision_rate": _mean(tally.feasible), "rejected": tally.n_rejected},
-    }
-    for seed, reason in tally.failed.items():
-        sys.stderr.write(f"{_PROG}: seed {seed} gave no scene: {reason}\n")
-    if cfg.json:
-        facts = {
-            "scenes": files,
-            "seconds_per_scene": seconds,
-            "device": generator.device,
-            "failed": sorted(tally.failed),
-            "stages": stages,
-        }
-        measured = {"measured": tally.measured} if tally.measured else {}
-        print_json({**facts, **measured, **more})
-        return
-    for each in more.get("worst", ()):
-        print(f"{each['scene']}: {each['reason']}")
-    print(
-        f"{cfg.out}: {len(files)} scenes, {seconds:.2f} s each on {generator.device}, "
-        f"{tally.n_rejected} draws rejected"
-    )
-
-
-def _mean(values: Sequence[float]) -> float | None:
-    return sum(values) / len(values) if values else None

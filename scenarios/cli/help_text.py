@@ -10,12 +10,15 @@ from itertools import pairwise
 from types import MappingProxyType
 from typing import Any, get_args, get_type_hints
 
+from aeroscene.ranges import ranges_of
+
 
 def flow_help(options: Any) -> None:
     """Give all fields of options a help text whose lines break where the terminal ends.
 
     tyro decides on line breaks before it removes the indentation of a field's docstring, and so
-    keeps every line break of the source. A help text in the field's metadata comes first.
+    keeps every line break of the source. A help text in the field's metadata comes first. The text
+    of a number ends with its range.
 
     Args:
         options: A dataclass, or a union of them; fields that are dataclasses are included.
@@ -28,9 +31,12 @@ def flow_help(options: Any) -> None:
     for base in reversed(options.__mro__):
         if dataclasses.is_dataclass(base):
             docstrings |= _field_docstrings(base)
+    ranges = ranges_of(options)
     for field in dataclasses.fields(options):
         if text := docstrings.get(field.name):
-            field.metadata = MappingProxyType({**field.metadata, "help": " ".join(text.split())})
+            valid = f" Valid: {ranges[field.name]}." if field.name in ranges else ""
+            said = f"{' '.join(text.split())}{valid}"
+            field.metadata = MappingProxyType({**field.metadata, "help": said})
     for part in get_type_hints(options, include_extras=True).values():
         flow_help(part)
 

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Annotated
 
 import tyro
-from rich.console import Console
 from rich.table import Table
 
 from aeroscene.layouts.document import LayoutError, NeutralLayout
@@ -20,7 +19,9 @@ from aeroscene.layouts.reading import read_layouts
 from aeroscene.scene import SceneError
 from aeroscene.scene.io import write_scene
 from scenarios.cli.command_line import EXIT_DONE, EXIT_NEGATIVE, print_json
+from scenarios.cli.outputs import OutFolder
 from scenarios.cli.progress import progress_bar
+from scenarios.cli.terminal import Terminal, styled, terminal
 
 _SHOWN = 20
 """Number of entries of a list that are shown."""
@@ -36,7 +37,7 @@ class LayoutsCfg:
 
     file: tyro.conf.Positional[Path]
     """The file of layouts."""
-    out: Annotated[Path | None, tyro.conf.arg(help_behavior_hint="")] = None
+    out: Annotated[Path | None, OutFolder(), tyro.conf.arg(help_behavior_hint="")] = None
     """Write each layout as a scene of ours, SCENE_ID.json, into this folder."""
     skip_invalid: bool = False
     """Leave out objects and scenes that break a rule, name and count them, and go on."""
@@ -120,12 +121,13 @@ def _named_failures(path: Path) -> Iterator[None]:
 
 
 def _print_report(report: MappingReport, written: list[str], cfg: LayoutsCfg) -> None:
-    console = Console()
-    console.print(
-        f"[bold]{cfg.file.name}[/]: {report.n_scenes} scenes, {report.n_objects} objects, "
+    console = terminal()
+    counts = (
+        f": {report.n_scenes} scenes, {report.n_objects} objects, "
         f"{report.n_mapped} mapped, {sum(report.unmapped.values())} unmapped, "
         f"{sum(report.dropped.values())} dropped, {len(report.invalid)} invalid"
     )
+    console.print(styled((cfg.file.name, "bold"), counts))
     if report.by_fit:
         fits = ", ".join(f"{count} {fit}" for fit, count in report.by_fit.items())
         console.print(f"How they were mapped: {fits}")
@@ -158,7 +160,7 @@ def _categories_table(report: MappingReport) -> Table:
     return table
 
 
-def _print_counts(console: Console, title: str, counts: Mapping[str, int]) -> None:
+def _print_counts(console: Terminal, title: str, counts: Mapping[str, int]) -> None:
     if counts:
         ranked = sorted(counts.items(), key=lambda item: (-item[1], item[0]))
         listed = ", ".join(f"{name} {count}" for name, count in ranked[:_SHOWN])

@@ -6,17 +6,18 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Protocol
 
-from rich.console import Console
 from rich.progress import (
     BarColumn,
     MofNCompleteColumn,
     Progress,
     ProgressColumn,
     Task,
-    TextColumn,
+    TaskProgressColumn,
     TimeRemainingColumn,
 )
 from rich.text import Text
+
+from scenarios.cli.terminal import plain_column, terminal
 
 
 class Advance(Protocol):
@@ -43,8 +44,16 @@ def share_bar() -> Iterator[Callable[[str, float], None]]:
     Yields:
         Function to call with the title of a part and the share done, 0 to 1.
     """
-    console = Console(stderr=True)
-    with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:
+    console = terminal(stderr=True)
+    columns = (
+        plain_column("{task.description}"),
+        BarColumn(),
+        TaskProgressColumn(),
+        TimeRemainingColumn(),
+    )
+    with Progress(
+        *columns, console=console, transient=True, disable=not console.is_terminal
+    ) as progress:
         task = progress.add_task("", total=1.0)
         yield lambda title, share: progress.update(task, description=title, completed=share)
 
@@ -57,14 +66,14 @@ def progress_bar(title: str, total: int, unit: str = "scenes") -> Iterator[Advan
         Function to call when an item is done, or with the number of items done.
     """
     columns = (
-        TextColumn("{task.description}"),
+        plain_column("{task.description}"),
         BarColumn(),
         MofNCompleteColumn(),
         _Rate(),
         TimeRemainingColumn(elapsed_when_finished=True),
-        TextColumn("left"),
+        plain_column("left"),
     )
-    console = Console(stderr=True)
+    console = terminal(stderr=True)
     with Progress(
         *columns, console=console, transient=True, disable=not console.is_terminal
     ) as progress:

@@ -9,10 +9,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import tyro
-from rich.console import Console
 from rich.table import Table
 
 from scenarios.cli.command_line import EXIT_DONE, fail, print_json
+from scenarios.cli.outputs import OutFile, OutFolder
+from scenarios.cli.terminal import terminal
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -34,14 +35,18 @@ class ReplayCfg:
     """The .rrd file."""
     viewer: Literal["auto", "native", "web"] = "auto"
     """native opens a window, web serves a page on loopback; auto takes native if it can."""
-    pictures: Annotated[Path | None, tyro.conf.arg(help_behavior_hint="")] = None
+    pictures: Annotated[Path | None, OutFolder(), tyro.conf.arg(help_behavior_hint="")] = None
     """Draw what was planned and flown, and the landing map, into this folder instead of opening the
     viewer; needs no display."""
     formats: Annotated[tuple[Literal["png", "svg", "pdf"], ...], tyro.conf.arg(name="format")] = (
         "png",
     )
     """Format of the pictures; several may be named."""
-    video: Annotated[Path | None, tyro.conf.arg(help_behavior_hint="")] = None
+    video: Annotated[
+        Path | None,
+        OutFile((".mp4", ".webm", ".webp", ".gif")),
+        tyro.conf.arg(help_behavior_hint=""),
+    ] = None
     """Render a film of the flight into this file instead of opening the viewer, from behind the
     vehicle and from its cameras: .mp4 or .webm to play, .webp or .gif for a page. Needs no display;
     the cameras need not have run in the flight."""
@@ -141,7 +146,7 @@ def _print_summary(summary: RecordingSummary, *, is_json: bool) -> None:
     if is_json:
         print_json(summary.to_json())
         return
-    console = Console()
+    console = terminal()
     head = Table(show_header=False, box=None)
     for name, value in _headline(summary):
         head.add_row(name, value)

@@ -8,11 +8,12 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import tyro
-from rich.console import Console
 from rich.table import Table
 
 from scenarios.cli.command_line import EXIT_DONE, default_hint, fail, fail_on_file, print_json
+from scenarios.cli.outputs import OutFile
 from scenarios.cli.progress import share_bar
+from scenarios.cli.terminal import Terminal, terminal
 
 _PROG = "aeroscene report"
 _MOST_SCENES = 12
@@ -29,7 +30,7 @@ class ReportCfg:
 
     folder: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="DIR")]
     """Folder of a campaign, also of one that is being flown."""
-    leaderboard: Annotated[Path | None, default_hint("none")] = None
+    leaderboard: Annotated[Path | None, OutFile(), default_hint("none")] = None
     """JSON file to which the entry of this campaign is added, with a table beside it in Markdown;
     only a campaign that flew a whole fixed suite has one, see docs/campaigns.md."""
     stack: Annotated[str | None, default_hint("the pilot's")] = None
@@ -60,12 +61,12 @@ def run(cfg: ReportCfg) -> int:
     if cfg.json:
         print_json({"folder": str(cfg.folder), **summary, "page": str(page)})
     else:
-        print_summary(Console(), summary)
+        print_summary(terminal(), summary)
         print(f"With charts, ways and replays: {page}")
     return EXIT_DONE
 
 
-def print_summary(console: Console, summary: Mapping[str, Any]) -> None:
+def print_summary(console: Terminal, summary: Mapping[str, Any]) -> None:
     """Print the summary of a campaign as tables."""
     rates = Table("", "trials", "success", "95% interval", title_justify="left")
     _add_rate(rates, "all", summary)

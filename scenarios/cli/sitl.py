@@ -13,7 +13,6 @@ from types import FrameType
 from typing import TYPE_CHECKING, Annotated, Any
 
 import tyro
-from rich.console import Console
 
 from flightsim.testbench import TestbenchCfg, TestbenchError
 from scenarios.cli.command_line import (
@@ -28,6 +27,7 @@ from scenarios.cli.entry import lasting
 from scenarios.cli.repeated import gathered
 from scenarios.cli.sitl_words import announce, print_results
 from scenarios.cli.status_line import StatusLine
+from scenarios.cli.terminal import Terminal, terminal
 from scenarios.run.cfg import SitlCfg
 from scenarios.run.shared import SharedSitl
 from scenarios.run.sitl import Sitl
@@ -86,7 +86,7 @@ def run(command: SitlCommand) -> int:
         INPUT_ERRORS: If the input is bad, or the machine lacks what the run needs.
     """
     # Standard output belongs to the result.
-    console = Console(stderr=True)
+    console = terminal(stderr=True)
     # SIGTERM must close ports, viewers and the recording too.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     cfg = command.cfg
@@ -108,7 +108,7 @@ def run(command: SitlCommand) -> int:
         if command.json:
             print_json(result.to_plain())
         else:
-            print_results(Console(), result)
+            print_results(terminal(), result)
             for picture in sitl.pictures:
                 print(f"Picture: {picture}")
         if sitl.viewer is not None and not should_stop():
@@ -116,7 +116,7 @@ def run(command: SitlCommand) -> int:
         external = flights[0].bench.external
     if external is not None and external.fault:
         line = f"{PROG}: error: the run was ended by {external.fault}"
-        console.print(line, markup=False, highlight=False, soft_wrap=True)
+        console.print(line, highlight=False, soft_wrap=True)
         return EXIT_BAD_INPUT
     if sitl.missing:
         return EXIT_BAD_INPUT  # Not the vehicle failed but the disk.
@@ -150,7 +150,7 @@ def _folders(cfg: SitlCfg) -> list[Path]:
     return [folder for folder in folders if folder is not None]
 
 
-def _keep_open(console: Console, viewer: Viewer) -> None:
+def _keep_open(console: Terminal, viewer: Viewer) -> None:
     """Keep the viewer open until the user closes it or presses Ctrl-C."""
     page = "window" if viewer.url is None else "page"
     with contextlib.suppress(KeyboardInterrupt):

@@ -4,23 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from rich.console import Console
-
 from flightsim.mavlink.links import is_loopback, local_ports
+from scenarios.cli.terminal import Terminal, shell, styled
 from scenarios.run.shared import SharedResult
 from scenarios.run.sitl import Sitl
 from scenarios.trials.result import TrialResult
 
 
-def announce(console: Console, flights: Sequence[Sitl]) -> None:
+def announce(console: Terminal, flights: Sequence[Sitl]) -> None:
     """Say what runs, and where clients connect."""
     sitl = flights[0]
     scene, cfg = sitl.bench.scene, sitl.cfg.bench
     console.print(
-        f"[bold]Scene {scene.scene_id}[/]: {scene.domain}, {len(scene.objects)} objects, "
-        f"{len(scene.landing_areas)} landing areas, "
-        f"{len(scene.perching_areas)} to perch on. [bold]{sitl.bench.airframe.title}[/], "
-        f"system {1 + cfg.instance}, seed {cfg.seed}, speed {cfg.speed}.",
+        styled(
+            (f"Scene {scene.scene_id}", "bold"),
+            f": {scene.domain}, {len(scene.objects)} objects, "
+            f"{len(scene.landing_areas)} landing areas, {len(scene.perching_areas)} to perch on. ",
+            (sitl.bench.airframe.title, "bold"),
+            f", system {1 + cfg.instance}, seed {cfg.seed}, speed {cfg.speed}.",
+        ),
         soft_wrap=True,
     )
     external = sitl.bench.external
@@ -54,29 +56,35 @@ def announce(console: Console, flights: Sequence[Sitl]) -> None:
         bench = flight.bench
         east, north, _ = bench.scene.start_position_enu_m
         console.print(
-            f"Vehicle {number}: [bold]{bench.airframe.title}[/], system {1 + bench.cfg.instance}, "
-            f"at {east:.1f}, {north:.1f} m: UDP {14550 + cfg.instance}, "
-            f"UDP {14540 + bench.cfg.instance}, TCP {5760 + 10 * bench.cfg.instance}.",
+            styled(
+                f"Vehicle {number}: ",
+                (bench.airframe.title, "bold"),
+                f", system {1 + bench.cfg.instance}, "
+                f"at {east:.1f}, {north:.1f} m: UDP {14550 + cfg.instance}, "
+                f"UDP {14540 + bench.cfg.instance}, TCP {5760 + 10 * bench.cfg.instance}.",
+            ),
             soft_wrap=True,
         )
     if sitl.viewer is not None and sitl.viewer.url is not None:
         console.print(f"Watch at {sitl.viewer.url}", soft_wrap=True)
 
 
-def print_results(console: Console, result: TrialResult | SharedResult) -> None:
+def print_results(console: Terminal, result: TrialResult | SharedResult) -> None:
     """Print the verdict and the figures of each vehicle."""
     if isinstance(result, TrialResult):
         _print_result(console, result)
         return
     for number, each in enumerate(result.vehicles, 1):
-        console.print(f"[bold]Vehicle {number}[/], {each.vehicle}")
+        console.print(styled((f"Vehicle {number}", "bold"), f", {each.vehicle}"))
         _print_result(console, each)
 
 
-def _print_result(console: Console, result: TrialResult) -> None:
+def _print_result(console: Terminal, result: TrialResult) -> None:
     if result.success is not None:
-        word = "[bold green]Done[/]" if result.success else f"[bold red]Failed, {result.code}[/]"
-        console.print(f"{word}: {result.reason}")
+        word = ("Done", "bold green")
+        if not result.success:
+            word = (f"Failed, {result.code}", "bold red")
+        console.print(styled(word, f": {result.reason}"))
         for name, figure, unit in _figures(result):
             if figure is not None:
                 console.print(f"  {name:<29} {figure}{unit}")
@@ -96,7 +104,8 @@ def _print_result(console: Console, result: TrialResult) -> None:
         )
     if result.recording is not None:
         console.print(f"  recording                     {result.recording}")
-        console.print(f"Replay it with: aeroscene replay {result.recording}", soft_wrap=True)
+        replay = shell("aeroscene", "replay", result.recording)
+        console.print(f"Replay it with: {replay}", soft_wrap=True)
 
 
 def _figures(result: TrialResult) -> Iterator[tuple[str, float | int | str | None, str]]:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import time
 from typing import Self
 
-from rich.console import Console
 from rich.status import Status
 
+from scenarios.cli.terminal import Terminal, styled
 from scenarios.run.sitl import Sitl
 
 PERIOD_S = 0.25
@@ -17,7 +17,7 @@ PERIOD_S = 0.25
 class StatusLine:
     """Prints messages of autopilot and pilot, and on a terminal the state of the flight below."""
 
-    def __init__(self, console: Console, sitl: Sitl, *, number: int = 0, n: int = 1) -> None:
+    def __init__(self, console: Terminal, sitl: Sitl, *, number: int = 0, n: int = 1) -> None:
         """Follow a run, that of vehicle `number` of `n`; the first one has the line."""
         self._console = console
         self._who = f"vehicle {number + 1}: " if n > 1 else ""
@@ -40,13 +40,11 @@ class StatusLine:
             return
         now_s = time.monotonic()
         self._due_s = now_s + PERIOD_S
-        self._status.update(self._text(now_s))
+        self._status.update(styled(self._text(now_s)))
 
     def _say(self, text: str) -> None:
         sim_s = self._sitl.bench.plant.time_us * 1e-6
-        self._console.print(
-            f"{sim_s:8.2f} s  {self._who}{text}", markup=False, highlight=False, soft_wrap=True
-        )
+        self._console.print(f"{sim_s:8.2f} s  {self._who}{text}", highlight=False, soft_wrap=True)
 
     def _text(self, now_s: float) -> str:
         plant, autopilot = self._sitl.bench.plant, self._sitl.bench.stack.reports

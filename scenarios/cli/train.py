@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
+from aeroscene.ranges import THREADS, Range
 from scenarios.cli.command_line import (
     EXIT_DONE,
     EXIT_INTERRUPTED,
@@ -20,6 +21,7 @@ from scenarios.cli.command_line import (
     handling_signals,
     print_json,
 )
+from scenarios.cli.outputs import OutFolder
 from scenarios.cli.training_bar import TrainingBar, training_bar
 from scenarios.cli.training_plan import open_state, say_what_lacks, training_plan
 
@@ -28,6 +30,7 @@ if TYPE_CHECKING:
     from aeroscene.learning.training.procedure import Plan, Training
 
 _PROG = "aeroscene train"
+_MOST_STEPS = 1_000_000_000
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,21 +52,25 @@ class TrainCfg:
     """Go on beyond the folder's last scene: processes make scene after scene while the network
     learns. The folder's training scenes fix vocabulary and statistics, its test scenes are held
     out."""
-    workers: Annotated[int | None, default_hint("cores less one with --stream, at least 1")] = None
+    workers: Annotated[
+        int | None, Range(1, 512), default_hint("cores less one with --stream, at least 1")
+    ] = None
     """Number of processes that make scenes for --stream; the weights do not depend on it."""
-    out: Path = Path("training")
+    out: Annotated[Path, OutFolder()] = Path("training")
     """Folder to write to; it is made where there is none."""
-    steps: Annotated[int | None, default_hint("no limit")] = None
+    steps: Annotated[int | None, Range(1, _MOST_STEPS), default_hint("no limit")] = None
     """Training steps of writer and denoiser each; the weights do not depend on whether the training
     was resumed."""
-    minutes: Annotated[float | None, default_hint("60 without --steps")] = None
+    minutes: Annotated[
+        float | None, Range(0.0, unit="minutes", is_above=True), default_hint("60 without --steps")
+    ] = None
     """Minutes of training, half for the writer and half for the denoiser, or all for the one
     that is trained; it ends at steps or minutes, whichever comes first."""
     resume: bool = False
     """Continue the training in the folder."""
     device: str = "auto"
     """auto takes a GPU where there is one; or cpu, cuda, cuda:1, mps."""
-    threads: Annotated[int | None, default_hint("all cores")] = None
+    threads: Annotated[int | None, THREADS, default_hint("all cores")] = None
     """Number of CPU threads."""
     parts: Annotated[
         tuple[Literal["writer", "prior", "denoiser"], ...] | None,
@@ -81,7 +88,7 @@ class TrainCfg:
     """Keep the kinds and statistics of --begin, rather than learn them from the data: its model
     goes on with more scenes of one grammar. Parts that are not trained stay as they are there, and
     scenes of a kind that it does not know are left out."""
-    save_minutes: float = 5.0
+    save_minutes: Annotated[float, Range(0.0, unit="minutes", is_above=True)] = 5.0
     """Minutes between two saves."""
     json: bool = False
     """Print one JSON object: folder, checkpoint, preset, device, done, and figures of the

@@ -6,8 +6,9 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
-from rich.console import Console
-from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeRemainingColumn
+from rich.progress import BarColumn, Progress, TaskID, TimeRemainingColumn
+
+from scenarios.cli.terminal import plain_column, terminal
 
 _SHOWN = ("total", "held_out", "learning_rate")
 
@@ -36,12 +37,12 @@ class TrainingBar:
 def training_bar() -> Iterator[TrainingBar]:
     """Show the training bar where standard error is a terminal."""
     columns = (
-        TextColumn("{task.description}"),
+        plain_column("{task.description}"),
         BarColumn(),
-        TextColumn("{task.percentage:.0f}%"),
-        TextColumn("{task.fields[losses]}"),
+        plain_column("{task.percentage:.0f}%"),
+        plain_column("{task.fields[losses]}"),
         TimeRemainingColumn(elapsed_when_finished=True),
     )
-    console = Console(stderr=True)
+    console = terminal(stderr=True)
     with Progress(*columns, console=console, disable=not console.is_terminal) as progress:
         yield TrainingBar(progress)

@@ -7,11 +7,11 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from aeroscene.learning.wishes import AREAS, OUTLINE_M, AreaCounts, require_within
 from aeroscene.scene import SceneError
 
 if TYPE_CHECKING:
     from aeroscene.feasibility.region import Region
-    from aeroscene.learning.generation import AreaCounts
 
 _CLASSES = ("small", "medium", "large")
 
@@ -27,11 +27,10 @@ def asked_areas(text: str) -> int | AreaCounts:
         text: A number for all, or counts of classes such as `small=20,large=2`.
 
     Raises:
-        GenerateError: If the text is neither.
+        SceneError: If the text is neither, or a number is out of its range.
     """
-    from aeroscene.learning.generation import AreaCounts  # noqa: PLC0415 - PyTorch
-
     if text.strip().lstrip("+-").isdecimal():
+        require_within("areas", int(text), AREAS)
         return int(text)
     counts: dict[str, int] = {}
     for part in text.split(","):
@@ -52,7 +51,7 @@ def outline_sides_m(text: str) -> tuple[float, float]:
         text: `EAST,NORTH` in metres, or the path of a JSON file with corners.
 
     Raises:
-        GenerateError: If the text is neither.
+        SceneError: If the text is neither, or a side is out of its range.
     """
     valid = "EAST,NORTH in metres such as 60,45, or a JSON file with [[x, y], ...]"
     parts = text.split(",")
@@ -62,6 +61,8 @@ def outline_sides_m(text: str) -> tuple[float, float]:
         sides = _bounding_sides_m(Path(text), valid)
     if len(sides) != 2 or not all(math.isfinite(side) and side > 0 for side in sides):
         raise GenerateError(f"outline is {text!r}, valid: {valid}")
+    for side in sides:
+        require_within("outline", side, OUTLINE_M)
     return sides[0], sides[1]
 
 

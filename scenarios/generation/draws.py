@@ -13,6 +13,7 @@ from aeroscene.feasibility.wishes.passages import narrowest
 from aeroscene.metrics.collision import collision_rate
 from aeroscene.scene import AttributeValue, Scene
 from aeroscene.scene.io import write_scene
+from scenarios.generation.got import Got, beside_wishes, unmet, with_measures
 
 if TYPE_CHECKING:
     from aeroscene.learning.generation import Generated, Generator, Request
@@ -102,6 +103,10 @@ class Tally:
     """Reason why a seed gave no scene."""
     unfit: dict[int, str] = field(default_factory=dict)
     """Reason why the sound scenes of a seed were not kept."""
+    is_strict: bool = False
+    """Whether scenes that miss a wish are drawn again."""
+    wishes: dict[str, dict[str, Got]] = field(default_factory=dict)
+    """What was got beside what was asked for, of the scenes that are kept, by file."""
     measured: dict[str, dict[str, AttributeValue]] = field(default_factory=dict)
     """What was measured of the scenes that are kept, by file."""
     n_rejected: int = 0
@@ -117,8 +122,14 @@ class Tally:
         scene, reason = found.scene, str(found.report.rejection)
         if scene is not None:
             scene, unfit = judge.judged(scene)
+            wishes = beside_wishes(found, scene)
+            if unfit is None and self.is_strict and (missed := unmet(wishes)):
+                unfit = (
+                    f"the last of {judge.most_draws} draws has {missed}; "
+                    "valid: wishes nearer to that, another seed, or no --strict"
+                )
             if unfit is None:
-                self._write(scene)
+                self._write(with_measures(scene, wishes), wishes)
                 return True
             self.unfit[scene.seed] = unfit
         self.n_rejected += 1
@@ -126,12 +137,14 @@ class Tally:
         self.failed[found.request.seed] = self.unfit.get(found.request.seed, reason)
         return False
 
-    def _write(self, scene: Scene) -> None:
+    def _write(self, scene: Scene, wishes: dict[str, Got]) -> None:
         self.failed.pop(scene.seed, None)
         self.feasible.append(collision_rate(scene))
         path = self.out / f"{scene.scene_id}.json"
         write_scene(scene, path)
         self.files.append(str(path))
+        if wishes:
+            self.wishes[str(path)] = wishes
         if scene.measured:
             self.measured[str(path)] = dict(scene.measured)
 

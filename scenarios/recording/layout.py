@@ -52,6 +52,13 @@ BATTERY_VOLTAGE = "battery/voltage"
 BATTERY_CURRENT = "battery/current"
 BATTERY_REMAINING = "battery/remaining"
 
+OPTICAL_FLOW = "measured/optical_flow"
+OPTICAL_FLOW_PARTS = (
+    *("integration_us", "flow_forward_rad", "flow_right_rad"),
+    *("gyro_forward_rad", "gyro_right_rad", "gyro_down_rad", "distance_m", "quality"),
+)
+"""What the columns of `OPTICAL_FLOW` are, in their order."""
+
 TOUCHING = "contacts/touching"
 TOUCHED = "contacts/touched"
 

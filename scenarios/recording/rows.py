@@ -24,6 +24,7 @@ class RecordedRows:
     Attributes:
         properties: Properties of the recording, by name.
         entities: Entities that were found, without their leading slash.
+        others: Entities that change in time, and were not wanted.
     """
 
     def __init__(self, path: Path, wanted: Iterable[str]) -> None:
@@ -35,12 +36,15 @@ class RecordedRows:
         """
         prefixes = tuple(f"/{entity}" for entity in wanted)
         self.properties: dict[str, dict[str, Any]] = {}
+        self.others: set[str] = set()
         self._batches: dict[str, list[pa.RecordBatch]] = defaultdict(list)
         for chunk in chunks(path):
             if chunk.entity_path.startswith(PROPERTIES):
                 self.properties[chunk.entity_path.removeprefix(PROPERTIES)] = first_row(chunk)
             elif chunk.entity_path.startswith(prefixes):
                 self._batches[chunk.entity_path[1:]].append(chunk.to_record_batch())
+            elif not chunk.is_static:
+                self.others.add(chunk.entity_path[1:])
 
     @property
     def entities(self) -> list[str]:
@@ -85,6 +89,15 @@ class RecordedRows:
             for time_us, row in zip(_times_us(batch).tolist(), rows, strict=True):
                 if row.is_valid:
                     yield time_us, row.values[0].values.to_numpy(zero_copy_only=False).tobytes()
+
+    def clouds(self, entity: str, component: str) -> Iterator[tuple[int, Float[np.ndarray, "k 3"]]]:
+        """Time, us, and points of each row."""
+        for batch in self._with(entity, component):
+            rows = batch.column(component)
+            for time_us, row in zip(_times_us(batch).tolist(), rows, strict=True):
+                if row.is_valid:
+                    flat = row.values.flatten().to_numpy(zero_copy_only=False)
+                    yield time_us, flat.reshape(-1, 3)
 
     def _with(self, entity: str, component: str) -> list[pa.RecordBatch]:
         return [b for b in self._batches.get(entity, []) if component in b.schema.names]

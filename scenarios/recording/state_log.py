@@ -13,6 +13,7 @@ from scenarios.recording import layout
 from scenarios.recording.chase_log import ChaseLog
 from scenarios.recording.columns import send_history
 from scenarios.recording.entity_stream import EntityStream
+from scenarios.recording.flow_log import FlowLog
 from scenarios.recording.frames import FrameLog
 from scenarios.recording.landing_log import LandingLog
 from scenarios.recording.series import log_legends
@@ -51,6 +52,7 @@ class StateLog:
         self._status = StatusLog(stream)
         self._traffic = TrafficLog(stream) if has_traffic else None
         self._chase = ChaseLog(stream)
+        self._flow = FlowLog(stream)
         self.frames = FrameLog(stream, scene)
         self.landing = LandingLog(stream)
         self.tracks = TrackLog(stream)
@@ -58,6 +60,7 @@ class StateLog:
     def on_tick(self, plant: Plant, autopilot: FlightReports | None) -> None:
         """Sample what is no part of `Plant.history`."""
         self._status.on_tick(plant, autopilot)
+        self._flow.on_tick(plant)
         if self._traffic is not None:
             self._traffic.on_tick(plant)
 
@@ -69,5 +72,6 @@ class StateLog:
     def flush(self) -> None:
         """Write the samples."""
         self._status.flush()
+        self._flow.flush()
         if self._traffic is not None:
             self._traffic.flush()

@@ -37,7 +37,8 @@ def log_vehicle(stream: EntityStream, airframe: Airframe) -> None:
     # A dot of constant size on the screen: the vehicle is small in a whole scene.
     marker = rr.Points3D([(0.0, 0.0, 0.0)], colors=_MARKER_RGB, radii=rr.Radius.ui_points(3.0))
     stream.log(layout.MARKER, marker, static=True)
-    for mount in airframe.rgbd_cameras:
+    # Those that only look for traffic too: a pilot that expects any renders them.
+    for mount in airframe.cameras:
         turn = mount.rotation_flu_from_optical
         pose = rr.Transform3D(translation=mount.position_flu_m, mat3x3=turn)
         stream.log(layout.camera(mount.name), pose, static=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import shlex
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -64,6 +65,7 @@ def write_report(folder: Path, on_part: Callable[[str, float], None]) -> dict[st
         folder / PAGE,
         "report.html",
         folder=folder,
+        command=shlex.join(["aeroscene", "report", str(folder)]),
         manifest=manifest,
         has_scenes=has_scenes,
         summary=summary,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -10,6 +9,7 @@ from typing import Annotated, Any, Literal
 
 import tyro
 
+from aeroscene.ranges import Range, require_ranges
 from flightsim.testbench import MAX_INSTANCES, TestbenchCfg, TestbenchError
 from flightsim.vehicles import Airframe, airframe_by_name
 from scenarios.run.levels import RecordLevel
@@ -36,7 +36,7 @@ class SitlCfg:
     start: Annotated[str | None, _UNSET] = None
     """Where the vehicle stands at first: area:ID, or x,y,z (east, north, up in m; --start=-3,2,0)
     on a surface; by default the scene's own start."""
-    area: Annotated[int | None, _UNSET] = None
+    area: Annotated[int | None, Range(0), _UNSET] = None
     """Number of the area to land on; by default the seed draws one among all that fit the vehicle
     and can be flown to, indoors and outdoors with equal chance."""
     map: Literal["truth", "onboard"] = "truth"
@@ -68,9 +68,9 @@ class SitlCfg:
     viewer: Literal["off", "web", "native"] = "off"
     """Watch live: web serves a page on loopback, native opens the rerun viewer. Either stays after
     the flight, until it is closed or Ctrl-C."""
-    camera_hz: float = 5.0
-    """Frames of each camera in a simulated second, 0 to 50, while recording or watching."""
-    headless_seconds: Annotated[float | None, _UNSET] = None
+    camera_hz: Annotated[float, Range(0.0, MAX_CAMERA_HZ, "Hz")] = 5.0
+    """Frames of each camera in a simulated second, while recording or watching."""
+    headless_seconds: Annotated[float | None, Range(0.0, unit="s", is_above=True), _UNSET] = None
     """End after this many simulated seconds, even in flight."""
     json: bool = False
     """Print one JSON object on standard output when the run ends, and nothing else there."""
@@ -78,14 +78,7 @@ class SitlCfg:
     def __post_init__(self) -> None:
         """Refuse invalid settings before anything starts."""
         _ = self.airframes
-        if not 0 <= self.camera_hz <= MAX_CAMERA_HZ:
-            raise TestbenchError(
-                f"camera-hz {self.camera_hz} is out of range; valid: 0 to {MAX_CAMERA_HZ:.0f} Hz"
-            )
-        if self.headless_seconds is not None and not 0 < self.headless_seconds < math.inf:
-            raise TestbenchError(
-                f"headless-seconds {self.headless_seconds} is not valid; valid: seconds above 0"
-            )
+        require_ranges(self, TestbenchError)
         if self.record is not None and self.record.suffix != ".rrd":
             raise TestbenchError(f"record {str(self.record)!r} is no .rrd file; valid: NAME.rrd")
         if self.record is not None:

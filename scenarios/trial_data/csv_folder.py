@@ -10,10 +10,11 @@ from scenarios.trial_data.folders import building
 from scenarios.trial_data.reading import RecordedTrial
 from scenarios.trial_data.tables import SCHEMA_FILE, TABLES, schema_json
 
-IMAGES = "images"
+IMAGES, SCANS = "images", "scans"
 _README = """\
 One file a table; units are in the names of the columns, schema.json has types, frames and meanings.
-Times are simulated microseconds. Images of the table of frames are in images/.
+Times are simulated microseconds. Images of the table of frames are in images/, points of the table
+of scans in scans/.
 """
 
 
@@ -33,7 +34,8 @@ def write_csv(trial: RecordedTrial, out: Path) -> Path:
             csv.write_csv(table, folder / f"{name}.csv")
         (folder / SCHEMA_FILE).write_bytes(schema_json(TABLES))
         (folder / "README.txt").write_text(_README, encoding="utf-8")
-        (folder / IMAGES).mkdir()
-        for picture in trial.pictures:
-            (folder / IMAGES / picture.file).write_bytes(picture.data)
+        for name, files in ((IMAGES, trial.pictures), (SCANS, trial.scans)):
+            (folder / name).mkdir()
+            for file in files:
+                (folder / name / file.file).write_bytes(file.data)
     return out

@@ -17,12 +17,38 @@ float64[] normalized
 """
 
 
+_DEFINITIONS = {
+    _ACTUATORS: _ACTUATORS_MSG,
+    # https://github.com/mavlink/mavros, mavros_msgs/msg/OpticalFlowRad.msg
+    "mavros_msgs/msg/OpticalFlowRad": """\
+std_msgs/Header header
+uint32 integration_time_us
+float32 integrated_x
+float32 integrated_y
+float32 integrated_xgyro
+float32 integrated_ygyro
+float32 integrated_zgyro
+int16 temperature
+uint8 quality
+uint32 time_delta_distance_us
+float32 distance
+""",
+    # https://github.com/ros-perception/vision_msgs
+    "vision_msgs/msg/VisionClass": "uint16 class_id\nstring class_name\n",
+    "vision_msgs/msg/LabelInfo": """\
+std_msgs/Header header
+vision_msgs/VisionClass[] class_map
+float32 threshold
+""",
+}
+
+
 class RosMissingError(TrialDataError):
     """The library for bags is not installed."""
 
 
 class RosMessages:
-    """Makes messages of ROS 2 and of actuator_msgs.
+    """Makes messages of ROS 2, actuator_msgs, mavros_msgs and vision_msgs.
 
     Attributes:
         store: Type store of rosbags, which serializes them.
@@ -45,7 +71,8 @@ class RosMessages:
                 "mcap needs rosbags, which is not installed; valid: pip install 'aeroscene[ros]'"
             ) from None
         self.store = get_typestore(Stores.ROS2_HUMBLE)
-        self.store.register(get_types_from_msg(_ACTUATORS_MSG, _ACTUATORS))
+        for name, definition in _DEFINITIONS.items():
+            self.store.register(get_types_from_msg(definition, name))
         self._types: Mapping[str, Any] = self.store.types
 
     def new(self, kind: str, **fields: Any) -> Any:

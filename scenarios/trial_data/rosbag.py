@@ -20,13 +20,16 @@ from scenarios.recording.layout import AXES, BODY_AXES
 from scenarios.trial_data.folders import building
 from scenarios.trial_data.reading import RecordedTrial, decoded
 from scenarios.trial_data.ros_messages import RosMessages
-from scenarios.trial_data.tables import QUATERNION
+from scenarios.trial_data.ros_sensors import LATCHED, Message, SensorTopics
+from scenarios.trial_data.tables import QUATERNION, TABLES
 
 _MAP, _BODY = "map", "base_link"
+_ENCODINGS = {"rgb": "rgb8", "depth": "16UC1", "classes": "mono8", "instances": "mono16"}
+"""Encoding of each kind of image."""
+BAG_TABLES = frozenset(TABLES)
+"""Tables that a bag holds: all of them."""
 _UNKNOWN = -1.0
 """First element of a covariance of what a message does not hold."""
-_Message = tuple[int, str, Any]
-"""Time, us; topic; message."""
 
 
 def write_bag(trial: RecordedTrial, out: Path) -> Path:
@@ -74,7 +77,7 @@ class _Topics:
         self._trial = trial
         self._ros = ros
 
-    def messages(self) -> Iterator[_Message]:
+    def messages(self) -> Iterator[Message]:
         """All messages in order of time."""
         streams = (
             self._static_transforms(),
@@ -86,10 +89,11 @@ class _Topics:
             self._plans(),
             self._frames(),
             self._events(),
+            *SensorTopics(trial=self._trial, ros=self._ros).streams(),
         )
         return heapq.merge(*streams, key=lambda message: message[0])
 
-    def _odometry(self, whose: str, frame: str) -> Iterator[_Message]:
+    def _odometry(self, whose: str, frame: str) -> Iterator[Message]:
         """Pose in the map and velocity in the body, and the pose as a transform."""
         trial = self._trial
         position = trial.array("states", f"position_{whose}", "m", AXES)
@@ -121,7 +125,7 @@ class _Topics:
             yield time_us, f"/odometry/{whose}", message
             yield time_us, "/tf", self._ros.transforms((header, frame, position[row], wxyz[row]))
 
-    def _static_transforms(self) -> Iterator[_Message]:
+    def _static_transforms(self) -> Iterator[Message]:
         header = self._ros.header(0, _BODY)
         placed = [
             (header, _optical(name), mount.position_flu_m, mount.quat_flu_from_optical_wxyz)
@@ -130,7 +134,7 @@ class _Topics:
         if placed:
             yield 0, "/tf_static", self._ros.transforms(*placed)
 
-    def _imu(self) -> Iterator[_Message]:
+    def _imu(self) -> Iterator[Message]:
         trial = self._trial
         time_us = trial.tables["imu"]["time_us"].to_pylist()
         force = trial.array("imu", "acceleration", "mps2", BODY_AXES)
@@ -149,7 +153,7 @@ class _Topics:
             )
             yield time, "/imu", message
 
-    def _motors(self, prefix: str) -> Iterator[_Message]:
+    def _motors(self, prefix: str) -> Iterator[Message]:
         """Rotor speeds in rad/s."""
         nothing = np.zeros(0)
         time_us = self._trial.tables["motors"]["time_us"].to_pylist()
@@ -164,7 +168,7 @@ class _Topics:
             )
             yield time, f"/motors/{prefix}", message
 
-    def _plans(self) -> Iterator[_Message]:
+    def _plans(self) -> Iterator[Message]:
         """Each plan when it is taken up; its points are stamped with their times."""
         table = self._trial.tables["plans"]
         number, since_us = table["plan"].to_numpy(), table["since_us"].to_numpy()
@@ -187,18 +191,18 @@ class _Topics:
                 self._ros.new("nav_msgs/Path", header=self._ros.header(time, _MAP), poses=poses),
             )
 
-    def _frames(self) -> Iterator[_Message]:
+    def _frames(self) -> Iterator[Message]:
         """Images as they are, decoded, and the lens beside each."""
         encoded = {picture.file: picture.data for picture in self._trial.pictures}
         where = f"recording {self._trial.name!r}"
         for frame in self._trial.tables["frames"].to_pylist():
-            for kind, encoding in (("rgb", "rgb8"), ("depth", "16UC1")):
+            for kind, encoding in _ENCODINGS.items():
                 if (file := frame[f"{kind}_file"]) is not None:
                     yield from self._image(frame, kind, encoding, decoded(encoded[file], where))
 
     def _image(
         self, frame: Mapping[str, Any], kind: str, encoding: str, image: np.ndarray
-    ) -> Iterator[_Message]:
+    ) -> Iterator[Message]:
         time_us, camera = frame["time_us"], frame["camera"]
         header, topic = self._ros.header(time_us, _optical(camera)), f"/camera_{camera}/{kind}"
         height, width = image.shape[:2]
@@ -242,7 +246,7 @@ class _Topics:
             ),
         )
 
-    def _events(self) -> Iterator[_Message]:
+    def _events(self) -> Iterator[Message]:
         """Changes and texts, and the verdict at the end."""
         for event in self._trial.tables["events"].to_pylist():
             line = self._ros.new("std_msgs/String", data=event["value"])
@@ -265,7 +269,7 @@ def _qos(topic: str) -> tuple[Any, ...]:
     )
 
     forever = QosTime(0, 0)
-    is_latched = topic == "/tf_static"
+    is_latched = topic in LATCHED
     return (
         Qos(
             QosHistory.KEEP_LAST,

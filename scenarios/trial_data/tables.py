@@ -12,11 +12,23 @@ from typing import Any, NamedTuple
 
 import pyarrow as pa
 
+from scenarios.recording import layout
 from scenarios.recording.layout import AXES, BODY_AXES
 
 SCHEMA_FILE = "schema.json"
 QUATERNION = ("w", "x", "y", "z")
-_UNITS = {"m": "m", "mps": "m/s", "mps2": "m/s^2", "radps": "rad/s", "us": "us", "px": "px"}
+_UNITS = {
+    "m": "m",
+    "mps": "m/s",
+    "mps2": "m/s^2",
+    "rad": "rad",
+    "radps": "rad/s",
+    "us": "us",
+    "px": "px",
+    "v": "V",
+    "a": "A",
+    "percent": "%",
+}
 """Unit by the last word of a column's name."""
 
 
@@ -63,6 +75,18 @@ def motor_columns(n_rotors: int) -> tuple[Column, ...]:
         *_vector("speed", parts, "radps", "its true speed"),
     )
 
+
+GAUGES: Mapping[str, tuple[str, str]] = {
+    "battery_voltage_v": (layout.BATTERY_VOLTAGE, "10 Hz"),
+    "battery_current_a": (layout.BATTERY_CURRENT, "drawn from the battery"),
+    "battery_remaining_percent": (layout.BATTERY_REMAINING, "charge that is left"),
+    "sigma_horizontal_m": (f"{layout.POSITION_SIGMA}/horizontal", "of the estimated position"),
+    "sigma_vertical_m": (f"{layout.POSITION_SIGMA}/vertical", "of the estimated position"),
+    "airspeed_mps": (layout.sensor("airspeed"), "indicated; NaN without the sensor"),
+    "range_m": (layout.sensor("rangefinder"), "to what lies below; NaN where nothing is met"),
+    "flow_radps": (layout.sensor("optical_flow"), "size of the optical flow; NaN without"),
+}
+"""Entity and meaning of what is sampled at 10 Hz, by the name of its column."""
 
 TABLES: Mapping[str, tuple[Column, ...]] = {
     "trials": (
@@ -120,6 +144,39 @@ TABLES: Mapping[str, tuple[Column, ...]] = {
         *_vector("attitude", QUATERNION, "", "optical (x right, y down, z forward) to ENU"),
         Column("rgb_file", pa.string(), "JPEG; null where none was recorded"),
         Column("depth_file", pa.string(), "PNG, 16 bit: depth along the axis in mm, 0: nothing"),
+        Column("classes_file", pa.string(), "PNG, 8 bit: class of each pixel, see labels"),
+        Column("instances_file", pa.string(), "PNG, 16 bit: object of each pixel, see labels"),
+    ),
+    "labels": (
+        _TRIAL,
+        Column("image", pa.string(), "classes or instances"),
+        Column("number", pa.int64(), "number in these images"),
+        Column("name", pa.string(), "what it stands for"),
+    ),
+    "scans": (
+        _TRIAL,
+        Column("scan", pa.int64(), "number of the scan of the lidar in its trial"),
+        _TIME,
+        Column("points", pa.int64(), "points that were met"),
+        *_vector("position", AXES, "m", "true position of the vehicle, ENU"),
+        *_vector("attitude", QUATERNION, "", "FLU to ENU, true"),
+        Column(
+            "points_file", pa.string(), "NumPy file, float32 (points, 3): on the vehicle, FLU, m"
+        ),
+    ),
+    "optical_flow": (
+        _TRIAL,
+        _TIME,
+        Column("integration_us", pa.int64(), "the angles are sums over this time, up to time_us"),
+        *_vector("flow", ("forward", "right"), "rad", "flow about these axes of the vehicle"),
+        *_vector("gyro", ("forward", "right", "down"), "rad", "turn about these axes"),
+        Column("distance_m", pa.float64(), "to what lies below; infinite beyond reach"),
+        Column("quality", pa.int64(), "0: no flow was seen, 255: all of it"),
+    ),
+    "gauges": (
+        _TRIAL,
+        _TIME,
+        *(Column(name, pa.float64(), says) for name, (_, says) in GAUGES.items()),
     ),
     "movers": (
         _TRIAL,

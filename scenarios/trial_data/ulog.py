@@ -25,6 +25,28 @@ _WIND = Topic("wind", "float windspeed_north", "float windspeed_east")
 _CONTACT = Topic("vehicle_contact", "bool is_touching")
 
 
+_FLOW = Topic(
+    "sensor_optical_flow",
+    *("uint32_t integration_timespan_us", "float[2] pixel_flow", "float[3] delta_angle"),
+    *("float distance_m", "uint8_t quality"),
+)
+_GAUGES = (
+    (
+        Topic("battery_status", "float voltage_v", "float current_a", "float remaining"),
+        ("battery_voltage_v", "battery_current_a", "battery_remaining_percent"),
+    ),
+    (
+        Topic("estimator_status", "float pos_horiz_accuracy", "float pos_vert_accuracy"),
+        ("sigma_horizontal_m", "sigma_vertical_m"),
+    ),
+    (Topic("airspeed", "float indicated_airspeed_m_s"), ("airspeed_mps",)),
+    (Topic("distance_sensor", "float current_distance"), ("range_m",)),
+)
+"""Topics of the table of gauges, and its columns that they have."""
+ULOG_TABLES = frozenset({"trials", "states", "imu", "motors", "optical_flow", "gauges", "events"})
+"""Tables that a ULog holds."""
+
+
 class _Samples(NamedTuple):
     """Rows of a topic."""
 
@@ -34,7 +56,7 @@ class _Samples(NamedTuple):
 
 
 def write_ulog(trial: RecordedTrial, out: Path) -> Path:
-    """Write a trial's states, measurements, commands and texts; images have no place in a ULog.
+    """Write a trial's states, measurements, commands and texts; a ULog holds `ULOG_TABLES`.
 
     Args:
         trial: The trial.
@@ -94,6 +116,23 @@ def _samples(trial: RecordedTrial) -> Iterator[_Samples]:
         (Topic("rotor_speed", f"{numbers} radps"), "speed"),
     ):
         yield _Samples(topic, time_us, trial.array("motors", prefix, "radps", trial.rotors))
+    yield from _sensors(trial)
+
+
+def _sensors(trial: RecordedTrial) -> Iterator[_Samples]:
+    """Optical flow and gauges, as far as the vehicle has the sensors."""
+    flow = trial.tables["optical_flow"]
+    if len(flow):
+        parts = [flow[name].to_numpy().astype(object) for name in flow.column_names[2:]]
+        yield _Samples(_FLOW, flow["time_us"].to_numpy(), np.column_stack(parts))
+    gauges = trial.tables["gauges"]
+    for topic, columns in _GAUGES:
+        values = np.column_stack([gauges[name].to_numpy() for name in columns])
+        if columns[-1] == "battery_remaining_percent":
+            values[:, -1] /= 100.0
+        samples = _known(topic, gauges["time_us"].to_numpy(), values)
+        if len(samples.time_us):
+            yield samples
 
 
 def _motion(trial: RecordedTrial, whose: str, suffix: str) -> Iterator[_Samples]:

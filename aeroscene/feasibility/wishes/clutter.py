@@ -48,6 +48,14 @@ def cluttered(scene: Scene, times: float, rng: np.random.Generator) -> Scene:
     return replace(scene, objects=(*scene.objects, *more))
 
 
+def clutter_factor(before: Scene, after: Scene) -> float:
+    """Factor by which a scene has more loose things than before `cluttered`, 1 for as many."""
+    n_before, n_after = (
+        sum(_is_loose(scene, obj) for obj in scene.objects) for scene in (before, after)
+    )
+    return 1.0 + (n_after - n_before) / max(n_before, USUAL)
+
+
 def _is_open(obj: SceneObject) -> bool:
     is_floor = obj.category in _INDOORS or (
         obj.category in BEARING - {"terrain"} and obj.domain == "outdoor"

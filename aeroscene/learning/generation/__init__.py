@@ -1,15 +1,26 @@
-"""Generation of a scene from a seed: a program, its diffusion, feasibility."""
+"""Generation of a scene from a seed: a program, its diffusion, feasibility.
 
-from aeroscene.feasibility.region import Region
-from aeroscene.learning.generation.asked import AreaCounts, RequestError
-from aeroscene.learning.generation.generator import (
-    Generated,
-    Generator,
-    NoFeasibleSceneError,
-    generate_scene,
-)
-from aeroscene.learning.generation.redo import Redo
-from aeroscene.learning.generation.request import Request
+The names load what they stand for when they are first used: a request can be checked without the
+seconds that PyTorch takes.
+"""
+
+from typing import TYPE_CHECKING
+
+from aeroscene.lazy import public_names
+
+if TYPE_CHECKING:
+    from aeroscene.feasibility.region import Region
+    from aeroscene.learning.generation.generator import (
+        Generated,
+        Generator,
+        NoFeasibleSceneError,
+        generate_scene,
+    )
+    from aeroscene.learning.generation.redo import Redo
+    from aeroscene.learning.generation.request import Request
+    from aeroscene.learning.wishes import AreaCounts, RequestError
+else:
+    __getattr__, __dir__ = public_names(__name__, __file__)
 
 __all__ = [
     "AreaCounts",

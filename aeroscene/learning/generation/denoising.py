@@ -168,7 +168,7 @@ def frame_of(example: ProgramExample, language: Language) -> tuple[int, list[int
 def frame_values(outline_m: tuple[float, float], kind: Kind) -> Float[np.ndarray, " 6"]:
     """Channels of an outline about the origin, along the axes of the world.
 
-    A site may lie across them, by as many quarter turns as its kind has.
+    A site or a building may lie across them, by as many quarter turns as its kind has.
     """
-    sides_m = outline_m[::-1] if kind.node == "site" and kind.turn % 2 else outline_m
+    sides_m = outline_m[::-1] if kind.turn % 2 else outline_m
     return np.array([0.0, 0.0, 1.0, 0.0, *np.log(sides_m)])

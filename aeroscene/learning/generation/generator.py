@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -47,11 +47,24 @@ class Generated:
     projected: Scene
     """After the projection, with areas."""
     report: FeasibilityReport
+    wish: Wish
+    """Contents that the model was told: what was asked for, and the rest as it was drawn."""
 
     @property
     def scene(self) -> Scene | None:
         """The finished scene, None where it was rejected: infeasible, or no place (`senseless`)."""
         return None if self.report.rejection else self.projected
+
+
+class _Drawn(NamedTuple):
+    """A request with nothing left open, and what the model proposes for it."""
+
+    proposal: Proposal
+    wish: Wish
+    limits: AreaLimits | None
+    """Greatest numbers of areas."""
+    rng: np.random.Generator
+    """Draws what is strewn, and the looks."""
 
 
 class Generator:
@@ -133,10 +146,8 @@ class Generator:
         """
         for start in range(0, len(requests), batch_size):
             chunk = requests[start : start + batch_size]
-            for request, (proposal, limits, rng) in zip(
-                chunk, self._proposed(chunk, attempt, on_step), strict=True
-            ):
-                yield self._finish(request, attempt, proposal, limits, rng)
+            for request, drawn in zip(chunk, self._proposed(chunk, attempt, on_step), strict=True):
+                yield self._finish(request, attempt, drawn)
 
     def sampled(self, request: Request, *, attempt: int = 0) -> Scene:
         """The scene of a request as sampled, before feasibility: `Generated.raw`, in less time.
@@ -146,13 +157,13 @@ class Generator:
             RequestError: If the request cannot be met.
             SceneError: If a number is not finite.
         """
-        ((proposal, _, rng),) = self._proposed([request], attempt, None)
-        return _raw(proposal, request, rng)
+        (drawn,) = self._proposed([request], attempt, None)
+        return _raw(drawn.proposal, request, drawn.rng)
 
     def _proposed(
         self, requests: Sequence[Request], attempt: int, on_step: OnStep | None
-    ) -> list[tuple[Proposal, AreaLimits | None, np.random.Generator]]:
-        """For each request what is proposed, how many areas at most, and what draws the looks."""
+    ) -> list[_Drawn]:
+        """What is proposed for each request."""
         streams = [_streams(request.seed, attempt) for request in requests]
         themes = self._proposer.themes
         drawn = [
@@ -164,8 +175,8 @@ class Generator:
                 requests, [wish for wish, _ in drawn], [rngs[1] for rngs in streams], on_step
             )
         return [
-            (proposal, limits, rngs[2])
-            for proposal, (_, limits), rngs in zip(proposals, drawn, streams, strict=True)
+            _Drawn(proposal, wish, limits, rngs[2])
+            for proposal, (wish, limits), rngs in zip(proposals, drawn, streams, strict=True)
         ]
 
     def sound_scene(self, request: Request, on_step: OnStep | None = None) -> Generated:
@@ -185,20 +196,13 @@ class Generator:
             "valid: another seed, or fewer objects"
         )
 
-    def _finish(
-        self,
-        request: Request,
-        attempt: int,
-        proposal: Proposal,
-        limits: AreaLimits | None,
-        rng: np.random.Generator,
-    ) -> Generated:
-        raw = _raw(proposal, request, rng)
-        feasible = request.projected(raw, rng, limits)
+    def _finish(self, request: Request, attempt: int, drawn: _Drawn) -> Generated:
+        raw = _raw(drawn.proposal, request, drawn.rng)
+        feasible = request.projected(raw, drawn.rng, drawn.limits)
         report = feasible.report
         if report.rejection is None and request.kept is None and self._makes_places:
             report = replace(report, rejection=senseless(feasible.scene))
-        return Generated(request, attempt, proposal, raw, feasible.scene, report)
+        return Generated(request, attempt, drawn.proposal, raw, feasible.scene, report, drawn.wish)
 
 
 def _raw(proposal: Proposal, request: Request, rng: np.random.Generator) -> Scene:

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from aeroscene.feasibility.region import Region
-from aeroscene.learning.generation.asked import RequestError
+from aeroscene.learning.wishes import RequestError
 from aeroscene.scene import Scene, SceneObject
 from aeroscene.solids.shapes import scene_primitives
 from aeroscene.solids.solids import colliding

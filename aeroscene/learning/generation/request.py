@@ -14,7 +14,11 @@ from aeroscene.feasibility import FeasibilityCfg, Feasible, make_feasible
 from aeroscene.feasibility.insertion import insert, unsound
 from aeroscene.feasibility.wishes.clutter import cluttered
 from aeroscene.feasibility.wishes.passages import widened
-from aeroscene.learning.generation.asked import (
+from aeroscene.learning.generation.asked import area_limits, in_all
+from aeroscene.learning.generation.redo import Redo
+from aeroscene.learning.tokens.kinds import DOMAINS
+from aeroscene.learning.tokens.skeleton import Wish
+from aeroscene.learning.wishes import (
     AREAS,
     CLUTTER,
     DENSITY,
@@ -23,13 +27,9 @@ from aeroscene.learning.generation.asked import (
     PASSAGE_M,
     AreaCounts,
     RequestError,
-    area_limits,
-    in_all,
     require_within,
 )
-from aeroscene.learning.generation.redo import Redo
-from aeroscene.learning.tokens.kinds import DOMAINS
-from aeroscene.learning.tokens.skeleton import Wish
+from aeroscene.ranges import SEEDS
 from aeroscene.scene import AttributeValue, Scene, SceneDomain
 
 _MORE_COARSE, _MORE_FINE = 2, 4
@@ -67,25 +67,25 @@ class Request:
     """Least clear width of doors and corridors, m."""
 
     def __post_init__(self) -> None:
-        require_within("seed", self.seed, 0, 2**63 - 1)
+        require_within("seed", self.seed, SEEDS)
         if self.n_objects is not None:
-            require_within("objects", self.n_objects, *OBJECTS)
+            require_within("objects", self.n_objects, OBJECTS)
         if isinstance(self.n_areas, int):
-            require_within("areas", self.n_areas, *AREAS)
+            require_within("areas", self.n_areas, AREAS)
         for name, value, limits in (
             ("density", self.density, DENSITY),
             ("clutter", self.clutter, CLUTTER),
             ("min-passage", self.min_passage_m, PASSAGE_M),
         ):
             if value is not None:
-                require_within(name, value, *limits)
+                require_within(name, value, limits)
         if self.density is not None and self.n_objects is not None:
             raise RequestError(
                 f"density is {self.density:g} beside objects {self.n_objects}, "
                 "valid: one of the two; both say how many objects there are"
             )
         for side in self.outline_m or ():
-            require_within("outline", side, *OUTLINE_M)
+            require_within("outline", side, OUTLINE_M)
         self._check_given()
 
     def _check_given(self) -> None:
@@ -219,7 +219,7 @@ class Request:
         if self.redo is not None:
             return self._redone(wish, self.redo)
         if self.density is not None:
-            n_fine = min(round(self.density * n_fine), max(0, OBJECTS[1] - n_coarse))
+            n_fine = min(round(self.density * n_fine), max(0, int(OBJECTS.high) - n_coarse))
         return replace(wish, n_coarse=n_coarse, n_fine=n_fine, theme=self.theme or "")
 
     def _redone(self, wish: Wish, redo: Redo) -> Wish:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -34,3 +35,11 @@ class Launch:
     """Arguments after the binary."""
     environment: Mapping[str, str] = field(default_factory=dict)
     """Variables besides those of this process; $PATH in one of them is this process's."""
+
+    def line(self, program: str) -> str:
+        """The command line for a shell, which expands $PATH and takes everything else as it is."""
+        words = [
+            f"{name}={'$PATH'.join(part and shlex.quote(part) for part in value.split('$PATH'))}"
+            for name, value in self.environment.items()
+        ]
+        return " ".join([*words, program, *map(shlex.quote, self.arguments)])

@@ -7,12 +7,14 @@ import sys
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Annotated
 
 from aeroscene.corpus.corpus import CORPUS_SIZE
 from aeroscene.corpus.provenance import curation_digest
 from aeroscene.processes import default_jobs
 from scenarios.cli.command_line import EXIT_DONE, print_json
-from scenarios.cli.dataset.options import check_jobs
+from scenarios.cli.dataset.options import JOBS
+from scenarios.cli.outputs import OutFolder
 from scenarios.cli.progress import progress_bar
 from scenarios.cli.scene_numbers import scene_numbers
 from scenarios.dataset.build import BuildPlan, build, plan_build
@@ -28,12 +30,12 @@ class BuildCfg:
     stopped goes on where it was. Those that other sources made are made again.
     """
 
-    out: Path = Path("corpus")
+    out: Annotated[Path, OutFolder()] = Path("corpus")
     """Folder to build in; it is made where there is none."""
     scenes: str = f"0:{CORPUS_SIZE}"
     """Numbers of scenes, from 0 up: A:B without B, single ones, joined by commas. Beyond the 1,016
     of the corpus there is no last; every fifth is of the test split."""
-    jobs: int = field(default_factory=default_jobs)
+    jobs: Annotated[int, JOBS] = field(default_factory=default_jobs)
     """Processes; the default is the number of cores."""
     json: bool = False
     """Print one JSON object: folder, scenes, made, kept, bytes, seconds, sources."""
@@ -41,7 +43,6 @@ class BuildCfg:
 
 def run(cfg: BuildCfg) -> int:
     """Build and say what was done."""
-    check_jobs(cfg.jobs)
     # SIGTERM is handled as Ctrl-C is, so that nothing stays half-written.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     plan = plan_build(cfg.out, scene_numbers(cfg.scenes))

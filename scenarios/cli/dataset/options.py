@@ -12,6 +12,7 @@ from aeroscene.corpus.dataset import Dataset, DatasetError, open_dataset, shortf
 from aeroscene.corpus.provenance import curation_digest
 from aeroscene.corpus.scene_files import is_dataset, open_folder
 from aeroscene.corpus.summary import SceneSet
+from aeroscene.ranges import Range
 from scenarios.cli.scene_numbers import scene_numbers
 
 Data = tyro.conf.Positional[
@@ -22,19 +23,10 @@ SceneNumbers = Annotated[str, tyro.conf.arg(help_behavior_hint="")]
 """Numbers of scenes as `scene_numbers` reads them; empty for the default."""
 
 _PROG = "aeroscene dataset"
-MAX_JOBS = 512
+JOBS = Range(1, 512)
+"""Processes of a command."""
 SHIPPED_NAME = "shipped"
 _USUAL_FOLDER = Path("corpus")
-
-
-def check_jobs(jobs: int) -> None:
-    """Refuse a number of processes that is out of range.
-
-    Raises:
-        DatasetError: If the number is out of range.
-    """
-    if not 1 <= jobs <= MAX_JOBS:
-        raise DatasetError(f"jobs {jobs} is out of range, valid: 1 to {MAX_JOBS} processes")
 
 
 def open_scenes(data: str, scenes: str) -> SceneSet[Any]:

@@ -5,13 +5,15 @@ from __future__ import annotations
 import tempfile
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 from aeroscene.corpus.dataset import DatasetError
 from aeroscene.corpus.summary import SceneSet
 from aeroscene.processes import default_jobs
+from aeroscene.ranges import Range
 from scenarios.cli.command_line import EXIT_DONE
-from scenarios.cli.dataset.options import Data, SceneNumbers, check_jobs, open_scenes
+from scenarios.cli.dataset.options import JOBS, Data, SceneNumbers, open_scenes
+from scenarios.cli.outputs import OutFile
 from scenarios.cli.progress import progress_bar
 from scenarios.cli.replay import show
 
@@ -31,13 +33,13 @@ class ShowCfg:
     by default the folder corpus where there is one, and else shipped."""
     scenes: SceneNumbers = ""
     """Which scenes: A:B without B, single ones, joined by commas; by default twelve, spread."""
-    out: Path = Path("sheet.png")
+    out: Annotated[Path, OutFile((".png",))] = Path("sheet.png")
     """PNG file to write."""
-    columns: int = 4
+    columns: Annotated[int, Range(1, 50)] = 4
     """Pictures side by side."""
-    width: int = 480
-    """Width of one picture, pixels; its height is three quarters of that."""
-    jobs: int = field(default_factory=default_jobs)
+    width: Annotated[int, Range(80, 1920, "pixels")] = 480
+    """Width of one picture; its height is three quarters of that."""
+    jobs: Annotated[int, JOBS] = field(default_factory=default_jobs)
     """Processes; the default is the number of cores."""
     viewer: Literal["off", "auto", "native", "web"] = "off"
     """Open the first of the scenes in rerun instead of drawing: native opens a window, web serves a
@@ -69,13 +71,6 @@ def _choose(cfg: ShowCfg) -> SceneSet[Any]:
 
 
 def _check(cfg: ShowCfg, dataset: SceneSet[Any]) -> None:
-    check_jobs(cfg.jobs)
-    limits = (("columns", cfg.columns, 1, 50), ("width", cfg.width, 80, 1920))
-    for name, value, least, most in limits:
-        if not least <= value <= most:
-            raise DatasetError(f"{name} {value} is out of range, valid: {least} to {most}")
-    if cfg.out.suffix != ".png":
-        raise DatasetError(f"out {str(cfg.out)!r} is no .png file, valid: NAME.png")
     if len(dataset.entries) > _LARGEST_SHEET:
         raise DatasetError(
             f"scenes {cfg.scenes!r} are {len(dataset.entries)} scenes, "

@@ -9,16 +9,17 @@ from typing import Annotated
 
 import numpy as np
 from rich.box import SIMPLE_HEAD
-from rich.console import Console
 from rich.table import Table
+from rich.text import Text
 
 from aeroscene.corpus.dataset import DatasetError
 from aeroscene.metrics.diversity import Layout
 from aeroscene.metrics.paper_table import INCONSISTENCIES, Row
 from aeroscene.processes import default_jobs
 from scenarios.cli.command_line import EXIT_DONE, default_hint, print_json
-from scenarios.cli.dataset.options import Data, SceneNumbers, check_jobs, open_scenes
+from scenarios.cli.dataset.options import JOBS, Data, SceneNumbers, open_scenes
 from scenarios.cli.progress import progress_bar
+from scenarios.cli.terminal import Terminal, styled, terminal
 from scenarios.dataset.stats import Diversity, Statistics, statistics
 
 _CATEGORY_COLUMNS = 4
@@ -39,7 +40,7 @@ class StatsCfg:
     """Neutral layout files (.jsonl or .jsonl.gz) whose diversity is shown beside the dataset's."""
     scenes: SceneNumbers = ""
     """Only these scenes: A:B without B, single ones, joined by commas; all by default."""
-    jobs: int = field(default_factory=default_jobs)
+    jobs: Annotated[int, JOBS] = field(default_factory=default_jobs)
     """Processes; the default is the number of cores."""
     json: bool = False
     """Print one JSON object: a key for each row of the table with value, paper, deviation, train
@@ -48,14 +49,13 @@ class StatsCfg:
 
 def run(cfg: StatsCfg) -> int:
     """Count the scenes and print the statistics."""
-    check_jobs(cfg.jobs)
     dataset = open_scenes(cfg.data, cfg.scenes)
     beside = {_set_name(path): _read_layouts(path) for path in cfg.beside}
     found = statistics(dataset, beside, cfg.jobs, progress_bar)
     if cfg.json:
         print_json(found.to_plain())
     else:
-        _print(Console(), dataset.title, found)
+        _print(terminal(), dataset.title, found)
     return EXIT_DONE
 
 
@@ -79,7 +79,7 @@ def _read_layouts(path: Path) -> Sequence[Layout]:
     return layouts
 
 
-def _print(console: Console, title: str, found: Statistics) -> None:
+def _print(console: Terminal, title: str, found: Statistics) -> None:
     console.print(_paper_table(title, found.rows))
     console.print("The paper's table disagrees with itself:")
     for text in INCONSISTENCIES:
@@ -87,11 +87,11 @@ def _print(console: Console, title: str, found: Statistics) -> None:
     console.print()
     n_scenes = sum(found.domains.values())
     shares = (f"{name} {count} ({count / n_scenes:.0%})" for name, count in found.domains.items())
-    console.print(f"[bold]Domains[/]  {', '.join(shares)}")
+    console.print(styled(("Domains", "bold"), f"  {', '.join(shares)}"))
     console.print()
     console.print(_category_table(found.categories))
     if found.missing:
-        console.print(f"[bold red]None of[/]  {', '.join(found.missing)}")
+        console.print(styled(("None of", "bold red"), f"  {', '.join(found.missing)}"))
     console.print()
     console.print(_diversity_table(found.diversity))
     ours = found.diversity[0]
@@ -135,11 +135,11 @@ def _figure(value: float | None, is_average: bool) -> str:
     return f"{value:,.1f}" if is_average else f"{value:,.0f}"
 
 
-def _deviation(row: Row) -> str:
+def _deviation(row: Row) -> Text:
     if row.deviation is None or not row.is_average:
-        return ""
+        return styled()
     style = "green" if row.is_met else "bold red"
-    return f"[{style}]{row.deviation:+.1%}[/]"
+    return styled((f"{row.deviation:+.1%}", style))
 
 
 def _category_table(categories: Mapping[str, int]) -> Table:

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Annotated
 
 from aeroscene.processes import default_jobs
 from scenarios.cli.command_line import EXIT_DONE, print_json
-from scenarios.cli.dataset.options import SHIPPED_NAME, SceneNumbers, check_jobs, open_scenes
+from scenarios.cli.dataset.options import JOBS, SHIPPED_NAME, SceneNumbers, open_scenes
+from scenarios.cli.outputs import OutFolder
 from scenarios.cli.progress import progress_bar
 from scenarios.dataset.unpack import unpack_all
 
@@ -19,13 +21,13 @@ class UnpackCfg:
     Their format is that of docs/scenes.md: `--scene FILE.json` opens them again.
     """
 
-    out: Path = Path("scenes")
+    out: Annotated[Path, OutFolder()] = Path("scenes")
     """Folder to write to; it is made where there is none. Files of the same names are replaced."""
     scenes: SceneNumbers = ""
     """Only these scenes: A:B without B, single ones, joined by commas; all by default."""
     gzip: bool = False
     """Compress the files: .json.gz, a fifth of the size."""
-    jobs: int = field(default_factory=default_jobs)
+    jobs: Annotated[int, JOBS] = field(default_factory=default_jobs)
     """Processes; the default is the number of cores."""
     json: bool = False
     """Print one JSON object: folder, scenes, bytes."""
@@ -33,7 +35,6 @@ class UnpackCfg:
 
 def run(cfg: UnpackCfg) -> int:
     """Write the files and say where they are."""
-    check_jobs(cfg.jobs)
     dataset = open_scenes(SHIPPED_NAME, cfg.scenes)
     suffix = ".json.gz" if cfg.gzip else ".json"
     n_scenes = len(dataset.entries)

@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Annotated, Any
 
-from rich.console import Console
-from rich.markup import escape
 from rich.table import Table
 
-from aeroscene.corpus.dataset import DatasetError
 from aeroscene.corpus.summary import SceneSet
 from aeroscene.processes import default_jobs
+from aeroscene.ranges import SEEDS, Range
 from scenarios.cli.command_line import EXIT_DONE, EXIT_NEGATIVE, print_json
-from scenarios.cli.dataset.options import Data, SceneNumbers, check_jobs, open_scenes
+from scenarios.cli.dataset.options import JOBS, Data, SceneNumbers, open_scenes
 from scenarios.cli.progress import progress_bar
+from scenarios.cli.terminal import Terminal, styled, terminal
 from scenarios.dataset.drops import LEAST_SHARE, DropReport, drop_all
 from scenarios.dataset.validate import Report, first_of_each_kind, validate_all
 
+_MOST_DROPS = 1_000_000
 _EXAMPLES = 5
 """Number of examples shown of each kind of finding, of failed drops and of unreadable files."""
 
@@ -37,16 +37,16 @@ class ValidateCfg:
     data: Data = ""
     """Folder of a corpus or of scene files, or "shipped" for the scenes that come with the package;
     by default the folder corpus where there is one, and else shipped."""
-    drops: int = 0
+    drops: Annotated[int, Range(0, _MOST_DROPS)] = 0
     """Also let an unpowered Iris fall from 0.3 m on this many random landing areas: it must come
     to rest on them, level within their slope and 2 degrees."""
-    seed: int = 0
+    seed: Annotated[int, SEEDS] = 0
     """Seed of the areas that the Iris falls on, and of its headings."""
     scenes: SceneNumbers = ""
     """Only these scenes: A:B without B, single ones, joined by commas; all by default."""
     skip_invalid: bool = False
     """Go on after a file that cannot be read, name it and count it."""
-    jobs: int = field(default_factory=default_jobs)
+    jobs: Annotated[int, JOBS] = field(default_factory=default_jobs)
     """Processes; the default is the number of cores."""
     json: bool = False
     """Print one JSON object: scenes, findings by kind, details, invalid, and drops if asked for."""
@@ -54,10 +54,6 @@ class ValidateCfg:
 
 def run(cfg: ValidateCfg) -> int:
     """Check everything and print what was found."""
-    check_jobs(cfg.jobs)
-    for name, value in (("drops", cfg.drops), ("seed", cfg.seed)):
-        if value < 0:
-            raise DatasetError(f"{name} {value} is negative, valid: 0 or more")
     dataset = open_scenes(cfg.data, cfg.scenes)
     with progress_bar("checking scenes", len(dataset.entries)) as advance:
         report = validate_all(dataset, cfg.jobs, advance, skip_invalid=cfg.skip_invalid)
@@ -66,7 +62,7 @@ def run(cfg: ValidateCfg) -> int:
         extra = {} if drops is None else {"drops": drops.to_plain()}
         print_json({**report.to_plain(), **extra})
     else:
-        _print(Console(), report, drops)
+        _print(terminal(), report, drops)
     is_good = not report.findings and (drops is None or drops.share >= LEAST_SHARE)
     return EXIT_DONE if is_good else EXIT_NEGATIVE
 
@@ -77,9 +73,9 @@ def _drop(cfg: ValidateCfg, dataset: SceneSet[Any]) -> DropReport:
         return drop_all(dataset, cfg.drops, cfg.seed, cfg.jobs, advance)
 
 
-def _print(console: Console, report: Report, drops: DropReport | None) -> None:
+def _print(console: Terminal, report: Report, drops: DropReport | None) -> None:
     for line in report.invalid[:_EXAMPLES]:
-        console.print(f"[bold red]unreadable[/]: {escape(line)}", soft_wrap=True)
+        console.print(styled(("unreadable", "bold red"), f": {line}"), soft_wrap=True)
     if report.invalid:
         console.print(f"{len(report.invalid)} scenes could not be read and were left out")
     table = Table("findings", title=f"{report.n_scenes:,} scenes", title_justify="left")
@@ -88,24 +84,27 @@ def _print(console: Console, report: Report, drops: DropReport | None) -> None:
     for kind, count in report.counts().items():
         scenes = {finding.scene_id for finding in report.findings if finding.kind == kind}
         style = "bold red" if count else "green"
-        table.add_row(kind, f"[{style}]{count:,}[/]", f"{len(scenes):,}")
+        table.add_row(kind, styled((f"{count:,}", style)), f"{len(scenes):,}")
     console.print(table)
     for found in first_of_each_kind(report.findings, _EXAMPLES):
         where = [found.scene_id]
         where += [] if found.object_id is None else [f"object {found.object_id}"]
         where += [] if found.area_id is None else [f"area {found.area_id}"]
         line = f"{found.kind}: {', '.join(where)}: {found.detail}"
-        console.print(escape(line), soft_wrap=True)
+        console.print(line, soft_wrap=True)
     if drops is not None:
         _print_drops(console, drops)
 
 
-def _print_drops(console: Console, report: DropReport) -> None:
+def _print_drops(console: Terminal, report: DropReport) -> None:
     style = "green" if report.share >= LEAST_SHARE else "bold red"
     n_good = len(report.drops) - len(report.failed)
     console.print(
-        f"Drops: {n_good:,} of {len(report.drops):,} came to rest on their areas, "
-        f"[{style}]{report.share:.1%}[/] (at least {LEAST_SHARE:.0%})"
+        styled(
+            f"Drops: {n_good:,} of {len(report.drops):,} came to rest on their areas, ",
+            (f"{report.share:.1%}", style),
+            f" (at least {LEAST_SHARE:.0%})",
+        )
     )
     for drop in report.failed[:_EXAMPLES]:
         where = f"{drop.scene_id}, {drop.drone_class} area {drop.area_id}"

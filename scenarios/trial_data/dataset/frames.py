@@ -34,6 +34,10 @@ class Frame(NamedTuple):
     """float32 (4, 4): true pose of the camera, x right, y down, z forward."""
     intrinsics_px: torch.Tensor
     """float32 (3, 3)."""
+    classes: torch.Tensor
+    """uint8 (1, height, width), see the table of labels; zeros without --segmentation."""
+    instances: torch.Tensor
+    """int32 (1, height, width), see the table of labels; zeros without --segmentation."""
     imu: torch.Tensor
     """float32 (n, 6): acceleration, m/s^2, and angular rate, rad/s, FLU, up to the frame's time."""
     time_us: torch.Tensor
@@ -70,7 +74,8 @@ class FrameDataset:
             )
         self._imu: dict[str, tuple[np.ndarray, np.ndarray]] = {}
         tables = [self._frames(path.stem, camera) for path in trials]
-        self.table: pa.Table = pa.concat_tables(tables)
+        # Trials of earlier versions have no images of segments.
+        self.table: pa.Table = pa.concat_tables(tables, promote_options="default")
         if not len(self.table):
             raise TrialDataError(f"{str(folder)!r} holds no frames of camera {camera or 'any'!r}")
 
@@ -94,6 +99,8 @@ class FrameDataset:
             depth_m=torch.from_numpy(self._depth_m(row)),
             enu_from_optical=torch.from_numpy(pose.astype(np.float32)),
             intrinsics_px=torch.from_numpy(lens.astype(np.float32)),
+            classes=torch.from_numpy(self._segments(row, "classes", np.uint8)),
+            instances=torch.from_numpy(self._segments(row, "instances", np.int32)),
             imu=torch.from_numpy(self._imu_before(row["trial"], row["time_us"])),
             time_us=torch.tensor(row["time_us"]),
         )
@@ -127,13 +134,19 @@ class FrameDataset:
             return np.zeros((1, row["height_px"], row["width_px"]), dtype=np.float32)
         return (millimetres / _MM_PER_M).astype(np.float32)[None]
 
+    def _segments(self, row: dict[str, Any], kind: str, dtype: type) -> np.ndarray:
+        image = self._image(row, kind)
+        if image is None:
+            return np.zeros((1, row["height_px"], row["width_px"]), dtype=dtype)
+        return image.astype(dtype)[None]
+
     def _image(self, row: dict[str, Any], kind: str) -> np.ndarray | None:
         """An image of a frame, read from the shard; None where there is none.
 
         Raises:
             TrialDataError: If the shard is damaged.
         """
-        if row[f"{kind}_offset"] is None:
+        if row.get(f"{kind}_offset") is None:
             return None
         shard = self._folder / SHARDS / f"{row['trial']}.tar"
         with shard.open("rb") as file:

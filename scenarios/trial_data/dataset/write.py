@@ -1,8 +1,8 @@
 """Writes trials into the folder of a dataset, each whole or not at all.
 
-A folder a table, a Parquet file a trial in it; the images of a trial are one tar file in the naming
-of WebDataset. The table of frames says where in the tar each image is, so that one read gets it.
-The file in `trials/` is written last: a trial of which it is there is complete.
+A folder a table, a Parquet file a trial in it; the images and scans of a trial are one tar file in
+the naming of WebDataset. The tables of frames and scans say where in the tar each file is, so that
+one read gets it. The file in `trials/` is written last: a trial of which it is there is complete.
 """
 
 from __future__ import annotations
@@ -19,18 +19,23 @@ import pyarrow.parquet as pq
 
 from aeroscene.files import replacing
 from scenarios.trial_data.reading import RecordedTrial
+from scenarios.trial_data.reading.frames import IMAGES
 from scenarios.trial_data.tables import SCHEMA_FILE, TABLES, Column, arrow_schema, schema_json
 
 SHARDS = "images"
 COMMITTED = "trials"
-_PLACES = tuple(
-    Column(f"{kind}_{what}", pa.int64(), f"{says} of the image in {SHARDS}/TRIAL.tar; null: none")
-    for kind in ("rgb", "depth")
-    for what, says in (("offset", "first byte"), ("bytes", "length in bytes"))
-)
+_IN_SHARD: Mapping[str, tuple[str, ...]] = {"frames": tuple(IMAGES), "scans": ("points",)}
+"""Kinds of files that the rows of a table have in the shard."""
 DATASET_TABLES: Mapping[str, tuple[Column, ...]] = {
-    **TABLES,
-    "frames": (*TABLES["frames"], *_PLACES),
+    name: (
+        *columns,
+        *(
+            Column(f"{kind}_{what}", pa.int64(), f"{says} of it in {SHARDS}/TRIAL.tar; null: none")
+            for kind in _IN_SHARD.get(name, ())
+            for what, says in (("offset", "first byte"), ("bytes", "length in bytes"))
+        ),
+    )
+    for name, columns in TABLES.items()
 }
 """Columns of each table of a dataset."""
 
@@ -63,8 +68,8 @@ def add_trial(folder: Path, trial: RecordedTrial) -> None:
         places = _write_shard(written[0], trial)
         for path in written[1:]:
             table = trial.tables[path.parent.name]
-            if path.parent.name == "frames":
-                table = _with_places(table, places)
+            if path.parent.name in _IN_SHARD:
+                table = _with_places(table, path.parent.name, places)
             with replacing(path) as file:
                 pq.write_table(table, file, compression="zstd")
     except BaseException:
@@ -74,20 +79,25 @@ def add_trial(folder: Path, trial: RecordedTrial) -> None:
 
 
 def _write_shard(path: Path, trial: RecordedTrial) -> dict[str, _Place]:
-    """Write the images of a trial, and each frame's row of its table as JSON.
+    """Write the images and scans of a trial, and each one's row of its table as JSON.
 
     The names up to the first dot are the keys of WebDataset's samples.
     """
     places: dict[str, _Place] = {}
-    encoded = {picture.file: picture.data for picture in trial.pictures}
+    encoded = {each.file: each.data for each in (*trial.pictures, *trial.scans)}
+    stem = trial.name.replace(".", "_")
     with replacing(path) as file, tarfile.open(fileobj=file, mode="w") as tar:
-        for frame in trial.tables["frames"].to_pylist():
-            key = f"{trial.name.replace('.', '_')}_{frame['frame']:06d}_{frame['camera']}"
-            for kind in ("rgb", "depth"):
-                if (name := frame[f"{kind}_file"]) is not None:
-                    suffix = name.partition(".")[2]
-                    places[name] = _append(tar, file, f"{key}.{suffix}", encoded[name])
-            _append(tar, file, f"{key}.json", json.dumps(frame).encode())
+        for table, kinds in _IN_SHARD.items():
+            for row in trial.tables[table].to_pylist():
+                is_scan = table == "scans"
+                which = "lidar" if is_scan else row["camera"]
+                number = row["scan" if is_scan else "frame"]
+                key = f"{stem}_{number:06d}_{which}"
+                for kind in kinds:
+                    if (name := row[f"{kind}_file"]) is not None:
+                        suffix = name.partition(".")[2]
+                        places[name] = _append(tar, file, f"{key}.{suffix}", encoded[name])
+                _append(tar, file, f"{key}.json", json.dumps(row).encode())
     return places
 
 
@@ -99,12 +109,11 @@ def _append(tar: tarfile.TarFile, file: BinaryIO, name: str, data: bytes) -> _Pl
     return _Place(file.tell() - padded, member.size)
 
 
-def _with_places(frames: pa.Table, places: Mapping[str, _Place]) -> pa.Table:
-    columns: dict[str, list[int | None]] = {}
-    for kind in ("rgb", "depth"):
-        files: Iterable[str | None] = frames[f"{kind}_file"].to_pylist()
+def _with_places(table: pa.Table, name: str, places: Mapping[str, _Place]) -> pa.Table:
+    arrays = list(table.columns)
+    for kind in _IN_SHARD[name]:
+        files: Iterable[str | None] = table[f"{kind}_file"].to_pylist()
         found = [None if file is None else places[file] for file in files]
-        columns[f"{kind}_offset"] = [place and place.offset for place in found]
-        columns[f"{kind}_bytes"] = [place and place.n_bytes for place in found]
-    arrays = [*frames.columns, *(pa.array(columns[c.name], c.type) for c in _PLACES)]
-    return pa.table(arrays, schema=arrow_schema(DATASET_TABLES["frames"]))
+        arrays.append(pa.array([place and place.offset for place in found], pa.int64()))
+        arrays.append(pa.array([place and place.n_bytes for place in found], pa.int64()))
+    return pa.table(arrays, schema=arrow_schema(DATASET_TABLES[name]))

@@ -10,9 +10,13 @@ from jaxtyping import Float
 from scipy.spatial.transform import Rotation
 
 from scenarios.recording import layout
+from scenarios.recording.frames import encode_png
 from scenarios.recording.rows import RecordedRows
 from scenarios.trial_data.reading.states import TRANSLATION, Columns, pose_at, spread
 from scenarios.trial_data.tables import QUATERNION
+
+IMAGES = {"rgb": "jpg", "depth": "png", "classes": "png", "instances": "png"}
+"""Kinds of images of a frame, and the suffix of their files."""
 
 
 class Mount(NamedTuple):
@@ -41,11 +45,16 @@ def read_mounts(rows: RecordedRows) -> dict[str, Mount]:
     prefix = layout.camera("")
     for entity in rows.entities:
         lens = rows.rows(entity, "Pinhole:image_from_camera")
+        turns = rows.rows(entity, "Transform3D:mat3x3")
         if not entity.startswith(prefix) or not lens:
+            continue
+        if not turns:
+            # Recordings of earlier versions do not say where cameras sit that look for traffic.
+            rows.others.add(entity)
             continue
         matrix = np.array(lens[-1][1][0])
         width, height = rows.rows(entity, "Pinhole:resolution")[-1][1][0]
-        turn = np.array(rows.rows(entity, "Transform3D:mat3x3")[-1][1][0]).reshape(3, 3).T
+        turn = np.array(turns[-1][1][0]).reshape(3, 3).T
         found[entity.removeprefix(prefix)] = Mount(
             position_flu_m=np.array(rows.rows(entity, TRANSLATION)[-1][1][0]),
             quat_flu_from_optical_wxyz=Rotation.from_matrix(turn).as_quat(scalar_first=True),
@@ -65,10 +74,10 @@ def read_frames(rows: RecordedRows, mounts: Mapping[str, Mount]) -> tuple[Column
     is_known = np.isfinite(position_m[:, 0])
     seen = [image for image, known in zip(seen, is_known, strict=True) if known]
     pictures: list[Picture] = []
-    files: dict[str, list[str | None]] = {"rgb": [], "depth": []}
-    for number, (_, camera, *data) in enumerate(seen):
-        for kind, suffix, encoded in zip(files, ("jpg", "png"), data, strict=True):
-            name = f"{number:06d}_{camera}.{kind}.{suffix}"
+    files: dict[str, list[str | None]] = {kind: [] for kind in IMAGES}
+    for number, (_, camera, data) in enumerate(seen):
+        for kind, encoded in data.items():
+            name = f"{number:06d}_{camera}.{kind}.{IMAGES[kind]}"
             files[kind].append(None if encoded is None else name)
             if encoded is not None:
                 pictures.append(Picture(name, encoded))
@@ -81,21 +90,34 @@ def read_frames(rows: RecordedRows, mounts: Mapping[str, Mount]) -> tuple[Column
         **_lenses([mounts[camera] for camera in cameras]),
         **spread("position", layout.AXES, "m", poses[0]),
         **spread("attitude", QUATERNION, "", poses[1]),
-        "rgb_file": files["rgb"],
-        "depth_file": files["depth"],
+        **{f"{kind}_file": names for kind, names in files.items()},
     }
     return columns, pictures
 
 
 def _images(
     rows: RecordedRows, mounts: Mapping[str, Mount]
-) -> Iterator[tuple[int, str, bytes | None, bytes | None]]:
-    """Time, camera, JPEG and PNG of each frame."""
+) -> Iterator[tuple[int, str, dict[str, bytes | None]]]:
+    """Time, camera and encoded images of each frame, by their kind; None where there is none."""
     for camera in mounts:
-        colours = dict(rows.blobs(layout.camera_rgb(camera), "EncodedImage:blob"))
-        depths = dict(rows.blobs(layout.camera_depth(camera), "EncodedDepthImage:blob"))
-        for time_us in sorted(colours.keys() | depths.keys()):
-            yield time_us, camera, colours.get(time_us), depths.get(time_us)
+        found = {
+            "rgb": dict(rows.blobs(layout.camera_rgb(camera), "EncodedImage:blob")),
+            "depth": dict(rows.blobs(layout.camera_depth(camera), "EncodedDepthImage:blob")),
+            "classes": dict(_segments(rows, layout.camera_classes(camera))),
+            "instances": dict(_segments(rows, layout.camera_instances(camera))),
+        }
+        for time_us in sorted(set().union(*found.values())):
+            yield time_us, camera, {kind: images.get(time_us) for kind, images in found.items()}
+
+
+def _segments(rows: RecordedRows, entity: str) -> Iterator[tuple[int, bytes]]:
+    """Time and PNG of each image of segments, which recordings keep as plain numbers."""
+    formats = rows.rows(entity, "SegmentationImage:format")
+    blobs = rows.blobs(entity, "SegmentationImage:buffer")
+    for (time_us, data), (_, (shape, *_)) in zip(blobs, formats, strict=True):
+        size = (shape["height"], shape["width"])
+        kind = np.uint8 if len(data) == size[0] * size[1] else np.uint16
+        yield time_us, encode_png(np.frombuffer(data, kind).reshape(size))
 
 
 def _camera_poses(

@@ -15,7 +15,7 @@ from scenarios.trial_data.tables import QUATERNION, names, rotor_numbers
 Columns = dict[str, Any]
 """Columns of a table by their names, of one length."""
 TRANSLATION, _QUATERNIONS = "Transform3D:translation", "Transform3D:quaternion"
-_SCALARS = "Scalars:scalars"
+SCALARS = "Scalars:scalars"
 _EVENTS = {
     "phase": (layout.PHASE, "StateChange:state"),
     "mode": (layout.MODE, "StateChange:state"),
@@ -53,18 +53,18 @@ def states(rows: RecordedRows) -> Columns:
     times: list[np.ndarray] = []
     for what, unit, axes, whose in _VECTORS:
         for axis in axes:
-            time_us, values = rows.vectors(layout.state(what, axis), _SCALARS, len(whose))
+            time_us, values = rows.vectors(layout.state(what, axis), SCALARS, len(whose))
             times.append(time_us)
             for column, each in zip(values.T, whose, strict=True):
                 columns[f"{what}_{each}_{axis}_{unit}"] = column
-    time_us, wind_mps = rows.vectors(layout.WIND, _SCALARS)
+    time_us, wind_mps = rows.vectors(layout.WIND, SCALARS)
     # A recording that was torn may lack the last rows of some of them.
     time_us = min((*times, time_us), key=len)
     columns |= spread("wind", _AXES, "mps", wind_mps)
     columns = {name: values[: len(time_us)] for name, values in columns.items()}
     for each, entity in (("true", layout.VEHICLE), ("estimate", layout.ESTIMATE)):
         columns |= spread(f"attitude_{each}", QUATERNION, "", pose_at(rows, entity, time_us)[1])
-    touched_us, touching = rows.vectors(layout.TOUCHING, _SCALARS, 1)
+    touched_us, touching = rows.vectors(layout.TOUCHING, SCALARS, 1)
     columns["is_touching"] = _at(touched_us, touching, time_us)[:, 0] > 0
     return {"time_us": time_us, **columns}
 
@@ -73,23 +73,31 @@ def _at(
     known_us: Int[np.ndarray, " n"],
     values: Float[np.ndarray, "n k"],
     time_us: Int[np.ndarray, " m"],
+    most_us: int = 0,
 ) -> Float[np.ndarray, "m k"]:
-    """Values at some times; NaN where there is no row of that very time."""
+    """Last values at some times; NaN where the last row is more than `most_us` old."""
     found = np.full((len(time_us), values.shape[1]), np.nan)
     if len(known_us):
-        row = np.minimum(np.searchsorted(known_us, time_us), len(known_us) - 1)
-        is_there = known_us[row] == time_us
+        row = np.searchsorted(known_us, time_us, side="right") - 1
+        is_there = (row >= 0) & (time_us - known_us[row] <= most_us)
         found[is_there] = values[row[is_there]]
     return found
 
 
 def pose_at(
-    rows: RecordedRows, entity: str, time_us: Int[np.ndarray, " m"]
+    rows: RecordedRows, entity: str, time_us: Int[np.ndarray, " m"], *, most_us: int = 0
 ) -> tuple[Float[np.ndarray, "m 3"], Float[np.ndarray, "m 4"]]:
-    """Position and attitude wxyz of an entity at some times; NaN where unknown."""
+    """Position and attitude wxyz of an entity at some times; NaN where unknown.
+
+    Args:
+        rows: The recording.
+        entity: The entity.
+        time_us: The times.
+        most_us: Greatest age of a pose that still counts.
+    """
     known_us, position_m = rows.vectors(entity, TRANSLATION)
     quat_wxyz = rows.vectors(entity, _QUATERNIONS, 4)[1][:, [3, 0, 1, 2]]
-    both = _at(known_us, np.column_stack([position_m, quat_wxyz]), time_us)
+    both = _at(known_us, np.column_stack([position_m, quat_wxyz]), time_us, most_us)
     return both[:, :3], both[:, 3:]
 
 
@@ -97,7 +105,7 @@ def measured(rows: RecordedRows, table: str) -> Columns:
     """Vectors of the table imu or motors, which are kept at every control tick."""
     found: Columns = {}
     for prefix, entity, parts, unit in _FAST[table] if table in _FAST else _motors(rows):
-        time_us, values = rows.vectors(entity, _SCALARS, len(parts))
+        time_us, values = rows.vectors(entity, SCALARS, len(parts))
         found |= {"time_us": time_us, **spread(prefix, parts, unit, values)}
     n = min(len(column) for column in found.values())
     return {name: column[:n] for name, column in found.items()}
@@ -105,7 +113,7 @@ def measured(rows: RecordedRows, table: str) -> Columns:
 
 def n_rotors(rows: RecordedRows) -> int:
     """Number of rotors of the vehicle, 4 where nothing is recorded of them."""
-    return rows.width(layout.MOTOR_SPEED, _SCALARS) or _OF_QUADROTOR
+    return rows.width(layout.MOTOR_SPEED, SCALARS) or _OF_QUADROTOR
 
 
 def _motors(rows: RecordedRows) -> tuple[_Vector, ...]:

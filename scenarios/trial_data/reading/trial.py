@@ -16,6 +16,7 @@ from scenarios.recording.rows import RecordedRows
 from scenarios.recording.summary import readable
 from scenarios.trial_data.reading.error import TrialDataError
 from scenarios.trial_data.reading.frames import Mount, Picture, read_frames, read_mounts
+from scenarios.trial_data.reading.sensors import gauges, labels, optical_flow, scans
 from scenarios.trial_data.reading.states import (
     Columns,
     contacts,
@@ -27,6 +28,7 @@ from scenarios.trial_data.reading.states import (
     states,
 )
 from scenarios.trial_data.tables import (
+    GAUGES,
     TABLES,
     Column,
     arrow_schema,
@@ -47,6 +49,8 @@ _WANTED = (
     layout.PLANNED,
     layout.TRAFFIC,
     layout.PHASE,
+    layout.OPTICAL_FLOW,
+    *(entity for entity, _ in GAUGES.values()),
 )
 
 
@@ -61,6 +65,10 @@ class RecordedTrial:
     """Images of the table of frames, in its order; colours before depth."""
     mounts: Mapping[str, Mount]
     """Cameras by their names."""
+    scans: tuple[Picture, ...] = ()
+    """Points of the lidar's scans, as NumPy files."""
+    others: frozenset[str] = frozenset()
+    """Entities of the recording that no table holds."""
 
     def array(self, table: str, prefix: str, unit: str, parts: tuple[str, ...]) -> np.ndarray:
         """Columns of a vector in a table, (n, len(parts))."""
@@ -117,6 +125,7 @@ def read_trial(path: Path) -> RecordedTrial:
     figures = json.loads(verdict.get("figures", "{}"))
     mounts = read_mounts(rows)
     frames, pictures = read_frames(rows, mounts)
+    scanned, clouds = scans(rows)
     columns: dict[str, Columns] = {
         "trials": _trial(run, verdict),
         "states": states(rows),
@@ -124,13 +133,24 @@ def read_trial(path: Path) -> RecordedTrial:
         "motors": measured(rows, "motors"),
         "plans": plans(rows),
         "frames": frames,
+        "labels": labels(rows, mounts),
+        "scans": scanned,
+        "optical_flow": optical_flow(rows),
+        "gauges": gauges(rows),
         "movers": movers(rows),
         "contacts": contacts(figures.get("contacts", ())),
         "events": events(rows),
     }
     known = {**TABLES, "motors": motor_columns(n_rotors(rows))}
     tables = {name: _table(known[name], path.stem, found) for name, found in columns.items()}
-    return RecordedTrial(name=path.stem, tables=tables, pictures=tuple(pictures), mounts=mounts)
+    return RecordedTrial(
+        name=path.stem,
+        tables=tables,
+        pictures=tuple(pictures),
+        mounts=mounts,
+        scans=tuple(clouds),
+        others=frozenset(rows.others),
+    )
 
 
 def _table(known: tuple[Column, ...], trial: str, columns: Columns) -> pa.Table:

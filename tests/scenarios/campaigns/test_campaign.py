@@ -6,13 +6,24 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import pytest
 
-from scenarios.campaigns.campaign import open_campaign
+from flightsim.testbench import TestbenchCfg
+from scenarios.campaigns.campaign import (
+    MANIFEST,
+    CampaignError,
+    open_campaign,
+    read_suite,
+    require_same_suite,
+)
+from scenarios.campaigns.equipment import MOST_CAMERA_HZ, Equipment
 from scenarios.campaigns.flyer import Suite, Trial, blank_row
+from scenarios.campaigns.recordings import Recordings
 from scenarios.campaigns.store import JOURNAL, TABLES, open_store, read_results
 from scenarios.recording.summary import summarise
+from scenarios.run.cfg import MAX_CAMERA_HZ, SitlCfg
 from tests.scenarios.in_process import in_process
 
 STUBS = "tests.scenarios.campaigns.stub_pilots"
@@ -106,8 +117,8 @@ def test_fly_repeats_a_trial_with_a_recording_and_report_tells_of_it(campaign, c
     ("args", "says"),
     [
         (("--trials", "0"), "trials 0 is out of range; valid: 1 to 1000000"),
-        (("--workers", "0"), "workers 0 is too few; valid: 1 or more"),
-        (("--patience", "0"), "patience 0.0 is not valid; valid: seconds above 0"),
+        (("--workers", "0"), "workers 0 is out of range; valid: 1 to 10000"),
+        (("--patience", "0"), "patience 0.0 is out of range; valid: above 0 s"),
         (("--scenes", "5:5"), "scenes '5:5' is no range of scenes"),
         (("--scenes", "2000"), "scenes '2000' has no scene 2000; valid: 0:1016"),
         (("--vehicles", "iris,boat"), "'boat'"),
@@ -117,6 +128,9 @@ def test_fly_repeats_a_trial_with_a_recording_and_report_tells_of_it(campaign, c
         (("--pilot", "mavlink", "--engine", "ray"), "waits on loopback; valid: --engine local"),
         (("--pilot", "mavlink", "--instance", "100"), "instance 100 is out of range; valid: 0 to"),
         (("--ray-address", "auto"), "ray-address 'auto' needs --engine ray"),
+        (("--lidar", "sonar"), "lidar 'sonar'"),
+        (("--camera-size", "1x1"), "camera-size '1x1' is not valid; valid: WIDTHxHEIGHT"),
+        (("--suite", "aeroscene-300", "--lidar", "vlp16"), "are fixed by suite 'aeroscene-300'"),
         (("--recipe", "none.toml"), "recipe 'none.toml': No such file"),
         (("--out", "/proc/none"), "file '/proc/none': no such file or directory"),
     ],
@@ -127,6 +141,71 @@ def test_bad_input_is_one_line_and_status_2(tmp_path, capsys, args, says):
     assert err.count("\n") == 1
     assert err.startswith("aeroscene campaign: error: ")
     assert says in err
+
+
+def test_a_pilot_that_only_raises_is_told_after_one_trial_and_ends_with_status_1(tmp_path, capsys):
+    folder = tmp_path / "my runs"
+    args = ("--scenes", "7", "--trials", "2", "--vehicles", "iris", "--workers", "1")
+    status, out, err = in_process(
+        capsys, "campaign", "--out", folder, "--pilot", f"{STUBS}:Raising", *args
+    )
+    assert status == 1
+    begin, reason, hint, *progress = err.splitlines()
+    assert begin == "aeroscene campaign: 2 of 2 trials to fly"
+    assert reason.startswith("aeroscene campaign: first trial that is raised: 7/iris/")
+    assert reason.endswith(": ZeroDivisionError: no way")
+    assert f"aeroscene fly --out '{folder}' --scene 7 --vehicle iris --trial " in hint
+    assert progress == [
+        "aeroscene campaign: 1 of 2 trials flown, success so far 0.0%; 1 raised",
+        "aeroscene campaign: 2 of 2 trials flown, success so far 0.0%; 2 raised",
+    ]
+    assert f"More: aeroscene report '{folder}'" in out
+    # Nothing is left to fly, and still nothing is scored.
+    again, _, _ = in_process(
+        capsys, "campaign", "--out", folder, "--pilot", f"{STUBS}:Raising", *args
+    )
+    assert again == 1
+
+
+EQUIPPED = ("--segmentation", "--lidar", "mid40", "--optical-flow", "--camera-size", "64x48")
+
+
+def test_vehicles_of_a_campaign_carry_the_cameras_and_sensors_of_sitl(tmp_path, capsys):
+    args = ("campaign", "--out", tmp_path, "--scenes", "7", "--trials", "1", "--vehicles", "iris")
+    more = ("--pilot", f"{STUBS}:Idle", "--workers", "1", "--record", "full", "--camera-hz", "10")
+    status, _, err = in_process(capsys, *args, *more, *EQUIPPED)
+    assert status == 0, err
+    config = summarise(tmp_path / "recordings" / "7-iris-0.rrd").config
+    bench = config["bench"]
+    assert (bench["segmentation"], bench["lidar"], bench["optical_flow"]) == (True, "mid40", True)
+    assert (bench["camera_size"], config["camera_hz"]) == ("64x48", 10.0)
+    suite = read_suite(tmp_path)
+    assert suite is not None
+    assert suite.equipment.lidar == "mid40"
+    status, _, err = in_process(capsys, *args, *more)
+    assert status == 2
+    assert "holds a campaign with camera_size '64x48' instead of '320x240'" in err
+
+
+def test_a_campaign_of_before_there_was_equipment_goes_on(tmp_path):
+    with open_campaign(tmp_path, Suite()):
+        pass
+    manifest = tmp_path / MANIFEST
+    plain = json.loads(manifest.read_text())
+    del plain["suite"]["equipment"]
+    manifest.write_text(json.dumps(plain))
+    assert read_suite(tmp_path) == Suite()
+    require_same_suite(tmp_path, Suite())
+    with pytest.raises(CampaignError, match="lidar '' instead of 'vlp16'"):
+        require_same_suite(tmp_path, Suite(equipment=Equipment(lidar="vlp16")))
+
+
+def test_equipment_has_the_options_and_defaults_of_sitl():
+    bench = TestbenchCfg()
+    for name, value in Equipment().to_plain().items():
+        assert getattr(bench, name) == value
+    assert MOST_CAMERA_HZ == MAX_CAMERA_HZ
+    assert SitlCfg().camera_hz == Recordings(folder=Path()).camera_hz
 
 
 def test_without_ray_its_engine_is_refused_in_a_line(tmp_path, capsys, monkeypatch):
@@ -163,7 +242,10 @@ def test_a_dry_run_tells_what_is_left_and_writes_nothing(tmp_path, capsys):
 def test_fly_and_report_refuse_what_is_not_there(tmp_path, capsys):
     for args, says in (
         (("report", tmp_path), "holds no campaign; valid: a folder of one"),
-        (("fly", "--out", tmp_path, "--trial", "-1"), "trial -1 is negative; valid: 0 or more"),
+        (
+            ("fly", "--out", tmp_path, "--trial", "-1"),
+            "trial -1 is out of range; valid: 0 to 999999",
+        ),
         (("fly", "--out", tmp_path, "--trial", "0", "--scene", "x"), "scene 'x' is unknown"),
     ):
         status, out, err = in_process(capsys, *args)

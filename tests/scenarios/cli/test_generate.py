@@ -121,6 +121,43 @@ def test_further_wishes_are_kept_and_named_in_the_document(tmp_path, capsys):
     assert json.loads(text)["measured"] == {str(path): dict(scene.measured)}
 
 
+def test_scenes_that_miss_a_wish_are_named_and_strict_draws_them_again(tmp_path, capsys):
+    wishes = ("--theme", "residential_street", "--outline", "150,150", "--objects", 200)
+    status, text, _ = run(capsys, "--seed", 3, "--out", tmp_path / "loose", *wishes, "--json")
+    facts = json.loads(text)
+    (file,) = facts["scenes"]
+    scene = read_scene(file)
+    told = facts["wishes"][file]
+    assert status == 0
+    assert told["objects"] == {
+        "asked": 200,
+        "got": len(scene.objects),
+        "met": abs(len(scene.objects) - 200) <= 40,
+    }
+    assert scene.measured["outline"] == told["outline"]["got"]
+    assert facts["missed"] == [file] * (not all(wish["met"] for wish in told.values()))
+    args = ("--seed", 3, "--out", tmp_path / "strict", *wishes, "--strict", "--json")
+    status, text, err = run(capsys, *args)
+    facts = json.loads(text)
+    if facts["failed"]:
+        assert (status, facts["scenes"]) == (1, [])
+        assert "where 150,150 was asked for" in err
+    else:
+        assert (status, facts["missed"]) == (0, [])
+        (told,) = facts["wishes"].values()
+        assert all(wish["met"] for wish in told.values())
+
+
+def test_the_sides_of_a_building_lie_east_and_north(tmp_path, capsys):
+    """Some buildings lie across the axes of the world by a quarter turn."""
+    args = ("--domain", "indoor", "--outline", "40,30", "--seed", 2, "--count", 2)
+    assert run(capsys, "--out", tmp_path, *args)[0] == 0
+    for path in tmp_path.glob("*.json"):
+        scene = read_scene(path)
+        low, high = scene.extent_min_enu_m, scene.extent_max_enu_m
+        assert (high[0] - low[0], high[1] - low[1]) == pytest.approx((40, 30), rel=0.1)
+
+
 def test_scenes_are_of_the_theme_that_was_asked_for_beside_other_wishes(tmp_path, capsys):
     wishes = ("--theme", "hillside", "--count", 2, "--density", 0.4)
     assert run(capsys, "--seed", 8, "--out", tmp_path, *wishes)[0] == 0
@@ -218,31 +255,34 @@ def test_progress_draws_noise_layouts_and_the_scene(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("args", "message"),
     [
-        (("--seed", -1), "seed is -1, valid: 0 to"),
-        (("--count", 0), "count is 0, valid: 1 to"),
-        (("--steps", 0), "steps is 0, valid: 1 to 1000"),
-        (("--batch", 0), "batch is 0, valid: 1 to"),
-        (("--threads", 0), "threads is 0, valid: 1 to 1024"),
-        (("--objects", 5), "objects is 5, valid: 20 to 250"),
-        (("--areas", 0), "areas is 0, valid: 1 to"),
+        (("--seed", -1), "seed -1 is out of range; valid: 0 to"),
+        (("--count", 0), "count 0 is out of range; valid: 1 to"),
+        (("--steps", 0), "steps 0 is out of range; valid: 1 to 1000"),
+        (("--batch", 0), "batch 0 is out of range; valid: 1 to"),
+        (("--threads", 0), "threads 0 is out of range; valid: 1 to 1024"),
+        (("--objects", 5), "objects 5 is out of range; valid: 20 to 250"),
+        (("--areas", 0), "areas 0 is out of range; valid: 1 to"),
         (("--areas", "small=1,huge=2"), "areas is 'small=1,huge=2', valid: a number, or counts"),
-        (("--areas", "small=900"), "areas small is 900, valid: 0 to 200"),
-        (("--density", 9), "density is 9.0, valid: 0.2 to 2"),
-        (("--density", "nan"), "density is nan, valid: 0.2 to 2"),
+        (("--areas", "small=900"), "areas small 900 is out of range; valid: 0 to 200"),
+        (("--density", 9), "density 9.0 is out of range; valid: 0.2 to 2"),
+        (("--density", "nan"), "density nan is out of range; valid: 0.2 to 2"),
         (("--density", 1.5, "--objects", 90), "density is 1.5 beside objects 90, valid: one of"),
         (("--theme", "sea"), "theme is 'sea', valid: apartments, car_park, "),
         (("--theme", "park", "--domain", "indoor"), "'park' for domain 'indoor', valid: apart"),
         (("--theme", "park", "--preset", "paper"), "theme is 'park', valid: no theme; the model"),
         (("--theme", "park", "--complete", "42"), "theme is 'park' beside a scene to complete"),
-        (("--clutter", 0), "clutter is 0.0, valid: 1 to 10"),
-        (("--min-passage", 0.1), "min-passage is 0.1, valid: 0.5 to 3"),
+        (("--clutter", 0), "clutter 0.0 is out of range; valid: 1 to 10"),
+        (("--min-passage", 0.1), "min-passage 0.1 is out of range; valid: 0.5 to 3"),
         (("--difficulty", "dire"), "difficulty 'dire' is not valid; valid: "),
         (("--of", 3), "of is 3 without --worst-for, valid: --worst-for demo"),
-        (("--worst-for", "demo", "--of", 2, "--count", 3), "of is 2, valid: 3 to"),
+        (
+            ("--worst-for", "demo", "--of", 2, "--count", 3),
+            "of is 2 beside count 3, valid: 3 or more",
+        ),
         (("--worst-for", "nobody"), "worst-for is 'nobody', valid: demo, mueller, potential, "),
         (("--worst-for", "demo", "--progress", "a.png"), "beside --worst-for"),
         (("--outline", "60"), "outline is '60', valid: EAST,NORTH"),
-        (("--outline", "3,60"), "outline is 3.0, valid: 15 to 150"),
+        (("--outline", "3,60"), "outline 3.0 is out of range; valid: 15 to 150"),
         (("--outline", "none.json"), "outline 'none.json' cannot be read"),
         (("--complete", "none.json"), "none.json"),
         (("--complete", "42", "--outline", "60,60"), "valid: one of the two"),

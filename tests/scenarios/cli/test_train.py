@@ -317,7 +317,7 @@ def test_stream_that_cannot_be_is_refused(corpus, streaming, trained, tmp_path, 
         return refused(capsys, command(data, streaming, tmp_path / "out", "--steps", 2, *more))
 
     assert "workers is 2 without --stream, valid: with it" in says(corpus, "--workers", 2)
-    assert "workers is 0, valid: 1 to 512" in says(corpus, "--stream", "--workers", 0)
+    assert "workers 0 is out of range; valid: 1 to 512" in says(corpus, "--stream", "--workers", 0)
     rooms = layouts(tmp_path / "rooms.jsonl.gz", 2)
     assert "is a file of layouts, of which no grammar makes more" in says(rooms, "--stream")
     foreign = tmp_path / "foreign"
@@ -348,11 +348,11 @@ def refused(capsys, args):
     ("more", "message"),
     [
         (("--device", "cuda:7"), "device 'cuda:7' is not there, valid here: auto, cpu"),
-        (("--steps", 0), "steps is 0, valid: 1 or more"),
-        (("--minutes", -1), "minutes is -1.0, valid: more than 0"),
-        (("--minutes", "nan"), "minutes is nan, valid: more than 0"),
-        (("--threads", 0), "threads is 0, valid: 1 to 1024"),
-        (("--save-minutes", 0), "save_minutes is 0.0, valid: more than 0"),
+        (("--steps", 0), "steps 0 is out of range; valid: 1 to 1000000000"),
+        (("--minutes", -1), "minutes -1.0 is out of range; valid: above 0 minutes"),
+        (("--minutes", "nan"), "minutes nan is out of range; valid: above 0 minutes"),
+        (("--threads", 0), "threads 0 is out of range; valid: 1 to 1024"),
+        (("--save-minutes", 0), "save-minutes 0.0 is out of range; valid: above 0 minutes"),
         (("--resume",), "holds no training to resume (state.safetensors is missing)"),
         (("--preset", "best"), "preset 'best' is not valid; valid: "),
         (("--parts", "prior"), "parts is 'prior', valid: writer, denoiser with preset default"),

@@ -130,12 +130,12 @@ def test_what_is_done_is_not_done_again_and_what_is_missing_is(corpus, made):
 @pytest.mark.parametrize(
     ("args", "says"),
     [
-        (("--scenes", "7"), "scenes is 7, valid: 8 or more"),
+        (("--scenes", "7"), "scenes 7 is out of range; valid: 8 to 1000000"),
         (("--methods", "gan"), "'gan' is no row of table synthesis, valid: ground_truth, random"),
         (("--data", "front3d", "--path", "no.jsonl.gz"), "no.jsonl.gz"),
         (("--demo", "9"), "demo is 9, valid: 0 to --scenes"),
         (("--width", "17"), "width is 17, valid: a multiple of 16"),
-        (("--cpu-minutes", "0"), "minutes is 0.0, valid: more than 0"),
+        (("--cpu-minutes", "0"), "cpu-minutes 0.0 is out of range; valid: above 0 minutes"),
         (("--inception", "none.pt"), "valid: inception-2015-12-05.pt"),
         (("--seed", "1"), "holds a table of other data, seed, budget or sizes"),
     ],

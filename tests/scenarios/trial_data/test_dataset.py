@@ -120,7 +120,8 @@ def test_it_goes_on_where_it_was_stopped(flight, trial, tmp_path, capsys):
     kept = (out / "states" / "42-iris-0.parquet").stat().st_mtime_ns
     status, said, errors = in_process(capsys, *args)
     assert status == 0
-    facts = {"trials": 1, "there": 1, "skipped": 1}
+    left_out = ["the pilot's landing map", "the pilot's tracks of movers"]
+    facts = {"trials": 1, "there": 1, "skipped": 1, "left_out": left_out}
     assert json.loads(said) == {"out": str(out), "format": "dataset", **facts}
     assert "left out: recording '42-iris-2' has no end; valid: " in errors
     assert (out / "states" / "42-iris-0.parquet").stat().st_mtime_ns == kept

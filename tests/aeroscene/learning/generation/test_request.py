@@ -17,14 +17,14 @@ def drawn(request: Request, seed: int = 0):
 @pytest.mark.parametrize(
     ("wish", "message"),
     [
-        ({"seed": -1}, r"seed is -1, valid: 0 to"),
-        ({"seed": 0, "n_objects": 3}, "objects is 3, valid: 20 to 250"),
-        ({"seed": 0, "n_areas": 0}, "areas is 0, valid: 1 to 200"),
-        ({"seed": 0, "density": 0.1}, r"density is 0\.1, valid: 0\.2 to 2"),
-        ({"seed": 0, "clutter": 0.5}, r"clutter is 0\.5, valid: 1 to 10"),
-        ({"seed": 0, "min_passage_m": 9.0}, r"min-passage is 9\.0, valid: 0\.5 to 3"),
+        ({"seed": -1}, r"seed -1 is out of range; valid: 0 to"),
+        ({"seed": 0, "n_objects": 3}, "objects 3 is out of range; valid: 20 to 250"),
+        ({"seed": 0, "n_areas": 0}, "areas 0 is out of range; valid: 1 to 200"),
+        ({"seed": 0, "density": 0.1}, r"density 0\.1 is out of range; valid: 0\.2 to 2"),
+        ({"seed": 0, "clutter": 0.5}, r"clutter 0\.5 is out of range; valid: 1 to 10"),
+        ({"seed": 0, "min_passage_m": 9.0}, r"min-passage 9\.0 is out of range; valid: 0\.5 to 3"),
         ({"seed": 0, "density": 1.5, "n_objects": 90}, "density is 1.5 beside objects 90"),
-        ({"seed": 0, "outline_m": (60.0, 900.0)}, r"outline is 900\.0, valid: 15 to 150"),
+        ({"seed": 0, "outline_m": (60.0, 900.0)}, r"outline 900\.0 is out of range; valid: 15"),
     ],
 )
 def test_wish_out_of_range_says_what_is_valid(wish: dict, message: str) -> None:
@@ -78,9 +78,9 @@ def test_areas_of_named_classes_are_kept_and_the_others_drawn() -> None:
     assert (limits.small, limits.large) == (9, 0)
     assert (limits.medium, limits.perching) == (free.medium, free.perching)
     assert wish.n_areas == 9 + free.medium
-    with pytest.raises(RequestError, match="areas small is 900, valid: 0 to 200"):
+    with pytest.raises(RequestError, match="areas small 900 is out of range; valid: 0 to 200"):
         AreaCounts(small=900)
-    with pytest.raises(RequestError, match="areas in all is 0, valid: 1 to"):
+    with pytest.raises(RequestError, match="areas in all 0 is out of range; valid: 1 to"):
         AreaCounts(small=0, medium=0, large=0)
 
 

@@ -127,8 +127,9 @@ def test_a_site_along_the_axes_lies_so_by_other_numbers_and_a_turned_one_as_it_d
     assert seen == {0, 1}
 
 
-def test_outline_of_a_site_across_the_axes_has_its_sides_the_other_way_round():
-    along, across = (Kind("site", turn=turn) for turn in (2, 3))
+@pytest.mark.parametrize("node", ["site", "unit"])
+def test_outline_of_what_lies_across_the_axes_has_its_sides_the_other_way_round(node):
+    along, across = (Kind(node, turn=turn) for turn in (2, 3))
     assert np.exp(frame_values((70.0, 60.0), along)[4:]) == pytest.approx([70.0, 60.0])
     assert np.exp(frame_values((70.0, 60.0), across)[4:]) == pytest.approx([60.0, 70.0])
 

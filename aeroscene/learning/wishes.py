@@ -1,0 +1,53 @@
+"""Numbers that may be asked of the scene model, and within which ranges; loads no PyTorch."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, fields
+
+from aeroscene.ranges import Range
+from aeroscene.scene.errors import SceneError
+
+OBJECTS = Range(20, 250)
+AREAS = Range(1, 200)
+DENSITY = Range(0.2, 2.0)
+CLUTTER = Range(1.0, 10.0)
+PASSAGE_M = Range(0.5, 3.0, "m")
+"""Least clear width of doors and corridors."""
+OUTLINE_M = Range(15.0, 150.0, "m")
+"""A side of a site."""
+_AREAS_OF_CLASS = Range(0, AREAS.high)
+_AREAS_OF_CLASSES = Range(AREAS.low, 3 * AREAS.high)
+
+
+class RequestError(SceneError):
+    """A wish that cannot be met; one line with the field, the value and what is valid."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class AreaCounts:
+    """Landing areas of each class, at most; what is None is drawn."""
+
+    small: int | None = None
+    medium: int | None = None
+    large: int | None = None
+
+    def __post_init__(self) -> None:
+        for name, count in self.named.items():
+            require_within(f"areas {name}", count, _AREAS_OF_CLASS)
+        if len(self.named) == len(fields(self)):
+            require_within("areas in all", sum(self.named.values()), _AREAS_OF_CLASSES)
+
+    @property
+    def named(self) -> dict[str, int]:
+        """Counts that are not left open."""
+        return {name: count for name, count in asdict(self).items() if count is not None}
+
+
+def require_within(name: str, value: float, valid: Range) -> None:
+    """Refuse a number out of its range.
+
+    Raises:
+        RequestError: If it is.
+    """
+    if fault := valid.fault(name, value):
+        raise RequestError(fault)

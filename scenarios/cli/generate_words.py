@@ -1,0 +1,116 @@
+"""What `aeroscene generate` prints when it is done."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rich.table import Table
+from rich.text import Text
+
+from scenarios.cli.command_line import print_json
+from scenarios.cli.terminal import styled, terminal
+
+if TYPE_CHECKING:
+    from scenarios.generation.draws import Tally
+    from scenarios.generation.got import Got
+
+_PROG = "aeroscene generate"
+_MOST_ROWS = 20
+"""Scenes of which the terminal shows what was got."""
+_UNITS = {"outline": "m", "min_passage": "m"}
+_MISSED = "*"
+
+
+def print_generated(
+    out: Path, device: str, tally: Tally, more: Mapping[str, Any], *, as_json: bool
+) -> None:
+    """Print the results, and the seeds that gave no scene on standard error.
+
+    Args:
+        out: Folder of the scenes.
+        device: Where the model computed.
+        tally: Results of the draws.
+        more: Further facts, such as the flights of the worst scenes.
+        as_json: Whether to print one JSON object.
+    """
+    for seed, reason in tally.failed.items():
+        sys.stderr.write(f"{_PROG}: seed {seed} gave no scene: {reason}\n")
+    if as_json:
+        print_json({**_facts(device, tally), **more})
+        return
+    for each in more.get("worst", ()):
+        print(f"{each['scene']}: {each['reason']}")
+    if tally.wishes:
+        _print_wishes(tally.wishes)
+    print(
+        f"{out}: {len(tally.files)} scenes, {_seconds(tally):.2f} s each on {device}, "
+        f"{tally.n_rejected} draws rejected"
+    )
+
+
+def _facts(device: str, tally: Tally) -> dict[str, Any]:
+    stages = {
+        "sampled": {"collision_rate": _mean(tally.sampled), "rejected": 0},
+        "feasible": {"collision_rate": _mean(tally.feasible), "rejected": tally.n_rejected},
+    }
+    facts: dict[str, Any] = {
+        "scenes": sorted(tally.files),
+        "seconds_per_scene": _seconds(tally),
+        "device": device,
+        "failed": sorted(tally.failed),
+        "stages": stages,
+    }
+    if tally.wishes:
+        facts["wishes"] = {
+            file: {name: wish.to_plain() for name, wish in wishes.items()}
+            for file, wishes in sorted(tally.wishes.items())
+        }
+        facts["missed"] = _missed(tally.wishes)
+    return facts | ({"measured": tally.measured} if tally.measured else {})
+
+
+def _print_wishes(all_wishes: Mapping[str, Mapping[str, Got]]) -> None:
+    """Print what each scene has below what was asked for."""
+    first = next(iter(all_wishes.values()))
+    units = {name: f", {unit}" for name, unit in _UNITS.items()}
+    table = Table("", *(f"{name}{units.get(name, '')}" for name in first))
+    table.add_row("asked for", *(str(wish.asked) for wish in first.values()))
+    table.add_section()
+    files = sorted(all_wishes)
+    for file in files[:_MOST_ROWS]:
+        table.add_row(Path(file).name, *map(_cell, all_wishes[file].values()))
+    console = terminal()
+    console.print(table)
+    if len(files) > _MOST_ROWS:
+        console.print(f"and {len(files) - _MOST_ROWS} more; --json lists them")
+    if missed := _missed(all_wishes):
+        console.print(
+            f"{_MISSED} {len(missed)} of {len(files)} scenes are not as asked for; "
+            "--strict draws those again",
+            soft_wrap=True,
+        )
+
+
+def _cell(wish: Got) -> Text:
+    got = "none" if wish.got is None else str(wish.got)
+    return styled(got) if wish.is_met else styled((f"{got} {_MISSED}", "bold red"))
+
+
+def _missed(all_wishes: Mapping[str, Mapping[str, Got]]) -> list[str]:
+    """Files of the scenes that miss a wish."""
+    return sorted(
+        file
+        for file, wishes in all_wishes.items()
+        if not all(wish.is_met for wish in wishes.values())
+    )
+
+
+def _seconds(tally: Tally) -> float:
+    return tally.seconds / max(1, len(tally.files))
+
+
+def _mean(values: Sequence[float]) -> float | None:
+    return sum(values) / len(values) if values else None

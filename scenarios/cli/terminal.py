@@ -1,0 +1,45 @@
+"""The one place where terminals are made: they print every text as it is.
+
+rich reads `[bold]` in a text as markup, and `:car:` as a picture. Names of files, categories and
+reasons of failures come from users and may hold either, so both are switched off here. Styled text
+is a `Text` of parts with their styles. ruff refuses rich's own consoles elsewhere (pyproject.toml).
+"""
+
+from __future__ import annotations
+
+import shlex
+from pathlib import Path
+
+from rich.console import Console
+from rich.progress import TextColumn
+from rich.text import Text
+
+Terminal = Console
+"""Type of what `terminal` returns."""
+
+
+def terminal(*, stderr: bool = False, width: int | None = None) -> Terminal:
+    """Open standard output, or standard error, for text and tables.
+
+    Args:
+        stderr: Whether it is standard error.
+        width: Columns; None takes the terminal's.
+    """
+    return Console(stderr=stderr, width=width, markup=False, emoji=False)
+
+
+def styled(*parts: str | tuple[object, str]) -> Text:
+    """A text of parts; a part may be a pair of the value to show and its style, such as `bold`."""
+    return Text.assemble(
+        *(part if isinstance(part, str) else (str(part[0]), part[1]) for part in parts)
+    )
+
+
+def plain_column(template: str) -> TextColumn:
+    """Column of a progress bar that shows fields of its task, such as `{task.description}`."""
+    return TextColumn(template, markup=False)
+
+
+def shell(*words: str | Path) -> str:
+    """A command line that can be pasted into a shell, whatever its words hold."""
+    return shlex.join(str(word) for word in words)

@@ -1,0 +1,174 @@
+"""Topics of a bag for lidar, optical flow, gauges, labels of segments, movers and contacts."""
+
+from __future__ import annotations
+
+import io
+import json
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from scenarios.recording.layout import AXES
+from scenarios.trial_data.reading import RecordedTrial
+from scenarios.trial_data.ros_messages import RosMessages
+from scenarios.trial_data.tables import QUATERNION
+
+_MAP, _BODY = "map", "base_link"
+_FLOAT32 = 7
+"""Number of the type in sensor_msgs/PointField."""
+_INFRARED, _RANGE_M = 1, (0.0, 100.0)
+_LABELS = {image: f"/labels/{image}" for image in ("classes", "instances")}
+LATCHED = frozenset({"/tf_static", *_LABELS.values()})
+"""Topics whose last message late subscribers still get."""
+Message = tuple[int, str, Any]
+"""Time, us; topic; message."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SensorTopics:
+    """What a vehicle carries besides IMU and cameras, and what it meets."""
+
+    trial: RecordedTrial
+    ros: RosMessages
+
+    def streams(self) -> tuple[Iterator[Message], ...]:
+        """Messages of each topic, in order of time; none where nothing was recorded."""
+        return (
+            self._labels(),
+            self._scans(),
+            self._flow(),
+            self._gauges(),
+            self._movers(),
+            self._contacts(),
+        )
+
+    def _labels(self) -> Iterator[Message]:
+        rows = self.trial.tables["labels"].to_pylist()
+        for image, topic in _LABELS.items():
+            names = {row["number"]: row["name"] for row in rows if row["image"] == image}
+            if names:
+                classes = [
+                    self.ros.new("vision_msgs/VisionClass", class_id=number, class_name=name)
+                    for number, name in names.items()
+                ]
+                header = self.ros.header(0, "")
+                info = {"header": header, "class_map": classes, "threshold": 0.0}
+                yield 0, topic, self.ros.new("vision_msgs/LabelInfo", **info)
+
+    def _scans(self) -> Iterator[Message]:
+        """Points on the vehicle, as the recording has them."""
+        points = {each.file: each.data for each in self.trial.scans}
+        fields = [
+            self.ros.new(
+                "sensor_msgs/PointField", name=axis, offset=4 * k, datatype=_FLOAT32, count=1
+            )
+            for k, axis in enumerate("xyz")
+        ]
+        for row in self.trial.tables["scans"].to_pylist():
+            cloud = np.load(io.BytesIO(points[row["points_file"]]))
+            yield (
+                row["time_us"],
+                "/lidar/points",
+                self.ros.new(
+                    "sensor_msgs/PointCloud2",
+                    header=self.ros.header(row["time_us"], _BODY),
+                    height=1,
+                    width=len(cloud),
+                    fields=fields,
+                    is_bigendian=False,
+                    point_step=12,
+                    row_step=12 * len(cloud),
+                    data=cloud.astype("<f4").reshape(-1).view(np.uint8),
+                    is_dense=True,
+                ),
+            )
+
+    def _flow(self) -> Iterator[Message]:
+        """Angles in FRD, as MAVLink and mavros have them."""
+        for row in self.trial.tables["optical_flow"].to_pylist():
+            yield (
+                row["time_us"],
+                "/optical_flow",
+                self.ros.new(
+                    "mavros_msgs/OpticalFlowRad",
+                    header=self.ros.header(row["time_us"], _BODY),
+                    integration_time_us=row["integration_us"],
+                    integrated_x=row["flow_forward_rad"],
+                    integrated_y=row["flow_right_rad"],
+                    integrated_xgyro=row["gyro_forward_rad"],
+                    integrated_ygyro=row["gyro_right_rad"],
+                    integrated_zgyro=row["gyro_down_rad"],
+                    temperature=0,
+                    quality=row["quality"],
+                    time_delta_distance_us=0,
+                    distance=row["distance_m"],
+                ),
+            )
+
+    def _gauges(self) -> Iterator[Message]:
+        """Battery, rangefinder, and the others as plain numbers."""
+        for row in self.trial.tables["gauges"].to_pylist():
+            time_us = row["time_us"]
+            yield time_us, "/battery", self._battery(row)
+            if not math.isnan(row["range_m"]):
+                yield time_us, "/rangefinder", self._range(row)
+            for topic, column in (
+                ("/airspeed", "airspeed_mps"),
+                ("/estimate/sigma_horizontal", "sigma_horizontal_m"),
+                ("/estimate/sigma_vertical", "sigma_vertical_m"),
+            ):
+                if not math.isnan(row[column]):
+                    yield time_us, topic, self.ros.new("std_msgs/Float64", data=row[column])
+
+    def _battery(self, row: dict[str, Any]) -> Any:
+        unknown = dict.fromkeys(("temperature", "charge", "capacity"), math.nan)
+        nothing = np.zeros(0, dtype=np.float32)
+        return self.ros.new(
+            "sensor_msgs/BatteryState",
+            header=self.ros.header(row["time_us"], _BODY),
+            voltage=row["battery_voltage_v"],
+            current=-row["battery_current_a"],  # negative while it discharges
+            percentage=row["battery_remaining_percent"] / 100.0,
+            **unknown,
+            design_capacity=math.nan,
+            power_supply_status=2,  # discharging
+            power_supply_health=0,
+            power_supply_technology=0,
+            present=True,
+            cell_voltage=nothing,
+            cell_temperature=nothing,
+            location="",
+            serial_number="",
+        )
+
+    def _range(self, row: dict[str, Any]) -> Any:
+        return self.ros.new(
+            "sensor_msgs/Range",
+            header=self.ros.header(row["time_us"], _BODY),
+            radiation_type=_INFRARED,
+            field_of_view=0.0,
+            min_range=_RANGE_M[0],
+            max_range=_RANGE_M[1],
+            range=row["range_m"],
+        )
+
+    def _movers(self) -> Iterator[Message]:
+        rows = sorted(self.trial.tables["movers"].to_pylist(), key=lambda row: row["time_us"])
+        for row in rows:
+            pose = self.ros.pose(
+                [row[f"position_{axis}_m"] for axis in AXES],
+                [row[f"attitude_{part}"] for part in QUATERNION],
+            )
+            header = self.ros.header(row["time_us"], _MAP)
+            message = self.ros.new("geometry_msgs/PoseStamped", header=header, pose=pose)
+            yield row["time_us"], f"/movers/{row['mover']}", message
+
+    def _contacts(self) -> Iterator[Message]:
+        """Each contact as JSON, when it began."""
+        for row in self.trial.tables["contacts"].sort_by("since_us").to_pylist():
+            del row["trial"]
+            message = self.ros.new("std_msgs/String", data=json.dumps(row))
+            yield row["since_us"], "/contacts", message
