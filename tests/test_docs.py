@@ -1,4 +1,4 @@
-"""The documentation as a reader walks it: the front page leads to every page, links lead somewhere."""
+"""The documentation as a reader walks it: the front page leads to every page, links to pages."""
 
 import re
 from pathlib import Path
