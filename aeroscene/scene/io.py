@@ -225,7 +225,9 @@ def _raise_located(data: bytes | str, source: str, text: str) -> NoReturn:
 def _build(document: _Document, source: str, derive: DeriveAreas | None) -> Scene:
     scene_id, listed = document.scene_id, document.interaction_areas
     if listed is msgspec.UNSET and derive is None:
-        raise SceneFileError("Object missing required field `interaction_areas`")
+        raise SceneFileError(
+            "interaction_areas is missing, valid: a list, also empty; open_scene() derives it"
+        )
     records = () if listed is msgspec.UNSET else listed
     try:
         objects = tuple(_build_object(record, scene_id) for record in document.objects)

@@ -20,6 +20,7 @@ _COMMANDS: Mapping[str, str] = {
     "campaign": "CampaignCfg",
     "report": "ReportCfg",
     "compare": "CompareCfg",
+    "new": "NewCfg",
     "replay": "ReplayCfg",
     "doctor": "DoctorCfg",
     "dataset": "DatasetCfg",

@@ -265,7 +265,7 @@ def test_what_follows_from_the_rest_may_be_left_out_by_people_who_may_comment(sc
 
 def test_areas_are_derived_only_where_the_file_lists_none_and_somebody_can(scene_42):
     without = _edited(scene_42, _drop("interaction_areas"))
-    with pytest.raises(SceneError, match="missing required field `interaction_areas`"):
+    with pytest.raises(SceneError, match=r"^scene JSON: interaction_areas is missing, valid: "):
         scene_from_json(without)
     areas = scene_42.interaction_areas[:2]
     assert scene_from_json(without, derive=lambda _: areas).interaction_areas == areas
