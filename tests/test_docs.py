@@ -7,6 +7,7 @@ import pytest
 
 DOCS = Path(__file__).parents[1] / "docs"
 PAGES = sorted(DOCS.rglob("*.md"))
+PACKAGES = ("aeroscene", "autonomy", "flightsim", "scenarios", "tools")
 
 
 def linked(text):
@@ -35,3 +36,19 @@ def test_the_navigation_holds_every_page_once():
 def test_a_page_links_to_pages_that_are_there(path):
     for page in linked(path.read_text()):
         assert (path.parent / page).is_file(), page
+
+
+def test_the_testbench_has_one_spelling_and_the_other_is_named_once():
+    root = DOCS.parent
+    texts = [root / name for name in ("README.md", "CONTRIBUTING.md", "Makefile")]
+    texts += [path for path in PAGES if path.name != "notebook.md"]
+    texts += (root / "examples").glob("*.*")
+    named = [path.name for path in texts for _ in re.findall("aeroscene-sitl", path.read_text())]
+    assert named == ["index.md"]
+
+
+def test_no_message_names_a_command_that_was_not_typed():
+    root = DOCS.parent
+    own = {root / "scenarios" / "cli" / name for name in ("__init__.py", "entry.py", "sitl.py")}
+    sources = {path for name in PACKAGES for path in (root / name).rglob("*.py")} - own
+    assert [path.name for path in sources if "aeroscene-sitl" in path.read_text()] == []

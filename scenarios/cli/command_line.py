@@ -35,11 +35,11 @@ _IN_OUR_WORDS = (
     (r"Missing value for argument '(--\S+)'.*", r"\1 has no value", ""),
     (r"Missing from [\w -]+: (\S+) .*", r"\1 is missing", ""),
     (r"Unrecognized(?: or misplaced)? options: (\S+?)(?:,| \(| |$).*", r"\1 is unknown", ""),
-    (r"Expected one of \{(.*)\}", r"no command; valid: \1", ""),
     # Where a configuration refuses itself, tyro names the dataclass, which tells a user nothing.
     (r"Error parsing \w+: (.*)", r"\1", ""),
 )
 """Pattern of tyro's message, our message, and the valid values in it."""
+_COMMAND_WANTED = re.compile(r"Expected one of \{([^}]*)\}")
 _KINDS = {"FLOAT": "a number", "INT": "a whole number"}
 
 
@@ -72,7 +72,8 @@ def execute(
 def parse(command: Any, prog: str, args: list[str] | None = None, description: str = "") -> Any:
     """Parse a command line into the dataclass `command`, or into one of a union of them.
 
-    Prints one line and exits with status 2 where the command line is malformed.
+    Prints one line and exits with status 2 where the command line is malformed; prints the help
+    and exits with status 0 where it is empty and a command is wanted.
     """
     args = sys.argv[1:] if args is None else args
     if not {"-h", "--help"}.isdisjoint(args):
@@ -84,9 +85,24 @@ def parse(command: Any, prog: str, args: list[str] | None = None, description: s
                 command, prog=prog, args=args, description=description or None, config=_CONFIG
             )
     except SystemExit as stop:
-        if stop.code == EXIT_BAD_INPUT:
-            fail(prog, _one_line(errors.getvalue(), prog))
-        raise
+        if stop.code != EXIT_BAD_INPUT:
+            raise
+    if args:
+        typed = f"{prog} {args[0]}" if args[0] in _subcommands(command) else prog
+    elif _COMMAND_WANTED.search(errors.getvalue()):
+        return parse(command, prog, ["--help"], description)
+    else:
+        typed = prog
+    return fail(typed, _one_line(errors.getvalue(), typed))
+
+
+def _subcommands(command: Any) -> set[str]:
+    """Names of which tyro expects one after the program's."""
+    errors = io.StringIO()
+    with contextlib.redirect_stderr(errors), contextlib.suppress(SystemExit):
+        tyro.cli(command, args=[], config=_CONFIG)
+    wanted = _COMMAND_WANTED.search(errors.getvalue())
+    return set(re.findall(r"[\w-]+", wanted[1])) if wanted else set()
 
 
 def default_hint(says: str, metavar: str | None = None) -> Any:
@@ -150,8 +166,6 @@ def _one_line(tyro_box: str, prog: str) -> str:
             said += f"; valid: {match[1]}"
         elif match := re.match(r"(?:Perhaps you meant|Arguments similar to \S+): (--\S+)", other):
             said += f"; perhaps {match[1]}"
-        elif match := re.search(r"(?:run|see) (.* --help)", other):
-            prog = match[1].removesuffix(" --help")
     return f"{said}; see {prog} --help"
 
 

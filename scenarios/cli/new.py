@@ -34,9 +34,7 @@ class NewCfg:
     runs it. Nothing that is there is written over.
     """
 
-    kind: tyro.conf.Positional[
-        Annotated[Literal["pilot", "vehicle", "scene", "recipe"], tyro.conf.arg(metavar="KIND")]
-    ]
+    kind: tyro.conf.Positional[Literal["pilot", "vehicle", "scene", "recipe"]]
     """pilot is a Python class, vehicle and recipe are TOML files, scene is a JSON file."""
     name: tyro.conf.Positional[Annotated[str, tyro.conf.arg(metavar="NAME")]]
     """Its name: a letter, then up to 63 letters, digits and _; the file is NAME.py, .toml or
