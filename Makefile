@@ -52,7 +52,7 @@ $(VENV)/.installed-docs: $(VENV)/.installed
 	@touch $@
 
 demo: $(VENV)/.installed
-	$(BIN)/aeroscene-sitl --scene 42 --demo --speed max --record recordings/scene-42.rrd
+	$(BIN)/aeroscene sitl 42 --demo --speed max --record recordings/scene-42.rrd
 
 test: $(VENV)/.installed-dev
 	$(BIN)/python -m pytest --numprocesses $(WORKERS) --dist worksteal

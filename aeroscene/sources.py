@@ -12,7 +12,7 @@ from aeroscene.corpus.corpus import CORPUS_SIZE
 from aeroscene.corpus.field import FIELD_NAME, field_scene
 from aeroscene.corpus.provenance import curation_digest
 from aeroscene.files import cache_folder
-from aeroscene.scene import Scene, SceneError
+from aeroscene.scene import InteractionArea, Scene, SceneError
 from aeroscene.scene.io import FORMAT, read_scene, write_scene
 
 _log = logging.getLogger(__name__)
@@ -22,6 +22,8 @@ NUMBERS_NAME: Literal["corpus", "shipped"] = "shipped"
 
 # ASCII digits only: int() would also take signs, blanks and other scripts.
 _NUMBER = re.compile(r"(?:(?P<source>corpus|gen):)?(?P<number>[0-9]{1,9})")
+# The names that these scenes have themselves, as a run prints them.
+_SCENE_ID = re.compile(r"(?P<source>aeroscene|corpus)-(?P<number>[0-9]{4,9})")
 _FILE = re.compile(r"(?P<path>.+?\.jsonl?(?:\.gz)?)(?:#(?P<scene_id>.*))?", re.DOTALL)
 # Keys by which a layout is known even where its JSON is cut short.
 _LAYOUT_KEYS = (
@@ -40,13 +42,14 @@ def open_scene(spec: str, *, skip_invalid: bool = False) -> Scene:
     """Open the scene that a user names.
 
     Args:
-        spec: A number from 0 to 1015 for a scene of the AeroScene dataset; `corpus:N` for one of
-            the training corpus, which has no last; `gen:SEED` for one that the model makes anew;
-            `field` for an open, flat field; the path of a `.json` or `.json.gz` file that holds a
-            scene of ours, the AeroScene authors' JSON, or a house of 3D-FRONT, ProcTHOR or
-            Holodeck; or `FILE.jsonl#ID`, also gzip, for a scene of a file of neutral layouts or
-            such houses, where ID is its scene_id, what follows the last slash of that, or its
-            number in the file from 0.
+        spec: A number from 0 to 1015 for a scene of the AeroScene dataset, or its name, such as
+            `aeroscene-0042`; `corpus:N`, or `corpus-0042`, for one of the training corpus, which
+            has no last; `gen:SEED` for one that the model makes anew; `field` for an open, flat
+            field; the path of a `.json` or `.json.gz` file that holds a scene of ours, the
+            AeroScene authors' JSON, or a house of 3D-FRONT, ProcTHOR or Holodeck; or
+            `FILE.jsonl#ID`, also gzip, for a scene of a file of neutral layouts or such houses,
+            where ID is its scene_id, what follows the last slash of that, or its number in the
+            file from 0.
         skip_invalid: Leave out objects of a layout that break a rule, instead of raising.
 
     Raises:
@@ -57,13 +60,25 @@ def open_scene(spec: str, *, skip_invalid: bool = False) -> Scene:
     file = _FILE.fullmatch(spec)
     if file:
         return _open_file(file["path"], file["scene_id"], skip_invalid=skip_invalid)
-    named = _NUMBER.fullmatch(spec)
+    named = _NUMBER.fullmatch(canonical_name(spec))
     if named is None or (named["source"] is None and int(named["number"]) >= CORPUS_SIZE):
         raise UnknownSceneError(
             f"scene {spec!r} is unknown, valid: a number from 0 to {CORPUS_SIZE - 1}, corpus:N, "
             "gen:SEED, field, FILE.json or FILE.jsonl#ID, also with .gz"
         )
     return _open_number(named["source"] or NUMBERS_NAME, int(named["number"]))
+
+
+def canonical_name(spec: str) -> str:
+    """The shortest name of the same scene: `42` for `aeroscene-0042`, `corpus:7` for `corpus-0007`.
+
+    Draws follow a scene's name, so that one scene has to have one name wherever trials are named.
+    """
+    own = _SCENE_ID.fullmatch(spec)
+    if own is None:
+        return spec
+    number = str(int(own["number"]))
+    return number if own["source"] == "aeroscene" else f"{own['source']}:{number}"
 
 
 def _open_number(source: str, number: int) -> Scene:
@@ -84,12 +99,19 @@ def _open_number(source: str, number: int) -> Scene:
 def _open_file(path: str, scene_id: str | None, *, skip_invalid: bool) -> Scene:
     if _is_layout(path):
         return _open_layout(path, scene_id, skip_invalid=skip_invalid)
-    scene = read_scene(path)
+    scene = read_scene(path, _derived_areas)
     if scene_id not in {None, "0", scene.scene_id}:
         raise UnknownSceneError(
             f"scene file {path!r} has no scene {scene_id!r}, valid: {scene.scene_id!r}"
         )
     return scene
+
+
+def _derived_areas(scene: Scene) -> tuple[InteractionArea, ...]:
+    """Areas of a scene whose file lists none."""
+    from aeroscene.areas.landing import derive_interaction_areas  # noqa: PLC0415 - loads shapely
+
+    return derive_interaction_areas(scene)
 
 
 def _is_layout(path: str) -> bool:

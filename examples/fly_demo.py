@@ -1,6 +1,6 @@
 """Our pilot plans, flies, chooses its touchdown point from depth and lands; the run is recorded.
 
-The same as `aeroscene-sitl --scene 42 --demo --record fly_demo.rrd`, as a value in Python.
+The same as `aeroscene sitl 42 --demo --record fly_demo.rrd`, as a value in Python.
 
     python examples/fly_demo.py [SCENE]
     aeroscene replay fly_demo.rrd

@@ -3,7 +3,7 @@
 It needs a running testbench and MAVSDK-Python, which is two packages from version 4 on:
 
     pip install mavsdk mavsdk-grpc
-    aeroscene-sitl field
+    aeroscene sitl field
     python examples/offboard_mavsdk.py          in another terminal
 """
 

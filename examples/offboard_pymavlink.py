@@ -2,7 +2,7 @@
 
 It needs a running testbench:
 
-    aeroscene-sitl field
+    aeroscene sitl field
     python examples/offboard_pymavlink.py       in another terminal
 """
 

@@ -46,7 +46,7 @@ def container_yard() -> aeroscene.Scene:
 def main() -> TrialResult:
     scene = container_yard()
     print(f"{len(scene.landing_areas)} landing areas; wrong with it: {aeroscene.validate(scene)}")
-    aeroscene.write_scene(scene, f"{NAME}.json")  # also: aeroscene-sitl --scene container-yard.json
+    aeroscene.write_scene(scene, f"{NAME}.json")  # also: aeroscene sitl container-yard.json
     cfg = SitlCfg(demo=True, bench=TestbenchCfg(speed="max"))
     with Sitl(cfg, scene=scene, has_network=False) as sitl:
         return sitl.run()

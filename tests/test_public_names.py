@@ -2,6 +2,7 @@
 
 import ast
 import importlib
+import os
 import re
 import subprocess
 import sys
@@ -9,6 +10,8 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
+
+from tests.scenarios.cli.test_without_torch import WITHOUT_TORCH
 
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("aeroscene", "autonomy", "flightsim", "scenarios")
@@ -57,16 +60,20 @@ def test_a_name_that_is_not_public_is_named():
         importlib.import_module("flightsim").plnt  # noqa: B018
 
 
+def snippets():
+    """Code of the Python page, block by block."""
+    page = (ROOT / "docs" / "python.md").read_text()
+    return re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+
+
 def test_the_snippets_of_the_python_page_run_from_top_to_bottom(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    page = (ROOT / "docs" / "python.md").read_text()
-    blocks = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    blocks = snippets()
     assert len(blocks) > 8
     names = {"__name__": "page"}
     for block in blocks:
-        if "generate_scene" in block and find_spec("torch") is None:
-            continue
         exec(compile(block, "docs/python.md", "exec"), names)
+    assert Path("scene-7.json").exists() == (find_spec("torch") is not None)
     assert names["armed"].is_accepted
     assert names["result"].success, names["result"].reason
     assert len(names["track"]) * 0.02 == pytest.approx(names["result"].sim_seconds)
@@ -74,6 +81,25 @@ def test_the_snippets_of_the_python_page_run_from_top_to_bottom(tmp_path, monkey
     assert names["plant"].time_us == 9_000_000
     assert names["plant"].truth.position_enu_m[2] > 0.3
     assert names["categories"]
+
+
+def test_the_snippet_that_needs_torch_says_how_to_get_it(tmp_path):
+    before, snippet = (block for block in snippets() if "write_scene" in block)
+    opened = "from aeroscene import open_scene\nscene = open_scene('field')\n"
+    done = subprocess.run(
+        [sys.executable, "-c", f"{WITHOUT_TORCH}\n{opened}{before}{snippet}"],
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=100,
+        check=False,
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.startswith(
+        "the scene model needs torch, which is not installed: pip install 'aeroscene[model]'"
+    )
+    assert not (tmp_path / "scene-7.json").exists()
 
 
 def test_the_page_links_every_example():

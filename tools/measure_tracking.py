@@ -1,6 +1,6 @@
 """How far flights were from what their pilot planned, by their recordings, whoever flew.
 
-    aeroscene-sitl 42 --demo --autopilot px4 --autopilot-binary px4 --speed max --record px4/42.rrd
+    aeroscene sitl 42 --demo --autopilot px4 --autopilot-binary px4 --speed max --record px4/42.rrd
     python tools/measure_tracking.py px4/*.rrd
 
 Prints a JSON object a recording: root mean square and greatest distance of the vehicle, where it

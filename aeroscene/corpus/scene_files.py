@@ -8,6 +8,7 @@ from pathlib import Path
 
 import msgspec
 
+from aeroscene.areas.landing import derive_interaction_areas
 from aeroscene.corpus.dataset import JOURNAL, MANIFEST, Dataset, open_dataset
 from aeroscene.corpus.summary import SceneSummary, summarise
 from aeroscene.scene import Scene
@@ -48,7 +49,7 @@ class SceneFiles:
         Raises:
             SceneError: If the file is missing, damaged, or no scene.
         """
-        return read_scene(self.folder / entry.file)
+        return read_scene(self.folder / entry.file, derive_interaction_areas)
 
 
 def open_folder(folder: str | Path) -> Dataset | SceneFiles:
@@ -79,5 +80,5 @@ def _scene_files(folder: Path) -> list[str]:
 
 
 def _entry(folder: Path, index: int, name: str) -> FileEntry:
-    summary = summarise(read_scene(folder / name), index)
+    summary = summarise(read_scene(folder / name, derive_interaction_areas), index)
     return FileEntry(**msgspec.structs.asdict(summary), file=name)

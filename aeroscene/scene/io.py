@@ -1,14 +1,18 @@
 """Scenes as versioned JSON: the paper's schema, checked on reading, one object a line.
 
-`bbox_corners` is written beside each box, so that a reader of the file needs no rotations, and
-checked against the box when read. A file that breaks a rule gives one `SceneError` line. A name
-that ends with `.gz` compresses the file, again to equal bytes for equal scenes.
+`bbox_corners` is written beside each box, so that a reader of the file needs no rotations. Reading
+goes by the box alone: corners that are missing or disagree, as after an edit by hand, are computed
+again. A file that breaks a rule gives one `SceneError` line. A name that ends with `.gz` compresses
+the file, again to equal bytes for equal scenes.
 """
 
 from __future__ import annotations
 
 import gzip
+import logging
 import re
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import NoReturn
 
@@ -32,9 +36,17 @@ from aeroscene.scene.box import box_corners
 FORMAT = "aeroscene-scene"
 VERSION = 1
 CORNER_TOLERANCE_M = 1e-3
-"""Allowed distance between a written corner and the box's own; written with 4 decimals."""
+"""Distance up to which a written corner agrees with the box's own; files have 4 decimals."""
+DeriveAreas = Callable[[Scene], tuple[InteractionArea, ...]]
+"""Function that finds the areas of a scene by its geometry."""
+
+_log = logging.getLogger(__name__)
+_MOST_NAMED = 5
+"""Objects that a note names one by one."""
 
 Corners = tuple[Vector3, Vector3, Vector3, Vector3, Vector3, Vector3, Vector3, Vector3]
+Comment = str | tuple[str, ...] | msgspec.UnsetType
+"""A line or several for people who edit the file by hand; a `Scene` does not keep them."""
 
 
 class SceneFileError(SceneError):
@@ -55,13 +67,14 @@ class _Box(_Record):
     s: Vector3
 
 
-class _Object(_Record):
+class _Object(_Record, kw_only=True):
     id: int
-    scene_id: str
+    comment: Comment = msgspec.UNSET
+    scene_id: str = ""  # that of the document
     parent_id: int | None
     category_id: int
     bbox: _Box
-    bbox_corners: Corners
+    bbox_corners: Corners | msgspec.UnsetType = msgspec.UNSET
     domain: str
     attributes: dict[str, AttributeValue] = {}
 
@@ -95,9 +108,10 @@ class _Origin(_Record):
     altitude_m: float
 
 
-class _Document(_Record):
+class _Document(_Record, kw_only=True):
     format: str
     version: int
+    comment: Comment = msgspec.UNSET
     scene_id: str
     domain: str
     seed: int
@@ -105,7 +119,7 @@ class _Document(_Record):
     start: _Start
     origin: _Origin
     objects: tuple[_Object, ...]
-    interaction_areas: tuple[_Area, ...]
+    interaction_areas: tuple[_Area, ...] | msgspec.UnsetType = msgspec.UNSET
     theme: str = ""
     wishes: dict[str, AttributeValue] = {}
     measured: dict[str, AttributeValue] = {}
@@ -161,12 +175,16 @@ def _area_record(area: InteractionArea) -> _Area:
     return _Area(**{name: getattr(area, name) for name in _Area.__struct_fields__})
 
 
-def scene_from_json(data: bytes | str, source: str = "scene JSON") -> Scene:
+def scene_from_json(
+    data: bytes | str, source: str = "scene JSON", derive: DeriveAreas | None = None
+) -> Scene:
     """The scene in a JSON text.
 
     Args:
-        data: Text as `scene_to_json` writes it.
+        data: Text as `scene_to_json` writes it, or a person: comments may stand in it, and what
+            follows from the rest may be left out.
         source: What to call the text in an error.
+        derive: Finds the areas if the text does not list any; without it that is an error.
 
     Raises:
         SceneError: One line that names scene, object and field, and says what is valid.
@@ -179,7 +197,7 @@ def scene_from_json(data: bytes | str, source: str = "scene JSON") -> Scene:
                 f"valid: {FORMAT!r} version {VERSION}"
             )
         document = msgspec.json.decode(data, type=_Document)
-        return _build(document)
+        return _build(document, source, derive)
     except msgspec.ValidationError as error:
         _raise_located(data, source, str(error))
     except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
@@ -204,15 +222,20 @@ def _raise_located(data: bytes | str, source: str, text: str) -> NoReturn:
     raise SceneFileError(f"{where}: {path}: {message}" if path else f"{where}: {message}") from None
 
 
-def _build(document: _Document) -> Scene:
-    scene_id = document.scene_id
+def _build(document: _Document, source: str, derive: DeriveAreas | None) -> Scene:
+    scene_id, listed = document.scene_id, document.interaction_areas
+    if listed is msgspec.UNSET and derive is None:
+        raise SceneFileError(
+            "interaction_areas is missing, valid: a list, also empty; open_scene() derives it"
+        )
+    records = () if listed is msgspec.UNSET else listed
     try:
-        objects = tuple(_build_object(record) for record in document.objects)
-        areas = tuple(InteractionArea(**asdict(record)) for record in document.interaction_areas)
-        _check_corners(document.objects)
+        objects = tuple(_build_object(record, scene_id) for record in document.objects)
+        areas = tuple(InteractionArea(**asdict(record)) for record in records)
     except SceneError as error:
         raise error.within(f"scene {scene_id!r}") from None
-    return Scene(
+    _note_wrong_corners(document.objects, source)
+    scene = Scene(
         scene_id=scene_id,
         domain=document.domain,  # pyright: ignore[reportArgumentType] - Scene validates it
         seed=document.seed,
@@ -229,16 +252,19 @@ def _build(document: _Document) -> Scene:
         wishes=document.wishes,
         measured=document.measured,
     )
+    if listed is not msgspec.UNSET or derive is None:
+        return scene
+    return replace(scene, interaction_areas=derive(scene))
 
 
-def _build_object(record: _Object) -> SceneObject:
+def _build_object(record: _Object, scene_id: str) -> SceneObject:
     try:
         box = OrientedBox(record.bbox.p, record.bbox.q, record.bbox.s)
     except SceneError as error:
         raise error.within(f"object {record.id}") from None
     return SceneObject(
         id=record.id,
-        scene_id=record.scene_id,
+        scene_id=record.scene_id or scene_id,
         parent_id=record.parent_id,
         category_id=record.category_id,
         bbox=box,
@@ -247,22 +273,34 @@ def _build_object(record: _Object) -> SceneObject:
     )
 
 
-def _check_corners(records: tuple[_Object, ...]) -> None:
-    if not records:
+def _note_wrong_corners(records: tuple[_Object, ...], source: str) -> None:
+    """Say which objects have corners that disagree with their boxes, as after an edit by hand."""
+    written = [record for record in records if record.bbox_corners is not msgspec.UNSET]
+    if not written:
         return
-    written = np.array([record.bbox_corners for record in records])
-    p, q, s = (np.array([getattr(record.bbox, name) for record in records]) for name in "pqs")
-    deviation_m = np.abs(written - box_corners(p, q, s)).max(axis=(1, 2))
-    worst = int(np.argmax(~(deviation_m <= CORNER_TOLERANCE_M)))
-    if not deviation_m[worst] <= CORNER_TOLERANCE_M:
-        raise SceneError(
-            f"object {records[worst].id}: bbox_corners lie {deviation_m[worst]:.4g} m away from "
-            f"the corners of bbox, valid: at most {CORNER_TOLERANCE_M:g} m"
+    corners = np.array([record.bbox_corners for record in written])
+    p, q, s = (np.array([getattr(record.bbox, name) for record in written]) for name in "pqs")
+    with np.errstate(over="ignore"):
+        deviation_m = np.abs(corners - box_corners(p, q, s)).max(axis=(1, 2))
+    ids = [written[i].id for i in np.flatnonzero(~(deviation_m <= CORNER_TOLERANCE_M))]
+    if ids:
+        more = f" and {len(ids) - _MOST_NAMED} others" if len(ids) > _MOST_NAMED else ""
+        _log.warning(
+            "%s: bbox_corners of object %s%s lie up to %.4g m away from the corners of bbox, which "
+            "counts; they are computed again",
+            source,
+            ", ".join(map(str, ids[:_MOST_NAMED])),
+            more,
+            deviation_m.max(),
         )
 
 
-def read_scene(path: str | Path) -> Scene:
+def read_scene(path: str | Path, derive: DeriveAreas | None = None) -> Scene:
     """Read and validate a scene file, compressed with gzip or not.
+
+    Args:
+        path: The file.
+        derive: Finds the areas if the file does not list any; without it that is an error.
 
     Raises:
         SceneError: If the file is missing or breaks a rule; one line that says which.
@@ -277,7 +315,7 @@ def read_scene(path: str | Path) -> Scene:
         reason = (getattr(error, "strerror", None) or str(error) or type(error).__name__).lower()
         message = f"{source} cannot be read ({reason}), valid: a scene in JSON"
         raise SceneFileError(message) from None
-    return scene_from_json(data, source=source)
+    return scene_from_json(data, source, derive)
 
 
 def write_scene(scene: Scene, path: str | Path) -> None:

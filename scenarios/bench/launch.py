@@ -1,4 +1,4 @@
-"""Cost of launching a real `aeroscene-sitl`, to its first heartbeat on the network."""
+"""Cost of launching a real `aeroscene sitl`, to its first heartbeat on the network."""
 
 from __future__ import annotations
 

@@ -11,9 +11,8 @@ import re
 import signal
 import sys
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import is_dataclass
 from types import FrameType
-from typing import Any, NoReturn, get_args, get_type_hints
+from typing import Any, NoReturn
 
 import tyro
 
@@ -37,11 +36,11 @@ _IN_OUR_WORDS = (
     (r"Missing value for argument '(--\S+)'.*", r"\1 has no value", ""),
     (r"Missing from [\w -]+: (\S+) .*", r"\1 is missing", ""),
     (r"Unrecognized(?: or misplaced)? options: (\S+?)(?:,| \(| |$).*", r"\1 is unknown", ""),
-    (r"Expected one of \{(.*)\}", r"no command; valid: \1", ""),
     # Where a configuration refuses itself, tyro names the dataclass, which tells a user nothing.
     (r"Error parsing \w+: (.*)", r"\1", ""),
 )
 """Pattern of tyro's message, our message, and the valid values in it."""
+_COMMAND_WANTED = re.compile(r"Expected one of \{([^}]*)\}")
 _KINDS = {"FLOAT": "a number", "INT": "a whole number"}
 
 
@@ -77,7 +76,8 @@ def parse(command: Any, prog: str, args: list[str] | None = None, description: s
     """Parse a command line into the dataclass `command`, or into one of a union of them.
 
     Prints one line and exits with status 2 where the command line is malformed, a number is out of
-    its range, or an output cannot be written.
+    its range, or an output cannot be written; prints the help and exits with status 0 where it is
+    empty and a command is wanted.
     """
     args = sys.argv[1:] if args is None else args
     if not {"-h", "--help"}.isdisjoint(args):
@@ -89,19 +89,29 @@ def parse(command: Any, prog: str, args: list[str] | None = None, description: s
                 command, prog=prog, args=args, description=description or None, config=_CONFIG
             )
     except SystemExit as stop:
-        if stop.code == EXIT_BAD_INPUT:
-            fail(prog, _one_line(errors.getvalue(), prog))
-        raise
+        if stop.code != EXIT_BAD_INPUT:
+            raise
+        if not args and _COMMAND_WANTED.search(errors.getvalue()):
+            return parse(command, prog, ["--help"], description)
+        typed = _typed(command, prog, args)
+        return fail(typed, _one_line(errors.getvalue(), typed))
     for fault in option_faults(cfg):
-        fail(f"{prog} {args[0]}" if _has_commands(command) else prog, fault)
+        fail(_typed(command, prog, args), fault)
     return cfg
 
 
-def _has_commands(command: Any) -> bool:
-    """Whether the first word of a command line chooses among commands of a command's own."""
-    hints = get_type_hints(command) if isinstance(command, type) else {}
-    choices = (get_args(hint) for hint in hints.values())
-    return any(choice and all(map(is_dataclass, choice)) for choice in choices)
+def _typed(command: Any, prog: str, args: list[str]) -> str:
+    """The program's name with the subcommand that was typed, where there is one."""
+    return f"{prog} {args[0]}" if args and args[0] in _subcommands(command) else prog
+
+
+def _subcommands(command: Any) -> set[str]:
+    """Names of which tyro expects one after the program's."""
+    errors = io.StringIO()
+    with contextlib.redirect_stderr(errors), contextlib.suppress(SystemExit):
+        tyro.cli(command, args=[], config=_CONFIG)
+    wanted = _COMMAND_WANTED.search(errors.getvalue())
+    return set(re.findall(r"[\w-]+", wanted[1])) if wanted else set()
 
 
 def default_hint(says: str, metavar: str | None = None) -> Any:
@@ -165,8 +175,6 @@ def _one_line(tyro_box: str, prog: str) -> str:
             said += f"; valid: {match[1]}"
         elif match := re.match(r"(?:Perhaps you meant|Arguments similar to \S+): (--\S+)", other):
             said += f"; perhaps {match[1]}"
-        elif match := re.search(r"(?:run|see) (.* --help)", other):
-            prog = match[1].removesuffix(" --help")
     return f"{said}; see {prog} --help"
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import gc
 import importlib
+import io
 import os
 import signal
 import sys
@@ -29,6 +30,7 @@ def _start(module: str) -> int:
     if sys.argv[1:] == ["--version"]:
         print(f"aeroscene {importlib.import_module('aeroscene').__version__}")
         return 0
+    _print_anything()
     # Otherwise MuJoCo's import starts a process that looks for a window library we never use.
     os.environ.setdefault("MUJOCO_GL", "disable")
     # KeyboardInterrupt during an import is unsafe: libraries turn it into exceptions of their own.
@@ -39,6 +41,15 @@ def _start(module: str) -> int:
         os._exit(0)  # The reader of our output has closed the pipe.
     finally:
         signal.signal(signal.SIGINT, _leave)
+
+
+def _print_anything() -> None:
+    """Print what the terminal's encoding lacks as a question mark instead of failing.
+
+    Helps have frames and dots, and names of files may be in any encoding.
+    """
+    if isinstance(sys.stdout, io.TextIOWrapper) and sys.stdout.errors == "strict":
+        sys.stdout.reconfigure(errors="replace")
 
 
 def _import(module: str) -> Any:

@@ -69,6 +69,7 @@ class FlyCfg:
 def run(cfg: FlyCfg) -> int:
     """Fly the trial; exit status 2 with one line where there is none."""
     # Imported here because it is the whole simulator, which `--help` does not need.
+    from aeroscene.sources import canonical_name  # noqa: PLC0415
     from flightsim.vehicles import airframe_by_name  # noqa: PLC0415
     from scenarios.baselines.named import PilotError  # noqa: PLC0415
     from scenarios.campaigns.campaign import CampaignError, row_of  # noqa: PLC0415
@@ -78,7 +79,7 @@ def run(cfg: FlyCfg) -> int:
     from scenarios.campaigns.store import TRACKS, StoreError  # noqa: PLC0415
 
     airframe_by_name(cfg.vehicle)
-    trial = Trial(cfg.scene, cfg.vehicle, cfg.trial)
+    trial = Trial(canonical_name(cfg.scene), cfg.vehicle, cfg.trial)
     # What a pilot raised is one line in a campaign; here it has its traceback.
     logging.getLogger("scenarios.campaigns").setLevel(logging.INFO)
     try:

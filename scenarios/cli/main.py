@@ -20,6 +20,7 @@ _COMMANDS: Mapping[str, str] = {
     "campaign": "CampaignCfg",
     "report": "ReportCfg",
     "compare": "CompareCfg",
+    "new": "NewCfg",
     "replay": "ReplayCfg",
     "doctor": "DoctorCfg",
     "dataset": "DatasetCfg",
@@ -36,7 +37,7 @@ _COMMANDS: Mapping[str, str] = {
 
 
 def main(args: list[str] | None = None) -> int:
-    """Run the command; returns the exit status."""
+    """Run the command, or without one print the help; returns the exit status."""
     args = sys.argv[1:] if args is None else args
     name = args[0] if args else ""
     if name in _COMMANDS:

@@ -1,7 +1,8 @@
-"""`aeroscene replay`: open a recording in rerun's viewer, or say what is in it."""
+"""`aeroscene replay`: open a recording in rerun's viewer, or say what is in it or in a folder."""
 
 from __future__ import annotations
 
+import shlex
 import signal
 import sys
 from dataclasses import dataclass
@@ -11,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import tyro
 from rich.table import Table
 
-from scenarios.cli.command_line import EXIT_DONE, fail, print_json
+from scenarios.cli.command_line import EXIT_DONE, fail, fail_on_file, print_json
 from scenarios.cli.outputs import OutFile, OutFolder
 from scenarios.cli.terminal import terminal
 
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from scenarios.pictures import PictureFormat
+    from scenarios.recording.listing import Listed
     from scenarios.recording.summary import RecordingSummary
 
 _PROG = "aeroscene replay"
@@ -28,11 +30,12 @@ _PROG = "aeroscene replay"
 class ReplayCfg:
     """Open a recording in rerun's viewer, draw pictures of it, or say what is in it.
 
-    A recording whose run was killed opens up to the last second that was written.
+    A recording whose run was killed opens up to the last second that was written. Of a folder, such
+    as that of a campaign, the recordings in it are listed with their verdicts.
     """
 
     recording: tyro.conf.Positional[Path]
-    """The .rrd file."""
+    """The .rrd file, or a folder with some."""
     viewer: Literal["auto", "native", "web"] = "auto"
     """native opens a window, web serves a page on loopback; auto takes native if it can."""
     pictures: Annotated[Path | None, OutFolder(), tyro.conf.arg(help_behavior_hint="")] = None
@@ -69,7 +72,9 @@ def run(cfg: ReplayCfg) -> int:
     from scenarios.recording.viewer import ViewerError  # noqa: PLC0415
 
     try:
-        if cfg.json or cfg.summary:
+        if cfg.recording.is_dir():
+            _list(cfg)
+        elif cfg.json or cfg.summary:
             _print_summary(summarise(cfg.recording), is_json=cfg.json)
         elif cfg.pictures is not None:
             _draw(cfg.recording, cfg.pictures, cfg.formats)
@@ -80,6 +85,39 @@ def run(cfg: ReplayCfg) -> int:
     except (UnreadableRecordingError, ViewerError, RerunMissingError) as error:
         fail(_PROG, str(error))
     return EXIT_DONE
+
+
+def _list(cfg: ReplayCfg) -> None:
+    """Print a line for each recording of a folder."""
+    from scenarios.recording.listing import recordings_in  # noqa: PLC0415 - see `run`
+
+    folder = str(cfg.recording)
+    if cfg.pictures is not None or cfg.video is not None:
+        fail(_PROG, f"recording {folder!r} is a folder; valid: one of the .rrd files in it")
+    try:
+        found = recordings_in(cfg.recording)
+    except OSError as error:
+        fail_on_file(_PROG, error)
+    if not found:
+        fail(_PROG, f"folder {folder!r} holds no recordings; valid: a folder with .rrd files")
+    if cfg.json:
+        print_json({"recordings": [each.to_json() for each in found]})
+        return
+    for each in found:
+        print(_line(each))
+    print(f"Open one with: aeroscene replay {shlex.quote(found[-1].recording)}")
+
+
+def _line(listed: Listed) -> str:
+    """A recording in one line."""
+    line = f"{listed.recording}  {listed.size_bytes / 1e6:.1f} MB"
+    if listed.code is not None:
+        line += (
+            f"  {listed.code}: {listed.reason}; scene {listed.scene}, {listed.vehicle}, "
+            f"seed {listed.seed}, {listed.sim_seconds:.1f} s"
+        )
+    # The names and the reason come from files, and could hold what a terminal obeys.
+    return "".join(letter if letter.isprintable() else "?" for letter in line)
 
 
 def _draw(recording: Path, folder: Path, formats: Sequence[PictureFormat]) -> None:

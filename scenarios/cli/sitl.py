@@ -115,9 +115,7 @@ def run(command: SitlCommand) -> int:
             _keep_open(console, sitl.viewer)
         external = flights[0].bench.external
     if external is not None and external.fault:
-        line = f"{PROG}: error: the run was ended by {external.fault}"
-        console.print(line, highlight=False, soft_wrap=True)
-        return EXIT_BAD_INPUT
+        raise TestbenchError(f"the run was ended by {external.fault}")
     if sitl.missing:
         return EXIT_BAD_INPUT  # Not the vehicle failed but the disk.
     return EXIT_NEGATIVE if result.success is False else EXIT_DONE

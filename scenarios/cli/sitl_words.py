@@ -1,4 +1,4 @@
-"""What `aeroscene-sitl` says before and after a run."""
+"""What `aeroscene sitl` says before and after a run."""
 
 from __future__ import annotations
 

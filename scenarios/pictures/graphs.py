@@ -31,18 +31,24 @@ def draw_profile(
 ) -> None:
     """Draw height over time, between the surfaces below and overhead."""
     style.plain(axes)
-    style.heading(axes, "height, between what is below and what is overhead")
+    style.heading(axes, "height")
     time_s, height_m = flown.time_s, flown.true_enu_m[:, 2]
     low = min(float(np.nanmin(np.append(below_m, height_m))), float(height_m.min())) - 0.5
     high = float(height_m.max()) + _HEADROOM_M
-    axes.fill_between(time_s, low, below_m, color="#a39382", linewidth=0, step="mid")
-    axes.fill_between(time_s, above_m, high, color="#c9ced4", linewidth=0, step="mid")
-    for begin_s, end_s, points in _legs(story):
+    solid = {"linewidth": 0, "step": "mid"}
+    axes.fill_between(time_s, low, below_m, color="#a39382", label="below", **solid)
+    if (above_m < high).any():
+        axes.fill_between(time_s, above_m, high, color="#c9ced4", label="overhead", **solid)
+    for number, (begin_s, end_s, points) in enumerate(_legs(story)):
         at_s = np.linspace(begin_s, end_s, len(points))
-        axes.plot(at_s, points[:, 2], color=style.PLANNED, linewidth=6.0, solid_capstyle="butt")
-    axes.plot(time_s, height_m, color=style.INK, linewidth=1.6)
+        # One entry of the legend stands for all legs.
+        broad = {"linewidth": 6.0, "solid_capstyle": "butt", "label": None if number else "planned"}
+        axes.plot(at_s, points[:, 2], color=style.PLANNED, **broad)
+    axes.plot(time_s, height_m, color=style.INK, linewidth=1.6, label="flown")
     if story.touchdown_enu_m is not None:
-        axes.axhline(story.touchdown_enu_m[2], color=style.AREA, linewidth=1.2, linestyle="dotted")
+        looks = {"linewidth": 1.2, "linestyle": "dotted", "label": "touchdown point"}
+        axes.axhline(story.touchdown_enu_m[2], color=style.AREA, **looks)
+    _explain(axes)
     axes.set_ylim(low, high)
     axes.set_xlim(*_span(story.track.time_s, np.isfinite(story.track.ref_enu_m[:, 0])))
     axes.set_xlabel("simulated time, s", color=style.INK)
@@ -82,9 +88,14 @@ def draw_errors(axes: Axes, story: FlightStory) -> None:
     axes.set_ylim(0.0, max(5.0, 1.5 * top_m))
     axes.set_xlim(begin_s, end_s)
     _draw_phases(axes, story, begin_s, end_s)
-    axes.legend(loc="lower right", bbox_to_anchor=(1.01, 0.99), fontsize=9, ncols=3, frameon=False)
+    _explain(axes)
     axes.set_xlabel("simulated time, s", color=style.INK)
     axes.set_ylabel("error, cm", color=style.INK)
+
+
+def _explain(axes: Axes) -> None:
+    """A legend in one line above a graph, right of its heading."""
+    axes.legend(loc="lower right", bbox_to_anchor=(1.01, 0.99), fontsize=9, ncols=5, frameon=False)
 
 
 def _draw_phases(axes: Axes, story: FlightStory, begin_s: float, end_s: float) -> None:

@@ -160,6 +160,7 @@ def _draw_judgement(axes: Axes, landing: LandingLayers) -> None:
 
 
 def _explain(figure: Figure, needs: LandingNeeds) -> None:
+    from matplotlib.lines import Line2D  # noqa: PLC0415 - only where pictures are drawn
     from matplotlib.patches import Patch  # noqa: PLC0415 - only where pictures are drawn
 
     handles = [
@@ -171,8 +172,10 @@ def _explain(figure: Figure, needs: LandingNeeds) -> None:
         Patch(color=_UNSEEN, label="not known"),
         Patch(fill=False, edgecolor=style.INK, label=feet),
         Patch(fill=False, edgecolor=style.INK, linestyle="dashed", label=rotors),
+        Line2D([], [], color=style.INK, marker="+", linestyle="none", label="touchdown point"),
+        Line2D([], [], color=style.INK, label="border of the area"),
     ]
-    figure.legend(handles=handles, loc="outside lower center", ncols=6, fontsize=10, frameon=False)
+    figure.legend(handles=handles, loc="outside lower center", ncols=8, fontsize=9, frameon=False)
 
 
 def _draw_picture(axes: Axes, story: FlightStory, landing: LandingLayers) -> None:

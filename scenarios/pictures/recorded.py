@@ -77,7 +77,7 @@ def read_scene(rows: RecordedRows, path: Path) -> Scene:
     found = rows.rows(layout.SCENE_DOCUMENT, "json")
     if not found:
         raise PictureError(
-            f"recording {str(path)!r} holds no scene; valid: one of aeroscene-sitl --record"
+            f"recording {str(path)!r} holds no scene; valid: one of aeroscene sitl --record"
         )
     return scene_from_json(found[-1][1][0], source=str(path))
 

@@ -73,7 +73,11 @@ def recording_blueprint(
 def scene_blueprint(scene: Scene) -> rrb.Blueprint:
     """Blueprint of a scene without a flight."""
     return rrb.Blueprint(
-        _scene_view("Scene", _Shown(), _overview(scene, None)),
+        rrb.Horizontal(
+            _scene_view("Scene", _Shown(), _overview(scene, None)),
+            _legend(),
+            column_shares=[5, 1],
+        ),
         rrb.BlueprintPanel(state="collapsed"),
         rrb.SelectionPanel(state="collapsed"),
         rrb.TimePanel(state="hidden"),
@@ -227,12 +231,17 @@ def _states() -> tuple[rrb.View, rrb.View]:
     )
 
 
+def _legend() -> rrb.View:
+    return rrb.Spatial2DView(name="Legend", origin=layout.LEGEND, contents=[layout.LEGEND])
+
+
 def _texts() -> rrb.Container:
     columns = rrb.TextLogColumns(
         timeline_columns=[layout.TIMELINE], text_log_columns=["loglevel", "body"]
     )
     return rrb.Tabs(
         rrb.TextLogView(name="Messages", origin=layout.STATUSTEXT, columns=columns),
+        _legend(),
         rrb.TextLogView(name="Contacts", origin=layout.TOUCHED, columns=columns),
         rrb.TextDocumentView(name="Run", origin=layout.RUN),
         active_tab=0,

@@ -11,7 +11,7 @@ from scenarios.recording import layout
 from scenarios.recording.columns import set_sim_time
 from scenarios.recording.entity_stream import EntityStream
 
-_RGB, _RADIUS_M = (230, 60, 60), 0.06
+CONTACT_RGB, _RADIUS_M = (230, 60, 60), 0.06
 
 
 def log_contacts(stream: EntityStream, contacts: Iterable[Mapping[str, Any]]) -> None:
@@ -26,6 +26,9 @@ def log_contacts(stream: EntityStream, contacts: Iterable[Mapping[str, Any]]) ->
         words = f"{contact['what']}, until {contact['until_s']:.2f} s"
         stream.log(layout.TOUCHED, rr.TextLog(words))
         point = rr.Points3D(
-            [contact["position_enu_m"]], colors=_RGB, radii=_RADIUS_M, labels=[contact["what"]]
+            [contact["position_enu_m"]],
+            colors=CONTACT_RGB,
+            radii=_RADIUS_M,
+            labels=[contact["what"]],
         )
         stream.log(layout.CONTACTS, point)

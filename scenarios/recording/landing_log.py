@@ -23,12 +23,12 @@ LAYER_PERIOD_US = 1_000_000
 _THINNED = 2
 """Step in cells along each axis at which layers that are switched off are drawn."""
 _CELL_RADIUS_M = 0.025
-_SAFE_RGB, _UNSAFE_RGB = (60, 200, 90), (220, 50, 40)
+SAFE_RGB, UNSAFE_RGB = (60, 200, 90), (220, 50, 40)
 _LOW_RGB, _HIGH_RGB = (40, 60, 160), (255, 230, 60)
 _STEEP_RAD, _ROUGH_M = math.radians(20.0), 0.08
 """Values of the brightest colour: twice the limits of a vehicle."""
-_TOUCHDOWN_RGB, _TOUCHDOWN_RADIUS_M = (255, 255, 255), 0.08
-_CHOICE_RGB, _CHOICE_RADIUS_M = (255, 190, 60), 0.05
+TOUCHDOWN_RGB, _TOUCHDOWN_RADIUS_M = (255, 255, 255), 0.08
+CHOICE_RGB, _CHOICE_RADIUS_M = (255, 190, 60), 0.05
 _SAME_PLACE_M = 0.01
 
 
@@ -44,13 +44,13 @@ class LandingLog:
         """Write a map as known at a time, and the touchdown point chosen on it, if one was."""
         set_sim_time(self._stream, time_us)
         cells_enu_m, cost = landing.cells_enu_m, landing.cost
-        self._log_points(layout.LANDING_SAFETY, cells_enu_m, _mixed(cost, _SAFE_RGB, _UNSAFE_RGB))
+        self._log_points(layout.LANDING_SAFETY, cells_enu_m, _mixed(cost, SAFE_RGB, UNSAFE_RGB))
         is_new = touchdown_enu_m is not None and self._is_elsewhere(touchdown_enu_m)
         if is_new or time_us >= self._layers_due_us:
             self._layers_due_us = time_us + LAYER_PERIOD_US
             self._log_layers(landing)
         if touchdown_enu_m is not None:
-            point = rr.Points3D([touchdown_enu_m], colors=_TOUCHDOWN_RGB, radii=_TOUCHDOWN_RADIUS_M)
+            point = rr.Points3D([touchdown_enu_m], colors=TOUCHDOWN_RGB, radii=_TOUCHDOWN_RADIUS_M)
             self._stream.log(layout.TOUCHDOWN, point)
             if is_new:
                 self._log_choice(time_us, touchdown_enu_m)
@@ -63,9 +63,7 @@ class LandingLog:
 
     def _log_choice(self, time_us: int, place_enu_m: Vector3) -> None:
         words = [f"chosen at {time_us * 1e-6:.1f} s"]
-        choice = rr.Points3D(
-            [place_enu_m], colors=_CHOICE_RGB, radii=_CHOICE_RADIUS_M, labels=words
-        )
+        choice = rr.Points3D([place_enu_m], colors=CHOICE_RGB, radii=_CHOICE_RADIUS_M, labels=words)
         self._stream.log(layout.CHOICES, choice)
 
     def _log_layers(self, landing: LandingMap) -> None:

@@ -69,6 +69,7 @@ FAILSAFE = "autopilot/failsafe"
 STATUSTEXT = "autopilot/statustext"
 PHASE = "pilot/phase"
 RUN = "run"
+LEGEND = "run/legend"
 VERDICT = "run/verdict"
 SCENE_DOCUMENT = "run/scene"
 

@@ -10,7 +10,7 @@ from scenarios.recording import layout
 from scenarios.recording.columns import set_sim_time
 from scenarios.recording.entity_stream import EntityStream
 
-_PLANNED_RGB, _FLOWN_RGB, _REPLACED_RGB = (255, 80, 200), (150, 70, 125), (120, 120, 130)
+PLANNED_RGB, FLOWN_RGB, REPLACED_RGB = (255, 80, 200), (150, 70, 125), (120, 120, 130)
 _ON_TIME_S = 0.05
 
 
@@ -25,7 +25,7 @@ class PlanLog:
         self._stream = stream
         self._last: tuple[int, np.ndarray, float] | None = None
         self._n_plans = 0
-        style = rr.LineStrips3D.from_fields(colors=_PLANNED_RGB, radii=rr.Radius.ui_points(1.5))
+        style = rr.LineStrips3D.from_fields(colors=PLANNED_RGB, radii=rr.Radius.ui_points(1.5))
         stream.log(layout.PLANNED, style, static=True)
         thin = rr.LineStrips3D.from_fields(radii=rr.Radius.ui_points(1.0), show_labels=False)
         stream.log(layout.EARLIER_PLANS, thin, static=True)
@@ -50,11 +50,11 @@ class PlanLog:
         flown_s = (time_us - begun_us) * 1e-6
         name = self._name(begun_us)
         if flown_s > duration_s - _ON_TIME_S:
-            strips, colours, labels = [points], [_FLOWN_RGB], [name]
+            strips, colours, labels = [points], [FLOWN_RGB], [name]
         else:
             left_at = max(1, round(flown_s / duration_s * (len(points) - 1)))
             strips = [points[: left_at + 1], points[left_at:]]
-            colours = [_FLOWN_RGB, _REPLACED_RGB]
+            colours = [FLOWN_RGB, REPLACED_RGB]
             labels = [name, f"{name}, replaced at {time_us * 1e-6:.1f} s"]
         earlier = rr.LineStrips3D.from_fields(strips=strips, colors=colours, labels=labels)
         self._stream.log(layout.EARLIER_PLANS, earlier)

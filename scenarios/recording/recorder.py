@@ -19,6 +19,7 @@ from flightsim.vehicles.airframe import Airframe
 from scenarios.recording import layout
 from scenarios.recording.blueprint import recording_blueprint
 from scenarios.recording.entity_stream import VehicleStream
+from scenarios.recording.legend import AREA_ROWS, FLIGHT_ROWS, log_legend
 from scenarios.recording.metadata import RunInfo, log_document, log_run, log_verdict
 from scenarios.recording.plan_log import PlanLog
 from scenarios.recording.scene import log_scene
@@ -112,6 +113,7 @@ class Recorder:
         if not is_summary:
             log_document(self._stream, scene)
             log_scene(self._stream, scene, primitives)
+            log_legend(self._stream, (*AREA_ROWS, *FLIGHT_ROWS))
         self.first = VehicleRecorder(
             self._stream, scene, airframe, is_summary=is_summary, has_traffic=True
         )

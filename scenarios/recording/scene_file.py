@@ -10,6 +10,7 @@ from aeroscene.scene import Scene
 from aeroscene.solids.shapes import scene_primitives
 from scenarios.recording import layout
 from scenarios.recording.blueprint import scene_blueprint
+from scenarios.recording.legend import AREA_ROWS, log_legend
 from scenarios.recording.scene import log_scene
 
 
@@ -18,5 +19,6 @@ def write_scene_recording(scene: Scene, path: Path) -> None:
     stream = rr.RecordingStream(layout.APPLICATION_ID)
     stream.set_sinks(rr.FileSink(path), default_blueprint=scene_blueprint(scene))
     log_scene(stream, scene, scene_primitives(scene))
+    log_legend(stream, AREA_ROWS)
     stream.flush()
     stream.disconnect()

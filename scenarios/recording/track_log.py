@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     # Reading a recording should not load the planner.
     from autonomy.planning import MovingObstacles
 
-_TRACK_RGB = (255, 140, 30)
+TRACK_RGB = (255, 140, 30)
 
 
 class TrackLog:
@@ -40,10 +40,10 @@ class TrackLog:
             centers=moving.position_enu_m,
             half_sizes=moving.half_extent_m + moving.radius_m[:, None],
             quaternions=np.column_stack([zero, zero, np.sin(half_turn), np.cos(half_turn)]),
-            colors=_TRACK_RGB,
+            colors=TRACK_RGB,
         )
         self._stream.log(layout.TRACKS, boxes)
         arrows = rr.Arrows3D(
-            origins=moving.position_enu_m, vectors=moving.velocity_enu_mps, colors=_TRACK_RGB
+            origins=moving.position_enu_m, vectors=moving.velocity_enu_mps, colors=TRACK_RGB
         )
         self._stream.log(layout.TRACK_VELOCITIES, arrows)

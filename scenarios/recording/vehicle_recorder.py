@@ -31,7 +31,7 @@ FLUSH_PERIOD_US = 1_000_000
 """Simulated time between two writes of the fast data."""
 SUMMARY_FLUSH_PERIOD_US = 60_000_000
 """The same in a summary, which each write makes larger by several times what it holds."""
-_EXECUTED_RGB = (255, 235, 60)
+EXECUTED_RGB = (255, 235, 60)
 
 _LEVELS: Mapping[Severity, rr.TextLogLevel] = {
     Severity.EMERGENCY: rr.TextLogLevel.CRITICAL,
@@ -77,7 +77,7 @@ class VehicleRecorder:
         self._flush_period_us = SUMMARY_FLUSH_PERIOD_US if is_summary else FLUSH_PERIOD_US
         self._flush_due_us = self._flush_period_us
         self._executed = ExecutedPath()
-        style = rr.LineStrips3D.from_fields(colors=_EXECUTED_RGB, radii=rr.Radius.ui_points(1.5))
+        style = rr.LineStrips3D.from_fields(colors=EXECUTED_RGB, radii=rr.Radius.ui_points(1.5))
         stream.log(layout.EXECUTED, style, static=True)
         self.plans = PlanLog(stream)
         self.states: StateLog | None = None

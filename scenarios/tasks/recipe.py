@@ -49,11 +49,11 @@ class Recipe:
     wind_mps: Range = (0.0, 5.0)
     """Speed of the steady wind; its direction is any."""
     turbulence: tuple[str, ...] = ("natural",)
-    """Dryden turbulence, as `aeroscene-sitl --turbulence` has it."""
+    """Dryden turbulence, as `aeroscene sitl --turbulence` has it."""
     gust_mps: Range = (0.0, 0.0)
     """Peak speed of gusts."""
     traffic: tuple[str, ...] = ("none",)
-    """Movers, as `aeroscene-sitl --traffic` has them."""
+    """Movers, as `aeroscene sitl --traffic` has them."""
     gnss: tuple[Literal["rtk", "standard"], ...] = ("rtk",)
     depth_camera: tuple[Literal["exact", "d435", "d455"], ...] = ("exact",)
     map: tuple[MapSource, ...] = ("truth",)

@@ -1,12 +1,14 @@
 from __future__ import annotations
 
+import json
+
 import pytest
 
 import aeroscene.corpus.curation
 import aeroscene.corpus.shipped.scenes
 from aeroscene import sources
 from aeroscene.scene import SceneError
-from aeroscene.scene.io import write_scene
+from aeroscene.scene.io import scene_to_json, write_scene
 from aeroscene.sources import open_scene
 from aeroscene.validation import validate
 from tests.aeroscene.layouts.samples import (
@@ -51,6 +53,15 @@ def test_a_number_opens_a_scene_of_the_dataset(
         open_scene("42")
 
 
+def test_the_name_that_a_scene_has_itself_opens_it(cache_folder, scene_42):
+    for name in ("42", "corpus:42"):
+        scene = open_scene(name)
+        assert open_scene(scene.scene_id) == scene
+        assert sources.canonical_name(scene.scene_id) == name
+    for name in ("field", "gen:7", "a-0042.json", "aeroscene-42", "aeroscene-0042#0"):
+        assert sources.canonical_name(name) == name
+
+
 def test_a_damaged_cache_is_replaced(cache_folder, scene_42):
     open_scene("corpus:42")
     (path,) = cache_folder.rglob("corpus-0042.json")
@@ -75,7 +86,20 @@ def test_a_file_is_opened_by_its_path(tmp_path, scene_42):
 @pytest.mark.parametrize(
     "spec",
     [
-        *("1016", "-1", "4.2", "x", "", "٤٢", "+1", "9" * 5000, "a.jsonx", "#0"),
+        *(
+            "1016",
+            "aeroscene-1016",
+            "aeroscene-42",
+            "-1",
+            "4.2",
+            "x",
+            "",
+            "٤٢",
+            "+1",
+            "9" * 5000,
+            "a.jsonx",
+            "#0",
+        ),
         *(
             "corpus:1234567890",
             "corpus:",
@@ -117,6 +141,16 @@ def test_a_file_of_ours_holds_one_scene(tmp_path, scene_42):
     assert open_scene(f"{path}#0") == open_scene(f"{path}#corpus-0042") == scene_42
     with pytest.raises(SceneError, match=r"has no scene '1', valid: 'corpus-0042'"):
         open_scene(f"{path}#1")
+
+
+def test_a_file_without_areas_has_those_that_its_geometry_offers(tmp_path):
+    path, scene = tmp_path / "mine.json", open_scene("field")
+    document = json.loads(scene_to_json(scene))
+    del document["interaction_areas"]
+    path.write_text(json.dumps(document))
+    derived = open_scene(str(path))
+    assert derived.landing_areas
+    assert not validate(derived)
 
 
 def test_layouts_of_other_people_are_opened_by_what_is_in_them(tmp_path):

@@ -3,7 +3,12 @@
 The same request gives the same scene on the same device with the same batch size.
 """
 
+# ruff: noqa: E402 - a missing torch is reported in our words before an import below fails on it.
 from __future__ import annotations
+
+from aeroscene.learning import require_torch
+
+require_torch()
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace

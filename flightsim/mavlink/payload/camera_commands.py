@@ -151,7 +151,7 @@ class CameraCommands:
 
     def _stream(self, c: Order, *, is_on: bool) -> Reply:
         if self._video is None:
-            return denied("there is no stream; aeroscene-sitl --video makes one")
+            return denied("there is no stream; aeroscene sitl --video makes one")
         if choice(c.param1, default=0) not in {0, STREAM_ID}:
             return denied(f"stream {c.param1:g}; valid is {STREAM_ID}")
         self._video.is_running = is_on

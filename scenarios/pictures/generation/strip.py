@@ -22,6 +22,10 @@ N_MOMENTS = 5
 _COLUMNS = 4
 _WIDTH = 300
 _TITLE_PX, _LETTERS_PX = 32, 20
+_SWATCH_PX, _WORDS_PX = 22, 16
+_COARSE = "coarse objects: ground, buildings, storeys, rooms; darker where they overlap"
+_FINE = "fine objects"
+_VIEW = "from above, north up; T is noise, 0 the layout"
 
 
 def chosen_steps(n_steps: int) -> tuple[int, ...]:
@@ -60,8 +64,25 @@ def draw_strip(
     if scene is not None:
         cells.append(_titled("feasible", draw_layout(layout_of(scene), _WIDTH, half_span_m)))
         cells.append(_titled("scene", draw_scene(scene, _WIDTH, aspect=1.0)))
+    sheet = tile(cells, _COLUMNS)
+    sheet = np.vstack([sheet, _legend(sheet.shape[1])])
     with replacing(out) as file:
-        Image.fromarray(tile(cells, _COLUMNS)).save(file, format="png", optimize=True)
+        Image.fromarray(sheet).save(file, format="png", optimize=True)
+
+
+def _legend(width: int) -> Picture:
+    """A row that says what the colours are, each swatch a box as the layouts have it."""
+    row = np.full((2 * _SWATCH_PX, width, 3), PAPER_RGB, np.uint8)
+    left = _SWATCH_PX // 2
+    for is_coarse, words in ((True, _COARSE), (False, _FINE)):
+        box = Layout(np.zeros((1, 3)), np.eye(1, 2), np.ones((1, 3)), np.array([is_coarse]))
+        swatch = draw_layout(box, _SWATCH_PX, 0.6)
+        free = row[: len(swatch), left : left + _SWATCH_PX]
+        free[:] = swatch[:, : free.shape[1]]
+        write(row, words, (left + _SWATCH_PX + 6, 2), _WORDS_PX, INK_RGB)
+        left += 2 * _SWATCH_PX + round(_WORDS_PX * 0.46 * len(words))
+    write(row, _VIEW, (left, 2), _WORDS_PX, INK_RGB)
+    return row
 
 
 def _titled(title: str, picture: Picture) -> Picture:

@@ -227,15 +227,50 @@ def test_broken_file_names_scene_object_and_field(scene_42, edit, message):
     assert str(caught.value) == f"s.json: {message}"
 
 
-def test_corners_that_do_not_belong_to_the_box_are_refused(scene_42):
+def test_corners_that_do_not_belong_to_the_box_are_computed_again_with_a_note(scene_42, caplog):
     document = json.loads(scene_to_json(scene_42))
     document["objects"][4]["bbox"]["p"][0] += 0.25
-    with pytest.raises(SceneError) as caught:
-        scene_from_json(json.dumps(document))
-    assert str(caught.value) == (
-        "scene JSON: scene 'corpus-0042': object 4: bbox_corners lie 0.25 m away from the corners "
-        "of bbox, valid: at most 0.001 m"
+    moved = scene_from_json(json.dumps(document), "mine.json")
+    (entry,) = caplog.records
+    assert entry.getMessage() == (
+        "mine.json: bbox_corners of object 4 lie up to 0.25 m away from the corners of bbox, which "
+        "counts; they are computed again"
     )
+    assert moved.objects[4].bbox.p == tuple(document["objects"][4]["bbox"]["p"])
+    caplog.clear()
+    assert scene_from_json(scene_to_json(moved)) == moved
+    assert not caplog.records
+
+
+def test_a_note_about_many_corners_stays_one_line(scene_42, caplog):
+    def move_all(document):
+        for record in document["objects"]:
+            record["bbox_corners"][0][0] = 1e308
+
+    scene_from_json(_edited(scene_42, move_all))
+    (entry,) = caplog.records
+    assert f"0, 1, 2, 3, 4 and {len(scene_42.objects) - 5} others" in entry.getMessage()
+
+
+def test_what_follows_from_the_rest_may_be_left_out_by_people_who_may_comment(scene_42, caplog):
+    def as_by_hand(document):
+        document["comment"] = ["A scene by hand.", "It has two lines."]
+        for record in document["objects"]:
+            del record["bbox_corners"], record["scene_id"]
+            record["comment"] = "an object"
+
+    assert scene_from_json(_edited(scene_42, as_by_hand)) == scene_42
+    assert not caplog.records
+
+
+def test_areas_are_derived_only_where_the_file_lists_none_and_somebody_can(scene_42):
+    without = _edited(scene_42, _drop("interaction_areas"))
+    with pytest.raises(SceneError, match=r"^scene JSON: interaction_areas is missing, valid: "):
+        scene_from_json(without)
+    areas = scene_42.interaction_areas[:2]
+    assert scene_from_json(without, derive=lambda _: areas).interaction_areas == areas
+    none = _edited(scene_42, _set("interaction_areas", []))
+    assert scene_from_json(none, derive=lambda _: areas).interaction_areas == ()
 
 
 @pytest.mark.parametrize(

@@ -33,17 +33,9 @@ def cfg(**more):
     return TestbenchCfg(**values)
 
 
-@pytest.fixture
-def sitl(capsys):
-    """Runs the command line: exit status, standard output, standard error."""
-
-    def run(*args):
-        status = main(
-            ["field", "--autopilot", "ardupilot", "--instance", str(own_instance()), *args]
-        )
-        return status, *capsys.readouterr()
-
-    return run
+def sitl(*args):
+    """Run the command line; returns the exit status."""
+    return main(["field", "--autopilot", "ardupilot", "--instance", str(own_instance()), *args])
 
 
 @pytest.mark.parametrize(
@@ -55,15 +47,17 @@ def sitl(capsys):
     ],
 )
 def test_a_lost_stack_is_one_line_and_the_recording_is_whole(
-    sitl, tmp_path, monkeypatch, fate, line
+    tmp_path, monkeypatch, capsys, fate, line
 ):
     monkeypatch.setattr(stack_module, "SILENCE_S", 1.0)
     record = tmp_path / "flight.rrd"
-    status, out, err = sitl(
-        *("--autopilot-binary", str(program(tmp_path, fate)), "--speed", "max", "--json"),
-        *("--record", str(record), "--camera-hz", "0"),
-    )
-    assert status == 2
+    with pytest.raises(SystemExit) as stop:
+        sitl(
+            *("--autopilot-binary", str(program(tmp_path, fate)), "--speed", "max", "--json"),
+            *("--record", str(record), "--camera-hz", "0"),
+        )
+    assert stop.value.code == 2
+    out, err = capsys.readouterr()
     assert err.count(f"aeroscene-sitl: error: the run was ended by {line}") == 1
     result = json.loads(out)
     assert result["sim_seconds"] == pytest.approx(0.2, abs=0.021)
@@ -72,7 +66,7 @@ def test_a_lost_stack_is_one_line_and_the_recording_is_whole(
     assert json.loads(record.with_suffix(".json").read_text())["result"] == result
 
 
-def test_a_program_that_is_none_is_one_line(sitl, tmp_path, capsys):
+def test_a_program_that_is_none_is_one_line(tmp_path, capsys):
     with pytest.raises(SystemExit, match="2"):
         sitl("--autopilot-binary", str(tmp_path / "none"))
     (line,) = capsys.readouterr().err.splitlines()

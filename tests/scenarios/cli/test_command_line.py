@@ -74,7 +74,6 @@ def test_bad_input_gets_one_line_that_names_it(capsys, args, line):
 @pytest.mark.parametrize(
     ("args", "line"),
     [
-        ([], "aeroscene: error: no command; valid: sitl, fly, campaign, report, compare, "),
         (
             ["fligh"],
             "aeroscene: error: fligh is unknown; valid: sitl, fly, campaign, report, compare, ",
@@ -97,7 +96,7 @@ def test_bad_input_gets_one_line_that_names_it(capsys, args, line):
         (["dataset", "x"], "aeroscene dataset: error: x is unknown; valid: build, stats, "),
         (
             ["dataset", "stats", "--jbs", "1"],
-            "aeroscene dataset: error: --jbs is unknown; perhaps -",
+            "aeroscene dataset stats: error: --jbs is unknown; perhaps --jobs; see ",
         ),
     ],
 )
@@ -109,6 +108,16 @@ def test_every_command_says_in_one_line_what_is_valid(capsys, args, line):
     assert output.out == ""
     assert output.err.startswith(line)
     assert output.err.count("\n") == 1
+
+
+@pytest.mark.parametrize("args", [[], ["dataset"], ["bench"]])
+def test_without_a_command_the_help_is_printed(capsys, args):
+    with pytest.raises(SystemExit) as stop:
+        commands(args)
+    assert stop.value.code == 0
+    output = capsys.readouterr()
+    assert output.err == ""
+    assert output.out.startswith(f"usage: {' '.join(['aeroscene', *args])} [-h] ")
 
 
 def test_a_malformed_scene_file_is_named_with_its_fault(capsys, tmp_path):

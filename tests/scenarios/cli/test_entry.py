@@ -35,6 +35,16 @@ def test_the_testbench_is_a_command_among_the_others():
     assert "simulated" in output
 
 
+def test_a_terminal_that_lacks_our_letters_prints_others():
+    env = os.environ | {"PYTHONIOENCODING": "latin-1"}
+    for command in (["-m", "aeroscene", "--help"], ["-m", "aeroscene", "dataset", "stats"]):
+        done = subprocess.run(
+            [sys.executable, *command], env=env, capture_output=True, timeout=100, check=False
+        )
+        assert (done.returncode, done.stderr) == (0, b"")
+        assert done.stdout.decode("latin-1")
+
+
 def test_output_that_is_not_read_to_its_end_leaves_no_traceback():
     process = start("-m", "aeroscene", "--help")
     with process:

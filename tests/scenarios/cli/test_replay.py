@@ -1,4 +1,5 @@
 import json
+import re
 import subprocess
 import sys
 
@@ -48,6 +49,47 @@ def test_json_is_one_object_and_nothing_else(tmp_path):
     assert summary["scene"] is None
     assert summary["verdict"] is None
     assert summary["is_complete"] is True
+
+
+def _summary(**result):
+    known = {"scene": "42", "vehicle": "iris", "seed": 3, "sim_seconds": 15.2}
+    return json.dumps({"result": {**known, "success": True, "code": "landed", **result}})
+
+
+def test_a_folder_is_listed_with_the_verdicts_of_what_is_in_it(tmp_path):
+    inner = tmp_path / "recordings"
+    inner.mkdir()
+    for name in ("a", "b", "c d"):
+        (inner / f"{name}.rrd").write_bytes(b"x" * 100_000)
+    (inner / "a.json").write_text(_summary(reason="landed on area 2"))
+    (inner / "b.json").write_text("{" * 100_000)
+    (inner / "c d.json").write_text(_summary(reason="\x1b[2Jhi\nthere"))
+    result = _main(tmp_path)
+    assert (result.returncode, result.stderr) == (0, "")
+    assert result.stdout.splitlines() == [
+        f"{inner}/a.rrd  0.1 MB  landed: landed on area 2; scene 42, iris, seed 3, 15.2 s",
+        f"{inner}/b.rrd  0.1 MB",
+        f"{inner}/c d.rrd  0.1 MB  landed: ?[2Jhi?there; scene 42, iris, seed 3, 15.2 s",
+        f"Open one with: aeroscene replay '{inner}/c d.rrd'",
+    ]
+    first, *others = json.loads(_main(tmp_path, "--json").stdout)["recordings"]
+    assert first["recording"] == f"{inner}/a.rrd"
+    assert (first["code"], first["success"], first["sim_seconds"]) == ("landed", True, 15.2)
+    assert others[0]["code"] is None
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        ((), "folder .* holds no recordings; valid: "),
+        (("--pictures", "p"), " is a folder; valid: "),
+    ],
+)
+def test_a_folder_that_cannot_be_listed_or_drawn_gets_one_line(tmp_path, options, says):
+    result = _main(tmp_path, *options)
+    assert (result.returncode, result.stdout) == (2, "")
+    (line,) = result.stderr.splitlines()
+    assert re.search(says, line)
 
 
 def test_native_viewer_without_display_ends_with_status_2(tmp_path, monkeypatch, capsys):

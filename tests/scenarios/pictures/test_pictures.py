@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from flightsim.vehicles.catalogue import airframe_by_name
 from scenarios.pictures import FlightStory, PictureError, draw_pictures, style
+from scenarios.pictures.graphs import draw_profile
 from scenarios.pictures.landing import draw_landing
 from scenarios.pictures.story import LandingLayers, MoverPath, PlannedLeg, Track
 from tests.scenarios.landing_scenes import ON_CONTAINER, TOP_M, yard
@@ -142,3 +143,13 @@ def test_scale_is_a_round_length_of_a_tenth_to_a_fifth_of_the_view(span_m):
     length_m = style.round_length_m(span_m)
     assert span_m / 13 < length_m <= span_m / 5 * (1 + 1e-9)
     assert f"{length_m:.0e}"[0] in "125"
+
+
+def test_every_line_of_the_height_is_named(story):
+    axes = style.new_figure(8.0, 4.0).add_subplot()
+    ground_m = np.zeros(N)
+    for overhead_m, named in ((np.full(N, np.inf), []), (np.full(N, 5.5), ["overhead"])):
+        axes.clear()
+        draw_profile(axes, story, ground_m, overhead_m, story.track)
+        names = [text.get_text() for text in axes.get_legend().get_texts()]
+        assert names == ["below", *named, "planned", "flown", "touchdown point"]

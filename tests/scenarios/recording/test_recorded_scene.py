@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from aeroscene.solids.shapes import MATERIALS
 from scenarios.recording.frames import depth_to_uint16, encode_png
+from scenarios.recording.legend import AREA_ROWS, FLIGHT_ROWS
 from scenarios.recording.scene import (
     DRONE_CLASS_RGB,
     PERCHING_RGB,
@@ -33,6 +34,18 @@ def _instances(contents, kind):
         if entity.startswith("/world/scene/") and entity.endswith(suffix)
         for value in contents.column(entity[1:], BATCHES[kind])[1]
     )
+
+
+def test_the_legend_shows_the_colours_of_areas_and_trajectories(contents):
+    rows = (*AREA_ROWS, *FLIGHT_ROWS)
+    # An image that never changes has no times, and one row.
+    ((blob,),) = contents.column("run/legend", "EncodedImage:blob")[1]
+    legend = cv2.imdecode(np.asarray(blob, np.uint8), cv2.IMREAD_COLOR_RGB)
+    height_px = legend.shape[0] / len(rows)
+    for number, (rgb, _) in enumerate(rows):
+        middle = legend[round((number + 0.5) * height_px), 16].astype(int)
+        assert np.abs(middle - rgb).max() < 12
+    assert {rgb for rgb, _ in AREA_ROWS} == {*DRONE_CLASS_RGB.values(), PERCHING_RGB}
 
 
 @pytest.mark.parametrize("kind", BATCHES)

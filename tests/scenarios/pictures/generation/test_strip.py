@@ -32,3 +32,8 @@ def test_strip_has_a_picture_for_each_moment_and_two_for_the_scene(tmp_path):
     # Equal layouts give equal pictures; the titles above differ.
     np.testing.assert_array_equal(strip[40:330, 10:310], strip[40:330, 320:620])
     np.testing.assert_array_equal(strip[40:330, 10:310], strip[40:330, 630:930])
+    # The legend below has the colours of the boxes: blue for coarse ones, orange for fine ones.
+    blue, green, red = np.moveaxis(strip[-44:], 2, 0)
+    assert (blue - red > 10).any()
+    assert (red - blue > 60).any()
+    assert (np.abs(blue - green) < 12).mean() > 0.5

@@ -1,0 +1,86 @@
+"""`aeroscene new`: a file to begin with."""
+
+from __future__ import annotations
+
+import re
+import sys
+from dataclasses import dataclass
+from importlib.util import find_spec
+from keyword import iskeyword
+from pathlib import Path
+from typing import Annotated, Literal
+
+import tyro
+
+from scenarios.cli.command_line import EXIT_DONE, fail, fail_on_file
+
+_PROG = "aeroscene new"
+_BEGINNINGS = Path(__file__).parent / "beginnings"
+_FILES = {
+    "pilot": "pilot.py",
+    "vehicle": "vehicle.toml",
+    "scene": "scene.json",
+    "recipe": "recipe.toml",
+}
+# Vehicles, scenes and modules must all be able to have the name; a file system bounds its length.
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,63}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class NewCfg:
+    """Write a file to begin with: a pilot, a vehicle, a scene or a recipe of your own.
+
+    The file runs as it is, explains itself in comments, and its first lines name the command that
+    runs it. Nothing that is there is written over.
+    """
+
+    kind: tyro.conf.Positional[Literal["pilot", "vehicle", "scene", "recipe"]]
+    """pilot is a Python class, vehicle and recipe are TOML files, scene is a JSON file."""
+    name: tyro.conf.Positional[Annotated[str, tyro.conf.arg(metavar="NAME")]]
+    """Its name: a letter, then up to 63 letters, digits and _; the file is NAME.py, .toml or
+    .json."""
+    out: Path = Path()
+    """Folder to write to, which must be there."""
+
+
+def run(cfg: NewCfg) -> int:
+    """Write the file; exit status 2 with one line where it cannot be, or is there already."""
+    _check_name(cfg)
+    beginning = _BEGINNINGS / _FILES[cfg.kind]
+    path = cfg.out / f"{cfg.name}{beginning.suffix}"
+    text = beginning.read_text("utf-8").replace(f"my_{cfg.kind}", cfg.name)
+    try:
+        with path.open("x", encoding="utf-8") as file:
+            file.write(text)
+    except FileExistsError:
+        fail(_PROG, f"file {str(path)!r} is there already; valid: another name")
+    except OSError as error:
+        fail_on_file(_PROG, error)
+    print(f"{path}\nRun it with: {command_of(text)}")
+    return EXIT_DONE
+
+
+def command_of(text: str) -> str:
+    """The command that the head of such a file names.
+
+    Args:
+        text: The file's content, which has a line with `Run: COMMAND`.
+    """
+    found = re.search(r'Run: ([^"\n]+)', text)
+    if found is None:
+        raise ValueError("a file to begin with names no command")
+    return found[1].strip()
+
+
+def _check_name(cfg: NewCfg) -> None:
+    """Refuse a name that a file, a scene or a module cannot have."""
+    if not _NAME.fullmatch(cfg.name):
+        fail(
+            _PROG,
+            f"name {cfg.name!r} is not valid; valid: a letter, then up to 63 letters, digits and _",
+        )
+    if cfg.kind == "pilot" and (
+        iskeyword(cfg.name) or cfg.name in sys.stdlib_module_names or find_spec(cfg.name)
+    ):
+        # Such a file would be taken for the module by everything that runs beside it.
+        fail(_PROG, f"name {cfg.name!r} is that of a module; valid: one that no module has")
