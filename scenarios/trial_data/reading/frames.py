@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.spatial.transform import Rotation
 
+from aeroscene.file_names import file_name
 from scenarios.recording import layout
 from scenarios.recording.rows import RecordedRows
 from scenarios.trial_data.reading.states import TRANSLATION, Columns, pose_at, spread
@@ -68,7 +69,7 @@ def read_frames(rows: RecordedRows, mounts: Mapping[str, Mount]) -> tuple[Column
     files: dict[str, list[str | None]] = {"rgb": [], "depth": []}
     for number, (_, camera, *data) in enumerate(seen):
         for kind, suffix, encoded in zip(files, ("jpg", "png"), data, strict=True):
-            name = f"{number:06d}_{camera}.{kind}.{suffix}"
+            name = f"{number:06d}_{file_name(camera, 'camera')}.{kind}.{suffix}"
             files[kind].append(None if encoded is None else name)
             if encoded is not None:
                 pictures.append(Picture(name, encoded))
