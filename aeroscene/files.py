@@ -14,8 +14,6 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import BinaryIO
 
-MAX_BYTES = 512 * 1024 * 1024
-"""Most that a file may hold, unpacked; more is no scene and no layout but an accident."""
 _PIECE_BYTES = 64 * 1024
 _GZIP_MAGIC = b"\x1f\x8b"
 
@@ -24,44 +22,56 @@ class UnpackError(ValueError):
     """A file that is no file, too large, or damaged gzip; the message says which."""
 
 
-def read_bounded(path: Path) -> bytes:
+def read_bounded(path: Path, most_bytes: int) -> bytes:
     """The content of a file, unpacked where it is gzip, whatever its name.
+
+    Args:
+        path: The file.
+        most_bytes: Most that it may hold, unpacked.
 
     Raises:
         OSError: If it cannot be read; pipes and devices, which may never end, count as such.
-        UnpackError: If it holds more than `MAX_BYTES`, or its gzip is damaged or cut short.
+        UnpackError: If it holds more than that, or its gzip is damaged or cut short.
+    """
+    content = io.BytesIO()
+    content.writelines(pieces(path, most_bytes))
+    return content.getvalue()
+
+
+def pieces(path: Path, most_bytes: int) -> Iterator[bytes]:
+    """The content of a file piece by piece; arguments and errors are those of `read_bounded`."""
+    with open_regular(path) as packed:
+        is_gzip = packed.peek(len(_GZIP_MAGIC)).startswith(_GZIP_MAGIC)
+        file = gzip.GzipFile(fileobj=packed) if is_gzip else packed
+        n_bytes = 0
+        try:
+            while piece := file.read(_PIECE_BYTES):
+                n_bytes += len(piece)
+                if n_bytes > most_bytes:
+                    raise UnpackError(f"holds more than {_size(most_bytes)}, valid: at most that")
+                yield piece
+        except (EOFError, zlib.error, gzip.BadGzipFile) as error:
+            raise UnpackError(
+                f"gzip is damaged or cut short ({error}), valid: a whole gzip file"
+            ) from None
+
+
+def open_regular(path: Path) -> io.BufferedReader:
+    """Open a file to read that ends: no folder, pipe or device.
+
+    Raises:
+        OSError: If it is another kind of file, or cannot be read.
     """
     status = path.stat()
     if stat.S_ISDIR(status.st_mode):
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
     if not stat.S_ISREG(status.st_mode):
         raise OSError(errno.EINVAL, "no regular file", str(path))
-    too_large = UnpackError(f"holds more than {MAX_BYTES >> 20} MiB, valid: at most that")
-    if status.st_size > MAX_BYTES:
-        raise too_large
-    data = path.read_bytes()
-    if not data.startswith(_GZIP_MAGIC):
-        return data
-    try:
-        # Unpacked twice, and the first time only counted: what is too large takes no memory.
-        if sum(map(len, _pieces(data))) > MAX_BYTES:
-            raise too_large
-        unpacked = io.BytesIO()
-        unpacked.writelines(_pieces(data))
-        return unpacked.getvalue()
-    except (EOFError, zlib.error, gzip.BadGzipFile) as error:
-        raise UnpackError(
-            f"gzip is damaged or cut short ({error}), valid: a whole gzip file"
-        ) from None
+    return path.open("rb")
 
 
-def _pieces(packed: bytes) -> Iterator[bytes]:
-    """What gzip holds, piece by piece, up to the first piece beyond `MAX_BYTES`."""
-    n_bytes = 0
-    with gzip.GzipFile(fileobj=io.BytesIO(packed)) as file:
-        while n_bytes <= MAX_BYTES and (piece := file.read(_PIECE_BYTES)):
-            n_bytes += len(piece)
-            yield piece
+def _size(n_bytes: int) -> str:
+    return f"{n_bytes >> 20} MiB" if n_bytes >> 20 else f"{n_bytes >> 10} KiB"
 
 
 @contextmanager

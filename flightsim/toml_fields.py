@@ -6,6 +6,9 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import Any, NoReturn
 
+from aeroscene.scene.errors import shown
+from aeroscene.visible import is_visible
+
 
 class Fields:
     """A table whose fields are asked for one by one; what nobody asked for is unknown."""
@@ -56,8 +59,9 @@ class Fields:
     def text(self, field: str, *, most: int = 80) -> str:
         """A line of text."""
         value = self._required(field, "a line of text")
-        if not isinstance(value, str) or not value.strip() or len(value) > most:
-            self.fail(field, f"is {value!r}; valid: 1 to {most} characters")
+        is_line = isinstance(value, str) and value.strip() and is_visible(value)
+        if not is_line or len(value) > most:
+            self.fail(field, f"is {shown(value)}; valid: 1 to {most} characters of one line")
         return value
 
     def word(self, field: str, valid: Sequence[str]) -> str:
@@ -65,7 +69,7 @@ class Fields:
         names = " or ".join(valid)
         value = self._required(field, names)
         if value not in valid:
-            self.fail(field, f"is {value!r}; valid: {names}")
+            self.fail(field, f"is {shown(value)}; valid: {names}")
         return value
 
     def number(
@@ -77,21 +81,21 @@ class Fields:
             return default
         value = self._required(field, valid)
         if not _is_number(value) or not low <= value <= high:
-            self.fail(field, f"is {value!r}; valid: {valid}")
+            self.fail(field, f"is {shown(value)}; valid: {valid}")
         return float(value)
 
     def count(self, field: str, low: int, high: int) -> int:
         """A whole number within bounds, both of them valid."""
         value = self._required(field, f"{low} to {high}")
         if not isinstance(value, int) or isinstance(value, bool) or not low <= value <= high:
-            self.fail(field, f"is {value!r}; valid: a whole number from {low} to {high}")
+            self.fail(field, f"is {shown(value)}; valid: a whole number from {low} to {high}")
         return value
 
     def flag(self, field: str, *, default: bool) -> bool:
         """True or false."""
         value = self._required(field, "") if self.has(field) else default
         if not isinstance(value, bool):
-            self.fail(field, f"is {value!r}; valid: true or false")
+            self.fail(field, f"is {shown(value)}; valid: true or false")
         return value
 
     def vector(
@@ -110,21 +114,22 @@ class Fields:
         value = self._required(field, valid)
         is_row = isinstance(value, list) and len(value) == n and all(map(_is_number, value))
         if not is_row or not all(low <= each <= high for each in value):
-            self.fail(field, f"is {value!r}; valid: {valid}")
+            self.fail(field, f"is {shown(value)}; valid: {valid}")
         return tuple(map(float, value))
 
     def rows(
-        self, field: str, n: int, least: int, low: float, high: float, unit: str = ""
+        self, field: str, n: int, count: tuple[int, int], low: float, high: float, unit: str = ""
     ) -> list[tuple[float, ...]]:
-        """Rows of n numbers within bounds, at least so many."""
-        valid = f"{least} rows or more of {n} numbers from {low:g} to {high:g} {unit}".rstrip()
+        """Rows of n numbers within bounds; `count` is the least and the greatest number of rows."""
+        least, most = count
+        valid = f"{least} to {most} rows of {n} numbers from {low:g} to {high:g} {unit}".rstrip()
         value = self._required(field, valid)
-        if not isinstance(value, list) or len(value) < least:
-            self.fail(field, f"is {value!r}; valid: {valid}")
+        if not isinstance(value, list) or not least <= len(value) <= most:
+            self.fail(field, f"is {shown(value)}; valid: {valid}")
         for row in value:
             is_row = isinstance(row, list) and len(row) == n and all(map(_is_number, row))
             if not is_row or not all(low <= each <= high for each in row):
-                self.fail(field, f"has the row {row!r}; valid: {valid}")
+                self.fail(field, f"has the row {shown(row)}; valid: {valid}")
         return [tuple(map(float, row)) for row in value]
 
     def table(self, field: str) -> Fields:
@@ -132,14 +137,14 @@ class Fields:
         value = self._plain.get(field, {})
         self._asked.append(field)
         if not isinstance(value, dict):
-            self.fail(field, f"is {value!r}; valid: a table, [{field}]")
+            self.fail(field, f"is {shown(value)}; valid: a table, [{field}]")
         return self._within(value, f"{self._path}.{field}".strip("."))
 
     def tables(self, field: str) -> Iterator[Fields]:
         """Tables of a list, which count from 1 in messages."""
         value = self._required(field, f"tables, each below [[{field}]]")
         if not isinstance(value, list) or not all(isinstance(each, dict) for each in value):
-            self.fail(field, f"is {value!r}; valid: tables, each below [[{field}]]")
+            self.fail(field, f"is {shown(value)}; valid: tables, each below [[{field}]]")
         for number, plain in enumerate(value, start=1):
             yield self._within(plain, f"{field}[{number}]")
 
@@ -165,4 +170,4 @@ class Fields:
 def _is_number(value: object) -> bool:
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         return False
-    return math.isfinite(value)
+    return not isinstance(value, float) or math.isfinite(value)

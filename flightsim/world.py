@@ -217,7 +217,14 @@ def _compile(
     if len(movers):
         let_touch_movers(spec, len(vehicles))
         movers.add_solids(spec)
-    model = spec.compile()
+    try:
+        model = spec.compile()
+    except ValueError as error:
+        reason = " ".join(str(error).split()).removeprefix("Error: ")
+        raise WorldError(
+            f"scene {scene.scene_id!r} with vehicle {airframe.name!r} cannot be built: {reason}; "
+            "valid: files of shapes that MuJoCo reads"
+        ) from None
     _enable_sleep(model)
     _put_movers(model, traffic)
     is_mover = model.body_mocapid[model.geom_bodyid] >= 0

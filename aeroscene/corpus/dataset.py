@@ -21,7 +21,7 @@ import msgspec
 from aeroscene.corpus.corpus import CORPUS_SIZE
 from aeroscene.corpus.provenance import curation_digest
 from aeroscene.corpus.summary import SceneSummary, Split, summarise
-from aeroscene.files import replacing
+from aeroscene.files import UnpackError, read_bounded, replacing
 from aeroscene.scene import Scene, SceneError
 from aeroscene.scene.io import read_scene, write_scene
 
@@ -30,6 +30,8 @@ VERSION = 1
 MANIFEST = "manifest.json"
 JOURNAL = "journal.jsonl"
 SCENES = "scenes"
+_MOST_BYTES = 32 << 20
+"""Length of a manifest; one of 1,016 scenes has 0.5 MB."""
 
 
 class DatasetError(SceneError):
@@ -155,7 +157,7 @@ def read_entries(folder: Path) -> tuple[SceneEntry, ...]:
 def _read_manifest(folder: Path) -> tuple[SceneEntry, ...]:
     path = folder / MANIFEST
     try:
-        manifest = msgspec.json.decode(path.read_bytes(), type=_Manifest)
+        manifest = msgspec.json.decode(read_bounded(path, _MOST_BYTES), type=_Manifest)
     except FileNotFoundError:
         return ()
     except NotADirectoryError:
@@ -163,7 +165,7 @@ def _read_manifest(folder: Path) -> tuple[SceneEntry, ...]:
     except OSError as error:
         reason = (error.strerror or type(error).__name__).lower()
         raise DatasetError(f"manifest {str(path)!r} cannot be read ({reason})") from None
-    except (msgspec.DecodeError, UnicodeDecodeError) as error:
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError, UnpackError) as error:
         raise DatasetError(
             f"manifest {str(path)!r} is damaged ({error}), valid: as it was made; "
             "delete it, and aeroscene dataset build makes it again"

@@ -10,14 +10,22 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
+from aeroscene.bounds import MOST_OBJECTS
 from aeroscene.scene import Quaternion, SceneError, Vector3
+from aeroscene.visible import visible
 
 Point2 = tuple[float, float]
+_MOST_ROOMS = 500
 LayoutDomain = Literal["indoor", "outdoor"]
 
 
 class LayoutError(SceneError):
     """A layout file that breaks a rule; one line naming scene, object and field."""
+
+
+def _make_visible(named: object, field_name: str) -> None:
+    """Write out what a terminal would obey in a name; called while the object is being made."""
+    object.__setattr__(named, field_name, visible(getattr(named, field_name)))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -39,6 +47,11 @@ class LayoutObject:
     name: str = ""
     """Name of this very object in the source."""
 
+    def __post_init__(self) -> None:
+        """Show what of its names a terminal would obey."""
+        for name in ("category", "super_category", "name"):
+            _make_visible(self, name)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LayoutRoom:
@@ -46,6 +59,10 @@ class LayoutRoom:
 
     name: str
     polygon: tuple[Point2, ...]
+
+    def __post_init__(self) -> None:
+        """Show what of its name a terminal would obey."""
+        _make_visible(self, "name")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -66,3 +83,14 @@ class NeutralLayout:
     """Whatever else the source says, unchecked."""
     invalid: tuple[str, ...] = ()
     """Objects that were left out because they broke a rule, one line each."""
+
+    def __post_init__(self) -> None:
+        """Refuse a layout that is beyond the bounds of a scene.
+
+        Raises:
+            LayoutError: If it has too many objects or rooms.
+        """
+        _make_visible(self, "scene_id")
+        for name, most in (("objects", MOST_OBJECTS), ("rooms", _MOST_ROOMS)):
+            if (count := len(getattr(self, name))) > most:
+                raise LayoutError(f"{name} are {count}, valid: at most {most}")

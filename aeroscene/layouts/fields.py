@@ -6,8 +6,9 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from aeroscene.bounds import MOST_POINTS
 from aeroscene.layouts.document import LayoutError, Point2
-from aeroscene.scene import Quaternion, Vector3
+from aeroscene.scene import Quaternion, Vector3, errors
 from aeroscene.scene.box import MAX_EXTENT_M, MIN_SIZE_M
 
 RENORMALISE = 1e-3
@@ -19,11 +20,7 @@ _SHOWN = 60
 
 def shown(value: object) -> str:
     """A value as an error shows it: on one line and not endless."""
-    try:
-        text = repr(value)
-    except (ValueError, RecursionError):  # An integer or a nesting beyond Python's own limits.
-        text = f"a {type(value).__name__} too long to show"
-    return text if len(text) <= _SHOWN else f"{text[:_SHOWN]}..."
+    return errors.shown(value, _SHOWN)
 
 
 def refuse(field_name: str, value: object, valid: str) -> LayoutError:
@@ -108,6 +105,8 @@ def polygon(value: object, field_name: str) -> tuple[Point2, ...]:
     from aeroscene.scene.polygon import is_simple, signed_area  # noqa: PLC0415 - only for outlines
 
     corners: list[Point2] = []
+    if len(items(value, field_name)) > MOST_POINTS:
+        raise refuse(field_name, value, f"3 to {MOST_POINTS} corners")
     for index, corner in enumerate(items(value, field_name)):
         x, y = numbers(corner, 2, f"{field_name}[{index}]")
         if max(abs(x), abs(y)) > MAX_POSITION_M:

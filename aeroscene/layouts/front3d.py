@@ -21,16 +21,19 @@ shells with door leaves in them. Hierarchy there is none: `parent` is always Non
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import msgspec
 import numpy as np
 
+from aeroscene.bounds import MOST_VALUES
+from aeroscene.files import UnpackError, read_bounded
 from aeroscene.layouts import fields
 from aeroscene.layouts.document import LayoutError, LayoutObject, LayoutRoom, NeutralLayout, Point2
+from aeroscene.layouts.text_file import MOST_BYTES, parse_json
 from aeroscene.scene import Quaternion, Vector3
 from aeroscene.scene.box import rotation_matrix
 from aeroscene.scene.polygon import signed_area
@@ -41,6 +44,10 @@ if TYPE_CHECKING:
 _CLOSE_M = 0.005
 _SIMPLIFY_M = 0.02
 _LEAST_ROOM_M2 = 0.5
+_MOST_RECORDS = 100_000
+"""Meshes, pieces of furniture and children of a house."""
+_MOST_TRIANGLES = 50_000
+"""Triangles of all floors of a house."""
 _MARGIN_M = 0.5
 """Floor about the furniture of a house without floors."""
 
@@ -51,13 +58,59 @@ def read_model_info(folder: Path) -> ModelInfo:
     """3D-FUTURE's `model_info.json` under `model_id`, if it lies in the folder or the one above."""
     for path in (folder / "model_info.json", folder.parent / "model_info.json"):
         try:
-            records = json.loads(path.read_bytes())
-        except (OSError, ValueError):
+            records = parse_json(read_bounded(path, MOST_BYTES), str(path))
+        except (OSError, UnpackError, LayoutError):
             continue
         if isinstance(records, list):
             entries = [record for record in records if isinstance(record, dict)]
             return {str(entry.get("model_id")): entry for entry in entries}
     return {}
+
+
+class _Mesh(msgspec.Struct):
+    """A mesh as text: of the many, only those of floors are decoded."""
+
+    uid: msgspec.Raw = msgspec.Raw(b"null")
+    type: msgspec.Raw = msgspec.Raw(b'""')
+    xyz: msgspec.Raw = msgspec.Raw(b"null")
+    faces: msgspec.Raw = msgspec.Raw(b"null")
+
+
+def house_value(data: bytes, where: str) -> dict[str, Any] | None:
+    """The JSON value of a house as far as it is read; the numbers of its meshes stay text.
+
+    Args:
+        data: JSON text of up to `MOST_BYTES`, most of which are vertices of walls.
+        where: What to call the text in an error.
+
+    Returns:
+        The value, None where the text is no house.
+
+    Raises:
+        LayoutError: If a part of it exceeds the bounds of one scene.
+    """
+    if data.count(b":") > MOST_VALUES or data.count(b"{") > _MOST_RECORDS:
+        return None
+    try:
+        parts = msgspec.json.decode(data, type=dict[str, msgspec.Raw])
+        if not parts.keys() >= {"furniture", "scene"} or "outdoor_scene" in parts:
+            return None
+        meshes = msgspec.json.decode(parts.get("mesh", b"[]"), type=list[_Mesh])
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError):
+        return None  # Who reads all of it says what is wrong.
+    names = ("uid", "furniture", "scene")
+    value = {name: parse_json(bytes(parts[name]), where) for name in names if name in parts}
+    if "mesh" in parts:
+        value["mesh"] = [
+            {
+                "uid": parse_json(bytes(mesh.uid), where),
+                "type": parse_json(bytes(mesh.type), where),
+                "xyz": mesh.xyz,
+                "faces": mesh.faces,
+            }
+            for mesh in meshes
+        ]
+    return value
 
 
 def front3d_layout(
@@ -85,6 +138,7 @@ class _House:
         self._info = info
         self._invalid: list[str] = []
         self._n_ignored = 0
+        self._n_triangles = 0
 
     def layout(self, scene_id: str) -> NeutralLayout:
         furniture = self._by_uid("furniture")
@@ -133,9 +187,16 @@ class _House:
                 objects.append(self._piece(record, furniture[ref]))
             elif ref in meshes:
                 if "floor" in str(meshes[ref].get("type", "")).lower():
-                    floors.append(_triangles(record, meshes[ref]))
+                    floors.append(self._floor(record, meshes[ref]))
             else:
                 self._n_ignored += 1
+
+    def _floor(self, child: Mapping[str, Any], mesh: Mapping[str, Any]) -> np.ndarray:
+        triangles = _triangles(child, mesh)
+        self._n_triangles += len(triangles)
+        if self._n_triangles > _MOST_TRIANGLES:
+            raise LayoutError(f"floors have more than {_MOST_TRIANGLES} triangles, valid: fewer")
+        return triangles
 
     def _piece(self, child: Mapping[str, Any], piece: Mapping[str, Any]) -> LayoutObject:
         info = self._info.get(str(piece.get("jid")), {})
@@ -220,8 +281,8 @@ def _triangles(child: Mapping[str, Any], mesh: Mapping[str, Any]) -> np.ndarray:
     """Corners of a mesh's triangles seen from above, (n, 3, 2), m."""
     pos, quat, scale = _pose(child)
     try:
-        vertices = np.asarray(mesh["xyz"], dtype=float).reshape(-1, 3) * scale
-        faces = np.asarray(mesh["faces"], dtype=np.int64).reshape(-1, 3)
+        vertices = _flat(mesh["xyz"], np.float64).reshape(-1, 3) * scale
+        faces = _flat(mesh["faces"], np.int64).reshape(-1, 3)
         corners = vertices[faces]
     except (KeyError, ValueError, TypeError, IndexError, OverflowError):
         raise LayoutError(
@@ -232,6 +293,20 @@ def _triangles(child: Mapping[str, Any], mesh: Mapping[str, Any]) -> np.ndarray:
         raise fields.refuse("xyz", mesh.get("uid"), "finite numbers")
     ours = np.stack([-corners[..., 0], corners[..., 2], corners[..., 1]], axis=-1)
     return (ours @ rotation_matrix(quat).T + pos)[..., :2]
+
+
+def _flat(values: object, kind: type[np.number]) -> np.ndarray:
+    """Numbers of a list, which may still be text.
+
+    Raises:
+        ValueError: If it is no list of numbers, or of more than a floor has.
+    """
+    if isinstance(values, msgspec.Raw):
+        text = bytes(values)
+        if text.count(b",") > 3 * _MOST_TRIANGLES:
+            raise ValueError("too many numbers")
+        values = msgspec.json.decode(text, type=list[float])
+    return np.asarray(values, dtype=kind)
 
 
 def _outline(floors: list[np.ndarray]) -> tuple[Point2, ...]:

@@ -16,7 +16,7 @@ from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 
-from aeroscene.files import cache_folder, replacing
+from aeroscene.files import cache_folder, open_regular, replacing
 from aeroscene.layouts.neutral import read_neutral
 from aeroscene.layouts.text_file import text_lines
 from aeroscene.scene import Scene
@@ -26,6 +26,7 @@ MOST_KEPT = 8
 """Files whose scenes are kept; those that were not used for longest go first."""
 _MAGIC = b"aeroscene mapped layouts 1\n"
 _DIGEST_BYTES = 16
+_PIECE_BYTES = 1 << 20
 _END = b"\0"
 """What ends a scene; JSON has none."""
 _SOURCES = ("scene", "solids", "areas", "layouts")
@@ -86,7 +87,9 @@ def _kept_file(path: Path) -> Path | None:
         return None
     digest = hashlib.blake2b(_code(), digest_size=_DIGEST_BYTES)
     try:
-        digest.update(path.read_bytes())
+        with open_regular(path) as file:
+            while piece := file.read(_PIECE_BYTES):
+                digest.update(piece)
     except OSError:
         return None  # Who reads it says why.
     return folder / f"{digest.hexdigest()}.scenes"

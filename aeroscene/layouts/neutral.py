@@ -71,7 +71,8 @@ def read_each(path: Path, *, skip_invalid: bool) -> Iterator[NeutralLayout | Lay
         try:
             record = parse_json(line, where, number)
         except LayoutError as error:
-            yield error
+            # Without the frames in which it was raised, which hold the line and its values.
+            yield error.with_traceback(None)
             continue
         try:
             layout = _of_line(record, path, number, skip_invalid=skip_invalid)

@@ -9,10 +9,10 @@ from typing import Any, Literal
 
 from aeroscene.layouts.aeroscene_json import aeroscene_layout
 from aeroscene.layouts.document import LayoutError, NeutralLayout
-from aeroscene.layouts.front3d import front3d_layout, read_model_info
+from aeroscene.layouts.front3d import front3d_layout, house_value, read_model_info
 from aeroscene.layouts.mapping import MappingReport
 from aeroscene.layouts.neutral import neutral_layout, read_each, read_neutral
-from aeroscene.layouts.text_file import read_json, source_name
+from aeroscene.layouts.text_file import parse_json, read_bytes, source_name
 from aeroscene.layouts.thor import KEYS, read_asset_sizes, thor_layout
 from aeroscene.scene import Scene
 
@@ -47,7 +47,7 @@ def read_layouts(
         yield from read_neutral(path, skip_invalid, faults)
         return
     try:
-        layout = _read_one(read_json(path), path, skip_invalid=skip_invalid)
+        layout = _read_one(path, skip_invalid=skip_invalid)
     except LayoutError as error:
         if not skip_invalid:
             raise
@@ -57,7 +57,12 @@ def read_layouts(
     yield layout
 
 
-def _read_one(value: object, path: Path, *, skip_invalid: bool) -> NeutralLayout:
+def _read_one(path: Path, *, skip_invalid: bool) -> NeutralLayout:
+    where = source_name(path)
+    data = read_bytes(path)
+    value = house_value(data, where)
+    value = parse_json(data, where) if value is None else value
+    del data
     try:
         match dialect_of(value):
             case "aeroscene":
@@ -72,7 +77,9 @@ def _read_one(value: object, path: Path, *, skip_invalid: bool) -> NeutralLayout
             case "neutral":
                 return neutral_layout(value, skip_invalid=skip_invalid)
     except LayoutError as error:
-        raise error.within(source_name(path)) from None
+        raise error.within(where) from None
+    except RecursionError:
+        raise LayoutError(f"{where}: JSON is nested too deeply, valid: a scene") from None
 
 
 def dialect_of(value: Any) -> Dialect:
@@ -105,24 +112,31 @@ def pick_layout(
         LayoutError: If there is none by that name, or the file breaks a rule.
     """
     path = Path(path)
-    found: list[NeutralLayout | LayoutError] = []
-    for entry in _each(path, skip_invalid=skip_invalid):
+    number = int(scene_id) if scene_id and re.fullmatch("[0-9]{1,9}", scene_id) else None
+    numbered: NeutralLayout | LayoutError | None = None
+    fault: LayoutError | None = None
+    first, count = "", 0
+    # Of a file with thousands of scenes only what the answer needs is kept.
+    for count, entry in enumerate(_each(path, skip_invalid=skip_invalid), 1):
         if scene_id is None or (isinstance(entry, NeutralLayout) and _is_called(entry, scene_id)):
             return _unless_fault(entry)
-        found.append(entry)
-    if scene_id is not None and re.fullmatch("[0-9]{1,9}", scene_id) and int(scene_id) < len(found):
-        return _unless_fault(found[int(scene_id)])
-    for entry in found:
+        if count - 1 == number:
+            numbered = entry
+        if isinstance(entry, NeutralLayout):
+            first = first or entry.scene_id
+        else:
+            fault = fault or entry
+    if numbered is not None:
+        return _unless_fault(numbered)
+    if fault is not None:
         # Nobody can say whether the scene that cannot be read was the one that is asked for.
-        if isinstance(entry, LayoutError):
-            raise entry
+        raise fault
     where = source_name(path)
-    names = [entry.scene_id for entry in found if isinstance(entry, NeutralLayout)]
-    if not names:
+    if not first:
         raise LayoutError(f"{where} has no scene, valid: at least one")
     raise LayoutError(
-        f"{where} has no scene {scene_id!r}, valid: a number from 0 to {len(names) - 1} or an id "
-        f"such as {names[0]!r}"
+        f"{where} has no scene {scene_id!r}, valid: a number from 0 to {count - 1} or an id "
+        f"such as {first!r}"
     )
 
 
@@ -130,7 +144,7 @@ def _each(path: Path, *, skip_invalid: bool) -> Iterator[NeutralLayout | LayoutE
     if path.name.endswith(LINE_SUFFIXES):
         yield from read_each(path, skip_invalid=skip_invalid)
     else:
-        yield _read_one(read_json(path), path, skip_invalid=skip_invalid)
+        yield _read_one(path, skip_invalid=skip_invalid)
 
 
 def _is_called(layout: NeutralLayout, scene_id: str) -> bool:

@@ -1,14 +1,26 @@
-"""Layout files as text and JSON: plain or gzip, whole or in lines, faults with their place."""
+"""Layout files as text and JSON: plain or gzip, whole or in lines, faults with their place.
+
+A file of lines is read line by line, so that its memory is that of one scene.
+"""
 
 from __future__ import annotations
 
+import io
 import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from aeroscene.files import UnpackError, read_bounded
+from aeroscene.bounds import MOST_JSON_BYTES, excess
+from aeroscene.files import UnpackError, pieces
 from aeroscene.layouts.document import LayoutError
+
+MOST_BYTES = 32 << 20
+"""Most that a file of one layout may hold, unpacked: the largest houses with their meshes."""
+MOST_LINES_BYTES = 256 << 20
+"""Most that a file of many layouts may hold, unpacked; ProcTHOR's 12,000 houses have half of it."""
+MOST_LINES = 200_000
+"""Most lines of such a file, blank ones included."""
 
 
 def source_name(path: Path) -> str:
@@ -17,14 +29,23 @@ def source_name(path: Path) -> str:
 
 
 def read_bytes(path: Path) -> bytes:
-    """The content of a file, unpacked where it is gzip, whatever its name.
+    """The content of a file of one layout, unpacked where it is gzip, whatever its name.
 
     Raises:
         LayoutError: If it cannot be read, is cut short, too large or empty.
     """
+    content = io.BytesIO()
+    content.writelines(_pieces(path, MOST_BYTES))
+    data = content.getvalue()
+    if not data.strip():
+        raise LayoutError(f"{source_name(path)} is empty, valid: a scene in JSON")
+    return data
+
+
+def _pieces(path: Path, most_bytes: int) -> Iterator[bytes]:
     where = source_name(path)
     try:
-        data = read_bounded(path)
+        yield from pieces(path, most_bytes)
     except UnpackError as error:
         raise LayoutError(f"{where}: {error}") from None
     except (OSError, ValueError) as error:
@@ -32,12 +53,9 @@ def read_bytes(path: Path) -> bytes:
         raise LayoutError(
             f"{where} cannot be read ({reason.lower()}), valid: a JSON file"
         ) from None
-    if not data.strip():
-        raise LayoutError(f"{where} is empty, valid: a scene in JSON")
-    return data
 
 
-def decode_text(data: bytes, where: str) -> str:
+def decode_text(data: bytes, where: str, first_line: int = 1) -> str:
     """UTF-8 text.
 
     Raises:
@@ -46,18 +64,22 @@ def decode_text(data: bytes, where: str) -> str:
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        line = data.count(b"\n", 0, error.start) + 1
+        line = data.count(b"\n", 0, error.start) + first_line
         raise LayoutError(
             f"{where} line {line}: byte {error.start} is no UTF-8, valid: JSON in UTF-8"
         ) from None
 
 
-def parse_json(text: str, where: str, first_line: int = 1) -> Any:
+def parse_json(data: bytes, where: str, first_line: int = 1) -> Any:
     """The value of a JSON text; NaN passes here and is refused by the field that holds it.
 
     Raises:
-        LayoutError: Naming the line where it ends too early or is malformed.
+        LayoutError: Naming the line where it ends too early or is malformed, or the bound that it
+            exceeds.
     """
+    if (fault := excess(data)) is not None:
+        raise LayoutError(f"{where} line {first_line}: it {fault}")
+    text = decode_text(data, where, first_line)
     try:
         return json.loads(text)
     except json.JSONDecodeError as error:
@@ -74,20 +96,37 @@ def parse_json(text: str, where: str, first_line: int = 1) -> Any:
         raise LayoutError(f"{where}: a number is too long ({error}), valid: a scene") from None
 
 
-def read_json(path: Path) -> Any:
-    """The one JSON value of a file."""
+def text_lines(path: Path) -> Iterator[tuple[int, bytes, LayoutError | None]]:
+    """Number and text of every line that is not blank; a line that is too long carries its error.
+
+    Raises:
+        LayoutError: If the file cannot be read, is cut short, too large or empty.
+    """
     where = source_name(path)
-    return parse_json(decode_text(read_bytes(path), where), where)
+    # Unpacked twice: a file that is damaged further down is refused before its first scene.
+    is_empty = True
+    for piece in _pieces(path, MOST_LINES_BYTES):
+        is_empty = is_empty and not piece.strip()
+    if is_empty:
+        raise LayoutError(f"{where} is empty, valid: a scene in JSON")
+    for number, line in enumerate(_lines(path), 1):
+        if number > MOST_LINES:
+            raise LayoutError(f"{where} has more than {MOST_LINES} lines, valid: at most that")
+        if len(line) > MOST_JSON_BYTES:
+            most = MOST_JSON_BYTES >> 20
+            message = f"{where} line {number} holds more than {most} MiB, valid: at most that"
+            yield number, b"", LayoutError(message)
+        elif line.strip():
+            yield number, line, None
 
 
-def text_lines(path: Path) -> Iterator[tuple[int, str, LayoutError | None]]:
-    """Number and text of every line that is not blank; a line that is no text carries its error."""
-    where = source_name(path)
-    for number, line in enumerate(read_bytes(path).split(b"\n"), 1):
-        if not line.strip():
-            continue
-        try:
-            yield number, decode_text(line, where), None
-        except LayoutError:
-            message = f"{where} line {number}: not UTF-8, valid: JSON in UTF-8"
-            yield number, "", LayoutError(message)
+def _lines(path: Path) -> Iterator[bytes]:
+    """Lines of a file; of one that is too long only so much that this can be seen."""
+    line = bytearray()
+    for piece in _pieces(path, MOST_LINES_BYTES):
+        first, *others = piece.split(b"\n")
+        line += first[: MOST_JSON_BYTES + 1 - len(line)]
+        for other in others:
+            yield bytes(line)
+            line = bytearray(other)
+    yield bytes(line)

@@ -6,6 +6,9 @@ import math
 from collections.abc import Sequence
 from typing import get_args
 
+_SHOWN = 200
+"""Characters of a value that a message shows."""
+
 
 class SceneError(ValueError):
     """A scene that breaks a rule of the schema; one line saying where, what and what is valid."""
@@ -18,13 +21,30 @@ class SceneError(ValueError):
 def require(*, ok: bool, field_name: str, value: object, valid: str) -> None:
     """Raise `SceneError` that names field, value and what would be valid, unless `ok`."""
     if not ok:
-        raise SceneError(f"{field_name} is {value!r}, valid: {valid}")
+        raise SceneError(f"{field_name} is {shown(value)}, valid: {valid}")
+
+
+def shown(value: object, most: int = _SHOWN) -> str:
+    """A value as a message shows it: on one line and not endless."""
+    try:
+        text = repr(value)
+    except (ValueError, RecursionError):  # An integer or a nesting beyond Python's own limits.
+        text = f"a {type(value).__name__} too long to show"
+    return text if len(text) <= most else f"{text[:most]}..."
 
 
 def require_finite(values: Sequence[float], count: int, field_name: str) -> None:
     """Require `count` finite numbers."""
     ok = len(values) == count and all(math.isfinite(v) for v in values)
     require(ok=ok, field_name=field_name, value=values, valid=f"{count} finite numbers")
+
+
+def require_within(values: Sequence[float], limit: float, field_name: str) -> None:
+    """Require finite numbers from -limit to limit; an integer beyond floats is outside."""
+    ok = all(-limit <= v <= limit for v in values)
+    single = len(values) == 1
+    valid = f"{'a number' if single else f'{len(values)} numbers'} from {-limit:g} to {limit:g}"
+    require(ok=ok, field_name=field_name, value=values[0] if single else values, valid=valid)
 
 
 def require_one_of(value: str, choices: object, field_name: str) -> None:

@@ -20,6 +20,7 @@ import msgspec
 import numpy as np
 from msgspec.structs import asdict
 
+from aeroscene.bounds import MOST_JSON_BYTES, excess
 from aeroscene.files import UnpackError, read_bounded, replacing
 from aeroscene.scene import (
     AttributeValue,
@@ -32,6 +33,7 @@ from aeroscene.scene import (
     Vector3,
 )
 from aeroscene.scene.box import box_corners
+from aeroscene.scene.errors import shown
 
 FORMAT = "aeroscene-scene"
 VERSION = 1
@@ -190,15 +192,12 @@ def scene_from_json(
         SceneError: One line that names scene, object and field, and says what is valid.
     """
     try:
-        head = msgspec.json.decode(data, type=_Head)
-        if (head.format, head.version) != (FORMAT, VERSION):
-            raise SceneFileError(
-                f"format is {head.format!r} version {head.version}, "
-                f"valid: {FORMAT!r} version {VERSION}"
-            )
-        document = msgspec.json.decode(data, type=_Document)
-        return _build(document, source, derive)
+        data = data.encode() if isinstance(data, str) else data
+        if (fault := excess(data)) is not None:
+            raise SceneFileError(fault)
+        return _build(_decode(data), source, derive)
     except msgspec.ValidationError as error:
+        assert isinstance(data, bytes)
         _raise_located(data, source, str(error))
     except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
         reason = str(error).removeprefix("JSON is malformed: ")
@@ -207,19 +206,45 @@ def scene_from_json(
         raise error.within(source) from None
 
 
-def _raise_located(data: bytes | str, source: str, text: str) -> NoReturn:
+def _decode(data: bytes) -> _Document:
+    """The document in one pass; another format or version says so before any field that differs."""
+    try:
+        document = msgspec.json.decode(data, type=_Document)
+    except msgspec.ValidationError:
+        _require_ours(msgspec.json.decode(data, type=_Head))
+        raise
+    _require_ours(document)
+    return document
+
+
+def _require_ours(head: _Head | _Document) -> None:
+    if (head.format, head.version) != (FORMAT, VERSION):
+        raise SceneFileError(
+            f"format is {shown(head.format)} version {shown(head.version)}, "
+            f"valid: {FORMAT!r} version {VERSION}"
+        )
+
+
+def _raise_located(data: bytes, source: str, text: str) -> NoReturn:
     """Turn msgspec's path into scene, object and field."""
     message, _, path = text.partition(" - at `")
     path = path.removesuffix("`").removeprefix("$").removeprefix(".")
     place = re.match(r"(objects|interaction_areas)\[(\d+)\]\.?(.*)", path)
     where = source
     if place:
-        record = msgspec.json.decode(data)[place[1]][int(place[2])]
+        parts = msgspec.json.decode(data, type=dict[str, msgspec.Raw])
+        record = msgspec.json.decode(
+            msgspec.json.decode(parts[place[1]], type=list[msgspec.Raw])[int(place[2])]
+        )
         noun = "object" if place[1] == "objects" else "interaction area"
         name = record.get("id") if isinstance(record, dict) else None
-        where += f": {noun} {name}" if name is not None else f": {place[1]}[{place[2]}]"
+        where += f": {noun} {_bare(name)}" if name is not None else f": {place[1]}[{place[2]}]"
         path = place[3]
     raise SceneFileError(f"{where}: {path}: {message}" if path else f"{where}: {message}") from None
+
+
+def _bare(name: object) -> str:
+    return shown(name, 60).strip("'")
 
 
 def _build(document: _Document, source: str, derive: DeriveAreas | None) -> Scene:
@@ -308,7 +333,7 @@ def read_scene(path: str | Path, derive: DeriveAreas | None = None) -> Scene:
     path = Path(path)
     source = f"scene file {str(path)!r}"
     try:
-        data = read_bounded(path)
+        data = read_bounded(path, MOST_JSON_BYTES)
     except UnpackError as error:
         raise SceneFileError(f"{source}: {error}") from None
     except (OSError, ValueError) as error:

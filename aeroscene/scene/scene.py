@@ -13,10 +13,18 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Literal
 
+from aeroscene.bounds import MOST_ID, MOST_OBJECTS, MOST_POINTS, MOST_SEED
 from aeroscene.scene.box import MAX_EXTENT_M, OrientedBox, Vector3
 from aeroscene.scene.catalogue import CATALOGUE
-from aeroscene.scene.errors import SceneError, require, require_finite, require_one_of
+from aeroscene.scene.errors import (
+    SceneError,
+    require,
+    require_finite,
+    require_one_of,
+    require_within,
+)
 from aeroscene.scene.polygon import distance_inside, is_simple, signed_area
+from aeroscene.visible import is_visible
 
 AttributeValue = str | float | int | bool
 ObjectDomain = Literal["indoor", "outdoor"]
@@ -26,6 +34,38 @@ AreaKind = Literal["landing", "perching"]
 
 INSCRIBED_TOLERANCE_M = 0.01
 """Length by which an area's radius may exceed the distance from its centroid to its border."""
+FARTHEST_M = 10_000.0
+"""Farthest that a coordinate lies from the origin; beyond, a float has no millimetres to lose."""
+ALTITUDES_M = (-1000.0, 10_000.0)
+"""Altitudes of the origin: below the Dead Sea's shore, above every summit."""
+MOST_YAW_RAD = 2.0 * math.pi + 1e-6
+_MOST_NUMBER = 1e9
+"""Largest number of an attribute, which may become a count of parts."""
+_MOST_TEXT = 200
+"""Longest name."""
+
+
+def _require_id(number: int) -> None:
+    ok = 0 <= number <= MOST_ID
+    require(ok=ok, field_name="id", value=number, valid=f"an integer from 0 to {MOST_ID}")
+
+
+def _require_name(name: str, field_name: str, least: int = 0) -> None:
+    """Require a short text without characters that a terminal obeys."""
+    ok = least <= len(name) <= _MOST_TEXT and is_visible(name)
+    valid = f"{least} to {_MOST_TEXT} characters, no control characters"
+    require(ok=ok, field_name=field_name, value=name, valid=valid)
+
+
+def _require_point(point: Vector3, field_name: str) -> None:
+    require_finite(point, 3, field_name)
+    require_within(point, FARTHEST_M, field_name)
+
+
+def _require_numbers(values: Mapping[str, AttributeValue], title: str) -> None:
+    for name, value in values.items():
+        if isinstance(value, (int, float)):
+            require_within((value,), _MOST_NUMBER, f"{title}.{name}")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -48,7 +88,7 @@ class SceneObject:
             raise error.within(f"object {self.id}") from None
 
     def _validate(self) -> None:
-        require(ok=self.id >= 0, field_name="id", value=self.id, valid="an integer from 0")
+        _require_id(self.id)
         require(
             ok=self.category_id in CATALOGUE,
             field_name="category_id",
@@ -56,9 +96,7 @@ class SceneObject:
             valid=f"1 to {len(CATALOGUE)}",
         )
         require_one_of(self.domain, ObjectDomain, "domain")
-        for name, value in self.attributes.items():
-            if isinstance(value, float):
-                require_finite((value,), 1, f"attributes.{name}")
+        _require_numbers(self.attributes, "attributes")
 
     @property
     def category(self) -> str:
@@ -103,12 +141,15 @@ class InteractionArea:
     def _validate(self) -> None:
         require_one_of(self.drone_class, DroneClass, "drone_class")
         require_one_of(self.kind, AreaKind, "kind")
-        ok = len(self.polygon) >= 3
-        require(ok=ok, field_name="polygon", value=self.polygon, valid="at least 3 vertices")
+        _require_id(self.id)
+        ok = 3 <= len(self.polygon) <= MOST_POINTS
+        valid = f"3 to {MOST_POINTS} vertices"
+        require(ok=ok, field_name="polygon", value=self.polygon, valid=valid)
         for index, vertex in enumerate(self.polygon):
-            require_finite(vertex, 3, f"polygon[{index}]")
-        require_finite(self.centroid, 3, "centroid")
+            _require_point(vertex, f"polygon[{index}]")
+        _require_point(self.centroid, "centroid")
         require_finite((self.radius, self.clearance_m), 2, "radius and clearance_m")
+        require_within((self.clearance_m,), FARTHEST_M, "clearance_m")
         require(ok=self.radius > 0, field_name="radius", value=self.radius, valid="above 0 m")
         ok = 0 <= self.slope_rad < math.pi / 2
         require(ok=ok, field_name="slope_rad", value=self.slope_rad, valid="0 to below pi/2")
@@ -174,21 +215,21 @@ class Scene:
             raise error.within(f"scene {self.scene_id!r}") from None
 
     def _validate_frame(self) -> None:
-        ok = bool(self.scene_id)
-        require(ok=ok, field_name="scene_id", value=self.scene_id, valid="a non-empty name")
+        _require_name(self.scene_id, "scene_id", least=1)
+        _require_name(self.theme, "theme")
         require_one_of(self.domain, SceneDomain, "domain")
-        require(ok=self.seed >= 0, field_name="seed", value=self.seed, valid="an integer from 0")
-        require_finite(self.extent_min_enu_m, 3, "extent.min")
-        require_finite(self.extent_max_enu_m, 3, "extent.max")
+        ok = 0 <= self.seed <= MOST_SEED
+        valid = f"an integer from 0 to {MOST_SEED}"
+        require(ok=ok, field_name="seed", value=self.seed, valid=valid)
+        _require_point(self.extent_min_enu_m, "extent.min")
+        _require_point(self.extent_max_enu_m, "extent.max")
         low, high = self.extent_min_enu_m, self.extent_max_enu_m
         ok = all(a < b <= a + MAX_EXTENT_M for a, b in zip(low, high, strict=True))
         valid = f"min below max and at most {MAX_EXTENT_M:g} m apart on each axis"
         require(ok=ok, field_name="extent", value=(low, high), valid=valid)
         self._validate_start()
-        for title, values in (("wishes", self.wishes), ("measured", self.measured)):
-            for name, value in values.items():
-                if isinstance(value, float):
-                    require_finite((value,), 1, f"{title}.{name}")
+        _require_numbers(self.wishes, "wishes")
+        _require_numbers(self.measured, "measured")
 
     def _validate_start(self) -> None:
         low, high = self.extent_min_enu_m, self.extent_max_enu_m
@@ -197,14 +238,19 @@ class Scene:
         ok = all(a <= x <= b for a, x, b in zip(low, start, high, strict=True))
         valid = f"a point inside the extent, {low} to {high}"
         require(ok=ok, field_name="start.position", value=start, valid=valid)
-        require_finite((self.start_yaw_rad,), 1, "start.yaw")
+        require_within((self.start_yaw_rad,), MOST_YAW_RAD, "start.yaw")
         ok = -90 <= self.latitude_deg <= 90
         require(ok=ok, field_name="latitude_deg", value=self.latitude_deg, valid="-90 to 90")
         ok = -180 <= self.longitude_deg <= 180
         require(ok=ok, field_name="longitude_deg", value=self.longitude_deg, valid="-180 to 180")
-        require_finite((self.altitude_m,), 1, "altitude_m")
+        lowest, highest = ALTITUDES_M
+        ok = lowest <= self.altitude_m <= highest
+        valid = f"{lowest:g} to {highest:g} m"
+        require(ok=ok, field_name="altitude_m", value=self.altitude_m, valid=valid)
 
     def _validate_hierarchy(self) -> None:
+        if (count := len(self.objects)) > MOST_OBJECTS:
+            raise SceneError(f"objects are {count}, valid: at most {MOST_OBJECTS}")
         seen: set[int] = set()
         for obj in self.objects:
             if obj.id in seen:

@@ -23,21 +23,28 @@ def staged(folder: Path) -> Iterator[Path]:
     """Staging folder beside `folder`; its entries are moved there when all are written.
 
     Raises:
-        ExportError: If the folder cannot be written.
+        ExportError: If the folder cannot be written, or has no room for all of it.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
         stage = Path(tempfile.mkdtemp(prefix=".export-", dir=folder))
     except OSError as error:
-        raise ExportError(
-            f"out {str(folder)!r} cannot be written ({error.strerror}), "
-            "valid: a folder that you may write to"
-        ) from None
+        raise _unwritable(folder, error) from None
     try:
         yield stage
         _move_over(stage, folder)
+    except OSError as error:
+        raise _unwritable(folder, error) from None
     finally:
         shutil.rmtree(stage, ignore_errors=True)
+
+
+def _unwritable(folder: Path, error: OSError) -> ExportError:
+    reason = error.strerror or str(error)
+    return ExportError(
+        f"out {str(folder)!r} cannot be written ({reason.lower()}), "
+        "valid: a folder that you may write to, with room"
+    )
 
 
 def _move_over(stage: Path, folder: Path) -> None:
@@ -52,7 +59,9 @@ def write_png(path: Path, rgb: np.ndarray) -> None:
     import cv2  # noqa: PLC0415 - heavy, and only exports with textures need it
 
     path.parent.mkdir(parents=True, exist_ok=True)
-    cv2.imwrite(str(path), rgb[:, :, ::-1])
+    _, encoded = cv2.imencode(".png", np.ascontiguousarray(rgb[:, :, ::-1]))
+    # Not cv2.imwrite, which says nothing of a full disk.
+    path.write_bytes(encoded.tobytes())
 
 
 def write_texture(path: Path, texture: str, rgba: tuple[float, float, float, float]) -> None:

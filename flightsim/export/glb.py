@@ -15,6 +15,7 @@ from PIL import Image
 from trimesh.visual import TextureVisuals
 from trimesh.visual.material import PBRMaterial
 
+from aeroscene.file_names import file_name
 from aeroscene.scene import InteractionArea, Scene
 from aeroscene.solids.shapes import MATERIALS, Material
 from flightsim.export.files import staged
@@ -48,7 +49,7 @@ def write_glb(world: World, folder: Path) -> Path:
     Raises:
         ExportError: If the folder cannot be written.
     """
-    name = f"{world.scene.scene_id}.glb"
+    name = f"{file_name(world.scene.scene_id)}.glb"
     with staged(folder) as stage:
         _graph(world).export(stage / name, file_type="glb")
     return folder / name

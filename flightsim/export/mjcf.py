@@ -15,6 +15,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
+from aeroscene.file_names import file_name
 from aeroscene.scene import InteractionArea
 from flightsim.export.files import staged, write_png
 from flightsim.export.meshes import AREA_RGB, EXPORT_DETAIL, area_name, object_name
@@ -34,7 +35,7 @@ def write_mjcf(world: World, folder: Path) -> Path:
     Raises:
         ExportError: If the folder cannot be written.
     """
-    name = f"{world.scene.scene_id}.xml"
+    name = f"{file_name(world.scene.scene_id)}.xml"
     with staged(folder) as stage:
         spec = _spec(world)
         spec.compile()

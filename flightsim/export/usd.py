@@ -10,6 +10,7 @@ from __future__ import annotations
 from importlib.util import find_spec
 from pathlib import Path
 
+from aeroscene.file_names import file_name
 from flightsim.export.files import ExportError, staged
 from flightsim.world import World
 
@@ -27,7 +28,7 @@ def write_usd(world: World, folder: Path) -> Path:
         )
     from flightsim.export.usd_stage import write_stage  # noqa: PLC0415 - needs an extra
 
-    name = f"{world.scene.scene_id}.usdc"
+    name = f"{file_name(world.scene.scene_id)}.usdc"
     with staged(folder) as stage_folder:
         write_stage(world, stage_folder / name)
     return folder / name

@@ -19,10 +19,16 @@ import mujoco
 import numpy as np
 from jaxtyping import Float, Int
 
+from aeroscene.files import UnpackError, read_bounded
 from autonomy.types import Quaternion, Vector3
 
 SUFFIXES = (".urdf", ".xml")
+_MULTIPLYING = frozenset(("composite", "flexcomp", "hfield", "replicate", "skin"))
+_MOST_ELEMENTS = 2_000
+_DEEPEST = 4
 _PACKAGE = "package://"
+_MOST_BYTES = 4 << 20
+"""Length of a file, which names its meshes and does not hold them."""
 _SHAPES = frozenset(
     {
         mujoco.mjtGeom.mjGEOM_SPHERE,
@@ -98,6 +104,10 @@ def read_body_file(path: Path) -> BodyFile:
         return _read(path, path.stat().st_mtime_ns)
     except OSError as error:
         raise BodyFileError(error.strerror or str(error)) from None
+    except UnpackError as error:
+        raise BodyFileError(f"it {error}") from None
+    except RecursionError:
+        raise BodyFileError("it is nested too deeply; bodies in bodies are valid") from None
 
 
 def add_parts(
@@ -162,7 +172,29 @@ def _read(path: Path, _changed_ns: int) -> BodyFile:
     return BodyFile(parts=parts, mass=_mass(model, data, top) if states_mass else None)
 
 
+def _checked(path: Path, depth: int = 0) -> ET.Element:
+    """The topmost element of a file that asks for no more than a body has, nor what it includes.
+
+    Raises:
+        BodyFileError: If it has too many elements, or one that makes any number of others.
+        OSError: If it cannot be read.
+    """
+    # Expat refuses entities that grow without end.
+    root = ET.fromstring(read_bounded(path, _MOST_BYTES))  # noqa: S314
+    for number, element in enumerate(root.iter()):
+        if number > _MOST_ELEMENTS:
+            raise BodyFileError(f"it has more than {_MOST_ELEMENTS} elements; fewer are valid")
+        if element.tag in _MULTIPLYING:
+            raise BodyFileError(f"it has <{element.tag}>; shapes one by one are valid")
+        if element.tag == "include":
+            if depth >= _DEEPEST:
+                raise BodyFileError(f"it includes files deeper than {_DEEPEST} times")
+            _checked(path.parent / element.get("file", ""), depth + 1)
+    return root
+
+
 def _mjcf(path: Path) -> mujoco.MjSpec:
+    _checked(path)
     spec = mujoco.MjSpec.from_file(str(path))
     spec.compiler.fusestatic = False
     return spec
@@ -170,7 +202,7 @@ def _mjcf(path: Path) -> mujoco.MjSpec:
 
 def _urdf(path: Path) -> mujoco.MjSpec:
     """The file with what MuJoCo would otherwise leave out: looks, and the mass of the base."""
-    root = ET.fromstring(path.read_bytes())  # noqa: S314 - the user's own file
+    root = _checked(path)
     if root.tag != "robot":
         raise BodyFileError(f"its topmost element is {root.tag!r}; in a URDF file robot is valid")
     extension = root.find("mujoco")
@@ -206,6 +238,11 @@ def _stand_still(spec: mujoco.MjSpec) -> None:
             spec.delete(element)
     for joint in list(spec.joints):
         spec.delete(joint)
+    # Only colours count; a texture may be of any size, and its file may be anything.
+    for material in spec.materials:
+        material.textures = [""] * len(material.textures)
+    for texture in list(spec.textures):
+        spec.delete(texture)
 
 
 def _count_stated_masses_only(spec: mujoco.MjSpec) -> bool:

@@ -18,6 +18,7 @@ from autonomy.types import Vector3, quat_about_up
 from flightsim.looks.geom_groups import GeomGroup
 from flightsim.vehicles.airframe import Airframe, BodyMesh, CameraMount
 from flightsim.vehicles.body_file import add_parts, read_body_file
+from flightsim.vehicles.mesh_file import mesh_source
 
 VEHICLE_BODY = "vehicle"
 
@@ -227,7 +228,7 @@ def _add_mesh(spec: mujoco.MjSpec, body: Any, mesh: BodyMesh, name: str) -> None
     # Only its surface is looked at: it need not be closed, and its mass is not asked for.
     spec.add_mesh(
         name=name,
-        file=mesh.path,
+        **mesh_source(mesh.path),
         scale=(mesh.scale, mesh.scale, mesh.scale),
         inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
     )

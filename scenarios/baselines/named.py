@@ -23,6 +23,8 @@ BASELINES: Mapping[str, str] = {
     "straight": "scenarios.baselines.straight_line:StraightLinePilot",
 }
 """Classes that ship beside ours, to tell flight stacks apart by."""
+SHIPPED = frozenset((*PLANNERS, *BASELINES))
+"""Pilots that need no code but ours."""
 
 
 class PilotError(ValueError):
@@ -61,7 +63,8 @@ def pilot_of(text: str, option: str = "pilot") -> NamedPilot:
     module, _, name = BASELINES.get(text, text).partition(":")
     if not module or not name.isidentifier():
         raise PilotError(f"{option} is {text!r}, {valid}")
-    if (here := str(Path.cwd())) not in sys.path:
+    # Only for a module of the user's own: what lies beside a shared folder is not ours to import.
+    if text not in BASELINES and (here := str(Path.cwd())) not in sys.path:
         sys.path.insert(0, here)
     try:
         found = getattr(importlib.import_module(module), name)

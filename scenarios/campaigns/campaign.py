@@ -7,27 +7,45 @@ from collections.abc import Generator, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
+import msgspec
 import pyarrow.compute as pc
 
 from aeroscene import __version__
+from aeroscene.bounds import MOST_CONFIG_BYTES
 from aeroscene.corpus.shipped import shipped_digest
-from aeroscene.files import replacing
+from aeroscene.files import read_bounded, replacing
 from scenarios.campaigns.engines.crew import Crew, Engine
 from scenarios.campaigns.equipment import Equipment, equipment_from
 from scenarios.campaigns.flight_stack import stack_from
 from scenarios.campaigns.flyer import Row, Suite, Trial
+from scenarios.campaigns.recordings import MANIFEST
 from scenarios.campaigns.store import JOURNAL, Store, open_store, read_results
 from scenarios.campaigns.summary import SUMMARY_COLUMNS, summarise_trials
 from scenarios.tasks.recipe import recipe_from
 
-MANIFEST = "campaign.json"
 SUMMARY = "summary.json"
 
 
 class CampaignError(ValueError):
     """A campaign cannot be flown in a folder; one line says why, and what would be valid."""
+
+
+class _SuiteFacts(msgspec.Struct, kw_only=True):
+    recipe: dict[str, Any]
+    pilot: str
+    program: str | None = None
+    autopilot: Literal["px4", "ardupilot"] | None = None
+    autopilot_binary: str = ""
+    autopilot_sha256: str = ""
+
+
+class _Manifest(msgspec.Struct, kw_only=True):
+    version: str
+    suite: _SuiteFacts
+    scenes_sha256: str | None = None
+    began: str | None = None
 
 
 def all_trials(scenes: Iterable[str], vehicles: Iterable[str], count: int) -> list[Trial]:
@@ -110,9 +128,9 @@ def read_manifest(folder: Path) -> dict[str, Any]:
     """
     path = folder / MANIFEST
     try:
-        found = json.loads(path.read_bytes())
-        return {"scenes_sha256": None, "began": None, **found, "suite": dict(found["suite"])}
-    except (OSError, ValueError, KeyError, TypeError) as error:
+        found = msgspec.json.decode(read_bounded(path, MOST_CONFIG_BYTES), type=_Manifest)
+        return msgspec.to_builtins(found)
+    except (OSError, ValueError, RecursionError) as error:
         raise _no_manifest(path, error) from None
 
 
@@ -136,11 +154,11 @@ def read_suite(folder: Path) -> Suite | None:
         return Suite(
             recipe=recipe_from(suite["recipe"]),
             pilot=suite["pilot"],
-            program=suite.get("program"),
+            program=suite["program"],
             stack=stack_from(suite),
             equipment=equipment_from(suite),
         )
-    except (ValueError, KeyError, TypeError) as error:
+    except ValueError as error:
         raise _no_manifest(path, error) from None
 
 
@@ -175,9 +193,8 @@ def require_same_suite(folder: Path, suite: Suite) -> None:
     """
     if read_suite(folder) is None:
         return
-    present = _flat(json.loads((folder / MANIFEST).read_bytes()))
     # Campaigns of earlier versions name no equipment, and had the usual one.
-    present = json.loads(json.dumps(Equipment().to_plain())) | present
+    present = json.loads(json.dumps(Equipment().to_plain())) | _flat(read_manifest(folder))
     # Through JSON, which knows no tuples.
     for name, value in _flat(json.loads(json.dumps(_manifest(suite)))).items():
         if present.get(name) != value:

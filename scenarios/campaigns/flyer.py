@@ -20,7 +20,7 @@ from aeroscene.solids import field_cache
 from flightsim.environment.traffic import TrafficError
 from flightsim.vehicles import airframe_by_name
 from flightsim.world import WorldError
-from scenarios.baselines.named import OURS, NamedPilot, pilot_of
+from scenarios.baselines.named import OURS, SHIPPED, NamedPilot, pilot_of
 from scenarios.campaigns.equipment import Equipment
 from scenarios.campaigns.external.flight import ExternalFlights
 from scenarios.campaigns.external.pilot import CrashedError, SilentError
@@ -96,6 +96,18 @@ class Suite:
     def is_external(self) -> bool:
         """Whether the pilot is outside this process."""
         return self.pilot == EXTERNAL
+
+    @property
+    def foreign_code(self) -> dict[str, str]:
+        """Modules and programs that a flight runs besides what ships, by the option's name."""
+        found: dict[str, str] = {}
+        if not self.is_external and self.pilot not in SHIPPED:
+            found["pilot"] = self.pilot
+        if self.is_external and self.program is not None:
+            found["program"] = self.program
+        if self.stack is not None:
+            found["autopilot-binary"] = self.stack.binary
+        return found
 
     def require_pilot(self) -> None:
         """Refuse a suite that nobody can fly.

@@ -1,12 +1,15 @@
-"""Where the recordings of trials are."""
+"""Where the parts of a campaign's folder are."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
 
+from aeroscene.file_names import file_name
 from scenarios.run.levels import RecordLevel
 
+MANIFEST = "campaign.json"
+"""File in the folder of a campaign that says what it is of."""
 RECORDINGS = "recordings"
 """Folder of recordings in that of a campaign."""
 
@@ -22,4 +25,4 @@ class Recordings:
 
     def path(self, trial_id: str) -> Path:
         """File of a trial's recording."""
-        return self.folder / f"{trial_id.replace('/', '-')}.rrd"
+        return self.folder / f"{file_name(trial_id, 'trial')}.rrd"

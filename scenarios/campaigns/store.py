@@ -14,6 +14,7 @@ import logging
 import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import BinaryIO
 
@@ -21,8 +22,10 @@ import pyarrow as pa
 import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
-from aeroscene.files import replacing
+from aeroscene.bounds import count_values
+from aeroscene.files import open_regular, replacing
 from scenarios.campaigns.flyer import Row
+from scenarios.campaigns.table_file import TableFileError, read_table_file
 
 _LOG = logging.getLogger(__name__)
 TABLES = "trials"
@@ -67,6 +70,13 @@ SCHEMA = pa.schema(
     ]
 )
 """Columns of a table; `contacts` is JSON."""
+_MOST_ROW_BYTES = 8 << 20
+_MOST_ROW_VALUES = 200_000
+_MOST_ROWS = 20_000
+"""Rows of a journal, which becomes a table after `ROWS_A_TABLE`."""
+_MOST_VALUES = 6_000_000
+"""Values of a whole journal: 5,000 rows with their tracks have half of it."""
+_OBEYED = r"[\p{Cc}\p{Cf}\p{Zl}\p{Zp}]"
 COLUMNS = tuple(name for name in SCHEMA.names if name not in TRACKS)
 """Columns but for the tracks, which take more room than all others together."""
 
@@ -172,7 +182,18 @@ def read_results(
     new = journalled.filter(~pc.field("trial_id").isin(twice.combine_chunks()))
     if where is not None:
         new = new.filter(where)
-    return pa.concat_tables([*parts, new.select(wanted)]).select(list(columns))
+    return _visible(pa.concat_tables([*parts, new.select(wanted)]).select(list(columns)))
+
+
+def _visible(table: pa.Table) -> pa.Table:
+    """The table without what a terminal would obey in its texts; a folder may be anybody's."""
+    for number, field in enumerate(table.schema):
+        if field.type == _TEXT:
+            tame = pc.replace_substring_regex(
+                table[field.name], pattern=_OBEYED, replacement="\N{REPLACEMENT CHARACTER}"
+            )
+            table = table.set_column(number, field, tame)
+    return table
 
 
 def _ends_with_a_line(journal: BinaryIO) -> bool:
@@ -194,10 +215,9 @@ def _read_table(path: Path, names: Sequence[str], where: pc.Expression | None = 
         StoreError: If it is damaged.
     """
     try:
-        return pq.read_table(path, columns=list(names), schema=SCHEMA, filters=where)
-    except (pa.ArrowException, OSError, ValueError) as error:
-        reason = str(error).split("\n", 1)[0]
-        raise StoreError(f"table {str(path)!r} is damaged: {reason}; valid: remove it") from None
+        return read_table_file(path, list(dict.fromkeys(["trial_id", *names])), SCHEMA, where)
+    except TableFileError as error:
+        raise StoreError(f"table {str(path)!r} is damaged: {error}; valid: remove it") from None
 
 
 def _ids_in_sound_tables(folder: Path) -> set[str]:
@@ -215,15 +235,36 @@ def _ids_in_sound_tables(folder: Path) -> set[str]:
 def _journalled(folder: Path) -> list[Row]:
     """Whole rows of the journal: the last one of a process that was killed may be cut short."""
     rows: dict[str, Row] = {}
-    for line in (folder / JOURNAL).read_bytes().split(b"\n"):
-        try:
-            row = json.loads(line)
-            rows.setdefault(row["trial_id"], row)
-        except (ValueError, KeyError, TypeError):
-            continue
+    n_values = 0
+    with open_regular(folder / JOURNAL) as journal:
+        for line in iter(partial(journal.readline, _MOST_ROW_BYTES), b""):
+            here = count_values(line)
+            n_values += here
+            if here > _MOST_ROW_VALUES or n_values > _MOST_VALUES or len(rows) > _MOST_ROWS:
+                raise StoreError(
+                    f"file {str(folder / JOURNAL)!r} holds more than {_MOST_ROWS} rows or "
+                    f"{_MOST_VALUES} values; valid: what `aeroscene campaign` has written"
+                )
+            try:
+                row = json.loads(line)
+                rows.setdefault(str(row["trial_id"]), row)
+            except (ValueError, KeyError, TypeError, RecursionError):
+                continue
     return list(rows.values())
 
 
 def _table_of(rows: list[Row]) -> pa.Table:
+    """Rows as a table.
+
+    Raises:
+        StoreError: If a value is of another kind than its column.
+    """
     flat = [row | {"contacts": json.dumps(row.get("contacts", []))} for row in rows]
-    return pa.Table.from_pylist(flat, schema=SCHEMA)
+    try:
+        return pa.Table.from_pylist(flat, schema=SCHEMA)
+    except (pa.ArrowException, TypeError, ValueError, OverflowError) as error:
+        reason = str(error).split("\n", 1)[0]
+        raise StoreError(
+            f"{JOURNAL} holds a row of another kind: {reason}; valid: what `aeroscene campaign` "
+            "has written"
+        ) from None

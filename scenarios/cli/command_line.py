@@ -16,6 +16,8 @@ from typing import Any, NoReturn
 
 import tyro
 
+from aeroscene.visible import visible
+from scenarios.cli.boundary import of_file, one_line
 from scenarios.cli.entry import EXIT_INTERRUPTED
 from scenarios.cli.help_text import flow_help
 from scenarios.cli.option_faults import option_faults
@@ -41,6 +43,8 @@ _IN_OUR_WORDS = (
 )
 """Pattern of tyro's message, our message, and the valid values in it."""
 _COMMAND_WANTED = re.compile(r"Expected one of \{([^}]*)\}")
+_MOST_CHARACTERS = 2000
+"""Longest error: a name or a value from a file may be as long as the file."""
 _KINDS = {"FLOAT": "a number", "INT": "a whole number"}
 
 
@@ -52,9 +56,11 @@ def execute(
     Returns:
         The exit status; input that cannot be used ends the process with one line and status 2.
     """
-    logging.basicConfig(level=logging.WARNING, format=f"{prog}: %(message)s", stream=sys.stderr)
     # Without a home folder it would report at length where its list of fonts goes instead.
     logging.getLogger("matplotlib").setLevel(logging.ERROR)
+    shown = logging.StreamHandler(sys.stderr)
+    shown.setFormatter(_VisibleFormatter(f"{prog}: %(message)s"))
+    logging.basicConfig(level=logging.WARNING, handlers=[shown])
     cfg = parse(command, prog, args)
     # From here on there may be files and ports to close.
     signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -62,14 +68,19 @@ def execute(
         return run(cfg)
     except KeyboardInterrupt:
         return EXIT_INTERRUPTED
+    except BrokenPipeError:
+        raise  # The reader of our output has closed the pipe: no fault.
     except Exception as error:
-        # Imported here because it is the whole simulator: a second that other commands do not
-        # spend.
-        from scenarios.run.input_errors import INPUT_ERRORS  # noqa: PLC0415
+        if (line := one_line(error)) is None:
+            raise
+        fail(prog, line)
 
-        if isinstance(error, INPUT_ERRORS):
-            fail(prog, str(error))
-        raise
+
+class _VisibleFormatter(logging.Formatter):
+    """Writes out what a terminal would obey in the names of a message, line by line."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        return "\n".join(map(visible, super().format(record).split("\n")))
 
 
 def parse(command: Any, prog: str, args: list[str] | None = None, description: str = "") -> Any:
@@ -121,16 +132,16 @@ def default_hint(says: str, metavar: str | None = None) -> Any:
 
 def fail(prog: str, message: str) -> NoReturn:
     """Say in one line on standard error what was wrong, and exit with status 2."""
-    sys.stderr.write(f"{prog}: error: {' '.join(message.split())}\n")
+    line = visible(" ".join(message.split()))
+    if len(line) > _MOST_CHARACTERS:
+        line = f"{line[:_MOST_CHARACTERS]}..."
+    sys.stderr.write(f"{prog}: error: {line}\n")
     sys.exit(EXIT_BAD_INPUT)
 
 
 def fail_on_file(prog: str, error: OSError) -> NoReturn:
     """Say which file cannot be read or written, and why; exit with status 2."""
-    reason = (error.strerror or str(error)).lower()
-    if error.filename:
-        reason = f"file {error.filename!r}: {reason}, valid: a path that you may read or write"
-    fail(prog, reason)
+    fail(prog, of_file(error))
 
 
 @contextlib.contextmanager

@@ -11,7 +11,7 @@ import tyro
 
 from aeroscene.ranges import Range
 from scenarios.campaigns.equipment import CameraHz, Equipment
-from scenarios.campaigns.recordings import RECORDINGS, Recordings
+from scenarios.campaigns.recordings import MANIFEST, RECORDINGS, Recordings
 from scenarios.cli.campaign_limits import MOST_TRIALS
 from scenarios.cli.command_line import (
     EXIT_BAD_INPUT,
@@ -50,7 +50,14 @@ class FlyCfg:
     vehicle: str = "iris"
     """Airframe by its name, or a file FILE.toml as the campaign names it."""
     pilot: Annotated[str | None, default_hint("the campaign's, else demo")] = None
-    """Who flies, see `aeroscene campaign`."""
+    """Who flies, see `aeroscene campaign`. A class or a program that only the folder names is not
+    run: name it again, or say --trust."""
+    program: Annotated[str | None, default_hint("none")] = None
+    """With a campaign of --pilot mavlink: the command that flies, as the campaign names it."""
+    autopilot_binary: Annotated[str | None, default_hint("none")] = None
+    """With a campaign of --autopilot: the program of the flight stack, as the campaign has it."""
+    trust: bool = False
+    """Run what the folder's campaign.json names without naming it again."""
     recipe: Annotated[Path | None, default_hint("the campaign's")] = None
     """TOML file that says what the task is drawn from."""
     record: RecordLevel = "full"
@@ -84,6 +91,7 @@ def run(cfg: FlyCfg) -> int:
     logging.getLogger("scenarios.campaigns").setLevel(logging.INFO)
     try:
         suite, is_campaigns = _suite(cfg)
+        _require_trust(cfg, suite)
         suite.require_pilot()
         before = row_of(cfg.out, trial) if is_campaigns else None
         suite.equipment.require(cfg.vehicle)
@@ -120,7 +128,32 @@ def _suite(cfg: FlyCfg) -> tuple[Suite, bool]:
         suite = replace(suite, pilot=cfg.pilot)
     if cfg.equipment != Equipment():
         suite = replace(suite, equipment=cfg.equipment)
+    if cfg.program is not None:
+        if not suite.is_external:
+            fail(_PROG, f"program {cfg.program!r} needs --pilot mavlink; pilot is {suite.pilot!r}")
+        suite = replace(suite, program=cfg.program)
+    if (binary := cfg.autopilot_binary) is not None:
+        if suite.stack is None:
+            fail(_PROG, f"autopilot-binary {binary!r} needs a folder of a campaign of --autopilot")
+        suite = replace(suite, stack=replace(suite.stack, binary=binary))
     return suite, suite == campaigns
+
+
+def _require_trust(cfg: FlyCfg, suite: Suite) -> None:
+    """Refuse code that only the folder names: it may be somebody else's, and would run as you."""
+    named = {
+        "pilot": cfg.pilot,
+        "program": cfg.program,
+        "autopilot-binary": cfg.autopilot_binary,
+    }
+    for option, value in suite.foreign_code.items():
+        if named[option] is None and not cfg.trust:
+            fail(
+                _PROG,
+                f"{str(cfg.out / MANIFEST)!r} names the {option} {value!r}, which is not run just "
+                f"because it stands there; valid: --{option} {shell(value)}, or --trust for "
+                "all that the folder names",
+            )
 
 
 def _print_row(row: Row, is_same: bool | None) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -13,6 +12,7 @@ from typing import Annotated
 import tyro
 from rich.table import Table
 
+from aeroscene.file_names import file_name
 from aeroscene.layouts.document import LayoutError, NeutralLayout
 from aeroscene.layouts.mapping import MappingReport
 from aeroscene.layouts.reading import read_layouts
@@ -53,7 +53,7 @@ def run(cfg: LayoutsCfg) -> int:
     """
     faults: list[str] = []
     total = MappingReport()
-    written: list[str] = []
+    written: dict[str, str] = {}
     for layout in _with_progress(cfg, faults):
         try:
             report = _take(layout, cfg, written)
@@ -65,7 +65,7 @@ def run(cfg: LayoutsCfg) -> int:
         total += report
     total += MappingReport(invalid=tuple(faults))
     if cfg.json:
-        print_json(total.to_plain() | {"written": written})
+        print_json(total.to_plain() | {"written": list(written)})
     else:
         _print_report(total, written, cfg)
     return EXIT_NEGATIVE if total.invalid else EXIT_DONE
@@ -73,35 +73,40 @@ def run(cfg: LayoutsCfg) -> int:
 
 def _with_progress(cfg: LayoutsCfg, faults: list[str]) -> Iterator[NeutralLayout]:
     """Layouts of the file, with a progress bar while they are converted."""
-    layouts = read_layouts(cfg.file, cfg.skip_invalid, faults)
     if cfg.out is None:
-        yield from layouts
+        yield from read_layouts(cfg.file, cfg.skip_invalid, faults)
         return
-    all_layouts = list(layouts)
+    # Read twice, so that a file with a fault further down is refused before anything is written.
+    count = sum(1 for _ in read_layouts(cfg.file, cfg.skip_invalid, faults))
     _make_folder(cfg.out)
-    with progress_bar("converting", len(all_layouts), "layouts") as advance:
-        for layout in all_layouts:
+    with progress_bar("converting", count, "layouts") as advance:
+        for layout in read_layouts(cfg.file, cfg.skip_invalid):
             yield layout
             advance()
 
 
-def _take(layout: NeutralLayout, cfg: LayoutsCfg, written: list[str]) -> MappingReport:
+def _take(layout: NeutralLayout, cfg: LayoutsCfg, written: dict[str, str]) -> MappingReport:
     # Imported here because shapely is slow to import and a bad command line should fail fast.
     from aeroscene.layouts.flyable import make_flyable, map_layout  # noqa: PLC0415
 
     if cfg.out is None:
         return map_layout(layout)
     scene, report = make_flyable(layout)
-    path = cfg.out / f"{file_name(scene.scene_id)}.json"
+    path = cfg.out / _new_name(scene.scene_id, written)
     with _named_failures(path):
         write_scene(scene, path)
-    written.append(path.name)
+    written[path.name] = scene.scene_id
     return report
 
 
-def file_name(scene_id: str) -> str:
-    """File name for a scene's id, of letters, digits, dots, dashes and underscores."""
-    return re.sub(r"[^A-Za-z0-9._-]+", "-", scene_id).strip(".-") or "scene"
+def _new_name(scene_id: str, written: Mapping[str, str]) -> str:
+    """Name of a scene's file; `a/b` and `a b` are two scenes, and become two files."""
+    name = clean = file_name(scene_id)
+    number = 1
+    while f"{name}.json" in written:
+        number += 1
+        name = f"{clean}-{number}"
+    return f"{name}.json"
 
 
 def _make_folder(folder: Path) -> None:
@@ -120,7 +125,7 @@ def _named_failures(path: Path) -> Iterator[None]:
         ) from None
 
 
-def _print_report(report: MappingReport, written: list[str], cfg: LayoutsCfg) -> None:
+def _print_report(report: MappingReport, written: Mapping[str, str], cfg: LayoutsCfg) -> None:
     console = terminal()
     counts = (
         f": {report.n_scenes} scenes, {report.n_objects} objects, "

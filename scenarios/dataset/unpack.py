@@ -8,6 +8,7 @@ from functools import partial
 from pathlib import Path
 
 from aeroscene.corpus.summary import Entry, SceneSet
+from aeroscene.file_names import file_name
 from aeroscene.processes import run_all
 from aeroscene.scene.io import write_scene
 
@@ -42,6 +43,6 @@ def unpack_all(
 
 
 def _unpack(reader: SceneSet[Entry], folder: Path, suffix: str, entry: Entry) -> int:
-    path = folder / f"{entry.scene_id}{suffix}"
+    path = folder / f"{file_name(entry.scene_id)}{suffix}"
     write_scene(reader.read(entry), path)
     return path.stat().st_size

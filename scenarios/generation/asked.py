@@ -5,8 +5,10 @@ from __future__ import annotations
 import json
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from aeroscene.bounds import MOST_JSON_BYTES, excess
+from aeroscene.files import read_bounded
 from aeroscene.learning.wishes import AREAS, OUTLINE_M, AreaCounts, require_within
 from aeroscene.scene import SceneError
 
@@ -92,15 +94,22 @@ def asked_region(text: str) -> Region:
 
 def _bounding_sides_m(path: Path, valid: str) -> list[float]:
     try:
-        corners = json.loads(path.read_text(encoding="utf-8"))
+        corners = _bounded_json(path)
         columns = list(zip(*((float(x), float(y)) for x, y in corners), strict=True))
     except OSError as error:
         reason = (error.strerror or type(error).__name__).lower()
         raise GenerateError(
             f"outline {str(path)!r} cannot be read ({reason}), valid: {valid}"
         ) from None
-    except (ValueError, TypeError) as error:
+    except (ValueError, TypeError, RecursionError, OverflowError) as error:
         raise GenerateError(
             f"outline {str(path)!r} is no list of corners ({error}), valid: {valid}"
         ) from None
     return [max(column) - min(column) for column in columns]
+
+
+def _bounded_json(path: Path) -> Any:
+    data = read_bounded(path, MOST_JSON_BYTES)
+    if (fault := excess(data)) is not None:
+        raise ValueError(f"it {fault}")
+    return json.loads(data)

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
 from aeroscene.feasibility.wishes.passages import narrowest
+from aeroscene.file_names import file_name
 from aeroscene.metrics.collision import collision_rate
 from aeroscene.scene import AttributeValue, Scene
 from aeroscene.scene.io import write_scene
@@ -140,7 +141,7 @@ class Tally:
     def _write(self, scene: Scene, wishes: dict[str, Got]) -> None:
         self.failed.pop(scene.seed, None)
         self.feasible.append(collision_rate(scene))
-        path = self.out / f"{scene.scene_id}.json"
+        path = self.out / f"{file_name(scene.scene_id)}.json"
         write_scene(scene, path)
         self.files.append(str(path))
         if wishes:

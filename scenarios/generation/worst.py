@@ -16,6 +16,7 @@ from typing import Any
 import msgspec
 import numpy as np
 
+from aeroscene.file_names import file_name
 from aeroscene.files import replacing
 from aeroscene.scene import Scene
 from aeroscene.scene.io import read_scene, write_scene
@@ -136,6 +137,6 @@ class Tries:
         figures = {f"flight_{name}": v for name, v in asdict(flight).items() if v is not None}
         del figures["flight_seed"]
         wishes = {**scene.wishes, "worst_for": pilot, "of": n_tried}
-        path = out / f"{scene.scene_id}.json"
+        path = out / f"{file_name(scene.scene_id)}.json"
         write_scene(replace(scene, wishes=wishes, measured={**scene.measured, **figures}), path)
         return path

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import msgspec
@@ -25,7 +24,7 @@ from scenarios.pictures.story import (
 )
 from scenarios.recording import layout
 from scenarios.recording.rows import RecordedRows
-from scenarios.recording.summary import readable
+from scenarios.recording.summary import facts_of, readable
 
 _WANTED = (
     f"{layout.STATE}/position",
@@ -50,7 +49,7 @@ def read_story(path: Path) -> FlightStory:
     with readable(path) as source:
         rows = RecordedRows(source, _WANTED)
     scene, airframe = read_scene(rows, path), read_airframe(rows, path)
-    verdict = json.loads(rows.properties.get(layout.VERDICT_PROPERTY, {}).get("figures", "{}"))
+    verdict = facts_of(rows.properties.get(layout.VERDICT_PROPERTY, {}), "figures", path)
     track = _track(rows)
     if len(track.time_s) == 0:
         raise PictureError(f"recording {str(path)!r} holds no flight; valid: one that flew")
@@ -90,7 +89,13 @@ def read_airframe(rows: RecordedRows, path: Path) -> Airframe:
     """
     run = rows.properties.get(layout.RUN_PROPERTY, {})
     if "airframe" in run:
-        return msgspec.json.decode(run["airframe"], type=Airframe)
+        try:
+            return msgspec.json.decode(run["airframe"], type=Airframe)
+        except (msgspec.DecodeError, TypeError) as error:
+            raise PictureError(
+                f"recording {str(path)!r} holds a damaged airframe ({error}); valid: one that was "
+                "written whole"
+            ) from None
     if "vehicle" not in run:
         raise PictureError(f"recording {str(path)!r} names no vehicle; valid: one of a flight")
     return airframe_by_name(run["vehicle"])  # of a recording that was made before they were kept

@@ -7,7 +7,7 @@ import subprocess
 import tempfile
 import warnings
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -15,6 +15,8 @@ from typing import Any
 
 from rerun.chunk import Chunk, RrdReader
 
+from aeroscene.bounds import excess
+from aeroscene.visible import visible
 from scenarios.recording import layout
 from scenarios.recording.program import quiet_environment, rerun_program
 
@@ -107,16 +109,43 @@ def summarise(path: Path) -> RecordingSummary:
         recording=str(path),
         is_complete=is_complete,
         size_bytes=path.stat().st_size,
-        scene=run.get("scene"),
-        vehicle=run.get("vehicle"),
+        scene=_tame(run.get("scene")),
+        vehicle=_tame(run.get("vehicle")),
         seed=run.get("seed"),
-        config=json.loads(run["config"]) if "config" in run else None,
-        limits=json.loads(run["limits"]) if "limits" in run else None,
-        verdict=json.loads(verdict["figures"]) if verdict else None,
+        config=_tame(facts_of(run, "config", path)) if "config" in run else None,
+        limits=_tame(facts_of(run, "limits", path)) if "limits" in run else None,
+        verdict=_tame(facts_of(verdict, "figures", path)) if verdict else None,
         sim_seconds=round(end_ns * 1e-9, 6),
-        entities=dict(sorted(rows.items())),
+        entities={visible(name): count for name, count in sorted(rows.items())},
         static_entities=len(static),
     )
+
+
+def facts_of(run: Mapping[str, Any], name: str, path: Path) -> dict[str, Any]:
+    """The facts that a property holds as JSON; none where it is missing.
+
+    Raises:
+        UnreadableRecordingError: If they are damaged.
+    """
+    text = run.get(name, "{}")
+    try:
+        found = None if excess(str(text).encode()) else json.loads(text)
+    except (TypeError, ValueError, RecursionError):
+        found = None
+    if not isinstance(found, dict):
+        raise UnreadableRecordingError(
+            f"recording {str(path)!r} holds a damaged {name}; valid: one that was written whole"
+        )
+    return found
+
+
+def _tame(value: Any) -> Any:
+    """Facts without what a terminal would obey in their names and texts."""
+    if isinstance(value, dict):
+        return {visible(name): _tame(each) for name, each in value.items()}
+    if isinstance(value, list):
+        return [_tame(each) for each in value]
+    return visible(value) if isinstance(value, str) else value
 
 
 def chunks(path: Path) -> Iterator[Chunk]:

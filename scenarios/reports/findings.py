@@ -184,6 +184,8 @@ def plan_views(
     """
     views = []
     for name in scenes:
+        if not (name.isascii() and name.isdecimal()):
+            continue  # Campaigns fly numbered scenes; a file or a model is not opened for a row.
         on_scene(name)
         flown = pc.field("flown_enu_m").is_valid()
         table = read_results(folder, _WAY_COLUMNS, where=(pc.field("scene") == name) & flown)

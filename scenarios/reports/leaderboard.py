@@ -10,7 +10,7 @@ from typing import Any
 import pyarrow as pa
 import pyarrow.compute as pc
 
-from aeroscene.files import replacing
+from aeroscene.files import read_bounded, replacing
 from scenarios.campaigns.campaign import read_manifest
 from scenarios.campaigns.fixed import FixedSuite, fixed_suites
 from scenarios.campaigns.store import read_results
@@ -19,6 +19,7 @@ from scenarios.reports.findings import PAGE_COLUMNS, distributions
 from scenarios.tasks.recipe import recipe_from
 
 _FORMAT = "aeroscene-leaderboard"
+_MOST_BYTES = 4 << 20
 _KEY = ("suite", "suite_version", "stack", "version")
 """Fields of which only one entry of a leaderboard has the same values."""
 
@@ -104,11 +105,11 @@ def _read(path: Path) -> list[dict[str, Any]]:
     if not path.exists():
         return []
     try:
-        document = json.loads(path.read_bytes())
+        document = json.loads(read_bounded(path, _MOST_BYTES))
         entries = document["entries"]
         if document["format"] == _FORMAT and all(set(_KEY) <= set(each) for each in entries):
             return entries
-    except (ValueError, KeyError, TypeError):
+    except (ValueError, KeyError, TypeError, RecursionError):
         pass
     raise LeaderboardError(
         f"leaderboard {str(path)!r} is none; valid: what `aeroscene report --leaderboard` has "

@@ -169,6 +169,7 @@ class SharedSitl:
         for flight, result in zip(self.flights[:0:-1], results[:0:-1], strict=True):
             flight.write(result)
         self.flights[0].write(results[0], results[1:])
+        results = (self.flights[0].offered(results[0]), *results[1:])
         return SharedResult(first_system=1 + self.cfg.bench.instance, vehicles=results)
 
     def close(self) -> None:

@@ -202,7 +202,12 @@ class Sitl:
         )
         result = self.conclude(stopped_by, clock)
         self.write(result)
-        return result
+        return self.offered(result)
+
+    def offered(self, result: TrialResult) -> TrialResult:
+        """The result without a recording that lacks its end, which nobody should replay."""
+        is_torn = self.recorder is not None and self.recorder.fault is not None
+        return replace(result, recording=None) if is_torn else result
 
     def schedule(self) -> Schedule:
         """What of the run is still to come, from now on."""

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any, Literal
 
 import msgspec
 
+from aeroscene.bounds import MOST_SEED
+from aeroscene.scene.errors import shown
+from aeroscene.toml_file import TomlFileError, read_toml
 from flightsim.environment.traffic import TrafficError
 from flightsim.environment.wind import WindError
 from flightsim.testbench import TestbenchCfg, TestbenchError
@@ -17,6 +19,9 @@ from scenarios.mission.surroundings import MapSource
 from scenarios.tasks.way import GRADES, Grade
 from scenarios.trials.limits import LIMITS
 
+_MOST_DRAWS = 100
+"""Each draw searches a way through the scene, which takes a tenth of a second."""
+_MOST_WORDS = 100
 Range = tuple[float, float]
 """Bounds between which a number is drawn, every one with equal chance."""
 
@@ -65,18 +70,22 @@ class Recipe:
             RecipeError: Naming the first field that is wrong.
         """
         for each in fields(self):
-            if getattr(self, each.name) == ():
-                raise RecipeError(f"recipe: {each.name} is empty; valid: one value or several")
+            value = getattr(self, each.name)
+            if isinstance(value, tuple) and not 1 <= len(value) <= _MOST_WORDS:
+                raise RecipeError(
+                    f"recipe: {each.name} has {len(value)} values; valid: 1 to {_MOST_WORDS}"
+                )
         for name in ("wind_mps", "gust_mps"):
             low, high = getattr(self, name)
             if not 0.0 <= low <= high < float("inf"):
                 raise RecipeError(
                     f"recipe: {name} {[low, high]} is no range; valid: [LOW, HIGH] from 0 m/s"
                 )
-        if self.seed < 0:
-            raise RecipeError(f"recipe: seed {self.seed} is negative; valid: 0 or more")
-        if self.draws < 1:
-            raise RecipeError(f"recipe: draws {self.draws} is too few; valid: 1 or more")
+        for name, low, high in (("seed", 0, MOST_SEED), ("draws", 1, _MOST_DRAWS)):
+            if not low <= (value := getattr(self, name)) <= high:
+                raise RecipeError(
+                    f"recipe: {name} {shown(value)} is out of range; valid: {low} to {high}"
+                )
         if not 0.0 < self.time_limit_s <= LIMITS.trial_s:
             raise RecipeError(
                 f"recipe: time_limit_s {self.time_limit_s} is out of range; "
@@ -107,11 +116,9 @@ def read_recipe(path: Path) -> Recipe:
         RecipeError: If it cannot be read, or is none.
     """
     try:
-        plain = tomllib.loads(path.read_text())
-    except OSError as error:
-        raise RecipeError(f"recipe {str(path)!r}: {error.strerror or error}") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise RecipeError(f"recipe {str(path)!r} is no TOML: {error}") from None
+        plain = read_toml(path)
+    except TomlFileError as error:
+        raise RecipeError(f"recipe {str(path)!r}: {error}") from None
     return recipe_from(plain)
 
 
@@ -132,5 +139,5 @@ def recipe_from(plain: dict[str, Any]) -> Recipe:
         what, _, where = str(error).partition(" - at ")
         field = where.strip("`").removeprefix("$.").partition("[")[0]
         raise RecipeError(
-            f"recipe: {field} is {plain.get(field)!r}: {what[:1].lower()}{what[1:]}"
+            f"recipe: {field} is {shown(plain.get(field))}: {what[:1].lower()}{what[1:]}"
         ) from None

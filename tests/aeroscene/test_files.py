@@ -4,9 +4,9 @@ import tracemalloc
 
 import pytest
 
-from aeroscene import files
 from aeroscene.files import UnpackError, read_bounded, replacing
-from aeroscene.scene import SceneError
+from aeroscene.layouts import text_file
+from aeroscene.scene import SceneError, io
 from aeroscene.sources import open_scene
 
 
@@ -38,16 +38,21 @@ def test_what_goes_wrong_leaves_everything_as_it_was(tmp_path):
 def test_gzip_is_unpacked_whatever_its_name(tmp_path):
     path = tmp_path / "packed.json"
     path.write_bytes(gzip.compress(b"content"))
-    assert read_bounded(path) == b"content"
+    assert read_bounded(path, 100) == b"content"
     path.write_bytes(gzip.compress(b"content")[:-9])
     with pytest.raises(UnpackError, match="damaged or cut short"):
-        read_bounded(path)
+        read_bounded(path, 100)
 
 
 @pytest.mark.parametrize("name", ["bomb.json", "bomb.json.gz", "bomb.jsonl"])
 @pytest.mark.parametrize("is_packed", [True, False])
 def test_a_file_that_holds_too_much_is_refused_in_one_line(tmp_path, monkeypatch, name, is_packed):
-    monkeypatch.setattr(files, "MAX_BYTES", 1 << 20)
+    for module, bound in (
+        (io, "MOST_JSON_BYTES"),
+        (text_file, "MOST_BYTES"),
+        (text_file, "MOST_LINES_BYTES"),
+    ):
+        monkeypatch.setattr(module, bound, 1 << 20)
     path = tmp_path / name
     content = bytes((1 << 20) + 1)
     path.write_bytes(gzip.compress(content) if is_packed else content)
@@ -67,22 +72,21 @@ def _peak_bytes(work):
         tracemalloc.stop()
 
 
-def test_what_unpacks_to_too_much_takes_little_memory(tmp_path, monkeypatch):
-    monkeypatch.setattr(files, "MAX_BYTES", 64 << 20)
+def test_what_unpacks_to_too_much_takes_no_more_memory_than_is_allowed(tmp_path):
     path = tmp_path / "bomb.json"
     path.write_bytes(gzip.compress(bytes(1 << 20)) * 65)
 
     def refuse():
-        with pytest.raises(UnpackError, match="holds more than 64 MiB"):
-            read_bounded(path)
+        with pytest.raises(UnpackError, match="holds more than 2 MiB"):
+            read_bounded(path, 2 << 20)
 
-    assert _peak_bytes(refuse) < 2 << 20
+    assert _peak_bytes(refuse) < 4 << 20
 
 
 def test_what_is_unpacked_is_kept_once(tmp_path):
     path = tmp_path / "large.json"
     path.write_bytes(gzip.compress(bytes(1 << 20)) * 32)
-    assert _peak_bytes(lambda: read_bounded(path)) < 40 << 20
+    assert _peak_bytes(lambda: read_bounded(path, 32 << 20)) < 40 << 20
 
 
 @pytest.mark.parametrize("name", ["pipe.json", "pipe.json.gz", "pipe.jsonl"])

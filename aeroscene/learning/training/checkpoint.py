@@ -24,7 +24,7 @@ from safetensors import SafetensorError, safe_open
 from safetensors.torch import save
 from torch import Tensor, nn
 
-from aeroscene.files import replacing
+from aeroscene.files import open_regular, replacing
 from aeroscene.learning.paper.channels import FlatStatistics
 from aeroscene.learning.tokens.skeleton import Wish
 from aeroscene.learning.writer.language import Language
@@ -44,6 +44,8 @@ Weights = Mapping[str, Tensor]
 Known = Language | FlatStatistics
 """What a model knows of its data beside weights: ours a language, the paper's statistics."""
 
+_MOST_HEAD_BYTES = 8 << 20
+"""Longest header; ours has the vocabulary and names of weights, together 2 MB."""
 _KEY = "aeroscene"
 _KNOWN = "known."
 
@@ -178,8 +180,7 @@ def read_checkpoint(path: str | Path) -> Checkpoint:
             categories.
     """
     path = Path(path)
-    text, tensors = _read(path)
-    facts = _facts(path, text)
+    facts, tensors = _read(path)
     if facts.digest != _digest(tensors.items()):
         raise CheckpointError(
             f"checkpoint {str(path)!r} is damaged (its weights are not those that were written), "
@@ -225,14 +226,14 @@ def _stored(value: Tensor, *, is_half: bool) -> Tensor:
     return value.contiguous().clone()
 
 
-def _read(path: Path) -> tuple[str, dict[str, Tensor]]:
+def _read(path: Path) -> tuple[CheckpointFacts, dict[str, Tensor]]:
+    """Facts first, so that the weights of another program are not even loaded."""
     try:
         # Before safetensors, whose errors do not name what is missing.
-        with path.open("rb"):
-            pass
+        _require_short_head(path)
         with safe_open(path, framework="pt", device="cpu") as file:
-            text = (file.metadata() or {}).get(_KEY, "")
-            return text, {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
+            facts = _facts(path, (file.metadata() or {}).get(_KEY, ""))
+            return facts, {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
     except OSError as error:
         reason = (error.strerror or type(error).__name__).lower()
         raise CheckpointError(
@@ -244,6 +245,22 @@ def _read(path: Path) -> tuple[str, dict[str, Tensor]]:
             f"checkpoint {str(path)!r} is truncated or no checkpoint ({error}), valid: a "
             ".safetensors file as aeroscene train has written it; copy it again"
         ) from None
+
+
+def _require_short_head(path: Path) -> None:
+    with open_regular(path) as file:
+        n_bytes = int.from_bytes(file.read(8), "little")
+    if n_bytes > _MOST_HEAD_BYTES:
+        raise SafetensorError(f"its header claims {n_bytes} bytes")
+
+
+class _Head(msgspec.Struct):
+    """What says whether the rest can be read."""
+
+    format: str = ""
+    version: int = 0
+    preset: str = ""
+    code: str = ""
 
 
 def _facts(path: Path, text: str) -> CheckpointFacts:
@@ -271,10 +288,10 @@ def _facts(path: Path, text: str) -> CheckpointFacts:
 
 def _head(text: str) -> dict[str, Any]:
     try:
-        head = msgspec.json.decode(text)
-    except msgspec.DecodeError:
+        head = msgspec.json.decode(text, type=_Head)
+    except (msgspec.DecodeError, RecursionError):
         return {}
-    return head if isinstance(head, dict) else {}
+    return {name: getattr(head, name) for name in head.__struct_fields__}
 
 
 def _check_categories(path: Path, facts: CheckpointFacts) -> None:

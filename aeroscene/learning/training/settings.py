@@ -9,7 +9,6 @@ Every section is a frozen dataclass; what it does not name stays as the preset h
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
@@ -18,6 +17,7 @@ from typing import Any, TypeVar
 import msgspec
 
 from aeroscene.learning.training.config import TrainingError
+from aeroscene.toml_file import TomlFileError, read_toml
 
 Section = TypeVar("Section")
 
@@ -30,12 +30,9 @@ def read_settings(path: Path, sections: Mapping[str, Any]) -> dict[str, Any]:
     """
     where = f"config {str(path)!r}"
     try:
-        document = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        reason = (error.strerror or type(error).__name__).lower()
-        raise TrainingError(f"{where} cannot be read ({reason}), valid: a TOML file") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise TrainingError(f"{where} is no TOML ({error})") from None
+        document = read_toml(path)
+    except TomlFileError as error:
+        raise TrainingError(f"{where}: {error}") from None
     try:
         return changed(sections, document)
     except TrainingError as error:

@@ -7,7 +7,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from aeroscene.scene import Scene, SceneObject, Vector3
+from aeroscene.bounds import MOST_PRIMITIVES
+from aeroscene.scene import Scene, SceneError, SceneObject, Vector3
 from aeroscene.scene.box import quat_product, rotation_matrix
 from aeroscene.solids.shapes import (
     boats,
@@ -168,5 +169,17 @@ def object_primitives(obj: SceneObject) -> tuple[Primitive, ...]:
 
 
 def scene_primitives(scene: Scene) -> tuple[Primitive, ...]:
-    """Primitives of every object of a scene, in the order of the objects."""
-    return tuple(primitive for obj in scene.objects for primitive in object_primitives(obj))
+    """Primitives of every object of a scene, in the order of the objects.
+
+    Raises:
+        SceneError: If they are more than `MOST_PRIMITIVES`.
+    """
+    primitives: list[Primitive] = []
+    for obj in scene.objects:
+        primitives += object_primitives(obj)
+        if len(primitives) > MOST_PRIMITIVES:
+            raise SceneError(
+                f"scene {scene.scene_id!r}: object {obj.id}: the objects so far have more than "
+                f"{MOST_PRIMITIVES} parts, valid: fewer or smaller objects"
+            )
+    return tuple(primitives)

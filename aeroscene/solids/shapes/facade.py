@@ -55,9 +55,13 @@ class FacadePlan:
         return (middle - half, middle + half)
 
 
+_MOST_BAYS = 60
+"""A wall of 1,000 m would have hundreds, in each of its storeys."""
+
+
 def count_bays(length_m: float) -> int:
     """Openings side by side in a wall."""
-    return max(1, round(length_m / BAY_M))
+    return min(max(1, round(length_m / BAY_M)), _MOST_BAYS)
 
 
 def opening_width(length_m: float) -> float:

@@ -9,6 +9,10 @@ from zlib import crc32
 from aeroscene.scene import AttributeValue, Vector3
 from aeroscene.solids.shapes.primitive import Part
 
+_LEAST_STOREY_M = 1.5
+_MOST_STOREYS = 60
+"""A file may say any number; the parts of a facade are as many as its storeys times its bays."""
+
 
 @dataclass(frozen=True, slots=True)
 class Look:
@@ -47,6 +51,11 @@ class Look:
         value = self.attributes.get(name, default)
         is_number = isinstance(value, int | float) and not isinstance(value, bool)
         return float(value) if is_number else default
+
+    def storeys(self, default: int) -> int:
+        """Number of storeys, as many as the height has room for."""
+        asked = max(1, round(self.number("storeys", default)))
+        return min(asked, _MOST_STOREYS, max(1, int(self.size_m[2] / _LEAST_STOREY_M)))
 
     def flag(self, name: str) -> bool:
         """A yes-or-no attribute."""

@@ -44,7 +44,7 @@ def shell(look: Look, wall: str) -> list[Part]:
     x, y, z = look.size_m
     if look.attributes.get("form") == "closed":
         return _closed_shell(look, wall)
-    storeys = max(1, round(look.number("storeys", max(1, round(z / 3.2)))))
+    storeys = look.storeys(max(1, round(z / 3.2)))
     rise = z / storeys
     front = FacadePlan(y, storeys, rise, count_bays(y) // 2, "open")
     back = FacadePlan(y, storeys, rise, None, "open")
@@ -59,7 +59,7 @@ def shell(look: Look, wall: str) -> list[Part]:
 def _closed_shell(look: Look, wall: str) -> list[Part]:
     """Four walls with a row of windows a storey; a warehouse has them high up."""
     x, y, z = look.size_m
-    storeys = max(1, round(look.number("storeys", 1)))
+    storeys = look.storeys(1)
     if wall == "corrugated":
         rows = [(z - 2.0, z - 0.8)]
     else:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import math
 import os
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +13,8 @@ from types import MappingProxyType
 import numpy as np
 from jaxtyping import Float
 
+from aeroscene.files import UnpackError, read_bounded
+from aeroscene.toml_file import TomlFileError, read_toml
 from autonomy.types import Vector3
 from flightsim.sensors.lidars.pattern import (
     ListedPattern,
@@ -27,6 +28,9 @@ from flightsim.toml_fields import Fields
 _SHIPPED = Path(__file__).parent / "shipped"
 _COLUMNS = ["azimuth_deg", "elevation_deg"]
 _MOST_SHOTS_HZ = 2_000_000
+_MOST_CSV_BYTES = 8 << 20
+"""Length of a file of angles: 200,000 shots, what a scan of 10 Hz may have, with 40 bytes each."""
+_MOST_LINES = 200_001
 _MOST_HZ = 50.0
 _PATTERNS = ("spinning", "rosette", "angles")
 _TURN_DEG = 360.0
@@ -92,11 +96,9 @@ def lidar_by_name(name: str) -> LidarCfg:
 def _read(path: Path) -> LidarCfg:
     file = f"lidar {str(path)!r}"
     try:
-        plain = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise LidarError(f"{file}: {error.strerror or error}; valid: a file") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise LidarError(f"{file} is no TOML: {error}") from None
+        plain = read_toml(path)
+    except TomlFileError as error:
+        raise LidarError(f"{file}: {error}") from None
     document = Fields(plain, file, error=LidarError)
     scan_hz = document.number("scan_hz", 0.1, _MOST_HZ, "Hz")
     mount = document.table("mount")
@@ -180,9 +182,14 @@ def _read_angles(path: Path) -> Float[np.ndarray, "n 3"]:
     """Directions of a CSV file with a line for each shot."""
     file = f"lidar {str(path)!r}"
     try:
-        lines = list(csv.reader(path.read_text(encoding="utf-8").splitlines()))
+        text = read_bounded(path, _MOST_CSV_BYTES).decode("utf-8")
+        if (count := text.count("\n")) > _MOST_LINES:
+            raise LidarError(f"{file} has {count} lines; valid: up to {_MOST_LINES}")
+        lines = list(csv.reader(text.splitlines()))
     except OSError as error:
         raise LidarError(f"{file}: {error.strerror or error}; valid: a file") from None
+    except UnpackError as error:
+        raise LidarError(f"{file}: {error}") from None
     except (UnicodeDecodeError, csv.Error) as error:
         raise LidarError(f"{file} is no CSV: {error}") from None
     if not lines or [name.strip() for name in lines[0]] != _COLUMNS or len(lines) == 1:

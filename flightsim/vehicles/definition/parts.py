@@ -13,8 +13,8 @@ from autonomy.types import Vector3
 from flightsim.toml_fields import Fields
 from flightsim.vehicles.airframe import BatteryParams, BodyMesh, CameraMount
 from flightsim.vehicles.definition import derived
+from flightsim.vehicles.mesh_file import SUFFIXES, MeshFileError, check_mesh
 
-_MESHES = (".stl", ".obj")
 _SPARE_POWER = 1.3
 """Least power of a battery over that of hovering."""
 _CELL_V = 3.7
@@ -55,7 +55,7 @@ def read_gear(document: Fields, quadrotor: QuadrotorParams) -> Gear:
         return Gear(height_m, spread_m, (), has_skids=False)
     if legs.has("spread_m"):
         legs.fail("feet_m", "stands beside spread_m; valid: one of the two")
-    feet = [(x, y) for x, y in legs.rows("feet_m", 2, 3, -_FARTHEST_M, _FARTHEST_M, "m")]
+    feet = [(x, y) for x, y in legs.rows("feet_m", 2, (3, 16), -_FARTHEST_M, _FARTHEST_M, "m")]
     legs.check_all_known()
     _check_steady(legs, "feet_m", feet, height_m)
     return Gear(height_m, max(math.hypot(*foot) for foot in feet), tuple(feet), has_skids=False)
@@ -197,13 +197,18 @@ def read_mesh(body: Fields, folder: Path) -> BodyMesh | None:
         return None
     table = body.table("mesh")
     path = (folder / table.text("file", most=400)).resolve()
-    if path.suffix.lower() not in _MESHES or not path.is_file():
-        table.fail("file", f"is {str(path)!r}; valid: an existing file, {' or '.join(_MESHES)}")
+    if path.suffix.lower() not in SUFFIXES or not path.is_file():
+        valid = " or ".join(SUFFIXES)
+        table.fail("file", f"is {str(path)!r}; valid: an existing file, {valid}")
     x, y, z = table.vector("position_m", 3, -5.0, 5.0, "m", default=(0.0, 0.0, 0.0))
     mesh = BodyMesh(
         path=str(path),
         scale=table.number("scale", 1e-6, 1e3, "m", default=1.0),
         position_flu_m=(x, y, z),
     )
+    try:
+        check_mesh(mesh.path, mesh.scale)
+    except MeshFileError as error:
+        table.fail("file", f"is {str(path)!r}: {error}")
     table.check_all_known()
     return mesh

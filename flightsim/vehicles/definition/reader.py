@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import tomllib
 from pathlib import Path
 from typing import Any
 
 from aeroscene.scene import DroneClass
+from aeroscene.toml_file import TomlFileError, read_toml
 from autonomy.model import QuadrotorParams
 from autonomy.model.layout import LayoutError, check_layout
 from flightsim.toml_fields import Fields
@@ -34,11 +34,9 @@ def read_airframe(path: Path) -> Airframe:
     """
     file = f"airframe {str(path)!r}"
     try:
-        plain = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise AirframeError(f"{file}: {error.strerror or error}; valid: a file") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise AirframeError(f"{file} is no TOML: {error}") from None
+        plain = read_toml(path)
+    except TomlFileError as error:
+        raise AirframeError(f"{file}: {error}") from None
     return _airframe(Fields(plain, file, error=AirframeError), path.parent)
 
 

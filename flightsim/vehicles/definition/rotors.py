@@ -110,7 +110,7 @@ def _curve(table: Fields) -> tuple[float, float]:
     for field in ("thrust_constant", "torque_per_thrust_m"):
         if table.has(field):
             table.fail("curve_rpm_n_nm", f"stands beside {field}; valid: one of the two")
-    rows = np.array(table.rows("curve_rpm_n_nm", 3, 3, 1e-9, 1e6))
+    rows = np.array(table.rows("curve_rpm_n_nm", 3, (3, 1000), 1e-9, 1e6))
     squares = (rows[:, 0] / _RPM_PER_RADPS) ** 2
     constants = squares @ rows[:, 1:] / (squares @ squares)
     misfit = np.abs(np.outer(squares, constants) - rows[:, 1:]) / rows[:, 1:].max(axis=0)

@@ -9,6 +9,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+from aeroscene.file_names import file_name
 from aeroscene.scene import Scene
 from aeroscene.scene.io import write_scene
 from flightsim.mavlink.links import TcpServerLink
@@ -109,7 +110,7 @@ class ExternalFlights:
 
     def _scene_file(self, scene: Scene) -> Path:
         """The scene as a file, written anew for the start of each trial."""
-        path = Path(self._folder.name) / f"{scene.scene_id}.json"
+        path = Path(self._folder.name) / f"{file_name(scene.scene_id)}.json"
         write_scene(scene, path)
         return path
 

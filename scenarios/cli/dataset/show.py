@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal
 
 from aeroscene.corpus.dataset import DatasetError
 from aeroscene.corpus.summary import SceneSet
+from aeroscene.file_names import file_name
 from aeroscene.processes import default_jobs
 from aeroscene.ranges import Range
 from scenarios.cli.command_line import EXIT_DONE
@@ -86,7 +87,7 @@ def _view(dataset: SceneSet[Any], viewer: Literal["auto", "native", "web"]) -> i
 
     scene = dataset.read(dataset.entries[0])
     with tempfile.TemporaryDirectory(prefix="aeroscene-") as folder:
-        path = Path(folder) / f"{scene.scene_id}.rrd"
+        path = Path(folder) / f"{file_name(scene.scene_id)}.rrd"
         write_scene_recording(scene, path)
         try:
             show(viewer, path, f"{scene.scene_id} is shown")

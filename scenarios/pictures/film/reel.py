@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,7 +17,7 @@ from scenarios.pictures.recorded import read_airframe, read_scene
 from scenarios.pictures.story import PictureError
 from scenarios.recording import layout
 from scenarios.recording.rows import RecordedRows
-from scenarios.recording.summary import readable
+from scenarios.recording.summary import facts_of, readable
 
 _WANTED = (layout.VEHICLE, layout.TRAFFIC, layout.PHASE, layout.SCENE_DOCUMENT)
 _BEFORE_S = 1.5
@@ -68,7 +67,7 @@ class Reel:
         with readable(path) as source:
             rows = RecordedRows(source, _WANTED)
         run = rows.properties.get(layout.RUN_PROPERTY, {})
-        bench = json.loads(run.get("config", "{}")).get("bench", {})
+        bench = facts_of(run, "config", path).get("bench", {})
         traffic = TrafficCfg.parse(bench.get("traffic", "none"), run.get("seed", 0))
         self.world: World = build_world(
             read_scene(rows, path), read_airframe(rows, path), traffic=traffic

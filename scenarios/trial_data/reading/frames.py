@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.spatial.transform import Rotation
 
+from aeroscene.file_names import file_name
 from scenarios.recording import layout
 from scenarios.recording.frames import encode_png
 from scenarios.recording.rows import RecordedRows
@@ -77,7 +78,7 @@ def read_frames(rows: RecordedRows, mounts: Mapping[str, Mount]) -> tuple[Column
     files: dict[str, list[str | None]] = {kind: [] for kind in IMAGES}
     for number, (_, camera, data) in enumerate(seen):
         for kind, encoded in data.items():
-            name = f"{number:06d}_{camera}.{kind}.{IMAGES[kind]}"
+            name = f"{number:06d}_{file_name(camera, 'camera')}.{kind}.{IMAGES[kind]}"
             files[kind].append(None if encoded is None else name)
             if encoded is not None:
                 pictures.append(Picture(name, encoded))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,7 +12,7 @@ import pyarrow as pa
 
 from scenarios.recording import layout
 from scenarios.recording.rows import RecordedRows
-from scenarios.recording.summary import readable
+from scenarios.recording.summary import facts_of, readable
 from scenarios.trial_data.reading.error import TrialDataError
 from scenarios.trial_data.reading.frames import Mount, Picture, read_frames, read_mounts
 from scenarios.trial_data.reading.sensors import gauges, labels, optical_flow, scans
@@ -122,7 +121,23 @@ def read_trial(path: Path) -> RecordedTrial:
             "sitl --record"
         )
     verdict = rows.properties.get(layout.VERDICT_PROPERTY, {})
-    figures = json.loads(verdict.get("figures", "{}"))
+    figures = facts_of(verdict, "figures", path)
+    try:
+        return _trial_of(path, rows, run, verdict, figures)
+    except (KeyError, IndexError, TypeError, ValueError) as error:
+        raise TrialDataError(
+            f"recording {str(path)!r} holds other data than a flight's ({error}); valid: one of "
+            "aeroscene fly, campaign or sitl --record"
+        ) from None
+
+
+def _trial_of(
+    path: Path,
+    rows: RecordedRows,
+    run: Mapping[str, Any],
+    verdict: Mapping[str, Any],
+    figures: Mapping[str, Any],
+) -> RecordedTrial:
     mounts = read_mounts(rows)
     frames, pictures = read_frames(rows, mounts)
     scanned, clouds = scans(rows)

@@ -132,7 +132,7 @@ def test_deep_nesting_and_endless_numbers_are_refused(tmp_path):
 def test_what_is_no_text_is_refused(tmp_path):
     path = tmp_path / "a.jsonl"
     path.write_bytes(json.dumps(block()).encode() + b"\n\xff\xfe{}\n")
-    with pytest.raises(LayoutError, match="line 2: not UTF-8"):
+    with pytest.raises(LayoutError, match="line 2: byte 0 is no UTF-8"):
         list(read_neutral(path))
     path.write_bytes(b" \n")
     with pytest.raises(LayoutError, match="is empty"):

@@ -14,11 +14,12 @@ from hypothesis import strategies as st
 from aeroscene.scene import InteractionArea, OrientedBox, Scene, SceneError, SceneObject
 from aeroscene.scene.box import box_corners
 from aeroscene.scene.io import read_scene, scene_from_json, scene_to_json, write_scene
+from aeroscene.visible import is_visible
 
 coordinates = st.floats(-400, 400)
 extents = st.floats(0.01, 90)
 angles = st.floats(-math.pi, math.pi)
-names = st.text(min_size=1, max_size=8)
+names = st.text(min_size=1, max_size=8).filter(is_visible)
 attribute_values = st.one_of(
     st.text(max_size=6), st.booleans(), st.integers(-9, 9), st.floats(-1e6, 1e6)
 )

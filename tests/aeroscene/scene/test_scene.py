@@ -61,6 +61,9 @@ def make_scene(**changes):
     return Scene(**(values | changes))
 
 
+_SEEDS = f"valid: an integer from 0 to {2**63 - 1}"
+
+
 @pytest.mark.parametrize(
     ("make", "changes", "message"),
     [
@@ -84,7 +87,7 @@ def make_scene(**changes):
         (
             make_object,
             {"attributes": {"storeys": math.inf}},
-            "object 0: attributes.storeys is (inf,), valid: 1 finite numbers",
+            "object 0: attributes.storeys is inf, valid: a number from -1e+09 to 1e+09",
         ),
         (
             make_area,
@@ -156,7 +159,26 @@ def make_scene(**changes):
             {"latitude_deg": 91.0},
             "scene 'here': latitude_deg is 91.0, valid: -90 to 90",
         ),
-        (make_scene, {"seed": -1}, "scene 'here': seed is -1, valid: an integer from 0"),
+        (make_scene, {"seed": -1}, f"scene 'here': seed is -1, {_SEEDS}"),
+        (make_scene, {"seed": 10**30}, f"scene 'here': seed is {10**30}, {_SEEDS}"),
+        (
+            make_scene,
+            {"altitude_m": 1e300},
+            "scene 'here': altitude_m is 1e+300, valid: -1000 to 10000 m",
+        ),
+        (
+            make_scene,
+            {"start_yaw_rad": 1e300},
+            "scene 'here': start.yaw is 1e+300, valid: a number from -6.28319 to 6.28319",
+        ),
+        (
+            make_scene,
+            {"theme": "\u202epark\x1b[2J"},
+            (
+                "scene 'here': theme is '\\u202epark\\x1b[2J', valid: 0 to 200 characters, no "
+                "control characters"
+            ),
+        ),
     ],
 )
 def test_broken_document_gives_one_line_with_place_value_and_what_is_valid(make, changes, message):

@@ -112,6 +112,54 @@ def test_a_mesh_is_looked_at_and_touches_nothing(tmp_path):
     assert apart_m.max() == pytest.approx(0.2 * math.sqrt(2.0), rel=1e-5)
 
 
+FACET = "facet normal 0 0 1\n outer loop\n{}endloop\nendfacet\n"
+TETRAHEDRON = ((0, 0, 0), (200, 0, 0), (0, 200, 0), (0, 0, 200))
+
+
+def ascii_stl():
+    """A tetrahedron as CAD programs export it."""
+    triples = [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]
+    facets = (
+        FACET.format("".join("vertex {} {} {}\n".format(*TETRAHEDRON[i]) for i in triple))
+        for triple in triples
+    )
+    return f"solid body\n{''.join(facets)}endsolid body\n"
+
+
+def test_a_mesh_in_ascii_stl_is_the_same_as_in_obj(tmp_path):
+    (tmp_path / "body.stl").write_text(ascii_stl())
+    mesh = '\n[body.mesh]\nfile = "body.stl"\nscale = 0.001\n\n[rotor] '
+    world = build_world(empty_scene(), read(tmp_path, changed("\n[rotor] ", mesh)))
+    apart_m = np.linalg.norm(world.model.mesh_vert[:, None] - world.model.mesh_vert[None], axis=2)
+    assert world.model.nmeshface == 4
+    assert apart_m.max() == pytest.approx(0.2 * math.sqrt(2.0), rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "fault"),
+    [
+        ("m.obj", b"", "at least 4 vertices required"),
+        ("m.stl", b"", "is empty"),
+        ("m.stl", bytes(80) + b"\4\0\0\0" + bytes(70), "has wrong size"),
+        ("m.stl", b"solid x\nfacet normal 0 0 1", "it is no ASCII STL"),
+        ("m.stl", FACET.format("vertex a b c\n").encode(), "valid: a whole STL or OBJ file"),
+        (
+            "m.obj",
+            b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 9\n",
+            "vertex index 8 does not exist",
+        ),
+        ("m.stl", ascii_stl().encode(), "it reaches 2"),
+    ],
+)
+def test_a_damaged_mesh_is_one_line(tmp_path, name, content, fault):
+    (tmp_path / name).write_bytes(content)
+    mesh = f'\n[body.mesh]\nfile = "{name}"\n\n[rotor] '
+    with pytest.raises(AirframeError, match=r"body\.mesh\.file is") as refused:
+        read(tmp_path, changed("\n[rotor] ", mesh))
+    assert fault in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
 @pytest.mark.parametrize(
     ("before", "after", "fault"),
     [

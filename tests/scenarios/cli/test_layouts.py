@@ -6,7 +6,7 @@ import pytest
 
 from aeroscene.layouts import LayoutError
 from aeroscene.scene.io import read_scene
-from scenarios.cli.layouts import LayoutsCfg, file_name, run
+from scenarios.cli.layouts import LayoutsCfg, run
 from tests.aeroscene.layouts.samples import block, house, write_lines
 
 
@@ -81,6 +81,9 @@ def test_a_layout_of_which_nothing_maps_ends_it_or_is_counted(tmp_path, capsys):
     assert "object 0: category is 'Xyzzy'" in capsys.readouterr().err
 
 
-def test_names_of_files_are_tame():
-    assert file_name("procthor/../../x y\n") == "procthor-..-..-x-y"
-    assert file_name("/") == "scene"
+def test_two_scenes_whose_ids_give_one_file_name_become_two_files(tmp_path, capsys):
+    lines = [house() | {"scene_id": scene_id} for scene_id in ("a/b", "a b")]
+    out = tmp_path / "out"
+    assert run(LayoutsCfg(file=write_lines(tmp_path / "a.jsonl", *lines), out=out)) == 0
+    names = {path.name: read_scene(path).scene_id for path in out.iterdir()}
+    assert names == {"a-b.json": "a/b", "a-b-2.json": "a b"}

@@ -1,0 +1,107 @@
+"""Mesh files of bodies, STL and OBJ, read by MuJoCo; those in ASCII STL by trimesh.
+
+CAD programs export STL as text by default, which MuJoCo does not read.
+"""
+
+from __future__ import annotations
+
+import functools
+import io
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from aeroscene.files import UnpackError, read_bounded
+
+SUFFIXES = (".stl", ".obj")
+_MOST_BYTES = 16 << 20
+"""Largest file: a binary STL of 200,000 faces, MuJoCo's most, has 10 MB."""
+_MOST_REACH_M = 10.0
+"""Farthest that a vertex may lie from the file's origin: twice the longest vehicle."""
+_HEAD_BYTES, _FACE_BYTES = 84, 50
+"""Lengths of the head and of a face of a binary STL."""
+
+
+class MeshFileError(ValueError):
+    """A mesh that cannot be read; one line says why, and what would be valid."""
+
+
+def mesh_source(path: str) -> Mapping[str, Any]:
+    """Arguments of `MjSpec.add_mesh` that make it a file's mesh.
+
+    Raises:
+        MeshFileError: If the file cannot be read, or is damaged.
+    """
+    try:
+        changed_ns = Path(path).stat().st_mtime_ns
+    except OSError as error:
+        raise MeshFileError(f"{error.strerror or error}; valid: a mesh that is there") from None
+    return _source(path, changed_ns)
+
+
+def check_mesh(path: str, scale: float) -> None:
+    """Refuse a file that would fail when a world is built.
+
+    Args:
+        path: The file.
+        scale: Metres in a unit of the file.
+
+    Raises:
+        MeshFileError: If it is damaged, has no surface, or is larger than any vehicle.
+    """
+    spec = mujoco.MjSpec()
+    shell = mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL
+    spec.add_mesh(name="mesh", inertia=shell, scale=(scale, scale, scale), **mesh_source(path))
+    kind = {"type": mujoco.mjtGeom.mjGEOM_MESH, "contype": 0, "conaffinity": 0, "mass": 0.0}
+    geom = spec.worldbody.add_geom(meshname="mesh", **kind)
+    assert geom is not None
+    try:
+        model = spec.compile()
+    except ValueError as error:
+        reason = " ".join(str(error).partition("\n")[0].removeprefix("Error: ").split())
+        raise MeshFileError(f"{reason}; valid: a whole STL or OBJ file with a surface") from None
+    reach_m = float(np.abs(model.mesh_vert + model.mesh_pos[0]).max())
+    if not reach_m <= _MOST_REACH_M:
+        raise MeshFileError(
+            f"it reaches {reach_m:.3g} m from its origin; valid: up to {_MOST_REACH_M:g} m, so "
+            "a file in millimetres has scale = 0.001"
+        )
+
+
+@functools.lru_cache(maxsize=4)
+def _source(path: str, _changed_ns: int) -> Mapping[str, Any]:
+    if not path.lower().endswith(".stl"):
+        if Path(path).stat().st_size > _MOST_BYTES:
+            raise MeshFileError(f"it holds more than {_MOST_BYTES >> 20} MiB; valid: at most that")
+        return {"file": path}
+    try:
+        data = read_bounded(Path(path), _MOST_BYTES)
+    except OSError as error:
+        raise MeshFileError(f"{error.strerror or error}; valid: a mesh that is there") from None
+    except UnpackError as error:
+        raise MeshFileError(f"it {error}") from None
+    return _ascii_surface(data) if _is_ascii(data) else {"file": path}
+
+
+def _is_ascii(data: bytes) -> bool:
+    """Whether an STL is text; the length decides, for binary ones may begin with `solid` too."""
+    n_faces = int.from_bytes(data[_HEAD_BYTES - 4 : _HEAD_BYTES], "little")
+    is_binary = len(data) == _HEAD_BYTES + _FACE_BYTES * n_faces
+    return data.lstrip()[:5].lower() == b"solid" and not is_binary
+
+
+def _ascii_surface(data: bytes) -> Mapping[str, Any]:
+    import trimesh  # noqa: PLC0415 - a quarter of a second, only for such files
+
+    try:
+        mesh = trimesh.load_mesh(io.BytesIO(data), file_type="stl_ascii")
+        vertices, faces = np.asarray(mesh.vertices), np.asarray(mesh.faces, dtype=np.int32)
+        is_sound = len(faces) > 0 and bool(np.isfinite(vertices).all())
+    except Exception:  # noqa: BLE001 - trimesh's reader raises whatever numpy does
+        is_sound = False
+    if not is_sound:
+        raise MeshFileError("it is no ASCII STL; valid: facets of three vertices, whole")
+    return {"uservert": vertices.ravel(), "userface": faces.ravel()}
