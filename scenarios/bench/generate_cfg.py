@@ -37,8 +37,8 @@ class GenerateBenchCfg(AnyBenchCfg):
     """Seed of the first scene; the others count up from it."""
     checkpoint: Annotated[Path | None, _default("the one that ships with the preset")] = None
     """File written by `aeroscene train`."""
-    preset: Literal["default", "paper"] = "default"
-    """The model that ships, default or paper; its targets apply to a checkpoint too."""
+    preset: Literal["default", "paper", "progressive"] = "default"
+    """The model that ships; its targets apply to a checkpoint too."""
     device: str = "auto"
     """auto uses a GPU if there is one; or cpu, cuda, cuda:1, mps."""
     data: Path = Path("corpus")

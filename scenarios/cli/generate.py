@@ -99,8 +99,8 @@ class GenerateCfg:
     """Folder to write into; made where it is missing."""
     checkpoint: Annotated[Path | None, default_hint("the one that ships")] = None
     """File that `aeroscene train` has written."""
-    preset: Literal["default", "paper"] = "default"
-    """Checkpoint that ships with the package: ours or the paper's."""
+    preset: Literal["default", "paper", "progressive"] = "default"
+    """Checkpoint that ships with the package: ours, the paper's, or the paper's in two passes."""
     steps: Annotated[int | None, Range(1, _MOST_STEPS), default_hint("the preset's")] = None
     """Denoising steps."""
     batch: Annotated[int, Range(1, _MOST_SCENES)] = 1

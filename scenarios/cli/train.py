@@ -42,7 +42,9 @@ class TrainCfg:
     log.jsonl and curves.png.
     """
 
-    preset: Annotated[Literal["default", "paper"] | None, default_hint("default")] = None
+    preset: Annotated[
+        Literal["default", "paper", "progressive"] | None, default_hint("default")
+    ] = None
     """Model and training: default is ours, paper follows the paper to the letter."""
     config: Annotated[Path | None, default_hint("none")] = None
     """TOML file that changes fields of the preset; see docs/model.md."""

@@ -12,6 +12,7 @@ from scenarios.cli.progress import progress_bar
 if TYPE_CHECKING:
     from aeroscene.learning.training.carried import Begun
     from aeroscene.learning.training.checkpoint import Part, Weights
+    from aeroscene.learning.training.config import Preset
     from aeroscene.learning.training.data import TrainingData
     from aeroscene.learning.training.procedure import Plan
     from aeroscene.learning.training.state import TrainingState
@@ -72,7 +73,7 @@ def training_plan(cfg: TrainCfg, state: TrainingState | None) -> Plan:
     is_streamed = cfg.stream or (state is not None and state.facts.data.stream != "")
     begun = _begun_with(cfg, preset, sections)
     language = begun.language if begun is not None and cfg.keep_language else None
-    data = _read_data(cfg.data, sections, is_streamed=is_streamed, language=language)
+    data = _read_data(cfg.data, preset, is_streamed=is_streamed, language=language)
     if state is None:
         sections = fitted(sections, data.train.known)
     first = _first_weights(begun, data, sections)
@@ -102,7 +103,7 @@ def _begun_with(cfg: TrainCfg, preset: str, sections: Mapping[str, Any]) -> Begu
         valid = "with --begin, whose language it is"
         require(ok=not cfg.keep_language, name="keep_language", value=True, valid=valid)
         return None
-    valid = "none with preset paper, which has another network"
+    valid = f"none with preset {preset}, which has another network"
     require(ok=not is_flat(sections), name="begin", value=cfg.begin, valid=valid)
     return read_begun(SHIPPED[preset] if cfg.begin == "shipped" else Path(cfg.begin))
 
@@ -141,7 +142,7 @@ def _n_workers(cfg: TrainCfg) -> int:
     return cfg.workers
 
 
-def _sections(cfg: TrainCfg, state: TrainingState | None) -> tuple[Any, dict[str, Any]]:
+def _sections(cfg: TrainCfg, state: TrainingState | None) -> tuple[Preset, dict[str, Any]]:
     """Preset and sections of the configuration; on resuming, those of the training so far."""
     from aeroscene.learning.training.presets import (  # noqa: PLC0415 - PyTorch
         preset_sections,
@@ -182,20 +183,19 @@ def _check_unchanged(cfg: TrainCfg, state: TrainingState, sections: Mapping[str,
 
 
 def _read_data(
-    path: Path, sections: Mapping[str, Any], *, is_streamed: bool, language: Language | None
+    path: Path, preset: Preset, *, is_streamed: bool, language: Language | None
 ) -> TrainingData:
     from aeroscene.learning.training.data import (  # noqa: PLC0415 - PyTorch
         count_scenes,
         is_layouts,
         open_training_data,
     )
-    from aeroscene.learning.training.presets import is_flat  # noqa: PLC0415
 
     title = "mapping layouts" if is_layouts(path) else "reading scenes"
     with progress_bar(title, count_scenes(path)) as advance:
         return open_training_data(
             path,
-            is_flat=is_flat(sections),
+            preset=preset,
             is_streamed=is_streamed,
             language=language,
             on_scene=advance,

@@ -84,6 +84,11 @@ _SHIPPED = (
         begin=lambda means: shipped_preset("paper"),  # noqa: ARG005
     ),
     Entrant(
+        name="progressive_shipped",
+        title="the AeroScene paper's, coarse first, as it ships",
+        begin=lambda means: shipped_preset("progressive"),  # noqa: ARG005
+    ),
+    Entrant(
         name="ours_shipped",
         title="ours, as it ships",
         begin=lambda means: shipped_preset("default"),  # noqa: ARG005

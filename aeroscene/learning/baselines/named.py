@@ -7,7 +7,7 @@
 |---|---|
 | `random` | objects drawn from the marginals of training, each on its own |
 | `atiss`, `diffusion_sdf`, `diffuscene`, `physcene` | re-implementations from their papers |
-| `paper` | the AeroScene paper's method, our preset of that name |
+| `paper`, `progressive` | the AeroScene paper's method, our presets of that name |
 | `ours` | our default preset |
 """
 
@@ -124,6 +124,13 @@ _ALL = (
         title="the AeroScene paper's",
         source="our preset paper",
         fit=lambda lessons, cfg, watcher: fit_preset("paper", lessons, watcher),  # noqa: ARG005
+    ),
+    Method(
+        name="progressive",
+        training="progressive",
+        title="the AeroScene paper's, coarse first",
+        source="our preset progressive",
+        fit=lambda lessons, cfg, watcher: fit_preset("progressive", lessons, watcher),  # noqa: ARG005
     ),
     Method(
         name="ours",

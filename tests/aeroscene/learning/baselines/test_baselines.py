@@ -263,7 +263,7 @@ def test_what_is_read_soon_goes_through_to_what_is_predicted():
 def test_the_papers_preset_has_steps_enough_for_minutes():
     sections = presets._sections("paper", 360.0, 5)
     cfg = sections["training"]
-    assert (cfg.batch_size, cfg.learning_rate, cfg.keep, cfg.seed) == (16, 1e-3, "best", 5)
+    assert (cfg.batch_size, cfg.learning_rate, cfg.keep, cfg.seed) == (64, 1e-3, "best", 5)
     assert sections["loss"] == preset_sections("paper")["loss"]
 
 

@@ -8,7 +8,7 @@ from safetensors.torch import load_file, safe_open, save_file
 from torch import nn
 
 from aeroscene.learning.generation.loading import SHIPPED
-from aeroscene.learning.paper.tokens import FlatStatistics
+from aeroscene.learning.paper.channels import FlatStatistics
 from aeroscene.learning.tokens.skeleton import Wish
 from aeroscene.learning.training.checkpoint import (
     CheckpointError,
@@ -135,12 +135,16 @@ def test_other_version_names_the_one_that_made_it(path):
     assert "3.2.1+fff" in message
 
 
-def test_old_default_is_refused_and_the_papers_old_file_is_read(path):
+@pytest.mark.parametrize("preset", ["paper", "progressive"])
+def test_older_files_are_refused_and_what_ships_of_the_papers_is_read(path, preset):
     with_facts(path, version=1, code="0.9.0+abc")
     assert "is of version 1, valid: 2" in refusal(path)
-    paper = read_checkpoint(SHIPPED["paper"])
-    assert isinstance(paper.known, FlatStatistics)
-    assert set(paper.parts) == {"prior", "denoiser"}
+    with_facts(path, version=2, preset=preset)
+    assert "is of version 2, valid: 3" in refusal(path)
+    found = read_checkpoint(SHIPPED[preset])
+    assert isinstance(found.known, FlatStatistics)
+    assert found.known.has_regions == (preset == "progressive")
+    assert set(found.parts) == {"contents", "prior", "denoiser"}
 
 
 def test_other_categories_are_refused_and_one_is_named(path):

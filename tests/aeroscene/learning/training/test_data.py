@@ -9,7 +9,7 @@ import pytest
 
 from aeroscene.corpus.dataset import DatasetError, store_scene, write_manifest
 from aeroscene.layouts.document import LayoutError
-from aeroscene.learning.paper.tokens import FlatTrainingSet
+from aeroscene.learning.paper.training_set import FlatTrainingSet
 from aeroscene.learning.tokens.skeleton import UnencodableError, Wish
 from aeroscene.learning.training.config import TrainingError
 from aeroscene.learning.training.data import count_scenes, open_training_data, prepared
@@ -65,22 +65,25 @@ def test_digest_changes_with_the_scenes_not_with_the_folder(small_scenes):
     assert prepared("a", small_scenes[:3], []).source.digest != first.source.digest
 
 
-def test_papers_layouts_have_categories_as_channels(small_scenes):
-    data = prepared("flat", small_scenes, small_scenes[:1], is_flat=True)
+@pytest.mark.parametrize("preset", ["paper", "progressive"])
+def test_papers_layouts_have_geometry_alone_as_channels(small_scenes, preset):
+    data = prepared("flat", small_scenes, small_scenes[:1], preset=preset)
     assert isinstance(data.train, FlatTrainingSet)
-    assert data.train.in_order(0, 2).x0.shape[-1] == 80
+    assert data.train.statistics.has_regions == (preset == "progressive")
+    assert data.train.in_order(0, 2).x0.shape[-1] == 10
     assert len(data.held_out.examples) == 1
 
 
-@pytest.mark.parametrize("is_flat", [False, True])
-def test_encoder_makes_the_same_examples_in_another_process(small_scenes, is_flat):
-    known = prepared("small", small_scenes, [], is_flat=is_flat).train
+@pytest.mark.parametrize("preset", ["default", "paper", "progressive"])
+def test_encoder_makes_the_same_examples_in_another_process(small_scenes, preset):
+    known = prepared("small", small_scenes, [], preset=preset).train
     text = pickle.dumps(known.encoder)
     other = pickle.loads(text)
     for scene, example in zip(small_scenes, known.examples, strict=True):
         made = other(scene, Wish.of(scene))
-        if is_flat:
-            assert np.array_equal(made.x0, example.x0)
+        if preset != "default":
+            assert np.array_equal(made.center_enu_m, example.center_enu_m)
+            assert np.array_equal(made.region, example.region)
         else:
             assert np.array_equal(made.example.x0, example.example.x0)
             assert np.array_equal(made.lesson.kind, example.lesson.kind)

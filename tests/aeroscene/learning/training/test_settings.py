@@ -20,7 +20,7 @@ def settings(tmp_path, text):
     return read_settings(path, SECTIONS)
 
 
-@pytest.mark.parametrize("preset", ["default", "paper"])
+@pytest.mark.parametrize("preset", ["default", "paper", "progressive"])
 def test_presets_come_back_from_a_checkpoints_plain_form(preset):
     sections = preset_sections(preset)
     assert sections_from_plain(sections_to_plain(sections)) == sections
@@ -29,7 +29,7 @@ def test_presets_come_back_from_a_checkpoints_plain_form(preset):
 def test_paper_preset_is_the_papers():
     sections = preset_sections("paper")
     training, loss, model = sections["training"], sections["loss"], sections["model"]
-    assert (training.optimiser, training.learning_rate, training.batch_size) == ("adam", 2e-4, 64)
+    assert (training.optimiser, training.learning_rate, training.batch_size) == ("adam", 1e-3, 64)
     assert (training.schedule, loss.parameterisation) == ("cosine", "eps")
     assert (model.denoiser, model.routing) == ("unet", "learned")
     assert (model.coarse_branch, model.fine_branch) == ("cnn", "radius_gnn")
