@@ -96,6 +96,7 @@ def _is_ascii(data: bytes) -> bool:
 def _ascii_surface(data: bytes) -> Mapping[str, Any]:
     import trimesh  # noqa: PLC0415 - a quarter of a second, only for such files
 
+    vertices, faces = np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int32)
     try:
         mesh = trimesh.load_mesh(io.BytesIO(data), file_type="stl_ascii")
         vertices, faces = np.asarray(mesh.vertices), np.asarray(mesh.faces, dtype=np.int32)

@@ -189,7 +189,7 @@ def _visible(table: pa.Table) -> pa.Table:
     """The table without what a terminal would obey in its texts; a folder may be anybody's."""
     for number, field in enumerate(table.schema):
         if field.type == _TEXT:
-            tame = pc.replace_substring_regex(
+            tame = pc.replace_substring_regex(  # pyright: ignore[reportAttributeAccessIssue]
                 table[field.name], pattern=_OBEYED, replacement="\N{REPLACEMENT CHARACTER}"
             )
             table = table.set_column(number, field, tame)

@@ -96,8 +96,8 @@ def _unpacked(column: pa.ChunkedArray, field: pa.Field) -> pa.ChunkedArray:
     if pa.types.is_dictionary(column.type):
         n_bytes = 0
         for chunk in column.chunks:
-            lengths = pc.binary_length(chunk.dictionary).take(chunk.indices)
-            n_bytes += pc.sum(lengths.cast(pa.int64())).as_py() or 0
+            lengths = pc.call_function("binary_length", [chunk.dictionary]).take(chunk.indices)
+            n_bytes += pc.call_function("sum", [lengths.cast(pa.int64())]).as_py() or 0
         if n_bytes > _MOST_TEXT_BYTES:
             most = _MOST_TEXT_BYTES >> 20
             raise TableFileError(f"column {field.name!r} holds more than {most} MiB of text")

@@ -8,6 +8,7 @@ from typing import Any
 
 import msgspec
 
+from aeroscene.bounds import MOST_JSON_BYTES
 from aeroscene.files import UnpackError, read_bounded
 
 
@@ -58,7 +59,7 @@ def _listed(path: Path) -> Listed:
     try:
         # A recording of several vehicles has the first one's verdict here.
         summary = msgspec.json.decode(
-            read_bounded(path.with_suffix(".json")), type=_Summary, strict=True
+            read_bounded(path.with_suffix(".json"), MOST_JSON_BYTES), type=_Summary, strict=True
         )
     except (OSError, UnpackError, msgspec.DecodeError, UnicodeDecodeError, RecursionError):
         return Listed(recording=str(path), size_bytes=path.stat().st_size)

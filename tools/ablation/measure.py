@@ -91,7 +91,8 @@ class Model:
         if not isinstance(language, Language):
             raise CheckpointError("checkpoint is of preset 'paper', valid: preset 'default'")
         sections = sections_from_plain(checkpoint.facts.configs)
-        network = new_denoiser(sections["model"], language)
+        schedule = Schedule(sections["schedule"])
+        network = new_denoiser(sections["model"], language, schedule)
         checkpoint.load_into(network, "denoiser")
         return Model(network.eval(), language, sections, checkpoint.facts.digest)
 
@@ -123,7 +124,8 @@ class Model:
         known = ProgramSet(self.language, tuple(case.written for case in cases))
         source = DataSource(name="cases", digest=known.digest, n_scenes=len(cases))
         data = TrainingData(source, known, known)
-        network = new_denoiser(self.sections["model"], self.language)
+        schedule = Schedule(self.sections["schedule"])
+        network = new_denoiser(self.sections["model"], self.language, schedule)
         training = PartTraining(network, self.sections["training"], _DEVICE)
         batches = drawn_from(known, training.cfg.batch_size, training.cfg.seed)
         loss = loss_function(self.sections, data, _DEVICE, None)

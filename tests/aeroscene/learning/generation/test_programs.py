@@ -30,7 +30,7 @@ def small_generator(language: Language, wishes) -> Generator:
     torch.manual_seed(0)
     writer = new_writer(WriterCfg(width=16, kind_width=8, layers=1), language).eval()
     cfg = ModelCfg(n_kinds=len(language.vocabulary.kinds), width=16, blocks=2, heads=2)
-    denoiser = new_denoiser(cfg, language).eval()
+    denoiser = new_denoiser(cfg, language, Schedule()).eval()
     denoising = Denoising(language, denoiser, Schedule(), SamplerCfg(n_steps=3), CPU)
     return Generator(ProgramProposer(language, writer, denoising), "cpu", wishes)
 

@@ -22,7 +22,9 @@ CPU = torch.device("cpu")
 
 def new_training(data, cfg):
     torch.manual_seed(0)
-    return PartTraining(new_denoiser(small_sections(data)["model"], data.train.language), cfg, CPU)
+    return PartTraining(
+        new_denoiser(small_sections(data)["model"], data.train.language, Schedule()), cfg, CPU
+    )
 
 
 def loss(model, batch, generator):

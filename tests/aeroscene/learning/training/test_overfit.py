@@ -48,7 +48,9 @@ def test_channels_of_few_programs_are_reconstructed_from_noise(data):
     cfg = TrainCfg(batch_size=16, learning_rate=5e-3, warmup_steps=20, average_decay=0.98)
     n = len(known.examples)
     whole = known.in_order(0, n)
-    model, seen = trained(new_denoiser(sections, known.language), cfg, lambda _: whole, loss, 250)
+    model, seen = trained(
+        new_denoiser(sections, known.language, SCHEDULE), cfg, lambda _: whole, loss, 250
+    )
     assert np.mean(seen[-20:]) < 0.1 * np.mean(seen[:20])
     statistics = known.language.statistics
     low, high = (
