@@ -74,7 +74,7 @@ def test_a_coarse_pass_shows_coarse_objects_alone_and_the_fine_pass_gives_them(
     assert float(shows_all.float().mean()) == pytest.approx(1 - COARSE_PASS_SHARE, abs=0.2)
     # What is given is not learned; what is learned is noised.
     assert (batch.weight[batch.given] == 0).all()
-    assert (batch.weight[batch.mask & ~batch.given][:, :4] == 1).all()
+    assert (batch.weight[batch.mask & ~batch.given][:, :2] > 0).all()
 
 
 def test_fine_objects_stand_in_the_frame_of_their_region(scenes: list[Scene]) -> None:

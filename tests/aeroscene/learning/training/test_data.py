@@ -121,7 +121,7 @@ def test_neutral_layouts_train_too_and_every_tenth_is_held_out(tmp_path):
 def test_wishes_of_the_corpus_are_kept_and_the_papers_are_its_budget(corpus):
     source = open_training_data(corpus).source
     assert (len(source.wishes), source.is_corpus) == (2, True)
-    assert open_training_data(corpus, is_flat=True).source.wishes == ()
+    assert open_training_data(corpus, preset="paper").source.wishes == ()
     assert count_scenes(corpus) == 3
 
 
