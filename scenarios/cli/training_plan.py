@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from aeroscene.processes import default_jobs
 from scenarios.cli.progress import progress_bar
@@ -158,7 +158,7 @@ def _sections(cfg: TrainCfg, state: TrainingState | None) -> tuple[Preset, dict[
         return preset, sections
     sections = sections_from_plain(state.facts.configs)
     _check_unchanged(cfg, state, sections)
-    return state.facts.preset, sections
+    return cast("Preset", state.facts.preset), sections
 
 
 def _check_unchanged(cfg: TrainCfg, state: TrainingState, sections: Mapping[str, Any]) -> None:
