@@ -15,7 +15,7 @@ _GREEDY = ("--camera", "--format")
 
 def gathered(args: Sequence[str]) -> list[str]:
     """The arguments with all values of a repeated option behind its one, last occurrence."""
-    rest, found = [], {name: [] for name in (*_SINGLE, *_GREEDY)}
+    rest, named, found = [], set[str](), {name: [] for name in (*_SINGLE, *_GREEDY)}
     waiting = list(args)
     while waiting:
         word = waiting.pop(0)
@@ -28,7 +28,9 @@ def gathered(args: Sequence[str]) -> list[str]:
             if values and name in _SINGLE:
                 break
             values.append(waiting.pop(0))
-        found[name] += values or [""]
+        # An option of one value that has none must not pass as one that is not there.
+        found[name] += values or ([""] if name in _SINGLE else [])
+        named.add(name)
     for name, values in found.items():
-        rest += [name, *values] if values else []
+        rest += [name, *values] if name in named else []
     return rest

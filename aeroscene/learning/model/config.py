@@ -79,13 +79,13 @@ class ModelCfg:
     """Depths that the default tells apart."""
     unet_widths: tuple[int, ...] = (128, 192, 256)
     """Width of each level of the UNet."""
-    grid_shape: tuple[int, int, int] = (8, 8, 4)
+    grid_shape: tuple[int, int, int] = (16, 16, 8)
     """Voxels of the coarse branch along x, y and z."""
     grid_channels: int = 32
     """Width of the features on the grid."""
-    grid_reach: float = 1.0
+    grid_reach: float = 2.25
     """Half the extent of the grid, in half extents of the site."""
-    graph_radius: float = 2.0
+    graph_radius: float = 0.25
     """The paper's delta_f, which it leaves open, m."""
 
     def __post_init__(self) -> None:

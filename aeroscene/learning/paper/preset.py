@@ -55,6 +55,9 @@ def paper_cfg(n_categories: int) -> ModelCfg:
         blocks=4,
         fourier_bands=9,
         unet_widths=(192, 192),
+        grid_shape=(8, 8, 4),
+        grid_reach=1.0,
+        graph_radius=2.0,
     )
 
 

@@ -83,9 +83,9 @@ def test_a_fence_that_is_off_or_ignored_changes_no_return():
     bench = Bench()
     bench.pilot.fence.replace(polygon(bench, 5001, SQUARE))
     assert fence_routes(bench.pilot._flight) is not None
-    bench.pilot.fence.is_enabled = False
+    bench.pilot.fence.switch = False
     assert fence_routes(bench.pilot._flight) is None
-    bench.pilot.fence.is_enabled = True
+    bench.pilot.fence.switch = True
     bench.pilot.parameters.set("GF_ACTION", 0)
     assert fence_routes(bench.pilot._flight) is None
 

@@ -7,6 +7,7 @@ from flightsim.autopilot.parameters import ParameterValueError
 from flightsim.environment.traffic import TrafficError
 from flightsim.environment.wind import WindError
 from flightsim.testbench import Testbench, TestbenchCfg
+from flightsim.testbench.cfg import TestbenchError
 
 
 @pytest.fixture
@@ -53,9 +54,9 @@ def test_the_traffic_follows_its_parameter(bench):
 @pytest.mark.parametrize(
     ("options", "error"),
     [
-        ({"wind": 31.0}, WindError),
+        ({"wind": 31.0}, TestbenchError),
         ({"turbulence": "wild"}, WindError),
-        ({"gust": -1.0}, WindError),
+        ({"gust": -1.0}, TestbenchError),
         ({"traffic": "dogs=1"}, TrafficError),
     ],
 )

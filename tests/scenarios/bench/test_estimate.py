@@ -80,5 +80,16 @@ def test_the_filter_that_is_timed_goes_on_filtering():
     run_filter(filters, 100, True)
     assert np.all(np.isfinite(filters[0]["covariance"]))
     seen = filters[0]["n_innovations"] - before
-    kinds = (3, 3, 1, 1, 3, 1, 0, 0, 0.4)  # scalars a step, of `MEASUREMENTS`: nothing is refused
+    kinds = (
+        3,
+        3,
+        1,
+        1,
+        3,
+        1,
+        0,
+        0,
+        0.4,
+        0,
+    )  # scalars a step, of `MEASUREMENTS`: nothing is refused
     np.testing.assert_array_equal(seen, 100 * np.array(kinds))

@@ -221,7 +221,6 @@ def test_two_builds_in_one_folder_do_not_mix(corpus, capsys):
             "viewer 'vr' is not valid; valid: ",
         ),
         (["frobnicate"], "frobnicate"),
-        ([], "no command; valid: build, stats, validate, show, unpack"),
     ],
 )
 def test_bad_input_ends_with_status_2_and_one_line(built, tmp_path, capsys, args, says):

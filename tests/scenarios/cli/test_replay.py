@@ -113,4 +113,4 @@ def test_a_film_of_an_unknown_format_ends_with_status_2_and_one_line(tmp_path):
     assert result.stdout == ""
     (line,) = result.stderr.strip().splitlines()
     assert line.startswith("aeroscene replay: error: video ")
-    assert line.endswith("valid: .mp4, .webm, .webp, .gif")
+    assert line.endswith("valid: NAME.mp4, NAME.webm, NAME.webp, NAME.gif")

@@ -8,7 +8,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from aeroscene.corpus.shipped import ArchiveError, open_archive, write_archive
-from aeroscene.corpus.shipped.attributes import UnstorableAttributeError
 from aeroscene.scene import SceneError
 from aeroscene.scene.io import scene_to_json
 from tests.aeroscene.conftest import cached_scene
@@ -111,12 +110,3 @@ def test_an_archive_that_is_not_there_says_how_to_get_it(tmp_path):
         open_archive(tmp_path / "absent")
     with pytest.raises(SceneError, match="is a directory"):
         open_archive(tmp_path)
-
-
-def test_what_cannot_be_stored_leaves_no_file(tmp_path, provenance):
-    scene = cached_scene(42)
-    first = replace(scene.objects[0], attributes={"n": 2**70})
-    broken = replace(scene, objects=(first, *scene.objects[1:]))
-    with pytest.raises(UnstorableAttributeError, match=r"attributes\.n"):
-        write_archive(tmp_path / "archive", [broken], provenance)
-    assert list(tmp_path.iterdir()) == []

@@ -110,7 +110,7 @@ def test_small_noise_is_drawn_from_equal_parts_too():
 @pytest.mark.parametrize(
     ("setting", "message"),
     [
-        ({"kind": "square"}, "schedule.kind is 'square', valid: linear, cosine"),
+        ({"kind": "square"}, "schedule.kind is 'square', valid: linear, cosine, log_snr"),
         ({"n_steps": 1}, "schedule.n_steps is 1, valid: 2 to 10000"),
         (
             {"kind": "linear", "beta_first": 0.03},

@@ -16,7 +16,7 @@ from aeroscene.learning.paper.guidance.semantic import (
 from tests.aeroscene.learning.guidance.layouts import random_layout
 
 TABLE, CHAIR, TREE = range(1, 4)
-CFG = SemanticPriorCfg(n_categories=3, n_neighbours=3, width=24, batch_size=24)
+CFG = SemanticPriorCfg(n_categories=3, n_neighbours=3, width=24, batch_size=24, learning_rate=1e-2)
 
 
 def _dinners(count: int, generator: torch.Generator) -> Layout:
@@ -43,7 +43,7 @@ def _trained(_run: int = 0):
     prior = train_semantic_prior(
         lambda count: _dinners(count, generator),
         CFG,
-        100,
+        300,
         torch.Generator().manual_seed(1),
         lambda _, loss: losses.append(loss),
     )
@@ -52,13 +52,13 @@ def _trained(_run: int = 0):
 
 def test_prior_learns_what_stands_where():
     prior, losses = _trained()
-    assert losses[0] == pytest.approx(0.69, abs=0.1)
-    assert losses[-1] < 0.5
+    assert losses[-1] < losses[0] - 5
     good = _dinners(8, torch.Generator().manual_seed(5))
     moved = good.center_enu_m.clone()
     moved[:, [1, 3]] = moved[:, [3, 1]]
     bad = replace(good, center_enu_m=moved)
-    assert (semantic_loss(bad, prior) > 3 * semantic_loss(good, prior)).all()
+    # Nats of a density, which may be below zero: a tree in a chair's place costs many.
+    assert (semantic_loss(bad, prior) > semantic_loss(good, prior) + 10).all()
 
 
 def test_training_is_the_same_by_the_same_seeds():

@@ -3,7 +3,6 @@ from dataclasses import replace
 import pytest
 import torch
 
-from aeroscene.learning.paper.preset import PAPER_TRAINING
 from aeroscene.learning.training import course
 from aeroscene.learning.training.checkpoint import read_checkpoint, under
 from aeroscene.learning.training.config import Budget, TrainingError
@@ -199,8 +198,7 @@ def test_best_weights_outlive_a_stop_and_training_goes_on_from_the_last(
     assert all(torch.equal(value, right[name]) for name, value in left.items())
 
 
-def test_papers_preset_ships_its_last_weights_and_says_where_they_were_best(plan, monkeypatch):
-    assert PAPER_TRAINING.keep == "last"
+def test_last_weights_can_be_kept_and_it_is_said_where_they_were_best(plan, monkeypatch):
     losses_of(monkeypatch, 0.9, 0.5, 0.7, 0.6)
     Training(replace(plan, sections=looking(plan, 2, keep="last")), Watcher()).run()
     found = read_checkpoint(plan.folder / CHECKPOINT)
