@@ -75,7 +75,7 @@ def areas(draw, area_id, bearers):
         radius=outer * math.cos(math.pi / sides) * draw(st.floats(0.5, 1)),
         drone_class=draw(st.sampled_from(["small", "medium", "large"])),
         slope_rad=draw(st.floats(0, 1.5)),
-        clearance_m=draw(st.floats(0.1, 1e6)),
+        clearance_m=draw(st.floats(0.1, 1e3)),
         surface=draw(words),
     )
 
@@ -83,7 +83,7 @@ def areas(draw, area_id, bearers):
 @st.composite
 def scenes(draw):
     scene_id = draw(names)
-    ids = draw(st.lists(st.integers(0, 2**40), unique=True, max_size=5))
+    ids = draw(st.lists(st.integers(0, 2**31 - 1), unique=True, max_size=5))
     found = [draw(objects(object_id, scene_id, ids[:place])) for place, object_id in enumerate(ids)]
     area_ids = draw(st.lists(st.integers(0, 500), unique=True, max_size=3))
     return Scene(
