@@ -26,6 +26,7 @@ from scenarios.cli.command_line import (
     default_hint,
     fail,
     fail_on_file,
+    interrupt,
     print_json,
 )
 from scenarios.cli.outputs import OutFolder
@@ -121,7 +122,7 @@ def run(cfg: CampaignCfg) -> int:
     from scenarios.campaigns.store import StoreError  # noqa: PLC0415
 
     # SIGTERM is handled as Ctrl-C is: processes and folder are left in order.
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    signal.signal(signal.SIGTERM, interrupt)
     refusals = (
         *(CampaignError, FixedSuiteError, StoreError, WorkerError),
         *(PilotError, ProgramError, FlightStackError, SceneNumbersError),

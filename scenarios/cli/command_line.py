@@ -45,6 +45,8 @@ _IN_OUR_WORDS = (
 _COMMAND_WANTED = re.compile(r"Expected one of \{([^}]*)\}")
 _MOST_CHARACTERS = 2000
 """Longest error: a name or a value from a file may be as long as the file."""
+_interrupts: list[int] = []
+"""Signals that `interrupt` has raised for."""
 _KINDS = {"FLOAT": "a number", "INT": "a whole number"}
 
 
@@ -63,7 +65,8 @@ def execute(
     logging.basicConfig(level=logging.WARNING, handlers=[shown])
     cfg = parse(command, prog, args)
     # From here on there may be files and ports to close.
-    signal.signal(signal.SIGINT, signal.default_int_handler)
+    _interrupts.clear()
+    signal.signal(signal.SIGINT, interrupt)
     try:
         return run(cfg)
     except KeyboardInterrupt:
@@ -71,9 +74,27 @@ def execute(
     except BrokenPipeError:
         raise  # The reader of our output has closed the pipe: no fault.
     except Exception as error:
+        if _interrupts:
+            return EXIT_INTERRUPTED  # A library made an exception of its own of it.
         if (line := one_line(error)) is None:
             raise
         fail(prog, line)
+
+
+def interrupt(number: int, _: FrameType | None = None) -> NoReturn:
+    """Raise KeyboardInterrupt for a signal, and remember that it came."""
+    _interrupts.append(number)
+    raise KeyboardInterrupt
+
+
+def raise_if_interrupted() -> None:
+    """Raise KeyboardInterrupt again where a library has swallowed it.
+
+    Callbacks, destructors and imports of compiled libraries do: one Ctrl-C in twenty during the
+    first three seconds of a run.
+    """
+    if _interrupts:
+        raise KeyboardInterrupt
 
 
 class _VisibleFormatter(logging.Formatter):

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import tyro
 from rich.table import Table
 
-from scenarios.cli.command_line import EXIT_DONE, fail, fail_on_file, print_json
+from scenarios.cli.command_line import EXIT_DONE, fail, fail_on_file, interrupt, print_json
 from scenarios.cli.outputs import OutFile, OutFolder
 from scenarios.cli.terminal import terminal
 
@@ -168,7 +168,7 @@ def show(kind: Literal["auto", "native", "web"], source: Path, what: str) -> Non
     from scenarios.recording.viewer import Viewer, has_display  # noqa: PLC0415
 
     # SIGTERM must end the viewer too.
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    signal.signal(signal.SIGTERM, interrupt)
     if kind == "auto":
         kind = "native" if has_display() else "web"
     with Viewer(kind, source) as viewer:

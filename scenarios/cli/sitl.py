@@ -21,7 +21,9 @@ from scenarios.cli.command_line import (
     EXIT_NEGATIVE,
     execute,
     handling_signals,
+    interrupt,
     print_json,
+    raise_if_interrupted,
 )
 from scenarios.cli.entry import lasting
 from scenarios.cli.repeated import gathered
@@ -88,7 +90,7 @@ def run(command: SitlCommand) -> int:
     # Standard output belongs to the result.
     console = terminal(stderr=True)
     # SIGTERM must close ports, viewers and the recording too.
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    signal.signal(signal.SIGTERM, interrupt)
     cfg = command.cfg
     _refuse_output_over_output(cfg)
     made = [path for path in _folders(cfg) if not path.exists()]
@@ -96,10 +98,11 @@ def run(command: SitlCommand) -> int:
         opened = SharedSitl(cfg) if len(cfg.airframes) > 1 else Sitl(cfg)
     with opened as sitl:
         flights = sitl.flights if isinstance(sitl, SharedSitl) else (sitl,)
-        announce(console, flights)
-        for folder in made:
-            console.print(f"Folder {folder} was missing and is made.", soft_wrap=True)
+        raise_if_interrupted()
         with _stop_on_signals() as should_stop, contextlib.ExitStack() as stack:
+            announce(console, flights)
+            for folder in made:
+                console.print(f"Folder {folder} was missing and is made.", soft_wrap=True)
             n = len(flights)
             lines = [StatusLine(console, flight, number=i, n=n) for i, flight in enumerate(flights)]
             for line in lines:

@@ -68,6 +68,11 @@ class MavProxy:
                 return found
         raise AssertionError(f"no {pattern!r} in:\n{self.seen}")
 
+    def wait_until_said(self, pattern: str) -> None:
+        """Read on until a line matches, unless one has matched before."""
+        if not re.search(pattern, self.seen):
+            self.expect(pattern)
+
     def ask(self, line: str, pattern: str) -> re.Match[str]:
         """Type a question until a line answers it as expected."""
         for _ in range(20):
@@ -154,6 +159,8 @@ def _load_and_read_back(proxy, directory, name, title, items):
 
 
 def _switch_the_fence(proxy):
+    # MAVProxy tells changes between two reports, and the first after the upload may be on its way.
+    proxy.wait_until_said("fence enabled")
     proxy.type("fence disable")
     proxy.expect(r"DO_FENCE_ENABLE: ACCEPTED")
     proxy.expect("fence disabled")

@@ -12,7 +12,7 @@ from typing import Annotated
 from aeroscene.corpus.corpus import CORPUS_SIZE
 from aeroscene.corpus.provenance import curation_digest
 from aeroscene.processes import default_jobs
-from scenarios.cli.command_line import EXIT_DONE, print_json
+from scenarios.cli.command_line import EXIT_DONE, interrupt, print_json
 from scenarios.cli.dataset.options import JOBS
 from scenarios.cli.outputs import OutFolder
 from scenarios.cli.progress import progress_bar
@@ -44,7 +44,7 @@ class BuildCfg:
 def run(cfg: BuildCfg) -> int:
     """Build and say what was done."""
     # SIGTERM is handled as Ctrl-C is, so that nothing stays half-written.
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    signal.signal(signal.SIGTERM, interrupt)
     plan = plan_build(cfg.out, scene_numbers(cfg.scenes))
     _announce(plan)
     start_s = time.perf_counter()
