@@ -25,6 +25,7 @@ from scenarios.bench.configs import (
 )
 from scenarios.bench.generate_cfg import GenerateBenchCfg
 from scenarios.bench.many_configs import VehiclesBenchCfg, WorldsBenchCfg
+from scenarios.bench.method_cfg import MethodBenchCfg
 from scenarios.bench.row import Row
 from scenarios.cli.command_line import EXIT_DONE, EXIT_NEGATIVE, fail, print_json
 from scenarios.cli.progress import share_bar
@@ -36,6 +37,7 @@ Bench = (
     Annotated[SimBenchCfg, tyro.conf.subcommand("sim", prefix_name=False)]
     | Annotated[SceneBenchCfg, tyro.conf.subcommand("scene", prefix_name=False)]
     | Annotated[GenerateBenchCfg, tyro.conf.subcommand("generate", prefix_name=False)]
+    | Annotated[MethodBenchCfg, tyro.conf.subcommand("method", prefix_name=False)]
     | Annotated[EstimateBenchCfg, tyro.conf.subcommand("estimate", prefix_name=False)]
     | Annotated[PlanBenchCfg, tyro.conf.subcommand("plan", prefix_name=False)]
     | Annotated[DifficultyBenchCfg, tyro.conf.subcommand("difficulty", prefix_name=False)]
@@ -50,6 +52,7 @@ _NAMES: Mapping[type, str] = {
     SimBenchCfg: "sim",
     SceneBenchCfg: "scene",
     GenerateBenchCfg: "generate",
+    MethodBenchCfg: "method",
     PlanBenchCfg: "plan",
     DifficultyBenchCfg: "difficulty",
     ControlBenchCfg: "control",
@@ -97,7 +100,7 @@ def run(cfg: BenchCfg) -> int:
 def _module(bench: AnyBenchCfg) -> Any:
     """Module of the benchmark; existing scenes have another one than generation."""
     is_made = isinstance(bench, GenerateBenchCfg) and bench.scenes is not None
-    if isinstance(bench, GenerateBenchCfg) and not is_made:
+    if isinstance(bench, GenerateBenchCfg | MethodBenchCfg) and not is_made:
         from aeroscene.learning import require_torch  # noqa: PLC0415 - with the scene model
 
         require_torch()

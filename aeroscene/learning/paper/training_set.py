@@ -26,7 +26,7 @@ from aeroscene.learning.tokens.skeleton import Wish
 from aeroscene.scene import Scene
 
 COARSE_PASS_SHARE = 0.4
-"""Share of the scenes of a progressive batch that show their coarse objects alone."""
+"""Share of the progressive batches that show the coarse objects of their scenes alone."""
 _N_BUCKETS = 12
 """Scenes of a batch are among so many-th of all that have about as many objects: little padding."""
 _WEIGHT = np.array([1.0, 1.0, *[0.5] * 8], dtype=np.float32)
@@ -72,8 +72,7 @@ class FlatTrainingSet:
     def sample_batch(self, size: int, rng: np.random.Generator) -> TokenBatch:
         """Scenes of about as many objects, each turned at random, indoors mirrored too."""
         layouts = [random_symmetry(each, rng) for each in self.alike(size, rng)]
-        is_second = rng.random(size) >= COARSE_PASS_SHARE
-        return self._batch(layouts, is_second.tolist())
+        return self._batch(layouts, [rng.random() >= COARSE_PASS_SHARE] * size)
 
     def alike(self, size: int, rng: np.random.Generator) -> list[FlatLayout]:
         """Scenes near one that is drawn evenly, in the order of their numbers of objects."""
@@ -91,6 +90,10 @@ class FlatTrainingSet:
         """Scenes as they are, for measuring; of progressive ones every other its coarse objects."""
         layouts = self.examples[start : start + size]
         return self._batch(layouts, [(start + i) % 2 == 0 for i in range(len(layouts))])
+
+    def in_pass(self, *, is_second: bool) -> TokenBatch:
+        """All scenes as they are, in one of the two passes of the progressive preset."""
+        return self._batch(self.examples, [is_second] * len(self.examples))
 
     def _batch(self, layouts: Sequence[FlatLayout], is_second: Sequence[bool]) -> TokenBatch:
         rows = [

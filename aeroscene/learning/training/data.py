@@ -71,7 +71,7 @@ def open_training_data(
         SceneError: If there is no such data, or it is not valid.
     """
     last = _last_number(path) if is_streamed else None
-    train, held_out = _scenes(path, on_scene)
+    train, held_out = training_scenes(path, on_scene)
     if len(train) < _LEAST_SCENES:
         raise TrainingError(
             f"data {str(path)!r} has {len(train)} scenes to train on, "
@@ -186,7 +186,14 @@ def _last_number(path: Path) -> int:
     return entries[-1].index
 
 
-def _scenes(path: Path, on_scene: OnScene) -> tuple[list[Scene], list[Scene]]:
+def training_scenes(
+    path: Path, on_scene: OnScene = lambda: None
+) -> tuple[list[Scene], list[Scene]]:
+    """Scenes to train on, and those that are held out, of what a user names.
+
+    Raises:
+        SceneError: If there is no such data, or it is not valid.
+    """
     if is_layouts(path):
         return _layout_scenes(path, on_scene)
     dataset = open_dataset(path)

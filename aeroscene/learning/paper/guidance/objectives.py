@@ -108,13 +108,14 @@ class Objectives:
         """
         layout = self._read(x, batch)
         layout = replace(layout, size_m=layout.size_m.detach())
-        return sum((weight * term for weight, term in self._terms(layout)), x.new_zeros(len(x)))
+        return sum((w * term for _, w, term in self._terms(layout)), x.new_zeros(len(x)))
 
-    def _terms(self, layout: Layout) -> Iterator[tuple[float, Float[Tensor, " batch"]]]:
-        """The objectives that have a weight, after it."""
+    def _terms(self, layout: Layout) -> Iterator[tuple[str, float, Float[Tensor, " batch"]]]:
+        """The objectives that have a weight: name, weight and value."""
         cfg = self.cfg
         if cfg.collision_weight > 0:
             yield (
+                "L_col",
                 cfg.collision_weight,
                 collision_loss(
                     layout,
@@ -126,9 +127,9 @@ class Objectives:
             )
         if cfg.coarse_to_fine_weight > 0:
             term = coarse_to_fine_loss(layout, cfg.region_distance, self._is_hollow)
-            yield cfg.coarse_to_fine_weight, term
+            yield "L_c2f", cfg.coarse_to_fine_weight, term
         if self._prior is not None and cfg.semantic_weight > 0:
-            yield cfg.semantic_weight, semantic_loss(layout, self._prior)
+            yield "L_sem", cfg.semantic_weight, semantic_loss(layout, self._prior)
 
     def on_x0(self, x0: Tensor, batch: TokenBatch, at: Moment) -> Tensor:  # noqa: ARG002 - of the protocol
         """Nothing: the paper guides the mean."""
@@ -152,22 +153,26 @@ class Objectives:
 
     def direction(self, x0: Tensor, batch: TokenBatch) -> Float[Tensor, "batch n 3"]:
         """Weighted sum of the terms' normalised gradients: east, north, on the lever."""
-        layout = self._read(x0, batch)
-        total = torch.zeros_like(layout.center_enu_m)
-        for weight, gradient in self.gradients(layout):
-            length = gradient.norm(dim=-1, keepdim=True)
-            total = total + weight * gradient / (length + self.cfg.slack)
-        return total
+        start = x0.new_zeros(*x0.shape[:2], 3)
+        return sum(self.steps(x0, batch).values(), start)
 
-    def gradients(self, layout: Layout) -> list[tuple[float, Float[Tensor, "batch n 3"]]]:
-        """Each term's weight, and its gradient by a shift east, north and a turn on the lever."""
+    def steps(self, x0: Tensor, batch: TokenBatch) -> dict[str, Float[Tensor, "batch n 3"]]:
+        """Each objective's normalised gradient times its weight, by the objective's name."""
+        found = {}
+        for name, weight, gradient in self._gradients(self._read(x0, batch)):
+            length = gradient.norm(dim=-1, keepdim=True)
+            found[name] = weight * gradient / (length + self.cfg.slack)
+        return found
+
+    def _gradients(self, layout: Layout) -> list[tuple[str, float, Float[Tensor, "batch n 3"]]]:
+        """Each term's name, weight and gradient by a shift east, north and a turn on the lever."""
         found = []
         with torch.enable_grad():
             shift = torch.zeros_like(layout.center_enu_m).requires_grad_()
-            for weight, term in self._terms(_shifted(layout, shift)):
+            for name, weight, term in self._terms(_shifted(layout, shift)):
                 if term.requires_grad:
                     (gradient,) = torch.autograd.grad(term.sum(), shift, retain_graph=True)
-                    found.append((weight, gradient))
+                    found.append((name, weight, gradient))
         return found
 
     def _in_channels(self, step: Tensor, x0: Tensor, batch: TokenBatch) -> Tensor:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import torch
 from jaxtyping import Bool, Float, Int
 from torch import Tensor, nn
-from torch.nn import functional
 
+from aeroscene.learning.model.hierarchy import attend
 from aeroscene.learning.paper.network.routing import Routes
 
 
@@ -46,16 +46,18 @@ class MaskedAttention(nn.Module):
         if source_weight is not None:
             value = value * source_weight
         # A row of False alone would be NaN; its result is dropped below.
-        mask: Tensor = (is_allowed | ~has_key).unsqueeze(1)
-        if bias is not None:
-            mask = bias.masked_fill(~mask, torch.finfo(bias.dtype).min)
-        found = functional.scaled_dot_product_attention(
+        is_seen = (is_allowed | ~has_key).unsqueeze(1)
+        logit = feature.new_zeros(()) if bias is None else bias
+        lowest = torch.finfo(logit.dtype).min
+        shape = (len(feature), self.heads, feature.shape[1], source.shape[1])
+        mask = logit.expand(shape).masked_fill(~is_seen, lowest)
+        found = attend(
             self._to_heads(self.query(self.query_norm(feature))),
             self._to_heads(self.key(self.key_norm(source))),
             self._to_heads(value),
-            attn_mask=mask,
+            mask,
         )
-        return feature + self.fc(found.transpose(1, 2).flatten(2)) * has_key
+        return feature + self.fc(found) * has_key
 
     def _to_heads(self, packed: Float[Tensor, "batch n d"]) -> Float[Tensor, "batch h n e"]:
         return packed.unflatten(-1, (self.heads, -1)).transpose(1, 2)

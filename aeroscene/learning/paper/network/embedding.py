@@ -2,8 +2,10 @@
 
 A network sees a layout twice: the noisy channels themselves, and the boxes in the world that the
 channels stand for. Of the latter the faces are what matters, since a wall ends where another
-begins and a bed stands against one. They come as Fourier features, in which equal places have
-equal vectors.
+begins and a bed stands against one. Both come as Fourier features, in which equal places have
+equal vectors and small differences are large. A wave that is shorter than the doubt about what it
+tells is no more than noise, and fades: its mean over that doubt is what remains (Barron et al.
+2021, "Mip-NeRF", section 3.1).
 """
 
 from __future__ import annotations
@@ -12,7 +14,7 @@ import math
 from typing import NamedTuple
 
 import torch
-from jaxtyping import Float
+from jaxtyping import Float, Int
 from torch import Tensor, nn
 
 from aeroscene.learning.model.config import N_GEOMETRY, ModelCfg
@@ -22,13 +24,35 @@ from aeroscene.learning.tokens.batch import TokenBatch
 
 LONGEST_M = 128.0
 """Longest wavelength of a face's Fourier features; each further band halves it."""
+_LONGEST = 16.0
+"""The same for a channel, in spreads."""
+_N_ALIKE = 64
+"""Slots of one category that are told apart; later ones share the last."""
 _N_TURNS = 4
+_N_FACES = 6
+_N_SHAPE = 7
+"""Heading, logarithms of the extents, and of the frame's half extents."""
 _FACES_M = 8.0
 """Faces are seen on this scale, beside their waves."""
 _MOST = 6.0
 """Channels are cut off at so many spreads: an object may be unlike all that were trained on."""
 _PLACE_SCALE = 0.1
 """e_pos is so much quieter than as it is written, or keys and values are mostly the index."""
+
+
+class Seen(NamedTuple):
+    """A noisy layout, and what a formula without parameters makes of it."""
+
+    x: Float[Tensor, "batch n c"]
+    """Noisy channels, divided to unit variance."""
+    clean: Float[Tensor, "batch n c"]
+    """The formula's clean channels, in spreads."""
+    doubt: Float[Tensor, "batch n c"]
+    """Their standard deviations about the truth."""
+    boxes: Layout
+    """The boxes of the clean channels."""
+    faces_doubt_m: Float[Tensor, "batch n 6"]
+    """Standard deviations of their faces."""
 
 
 class Embedded(NamedTuple):
@@ -39,14 +63,16 @@ class Embedded(NamedTuple):
     token: Float[Tensor, "batch n d"]
     """h = f^(0) + e_pos + e_dom, and the time."""
     place: Float[Tensor, "batch n d"]
-    """e_pos."""
+    """e_pos: the place in the list, and the learned slot among objects of the category."""
 
 
 class LayoutEmbedding(nn.Module):
     """The paper's h_i = f_i^(0) + e_i^pos + e_i^dom with f_i^(0) = MLP([p, q, s, Emb(c)]).
 
     The category and its quarter turn are given: "a one-hot vector which conditioned as learned
-    soft-embeddings". The place i is counted among real tokens.
+    soft-embeddings". The place i is counted among real tokens. Beside its sinusoid stands a
+    learned vector for the k-th object of a category: where all is noise, nothing else tells the
+    four walls of a room from each other.
     """
 
     def __init__(self, cfg: ModelCfg) -> None:
@@ -54,32 +80,45 @@ class LayoutEmbedding(nn.Module):
         self.width, self.bands = cfg.width, cfg.fourier_bands
         self.category = nn.Embedding(1 + cfg.n_categories, cfg.width)
         self.turn = nn.Embedding(_N_TURNS, cfg.width)
+        n_waves = 2 * cfg.fourier_bands * (_N_FACES + N_GEOMETRY)
         self.mlp = nn.Sequential(
-            nn.Linear(N_GEOMETRY + 12 * cfg.fourier_bands + 13 + cfg.width, cfg.width),
+            nn.Linear(N_GEOMETRY + n_waves + _N_FACES + _N_SHAPE + cfg.width, cfg.width),
             nn.SiLU(),
             nn.Linear(cfg.width, cfg.width),
         )
         self.domain = nn.Embedding(cfg.n_domains, cfg.width)
+        self.slot = nn.Embedding(_N_ALIKE, cfg.width)
 
-    def forward(
-        self,
-        x: Float[Tensor, "batch n c"],
-        boxes: Layout,
-        time: Float[Tensor, "batch n d"],
-        batch: TokenBatch,
-    ) -> Embedded:
-        """Tokens of a noisy layout, whose channels have unit variance here."""
+    def forward(self, seen: Seen, time: Float[Tensor, "batch n d"], batch: TokenBatch) -> Embedded:
+        """Tokens of a noisy layout."""
         assert batch.turn is not None
         assert batch.frame is not None
         known = self.category(batch.kind) + self.turn(batch.turn)
+        boxes = seen.boxes
         faces = faces_m(boxes)
-        waves = fourier_of_faces(faces, self.bands)
-        shape = [boxes.heading, boxes.size_m.log(), batch.frame[..., 5:7].log()]
-        seen = torch.cat([x.clamp(-_MOST, _MOST), faces / _FACES_M, waves, *shape, known], dim=-1)
-        feature = self.mlp(seen)
+        parts = [
+            seen.x.clamp(-_MOST, _MOST),
+            faces / _FACES_M,
+            fourier(faces, seen.faces_doubt_m, LONGEST_M, self.bands),
+            fourier(seen.clean, seen.doubt, _LONGEST, self.bands),
+            boxes.heading,
+            boxes.size_m.log(),
+            batch.frame[..., 5:7].log(),
+            known,
+        ]
+        # Rounded to bfloat16, a place of one spread is off by half a hundredth.
+        with torch.autocast(seen.x.device.type, enabled=False):
+            feature = self.mlp(torch.cat(parts, dim=-1).float())
         place = _PLACE_SCALE * sinusoid(batch.mask.cumsum(1) - 1, self.width)
+        place = place + self.slot(among_alike(batch).clamp(max=_N_ALIKE - 1))
         token = feature + place + time + self.domain(batch.domain).unsqueeze(1)
         return Embedded(feature, token, place)
+
+
+def among_alike(batch: TokenBatch) -> Int[Tensor, "batch n"]:
+    """How many objects of its category come before each in its scene."""
+    same = (batch.kind.unsqueeze(2) == batch.kind.unsqueeze(1)) & batch.mask.unsqueeze(1)
+    return same.tril(-1).sum(-1)
 
 
 def level_extent_m(boxes: Layout) -> Float[Tensor, "batch n 3"]:
@@ -95,8 +134,18 @@ def faces_m(boxes: Layout) -> Float[Tensor, "batch n 6"]:
     return torch.cat([boxes.center_enu_m - half, boxes.center_enu_m + half], dim=-1)
 
 
-def fourier_of_faces(faces: Float[Tensor, "batch n 6"], bands: int) -> Float[Tensor, "batch n f"]:
-    """Sines and cosines of where faces are, two of each band and face."""
-    octave = torch.arange(bands, device=faces.device, dtype=torch.float32)
-    angle = (faces.unsqueeze(-1) * (2 * math.pi / LONGEST_M * 2.0**octave)).flatten(-2)
-    return torch.cat([angle.sin(), angle.cos()], dim=-1)
+def fourier(
+    value: Float[Tensor, "batch n k"],
+    doubt: Float[Tensor, "batch n k"],
+    longest: float,
+    bands: int,
+) -> Float[Tensor, "batch n f"]:
+    """Mean sines and cosines of values that are known but for normal doubts, by band.
+
+    The first wave is `longest`, and each further one half as long; doubts are standard deviations.
+    """
+    octave = torch.arange(bands, device=value.device, dtype=torch.float32)
+    rate = 2 * math.pi / longest * 2.0**octave
+    angle = (value.unsqueeze(-1) * rate).flatten(-2)
+    left = (-0.5 * (doubt.unsqueeze(-1) * rate).square()).exp().flatten(-2)
+    return torch.cat([left * angle.sin(), left * angle.cos()], dim=-1)

@@ -12,14 +12,14 @@ from aeroscene.learning.diffusion.loss import Prediction
 from aeroscene.learning.diffusion.schedule import Schedule
 from aeroscene.learning.model.config import ModelCfg
 from aeroscene.learning.model.encoding import TimeEmbedding
-from aeroscene.learning.paper.channels import FlatStatistics
+from aeroscene.learning.paper.channels import POSITION, SCALE, FlatStatistics
 from aeroscene.learning.paper.guidance.layout import FlatReader, Layout
 from aeroscene.learning.paper.network.attention import (
     CrossScaleProgressiveAttention,
     ScaleAttention,
 )
 from aeroscene.learning.paper.network.coarse import CoarseCnn
-from aeroscene.learning.paper.network.embedding import LayoutEmbedding
+from aeroscene.learning.paper.network.embedding import LayoutEmbedding, Seen
 from aeroscene.learning.paper.network.fine import FineGnn
 from aeroscene.learning.paper.network.nearness import NearnessBias
 from aeroscene.learning.paper.network.routing import LearnedRouting, Routes, given_routes
@@ -89,8 +89,9 @@ class LayoutDenoiser(nn.Module):
             x_t = torch.where(batch.given.unsqueeze(-1), batch.x0.to(x_t), x_t)
         total = levels.total
         # The formula's clean layout: grid, graph and embedding find the boxes in it.
-        boxes = self._read(levels.alpha * levels.variance / total * x_t, batch)
-        feature, token, place = self.embedding(x_t / total.sqrt(), boxes, time, batch)
+        seen = self._seen(x_t, levels, batch)
+        boxes = seen.boxes
+        feature, token, place = self.embedding(seen, time, batch)
         routes = given_routes(batch) if self.routing is None else self.routing(feature, batch.mask)
         fused = self.attention(self._extract(token, boxes, routes, batch), routes)
         condition = Condition(
@@ -103,6 +104,18 @@ class LayoutDenoiser(nn.Module):
         gain = levels.alpha * (levels.variance / total).sqrt()
         output = levels.sigma / total * x_t + gain * learned
         return Prediction(output * batch.mask.unsqueeze(-1), routes.tokenizability)
+
+    def _seen(self, x_t: Tensor, levels: Levels, batch: TokenBatch) -> Seen:
+        total = levels.total
+        clean = levels.alpha * levels.variance / total * x_t
+        doubt = levels.sigma * (levels.variance / total).sqrt()
+        boxes = self._read(clean, batch)
+        half_m = boxes.size_m * doubt[..., SCALE] * self._read.spread_of(batch)[..., SCALE] / 2
+        doubt_m = (doubt[..., POSITION] * self._read.metres_of(batch)).square() + half_m.square()
+        # Frames and boxes are turned: east and north share what is not known.
+        level_m = doubt_m[..., :2].mean(-1, keepdim=True).expand_as(doubt_m[..., :2])
+        faces_m = torch.cat([level_m, doubt_m[..., 2:]], dim=-1).sqrt().repeat(1, 1, 2)
+        return Seen(x_t / total.sqrt(), clean, doubt, boxes, faces_m)
 
     def _levels(
         self, x_t: Tensor, t: Tensor, batch: TokenBatch

@@ -51,7 +51,8 @@ class ResidualBlock(nn.Module):
         scale, shift = self.time(condition.time).chunk(2, dim=-1)
         inner = self.first(functional.silu(self.first_norm(place)))
         inner = self.second_norm(inner) * (1 + scale) + shift
-        place = self.skip(place) + self.second(functional.silu(inner))
+        # The sum of all blocks stays in single precision where products of matrices are not.
+        place = self.skip(place).float() + self.second(functional.silu(inner))
         place = self.within(place, place, condition.is_token, bias=condition.nearness)
         return self.across(place, condition.feature, condition.is_token)
 
@@ -88,7 +89,7 @@ class TokenUnet(nn.Module):
         self, place: Float[Tensor, "batch n i"], condition: Condition
     ) -> Float[Tensor, "batch n c"]:
         """Predict for each place of a list; zero before any training."""
-        place = first = self.inward(place)
+        place = first = self.inward(place).float()
         kept = []
         for block in self.down:
             place = block(place, condition)
@@ -96,4 +97,5 @@ class TokenUnet(nn.Module):
         place = self.middle(place, condition)
         for block, skip in zip(self.up, reversed(kept), strict=True):
             place = block(torch.cat([place, skip], dim=-1), condition)
-        return self.outward(torch.cat([functional.silu(self.norm(place)), first], dim=-1))
+        with torch.autocast(place.device.type, enabled=False):
+            return self.outward(torch.cat([functional.silu(self.norm(place)), first], dim=-1))

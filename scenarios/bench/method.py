@@ -1,0 +1,195 @@
+"""`bench method`: gates that the network of the paper's presets has to pass.
+
+A channel by itself, with a variance v, has a best guess of its noise,
+
+    eps = sigma x_t / (alpha_bar v + sigma^2),
+
+for which no network is needed. One that is worse than this has learned nothing there, whatever its
+loss says.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+
+import numpy as np
+import torch
+from jaxtyping import Float
+from torch import Tensor
+
+from aeroscene.learning.diffusion.sampling import sample
+from aeroscene.learning.diffusion.schedule import Schedule
+from aeroscene.learning.generation.loading import SHIPPED
+from aeroscene.learning.model.network import new_denoiser
+from aeroscene.learning.paper.channels import SCALE, FlatStatistics
+from aeroscene.learning.paper.guidance.layout import FlatReader
+from aeroscene.learning.paper.guidance.objectives import Objectives
+from aeroscene.learning.paper.guidance.semantic import SemanticPrior
+from aeroscene.learning.paper.network.layout_denoiser import LayoutDenoiser
+from aeroscene.learning.paper.preset import PAPER_SAMPLER
+from aeroscene.learning.paper.training_set import FlatTrainingSet
+from aeroscene.learning.tokens.batch import TokenBatch
+from aeroscene.learning.training.checkpoint import Checkpoint, read_checkpoint
+from aeroscene.learning.training.data import prepared, training_scenes
+from aeroscene.learning.training.presets import sections_from_plain
+from scenarios.bench.configs import BenchError
+from scenarios.bench.memorising import memorising_rows
+from scenarios.bench.method_cfg import MethodBenchCfg
+from scenarios.bench.row import OnProgress, Row, higher, lower
+
+NOISE_TO_SIGNAL = (30.0, 4.0, 1.0, 0.3, 0.1, 0.03, 0.01)
+"""Ratios sigma / sqrt(alpha_bar) at which errors are measured."""
+GROUPS: Mapping[str, slice] = {
+    "places": slice(0, 2),
+    "heights": slice(2, 3),
+    "headings": slice(6, 7),
+    "extents": SCALE,
+}
+"""Channels that are judged together; the other two of a quaternion are zeros."""
+MOST_RATIO = 1.0
+MOST_HEADING_DEG = 3.0
+_GUIDED_AT = 0.1
+_BATCH = 16
+_SEED = 5
+
+
+def rows(cfg: MethodBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
+    """Judge a checkpoint, then learn eight scenes.
+
+    Raises:
+        SceneError: If checkpoint or data cannot be used.
+        BenchError: If the checkpoint is of another preset.
+    """
+    on_progress("reading the scenes", 0.0)
+    torch.set_num_threads(1)
+    checkpoint = read_checkpoint(cfg.checkpoint or SHIPPED[cfg.preset])
+    if checkpoint.facts.preset != cfg.preset:
+        raise BenchError(
+            f"checkpoint {str(cfg.checkpoint)!r} is of preset {checkpoint.facts.preset!r}, valid "
+            f"with --preset {cfg.preset}: one of the same"
+        )
+    train, held_out = training_scenes(cfg.data)
+    data = prepared(cfg.data.name, train, held_out[: cfg.count], preset=cfg.preset)
+    assert isinstance(data.held_out, FlatTrainingSet)
+    judged = _Judged(checkpoint, data.held_out)
+    on_progress("holding the network against the formula", 0.1)
+    yield from judged.ratio_rows()
+    on_progress("drawing the geometry of held-out contents", 0.3)
+    yield judged.heading_row()
+    yield from judged.guidance_rows()
+    if cfg.cpu_seconds > 0:
+        on_progress("learning eight scenes by heart, twice", 0.5)
+        yield from memorising_rows(cfg.preset, train, cfg.cpu_seconds)
+
+
+class _Judged:
+    """A trained network with scenes that it has not seen."""
+
+    def __init__(self, checkpoint: Checkpoint, scenes: FlatTrainingSet) -> None:
+        known = checkpoint.known
+        assert isinstance(known, FlatStatistics)
+        sections = sections_from_plain(checkpoint.facts.configs)
+        self._schedule = Schedule(sections["schedule"])
+        network = new_denoiser(sections["model"], known, self._schedule)
+        assert isinstance(network, LayoutDenoiser)
+        checkpoint.load_into(network, "denoiser")
+        self._network = network.eval()
+        prior = SemanticPrior(sections["prior"])
+        checkpoint.load_into(prior, "prior")
+        self._read = FlatReader(known)
+        is_hollow = torch.from_numpy(known.holds)
+        self._objectives = Objectives(self._read, sections["guidance"], prior.eval(), is_hollow)
+        self._sampler = replace(PAPER_SAMPLER, parameterisation=sections["loss"].parameterisation)
+        # As the checkpoint has them, not as these scenes' own training split would.
+        scenes = replace(scenes, statistics=known)
+        starts = range(0, len(scenes.examples), _BATCH)
+        self._batches = [scenes.in_order(start, _BATCH) for start in starts]
+
+    def ratio_rows(self) -> Iterator[Row]:
+        """Squared errors by the formula's: the worst of all times, and the mean."""
+        found = [self._ratios(ratio) for ratio in NOISE_TO_SIGNAL]
+        for name in GROUPS:
+            values = [ratios[name] for ratios in found if name in ratios]
+            worst = int(np.argmax(values))
+            at = f"at noise by signal {NOISE_TO_SIGNAL[worst]:g}"
+            metric = f"error of {name} by the formula's"
+            yield lower(f"{metric}, worst, {at}", values[worst], "", MOST_RATIO)
+            yield lower(f"{metric}, mean", float(np.mean(values)), "")
+
+    def _ratios(self, noise_to_signal: float) -> dict[str, float]:
+        time = _time_of(self._schedule, noise_to_signal)
+        generator = torch.Generator().manual_seed(_SEED)
+        sums = {name: np.zeros(2) for name in GROUPS}
+        for batch in self._batches:
+            x_t, eps, is_free = _noisy(batch, self._schedule, time, generator)
+            with torch.no_grad():
+                output = self._network(x_t, time.expand(len(x_t)), batch).output
+            for name, channels in GROUPS.items():
+                for k, guess in enumerate((output, self._formula(x_t, time, batch))):
+                    error = ((guess - eps).square() * is_free)[..., channels]
+                    sums[name][k] += float(error.sum())
+        return {name: float(own / formula) for name, (own, formula) in sums.items() if formula}
+
+    def _formula(self, x_t: Tensor, time: Tensor, batch: TokenBatch) -> Tensor:
+        alpha, sigma = self._schedule.signal_and_noise(time)
+        variance = self._network.variance[batch.kind]
+        return sigma / (alpha**2 * variance + sigma**2) * x_t
+
+    def heading_row(self) -> Row:
+        """How far drawn headings are off, given contents and quarter turns of a scene."""
+        generator = torch.Generator().manual_seed(_SEED)
+        off_deg = []
+        for batch in self._batches:
+            x0 = sample(
+                self._network,
+                batch,
+                self._schedule,
+                self._sampler,
+                generator,
+                guidance=self._objectives,
+            )
+            assert batch.x0 is not None
+            assert batch.given is not None
+            drawn, real = self._read(x0, batch).heading, self._read(batch.x0, batch).heading
+            cosine = (drawn * real).sum(-1).clamp(-1, 1)
+            off_deg.append(cosine.arccos().rad2deg()[batch.mask & ~batch.given])
+        mean_deg = float(torch.cat(off_deg).mean())
+        return lower("heading off, given the quarter turn, mean", mean_deg, "deg", MOST_HEADING_DEG)
+
+    def guidance_rows(self) -> Iterator[Row]:
+        """Share of each objective in the lengths of the steps that guidance takes."""
+        time = _time_of(self._schedule, _GUIDED_AT)
+        generator = torch.Generator().manual_seed(_SEED)
+        lengths: dict[str, float] = {}
+        for batch in self._batches:
+            x_t, _, is_free = _noisy(batch, self._schedule, time, generator)
+            with torch.no_grad():
+                eps = self._network(x_t, time.expand(len(x_t)), batch).output
+            alpha, sigma = self._schedule.signal_and_noise(time)
+            x0 = (x_t - sigma * eps) / alpha * is_free
+            for name, step in self._objectives.steps(x0, batch).items():
+                lengths[name] = lengths.get(name, 0.0) + float(step.norm(dim=-1).sum())
+        total = sum(lengths.values()) or 1.0
+        for name, length in lengths.items():
+            yield higher(f"share of {name} in the steps of guidance", 100 * length / total, "%")
+
+
+def _time_of(schedule: Schedule, noise_to_signal: float) -> Float[Tensor, ""]:
+    """The time of training at which the ratio is nearest."""
+    log = schedule.log_alpha_bar[1:]
+    log_ratio = (torch.log(-torch.expm1(log)) - log) / 2
+    step = int((log_ratio - float(np.log(noise_to_signal))).abs().argmin()) + 1
+    return torch.tensor(step / schedule.cfg.n_steps)
+
+
+def _noisy(
+    batch: TokenBatch, schedule: Schedule, time: Tensor, generator: torch.Generator
+) -> tuple[Tensor, Tensor, Tensor]:
+    """A noisy batch, its noise, and which channels are free."""
+    assert batch.x0 is not None
+    assert batch.weight is not None
+    is_free = (batch.weight > 0).to(batch.x0)
+    x0 = batch.x0 * is_free
+    eps = torch.randn(x0.shape, generator=generator) * is_free
+    return schedule.forward_noise(x0, time.expand(len(x0)), eps), eps, is_free
