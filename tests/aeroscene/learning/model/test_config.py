@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from aeroscene.learning.model import ModelCfg, ModelCfgError
+from aeroscene.learning.model.config import ModelCfg, ModelCfgError
 from aeroscene.learning.paper.preset import paper_cfg
 
 

@@ -9,7 +9,7 @@ import torch
 
 from aeroscene.learning.diffusion.loss import LossCfg, diffusion_loss
 from aeroscene.learning.diffusion.schedule import Schedule, ScheduleCfg
-from aeroscene.learning.model import ModelCfg
+from aeroscene.learning.model.config import ModelCfg
 from aeroscene.learning.paper.network.attention import ScaleAttention
 from aeroscene.learning.paper.network.layout_denoiser import LayoutDenoiser
 from aeroscene.learning.paper.preset import paper_cfg
