@@ -64,6 +64,9 @@ class LossCfg:
     from the layout, so that such times teach nothing; those of a uniform log SNR are 40%."""
     log_snr_spread: float = 2.0
     """Spread of that distribution."""
+    log_snr_even_share: float = 0.0
+    """Share of the times that is even over the log ratio instead: without any, no network is
+    trained where sampling begins and ends, and it is worse there than a formula."""
     coarse_weight: float = 1.0
     """How many times more than a fine token's a coarse token's error counts: everything stands on
     or in coarse objects, so their errors move all that they carry."""
@@ -80,10 +83,9 @@ class LossCfg:
         for name in ("coarse_weight", "guide_weight", "gate_weight"):
             if not 0 <= getattr(self, name) < float("inf"):
                 raise DiffusionError(f"{name} is {getattr(self, name):g}, valid: from 0")
-        if not 0 <= self.small_noise_share <= 1:
-            raise DiffusionError(
-                f"small_noise_share is {self.small_noise_share:g}, valid: from 0 to 1"
-            )
+        for name in ("small_noise_share", "log_snr_even_share"):
+            if not 0 <= getattr(self, name) <= 1:
+                raise DiffusionError(f"{name} is {getattr(self, name):g}, valid: from 0 to 1")
         if self.min_snr_gamma is not None and not self.min_snr_gamma > 0:
             raise DiffusionError(
                 f"min_snr_gamma is {self.min_snr_gamma:g}, valid: above 0, or left out"
@@ -139,7 +141,9 @@ def diffusion_loss(
         generator,
         stratified=cfg.is_stratified,
         small_noise_share=cfg.small_noise_share,
-        log_snr=None if cfg.log_snr_mean is None else (cfg.log_snr_mean, cfg.log_snr_spread),
+        log_snr=None
+        if cfg.log_snr_mean is None
+        else (cfg.log_snr_mean, cfg.log_snr_spread, cfg.log_snr_even_share),
     ).to(x0)
     eps = normal_like(x0, generator) * is_free
     x_t = schedule.forward_noise(x0, time, eps)

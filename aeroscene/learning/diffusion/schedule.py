@@ -117,7 +117,7 @@ class Schedule:
         *,
         stratified: bool,
         small_noise_share: float = 0.0,
-        log_snr: tuple[float, float] | None = None,
+        log_snr: tuple[float, float, float] | None = None,
     ) -> Tensor:
         """Times of training among the T steps, 1/T, ..., 1, on the generator's device.
 
@@ -130,7 +130,7 @@ class Schedule:
                 time is. Uniform times of the cosine schedule have sigma below 0.1 at 6% and below
                 0.025 at 1%; times of the first kind at 61% and 37%.
             log_snr: Mean and spread of a normal distribution of the log signal-to-noise ratio that
-                times are drawn by instead.
+                times are drawn by instead, and the share of them that is drawn evenly over it.
         """
         device = generator.device
         if stratified:
@@ -162,13 +162,18 @@ class Schedule:
         share = torch.lerp(torch.full_like(of_log, 1 / len(of_log)), of_log, small_noise_share)
         return share.cumsum(0)
 
-    def _shares_by_log_snr(self, mean: float, spread: float) -> Float64[Tensor, " n_steps"]:
-        """Shares of the times at 1/T, ..., 1 and before, by a normal density over log SNR."""
+    def _shares_by_log_snr(
+        self, mean: float, spread: float, even_share: float
+    ) -> Float64[Tensor, " n_steps"]:
+        """Shares of the times at 1/T, ..., 1 and before, by a normal density over log SNR.
+
+        At `even_share` the density is even.
+        """
         log = self.log_alpha_bar[1:]
         ratio = log - torch.log(-torch.expm1(log))
         width = -torch.cat([ratio[1:2] - ratio[:1], ratio.diff()])
         density = torch.exp(-(((ratio - mean) / spread) ** 2) / 2) * width
-        return (density / density.sum()).cumsum(0)
+        return torch.lerp(density / density.sum(), width / width.sum(), even_share).cumsum(0)
 
     def forward_noise(
         self,

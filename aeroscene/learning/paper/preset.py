@@ -70,6 +70,7 @@ PAPER_SECTIONS: Mapping[str, Any] = {
         weighting="velocity",
         log_snr_mean=1.0,
         log_snr_spread=2.5,
+        log_snr_even_share=0.15,
         guide_weight=0.05,
         guide_scenes=4,
         gate_weight=0.02,

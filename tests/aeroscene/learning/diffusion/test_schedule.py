@@ -122,3 +122,22 @@ def test_settings_out_of_range_say_what_is_valid(setting, message):
     with pytest.raises(DiffusionError) as error:
         ScheduleCfg(**setting)
     assert str(error.value) == message
+
+
+@pytest.mark.parametrize("even_share", [0.0, 0.5])
+def test_times_may_be_normal_in_log_snr_and_partly_even(even_share):
+    schedule = Schedule(ScheduleCfg(kind="log_snr"))
+    generator = torch.Generator().manual_seed(0)
+    time = schedule.draw_time(20_000, generator, stratified=True, log_snr=(1.0, 2.0, even_share))
+    alpha_bar = schedule.alpha_bar(time.double())
+    ratio = torch.log(alpha_bar) - torch.log1p(-alpha_bar)
+    first, last = schedule.cfg.log_snr_first, schedule.cfg.log_snr_last
+    middle, width = (first + last) / 2, first - last
+    mean = 1.0 + even_share * (middle - 1.0)
+    within = (1 - even_share) * 4.0 + even_share * width**2 / 12
+    variance = within + even_share * (1 - even_share) * (middle - 1.0) ** 2
+    assert float(ratio.mean()) == pytest.approx(mean, abs=0.1)
+    assert float(ratio.var()) == pytest.approx(variance, rel=0.05)
+    # Where the normal density has nothing, the even share trains alone.
+    beyond = float((ratio > 9.0).double().mean())
+    assert beyond == pytest.approx(even_share * (first - 9.0) / width, abs=0.01)
