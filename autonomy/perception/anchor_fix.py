@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from autonomy.perception.level_fix import LevelFix
 from autonomy.types import Vector3
 
 
@@ -25,3 +26,5 @@ class AnchorFix:
     """Share of the points that the map explains."""
     sigma_m: float
     """Standard deviation of the offset, the worst horizontal direction."""
+    level: LevelFix | None = None
+    """Horizontal offset by this image alone; None if it was refused or leaves a direction open."""

@@ -28,6 +28,7 @@ from jaxtyping import Float
 from autonomy.perception.anchor_fix import AnchorFix
 from autonomy.perception.depth_image import DepthImage
 from autonomy.perception.leaps import Leaps
+from autonomy.perception.level_fix import level_fix
 from autonomy.perception.map_anchor_cfg import MapAnchorCfg
 from autonomy.perception.match import Match, Matcher
 from autonomy.rotation import wrap_angle
@@ -93,8 +94,11 @@ class MapAnchor:
         if (horizontal_m, vertical_m) == self._claimed_m:
             return
         if is_adrift and horizontal_m > self._claimed_m[0]:
-            more = horizontal_m**2 - self._claimed_m[0] ** 2
-            self._covariance = self._covariance + np.diag([more, more, 0.0, 0.0])
+            # Drift is one motion, not a walk: deviations add up, each axis's share of them.
+            more_m = (horizontal_m - self._claimed_m[0]) / math.sqrt(2.0)
+            sigma_m = np.sqrt(self._covariance.diagonal()[:2])
+            more = (sigma_m + more_m) ** 2 - sigma_m**2
+            self._covariance = self._covariance + np.diag([*more, 0.0, 0.0])
         self._claimed_m = (horizontal_m, vertical_m)
         if not math.isfinite(vertical_m):
             vertical_m = _HEIGHT_TO_ACROSS * horizontal_m
@@ -143,10 +147,13 @@ class MapAnchor:
         else:
             self._leaps.see(match)
         reason = "another place, by one image alone" if is_leap else self._objection(match)
+        level = None
         if reason is not None:
             self._covariance = before
         else:
-            self._fuse(match.measured, match.directions, self._variances(match))
+            variances = self._variances(match)
+            level = level_fix(match, variances, self._x, before)
+            self._fuse(match.measured, match.directions, variances)
         if match.objection is not None or reason is None:
             self._matcher.learn(image, self._x)
         east, north, up, yaw = self._x.tolist()
@@ -158,6 +165,7 @@ class MapAnchor:
             residual_m=match.residual_m,
             inlier_share=match.inlier_share,
             sigma_m=self.sigma_m,
+            level=level,
         )
         return self.fix
 

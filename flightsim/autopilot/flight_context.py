@@ -23,6 +23,9 @@ _LAG_FREE_M = 0.5
 _LAG_STOP_M = 1.5
 _LAG_RESET_M = 5.0
 _MIN_BEARING_DISTANCE_M = 1.0
+_USABLE_MPS = 1.5
+"""Standard deviation of the velocity up to which a descent brakes by it; a level one is carried
+along by the wind."""
 
 
 class FlightContext:
@@ -139,6 +142,19 @@ class FlightContext:
             yaw_rad=self.heading.yaw_rad,
             yaw_rate_radps=self.heading.yaw_rate_radps,
         )
+
+    def sink_without_position(self, speed_mps: float) -> Setpoint:
+        """Setpoint of a descent that brakes to rest over the ground by the velocity alone.
+
+        The place is the present estimate in every tick. Without a measured position the estimate
+        drifts and jumps by metres, and a vehicle that follows it is thrown about. Once the velocity
+        is unknown as well, the descent is level.
+        """
+        if not self.vehicle.velocity_sigma_mps <= _USABLE_MPS:
+            return self.sink(speed_mps)
+        self.turn()
+        velocity = (0.0, 0.0, -speed_mps)
+        return self._setpoint(self.vehicle.position_enu_m, velocity, ZERO3, ZERO3)
 
     def turn(self) -> None:
         """Advance the yaw reference by one tick."""

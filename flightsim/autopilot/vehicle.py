@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import hypot, isfinite, isnan, nan
+from math import hypot, inf, isfinite, isnan, nan
 
 from autonomy.types import LEVEL, ZERO3, yaw_of
 from flightsim.autopilot.parameters import Parameters
@@ -35,6 +35,9 @@ class Vehicle:
         self.position_enu_m = self.velocity_enu_mps = self.angular_rate_flu_radps = ZERO3
         self.quat_wxyz = LEVEL
         self.is_attitude_ok = self.is_position_ok = False
+        self.is_dead_reckoning = False
+        """Whether the position rests on inertial sensors alone, so that it may jump or drift."""
+        self.velocity_sigma_mps = inf
         self.yaw_rad = self.thrust_fraction = 0.0
         self.range_m = nan
         self.is_imu_ok = True
@@ -72,6 +75,8 @@ class Vehicle:
         self.wind_mps = hypot(*self._plant.wind_est_enu_mps)
         estimator = self._plant.estimator
         self.is_attitude_ok = estimator.is_attitude_valid
+        self.is_dead_reckoning = estimator.is_dead_reckoning
+        self.velocity_sigma_mps = estimator.sigma_velocity_mps
         limit_m = self._parameters["COM_POS_FS_EPH"]
         self.is_position_ok = (
             estimator.is_position_valid

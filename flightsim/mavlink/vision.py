@@ -31,6 +31,8 @@ _USUAL_M, _USUAL_MPS, _USUAL_RAD = 0.1, 0.1, 0.1
 _LEAST_M, _LEAST_MPS, _LEAST_RAD = 0.01, 0.01, 0.01
 _OF_X, _OF_Y, _OF_Z, _OF_YAW = 0, 6, 11, 20
 """Places of the variances in the upper triangle of a 6 by 6 covariance."""
+_UNKNOWN_VARIANCE = 1e4
+"""Variance in m^2 or rad^2 from which on an axis counts as not measured."""
 _FAILED = -1
 
 
@@ -217,11 +219,15 @@ def _from_companions(handler: Handler) -> Handler:
 def _variance(
     covariance: Sequence[float], places: Sequence[int], usual: float, least: float
 ) -> float:
-    """Greatest of the named variances, or the usual one where they are not given (NaN or 0)."""
+    """Greatest of the named variances, or the usual one where they are not given (NaN or 0).
+
+    Infinite for an axis that is as good as unknown: it is not used at all.
+    """
     named = [covariance[place] for place in places if place < len(covariance)]
     if not named or not all(math.isfinite(value) and value > 0.0 for value in named):
         return usual * usual
-    return max(*named, least * least)
+    variance = max(*named, least * least)
+    return variance if variance < _UNKNOWN_VARIANCE else math.inf
 
 
 def _heading_of(quat_wxyz: Sequence[float]) -> float:

@@ -12,6 +12,9 @@ from flightsim.sensors.sensor import numbers
 
 MAX_HORIZONTAL_SIGMA_M = 5.0
 """Position counts as lost beyond this: some ten seconds without a fix."""
+DEAD_RECKONING_S = 1.5
+"""Time without a measured position after which the estimate rests on inertial sensors alone. A
+receiver that is silent every other second stays below it."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -20,6 +23,8 @@ class EstimatorStatus:
 
     is_attitude_valid: bool
     is_position_valid: bool
+    is_dead_reckoning: bool
+    """Whether neither satellites nor odometry nor a client have measured the position of late."""
     sigma_horizontal_m: float
     sigma_vertical_m: float
     sigma_velocity_mps: float
@@ -36,7 +41,8 @@ class EstimatorStatus:
 
 
 _numbers = numbers(
-    *("is_aligned", "tick", "last_gnss_tick", "gyro_bias_flu_radps", "accel_bias_flu_mps2"),
+    *("is_aligned", "tick", "last_gnss_tick", "last_position_tick"),
+    *("gyro_bias_flu_radps", "accel_bias_flu_mps2"),
     *("ratio_gnss_position", "ratio_gnss_velocity", "ratio_baro", "ratio_heading"),
 )
 
@@ -44,12 +50,14 @@ _numbers = numbers(
 def estimator_status(f: np.void, tick_us: int) -> EstimatorStatus:
     """Status of a filter of `FILTER_DTYPE`, by ticks of this length."""
     v = f["covariance"].diagonal()[:9].tolist()
-    is_aligned, tick, last_gnss_tick, gyro_bias, accel_bias, *ratios = _numbers(f)
+    is_aligned, tick, last_gnss_tick, last_tick, gyro_bias, accel_bias, *ratios = _numbers(f)
     gnss_position, gnss_velocity, baro, heading = ratios
     sigma_horizontal = math.sqrt(v[0] + v[1]) if is_aligned else math.inf
     return EstimatorStatus(
         is_attitude_valid=bool(is_aligned),
         is_position_valid=sigma_horizontal < MAX_HORIZONTAL_SIGMA_M,
+        is_dead_reckoning=bool(is_aligned)
+        and (tick - last_tick) * tick_us * 1e-6 > DEAD_RECKONING_S,
         sigma_horizontal_m=sigma_horizontal,
         sigma_vertical_m=math.sqrt(v[2]) if is_aligned else math.inf,
         sigma_velocity_mps=math.sqrt(v[3] + v[4] + v[5]) if is_aligned else math.inf,

@@ -175,6 +175,8 @@ class Pilot:
         step = self._guard.check(self.phase) or self._steps[self.phase]()
         if step is not None:
             self._enter(*step)
+        if (place := flight.senses.take_place()) is not None:
+            flight.client.send_place(place.position_enu_m, place.yaw_rad, place.sigma_m)
         if flight.course.has_begun and not flight.is_silent and not self.is_done:
             flight.client.send_setpoint(flight.senses.to_estimate(self._looking()))
 

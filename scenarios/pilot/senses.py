@@ -22,6 +22,7 @@ from scenarios.pilot.eyes import Frames, NoDepthError, camera_mount, posed_image
 from scenarios.pilot.trust import Trust
 
 if TYPE_CHECKING:
+    from autonomy.perception.anchor_fix import AnchorFix
     from autonomy.perception.map_anchor import MapAnchor
     from autonomy.perception.mover_tracker import MoverTracker
 
@@ -44,12 +45,27 @@ LEAST_HEIGHT_M = 0.8
 """Height above the start below which a growing map does not know the ground around it yet."""
 HITS_WHILE_GROWING = 8
 """Images that must show a mover there: more than it takes until the map knows what stands."""
+LEAST_FIX_SIGMA_M, MOST_FIX_SIGMA_M = 0.1, 0.25
+"""Bounds of the standard deviation of a place that the autopilot is told: images that follow each
+other err alike, and one that leaves a direction open would only return the autopilot's belief."""
 MOST_AGE_S = 0.1
 """Longest time by which telemetry is extrapolated to an image."""
 PLACED_SIGMA_M = 0.1
 """Standard deviation of the vehicle's placement at its start, in a given map."""
 BEGIN_SIGMA_M = 0.01
 """The same in a map that begins where the vehicle stands: what else it is off, the map is too."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True, slots=True)
+class PlaceFix:
+    """Horizontal position of the vehicle in the given map, by one image."""
+
+    position_enu_m: Vector3
+    """Its height is the estimate's."""
+    yaw_rad: float
+    """The estimate's heading."""
+    sigma_m: float
+    """Standard deviation of each horizontal axis."""
 
 
 class Senses:
@@ -77,6 +93,8 @@ class Senses:
         self._due_us = 0
         self._fix_camera = "forward"
         self._trust = Trust()
+        self._place: PlaceFix | None = None
+        self._tells_place = False
 
     def locate(self, time_us: int, estimate: Telemetry) -> None:
         """Convert telemetry to the map's frame."""
@@ -86,8 +104,9 @@ class Senses:
             self.telemetry = estimate
             return
         self._trust.hear(time_us, estimate.horizontal_sigma_m)
+        self._tells_place = self._tells_place and not estimate.has_fix
         anchor.claim(estimate.horizontal_sigma_m, is_adrift=self.is_adrift)
-        if not self._world.is_known:
+        if not self._world.is_known or self._tells_place:
             at_s = estimate.position_time_ms * 1e-3
             anchor.follow(at_s, estimate.position_enu_m, estimate.velocity_enu_mps)
         anchor.advance(time_us * 1e-6)
@@ -140,7 +159,9 @@ class Senses:
         frame, time_s = self._frames(camera), self._time_us * 1e-6
         image = posed_image(frame, mount, self._now())
         if self._world.is_known or self._is_unsure:
-            self._anchor.update(time_s, image)
+            fix = self._anchor.update(time_s, image)
+            if self.is_adrift:
+                self._find_place(fix)
         else:
             self._anchor.rely(time_s, image)
         image = self._anchor.image_to_map(image)
@@ -149,14 +170,36 @@ class Senses:
         self._world.observe(image, self.telemetry.position_enu_m)
         return image
 
+    def take_place(self) -> PlaceFix | None:
+        """The place that the latest image found, once; None unless the autopilot lacks it."""
+        place, self._place = self._place, None
+        return place
+
+    def _find_place(self, fix: AnchorFix) -> None:
+        """Keep the place that an image tells by itself, for an autopilot that has no other."""
+        if fix.level is None or fix.level.sigma_m > MOST_FIX_SIGMA_M:
+            return
+        now = self._now()
+        (x, y, z), (east_m, north_m) = now.position_enu_m, fix.level.offset_enu_m
+        self._tells_place = True
+        self._place = PlaceFix(
+            position_enu_m=(x + east_m, y + north_m, z),
+            yaw_rad=now.yaw_rad,
+            sigma_m=max(fix.level.sigma_m, LEAST_FIX_SIGMA_M),
+        )
+
     def moving(self, time_us: int) -> MovingObstacles:
         """Movers, predicted from a given time on."""
         return NOTHING_MOVES if self._tracker is None else self._tracker.moving(time_us * 1e-6)
 
     @property
     def is_adrift(self) -> bool:
-        """Whether neither satellites nor odometry seem to measure the position."""
-        return self._trust.is_adrift
+        """Whether neither satellites nor odometry seem to measure the position.
+
+        The autopilot says so itself, or else what it claims to know does. What it is told from here
+        is none of them: that goes on until there are satellites again.
+        """
+        return self._tells_place or self._estimate.is_dead_reckoning or self._trust.is_adrift
 
     @property
     def place_sigma_m(self) -> float:

@@ -139,6 +139,9 @@ def judge(score: FlightScore, goal: Goal, ending: Ending) -> Judgement:
         reason = f"landed on area {goal.area.id}, {error_m:.2f} m from the chosen point"
     found = ((code, reason) for applies, code, reason in objections if applies)
     code, reason = next(found, (code, reason))
+    word = ending.word
+    if code not in SUCCESSES and ending.is_done and not word.success and word.reason not in reason:
+        reason = f"{reason}; the pilot gave up: {word.reason}"
     return Judgement(code=code, reason=reason, fate=fate_of(score, goal))
 
 

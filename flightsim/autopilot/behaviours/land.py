@@ -64,13 +64,17 @@ class Land:
     def update(self) -> Setpoint:
         """Fly to above the place, then descend.
 
-        With a rotor lost it descends at once. It also stops waiting for the place if it has been
-        kept away from there for long.
+        With a rotor lost it descends at once, and so it does where it is if nothing measures the
+        position. It also stops waiting for the place if it has been kept away from there for long.
         """
         flight = self._flight
         above = self._above_enu_m
         assert above is not None
         x, y, z = above
+        if flight.vehicle.is_dead_reckoning:
+            self.is_landing = True
+            flight.target_enu_m = None
+            return flight.sink_without_position(landing_speed(flight))
         px, py, _ = flight.vehicle.position_enu_m
         is_near = hypot(px - x, py - y) < _ABOVE_PLACE_M
         if not is_near and (self.is_landing or flight.path.is_at_rest):
@@ -96,7 +100,7 @@ class Land:
 
 
 class Descend:
-    """Descend level, without a position: the last resort."""
+    """Descend without a position, by the velocity while that is known: the last resort."""
 
     is_landing = True
     may_rest = True
@@ -118,7 +122,7 @@ class Descend:
     def update(self) -> Setpoint:
         """Descend."""
         flight = self._flight
-        return flight.sink(landing_speed(flight))
+        return flight.sink_without_position(landing_speed(flight))
 
 
 def landing_speed(flight: FlightContext) -> float:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Any, Protocol
 
-from autonomy.types import FlatReference
+from autonomy.types import FlatReference, Vector3
 from flightsim.frames import Geodetic, LocalFrame, swap_enu_ned, swap_yaw_enu_ned
 from flightsim.mavlink.client.habits import PX4_HABITS, Habits
 from flightsim.mavlink.client.telemetry import Telemetry, TelemetryReader
@@ -22,6 +22,9 @@ _ACK_TIMEOUT_US = 500_000
 _PROGRESS_TIMEOUT_US = 5_000_000
 _TRIES = 5
 _AUTOPILOT_COMPONENT = 1
+_UNKNOWN_VARIANCE = 1e6
+_VARIANCES = dict.fromkeys((11, 15, 18, 20), _UNKNOWN_VARIANCE)
+"""Variances of height and attitude in the upper triangle of a 6 by 6 covariance."""
 
 
 class BytePipe(Protocol):
@@ -193,6 +196,33 @@ class MavlinkClient:
                 round(place.longitude_deg * 1e7),
                 round(place.altitude_m * 1e3),
                 self._time_us,
+            )
+        )
+
+    def send_place(self, position_enu_m: Vector3, yaw_rad: float, sigma_m: float) -> None:
+        """Tell the autopilot its present horizontal position, as a companion's vision sees it.
+
+        Args:
+            position_enu_m: Position; its height is not to be used.
+            yaw_rad: Heading, which is not to be used either.
+            sigma_m: Standard deviation of each horizontal axis.
+        """
+        origin = self.telemetry.local_origin_enu_m
+        if origin is None:
+            return
+        x, y, z = position_enu_m
+        covariance = [0.0] * 21
+        for place, variance in _VARIANCES.items():
+            covariance[place] = variance
+        covariance[0] = covariance[6] = sigma_m * sigma_m
+        self._send(
+            mavlink.MAVLink_vision_position_estimate_message(
+                self._time_us,
+                *swap_enu_ned((x - origin[0], y - origin[1], z - origin[2])),
+                0.0,
+                0.0,
+                swap_yaw_enu_ned(yaw_rad),
+                covariance,
             )
         )
 

@@ -41,6 +41,10 @@ class Telemetry:
     is_armable: bool = False
     is_navigating: bool = False
     """Whether the estimator reports valid attitude, velocity and absolute position."""
+    is_dead_reckoning: bool = False
+    """Whether the estimator reports that nothing external measures its position."""
+    has_fix: bool = False
+    """Whether the receiver reports a position in three dimensions."""
     horizontal_sigma_m: float = math.nan
     """Standard deviation that the estimator reports for the horizontal position."""
     landed_state: int = 0
@@ -84,6 +88,7 @@ class TelemetryReader:
         """
         self._frame, self._habits = frame, habits
         self.telemetry = Telemetry()
+        self._text_id = 0
         self._readers: dict[str, Callable[[Any], None]] = {
             "HEARTBEAT": self._heartbeat,
             "SYS_STATUS": self._sys_status,
@@ -126,9 +131,11 @@ class TelemetryReader:
 
     def _estimator_status(self, m: Any) -> None:
         self.telemetry.is_navigating = m.flags & _NAVIGATING_BITS == _NAVIGATING_BITS
+        self.telemetry.is_dead_reckoning = bool(m.flags & mavlink.ESTIMATOR_CONST_POS_MODE)
         self.telemetry.horizontal_sigma_m = m.pos_horiz_accuracy
 
     def _receiver(self, m: Any) -> None:
+        self.telemetry.has_fix = m.fix_type >= mavlink.GPS_FIX_TYPE_3D_FIX
         if not self._habits.has_estimator_status:
             self.telemetry.horizontal_sigma_m = m.h_acc * 1e-3
 
@@ -166,5 +173,11 @@ class TelemetryReader:
         self.telemetry.home = Geodetic(m.latitude * 1e-7, m.longitude * 1e-7, m.altitude * 1e-3)
 
     def _text(self, m: Any) -> None:
-        self.telemetry.texts.append((m.severity, m.text.rstrip("\0")))
-        del self.telemetry.texts[:-_MAX_TEXTS]
+        texts, text = self.telemetry.texts, m.text.rstrip("\0")
+        is_continued = bool(m.id) and m.chunk_seq > 0 and m.id == self._text_id and bool(texts)
+        self._text_id = m.id
+        if is_continued:  # A text of more than 50 bytes comes in pieces.
+            _, before = texts.pop()
+            text = before + text
+        texts.append((m.severity, text))
+        del texts[:-_MAX_TEXTS]

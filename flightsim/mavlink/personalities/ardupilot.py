@@ -29,7 +29,7 @@ _AUTOMATIC = _STICKS | mav.MAV_MODE_FLAG_GUIDED_ENABLED
 
 # EKF_STATUS_FLAGS
 _EKF_ATTITUDE, _EKF_VELOCITY, _EKF_POSITION_ABSOLUTE = 1, 2 | 4, 16
-_EKF_HEIGHT, _EKF_PREDICTS_POSITION = 32, 256 | 512
+_EKF_HEIGHT, _EKF_UNAIDED, _EKF_PREDICTS_POSITION = 32, 128, 256 | 512
 _EKF_NOT_READY = 1024
 
 
@@ -55,6 +55,8 @@ def _extra_telemetry(view: VehicleView) -> Mapping[str, Callable[[], bytes | Non
         flags = (_EKF_ATTITUDE if health.is_attitude_ok else 0) or _EKF_NOT_READY
         if health.is_position_ok:
             flags |= _EKF_VELOCITY | _EKF_POSITION_ABSOLUTE | _EKF_HEIGHT | _EKF_PREDICTS_POSITION
+        if view.plant.estimator.is_dead_reckoning:
+            flags |= _EKF_UNAIDED
         return _EKF_STATUS_REPORT.encode(flags=flags)
 
     def rangefinder() -> bytes | None:

@@ -13,7 +13,7 @@ from autonomy.jit import kernel
 from flightsim.environment.date import EPOCH_US
 from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.streaming.motion import FULL_TURN_CENTIDEG, place_of, within
-from flightsim.plant.readings import MAX_HORIZONTAL_SIGMA_M
+from flightsim.plant.readings import DEAD_RECKONING_S, MAX_HORIZONTAL_SIGMA_M
 from flightsim.sensors.failure import Failure
 
 _OFF = int(Failure.OFF)
@@ -21,6 +21,8 @@ _NO_FIX, _RTK_FLOAT = mav.GPS_FIX_TYPE_NO_FIX, mav.GPS_FIX_TYPE_RTK_FLOAT
 _MOST_SATELLITES = 254.0
 _UNKNOWN_U16 = 65535.0
 _ATTITUDE = mav.ESTIMATOR_ATTITUDE
+_UNAIDED = mav.ESTIMATOR_CONST_POS_MODE
+"""No external measurements of the position are in use."""
 _POSITION = 0b11_0111_1110
 """Velocities, positions relative and absolute, height above ground, and their predictions."""
 
@@ -86,6 +88,8 @@ def _tell_estimator(m: np.record, f: np.record, v: np.record) -> None:
         m["flags"] = _ATTITUDE
         if m.pos_horiz_accuracy < MAX_HORIZONTAL_SIGMA_M:
             m["flags"] = _ATTITUDE | _POSITION
+        if (f.tick - f.last_position_tick) * f.dt_s > DEAD_RECKONING_S:
+            m["flags"] += _UNAIDED
 
 
 @kernel

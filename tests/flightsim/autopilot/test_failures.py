@@ -164,6 +164,33 @@ def test_without_what_tells_its_place_it_comes_down_level(sensor, plant, failure
     assert fastest_mps < 2.5
 
 
+@pytest.mark.parametrize("vehicle", ["iris", "hummingbird"])
+def test_a_descent_without_any_position_is_not_carried_along_by_the_wind(vehicle):
+    bench = Bench(vehicle, wind=WindCfg(speed_mps=5.0, from_deg=270.0)).take_off(HEIGHT_M)
+    bench.plant.failures.fail_sensor("gnss", Failure.OFF)
+    assert bench.run(60.0, lambda: bench.pilot.mode is Mode.DESCEND)
+    fastest_mps = 0.0
+    while bench.pilot.is_armed:
+        bench.step()
+        east_mps, north_mps, _ = bench.plant.truth.velocity_enu_mps
+        fastest_mps = max(fastest_mps, math.hypot(east_mps, north_mps))
+    assert bench.is_on_ground
+    assert fastest_mps < 1.8
+
+
+def test_landing_it_descends_where_it_is_if_nothing_measures_its_place():
+    bench = aloft()
+    bench.plant.failures.fail_sensor("gnss", Failure.OFF)
+    bench.run(3.0)
+    assert bench.plant.estimator.is_dead_reckoning
+    assert bench.pilot.land().is_accepted
+    bench.run(0.1)
+    assert bench.pilot.target_enu_m is None, "it holds no place"
+    assert bench.plant.truth.velocity_enu_mps[2] < -0.05, "it waits for none"
+    _, fastest_mps = come_down(bench)
+    assert fastest_mps < 2.5
+
+
 @pytest.mark.parametrize(
     ("failure", "most_m"),
     [(Failure.SLOW, 0.5), (Failure.INTERMITTENT, 0.5), (Failure.DELAYED, 4.0)],

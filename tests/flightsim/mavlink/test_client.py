@@ -5,6 +5,7 @@ import math
 import pytest
 
 from autonomy.types import FlatReference
+from flightsim.autopilot.events import Severity
 from flightsim.mavlink.client import PX4_HOLD, PX4_OFFBOARD, CommandState, MavlinkClient
 from flightsim.mavlink.client.telemetry import LANDED_ON_GROUND
 from flightsim.mavlink.dialect import dialect as mav
@@ -156,3 +157,11 @@ def test_heartbeats_come_once_a_second_and_nothing_else_unasked(flight):
     flight = flight()
     flight.run(10.0)
     assert flight.pipe.n_sent == 10
+
+
+def test_a_text_of_several_pieces_is_read_as_one(flight):
+    flight = connected(flight())
+    text = "Failsafe activated: position lost, and this is longer than one message holds"
+    flight.bench.autopilot._events.say(Severity.WARNING, text)
+    flight.bench.run(2.0)
+    assert text in [said for _, said in flight.client.telemetry.texts]

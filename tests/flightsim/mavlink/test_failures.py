@@ -39,6 +39,22 @@ def test_a_receiver_fails_and_works_again(failing):
     assert failing.autopilot.health.is_gnss_ok
 
 
+def test_an_estimator_without_any_position_says_so_until_it_has_one_again(failing):
+    def is_unaided():
+        flags = named(failing.heard, "ESTIMATOR_STATUS")[-1].flags
+        return bool(flags & mav.ESTIMATOR_CONST_POS_MODE)
+
+    failing.become_ready()
+    failing.run(2.5)
+    assert not is_unaided()
+    inject(failing, GPS, OFF)
+    failing.run(4.5)
+    assert is_unaided()
+    inject(failing, GPS, OK)
+    failing.run(4.5)
+    assert not is_unaided()
+
+
 def test_what_the_vehicle_does_not_have_does_not_come_with_its_recovery(failing):
     """Odometry is off in this vehicle, and works no better once its failure is taken back."""
     assert inject(failing, VIO, OFF) == 0

@@ -84,6 +84,19 @@ def test_an_outlier_is_refused_and_a_lasting_jump_is_not(blind):
     assert _error_ned_m(blind)[0] == pytest.approx(9.0, abs=0.2)
 
 
+def test_an_axis_of_a_huge_variance_is_not_used(blind):
+    covariance = [0.0] * 21
+    covariance[0] = covariance[6] = 0.01
+    covariance[11] = covariance[20] = 1e6
+    for _ in range(40):
+        x, y, z = blind.server._view.ned_from_enu(blind.plant.truth.position_enu_m)
+        now = blind.plant.time_us
+        blind.send("VISION_POSITION_ESTIMATE", now, x + 3.0, y, z - 9.0, 0.0, 0.0, 1.5, covariance)
+        blind.step(2)
+    assert _error_ned_m(blind) == pytest.approx((3.0, 0.0, 0.0), abs=0.2)
+    assert "Heading of" not in _texts(blind)
+
+
 def test_a_frame_of_its_own_moves_nothing_and_carries_the_position(blind):
     _stream(blind, "ODOMETRY", (30.0, 40.0, 5.0), frame=_FRD)
     assert _error_ned_m(blind) == pytest.approx((0.0, 0.0, 0.0), abs=0.15)

@@ -11,7 +11,7 @@ from flightsim.autopilot.modes import Mode
 from flightsim.sensors.failure import Failure
 from scenarios.pilot import Phase
 from scenarios.pilot.last_stretch import LAST_HEIGHT_M
-from tests.scenarios.landing_scenes import FAR_LAWN, field, yard
+from tests.scenarios.landing_scenes import FAR_LAWN, ON_LAWN, field, thing, yard
 
 
 def blind(render):
@@ -340,3 +340,21 @@ def test_without_satellites_and_odometry_it_lands_at_once_where_images_tell_no_p
     demo.bench.run(30.0, until=lambda: not demo.bench.autopilot.is_armed)
     assert demo.score().is_down
     assert demo.score().tilt_at_rest_deg < 5.0
+
+
+def test_without_satellites_and_odometry_it_lands_by_its_images_of_the_given_map(demo):
+    stacks = [(6.9, 8.6), (11.2, 7.2), (9.7, 10.5), (8.2, 5.5), (6.4, 5.9)]
+    crates = [
+        thing(50 + n, "crate", (x, y, 0.5), (1.0, 1.0, 1.0)) for n, (x, y) in enumerate(stacks)
+    ]
+    demo = demo(dataclasses.replace(yard(), objects=(*yard().objects, *crates)), ON_LAWN)
+    pilot = demo.fly_to(Phase.NAVIGATE)
+    for sensor in ("gnss", "vio"):
+        demo.bench.plant.failures.fail_sensor(sensor, Failure.OFF)
+    demo.fly()
+    assert pilot.verdict.success, pilot.verdict.reason
+    assert pilot._flight.senses.is_adrift
+    texts = [text for _, text in pilot._flight.telemetry.texts]
+    assert "VISION_POSITION_ESTIMATE takes the place of the vehicle's odometry" in texts
+    truth_enu_m = demo.bench.plant.truth.position_enu_m
+    assert math.dist(pilot.touchdown_enu_m[:2], truth_enu_m[:2]) < 0.4

@@ -45,6 +45,14 @@ def test_a_landing_within_all_limits_succeeds_whatever_the_pilot_says():
         assert found.reason == "landed on area 3, 0.04 m from the chosen point"
 
 
+def test_a_flight_that_failed_says_why_the_pilot_gave_up():
+    off = replace(GOOD, touchdown_error_m=0.8)
+    found = judge(off, GOAL, Ending(word=NO, is_done=True))
+    assert found.code is Code.OFF_TARGET
+    assert found.reason.endswith("; the pilot gave up: nothing safe")
+    assert "gave up" not in judge(off, GOAL, WELL).reason
+
+
 FAULTS = [
     (GOOD, Ending(word=NO, is_done=False, stopped_by="SIGTERM"), Code.STOPPED, "SIGTERM: nothing"),
     (FlightScore(), Ending(word=NO, is_done=True), Code.NEVER_FLEW, "never left the ground: noth"),
