@@ -7,7 +7,8 @@ from math import isnan
 from flightsim.autopilot.battery_monitor import BatteryMonitor
 from flightsim.autopilot.events import Severity
 from flightsim.autopilot.flight_context import FlightContext
-from flightsim.autopilot.mission_places import fence_breach, mission_obstacle
+from flightsim.autopilot.mission_obstacle import mission_obstacle
+from flightsim.autopilot.mission_places import fence_breach
 from flightsim.autopilot.modes import POSITION_MODES, THRUST_MODES, BatteryWarning, Mode
 from flightsim.autopilot.status import Health, PrearmReport
 from flightsim.plant import Plant

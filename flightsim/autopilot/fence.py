@@ -3,18 +3,28 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from autonomy.types import Vector3
 from flightsim.autopilot.mission_check import check_horizontal_place, unsupported_command
 from flightsim.autopilot.mission_item import Cmd, MissionError, MissionFault, MissionItem
 from flightsim.frames import Geodetic, LocalFrame
 
+if TYPE_CHECKING:
+    from shapely.geometry.base import BaseGeometry
+
 MAX_FENCE_ITEMS = 500
 MAX_RALLY_ITEMS = 100
 
 Point2 = tuple[float, float]
+
+EVERYWHERE_M = 2e5
+"""Half the side of the square that stands for everywhere."""
+_FINE_QUADRANT, _EDGE_M = 64, 0.1
+"""Sides of a quadrant of a circle, and distance from the edge, up to which a line counts as
+within: the polygon of a circle of 1 km lies 8 cm inside it."""
 
 _POLYGONS = {Cmd.FENCE_POLYGON_INCLUSION: True, Cmd.FENCE_POLYGON_EXCLUSION: False}
 _CIRCLES = {Cmd.FENCE_CIRCLE_INCLUSION: True, Cmd.FENCE_CIRCLE_EXCLUSION: False}
@@ -68,6 +78,8 @@ class FenceStore:
         self.items: tuple[MissionItem, ...] = ()
         self.fences: tuple[PolygonFence | CircleFence, ...] = ()
         self._has_inclusion = False
+        self._area: BaseGeometry | None = None
+        self._line_area: BaseGeometry | None = None
 
     def __len__(self) -> int:
         return len(self.items)
@@ -90,6 +102,7 @@ class FenceStore:
         self.fences = _fences(candidate, self._frame)
         self.items = candidate
         self._has_inclusion = any(fence.is_inclusion for fence in self.fences)
+        self._area = self._line_area = None
         self._on_change()
 
     def allows(self, position_enu_m: Vector3) -> bool:
@@ -104,6 +117,29 @@ class FenceStore:
                     return False
                 is_included = True
         return is_included
+
+    @property
+    def area(self) -> BaseGeometry:
+        """Places inside any inclusion and outside all exclusions, ENU m."""
+        if self._area is None:
+            import shapely  # noqa: PLC0415 - half a launch; only for a fence
+
+            self._area = _allowed(self.fences)
+            shapely.prepare(self._area)
+        return self._area
+
+    def allows_lines(self, lines_enu_m: Sequence[tuple[Vector3, Vector3]]) -> list[bool]:
+        """Whether the fence allows straight flight between each two positions."""
+        if not (self.fences and lines_enu_m):
+            return [True] * len(lines_enu_m)
+        import shapely  # noqa: PLC0415 - as above
+
+        if self._line_area is None:
+            area = _allowed(self.fences, _FINE_QUADRANT)
+            self._line_area = area.buffer(_EDGE_M, join_style="mitre")
+            shapely.prepare(self._line_area)
+        ends = [[start[:2], end[:2]] for start, end in lines_enu_m]
+        return shapely.covers(self._line_area, shapely.linestrings(ends)).tolist()
 
 
 class RallyStore:
@@ -190,3 +226,25 @@ def _point(index: int, item: MissionItem, frame: LocalFrame) -> Point2:
 def _invalid(index: int, param: int, what: str) -> MissionError:
     text = f"item {index}: {what}"
     return MissionError(MissionFault.INVALID_PARAM, text, index=index, param=param)
+
+
+def _allowed(fences: Sequence[PolygonFence | CircleFence], quadrant: int = 16) -> BaseGeometry:
+    """Places inside any inclusion and outside all exclusions.
+
+    A quadrant of a circle becomes so many sides.
+    """
+    import shapely  # noqa: PLC0415 - as above
+
+    shapes = [(_shape(each, quadrant), each.is_inclusion) for each in fences]
+    included = [shape for shape, is_inclusion in shapes if is_inclusion]
+    everywhere = shapely.box(-EVERYWHERE_M, -EVERYWHERE_M, EVERYWHERE_M, EVERYWHERE_M)
+    area = shapely.union_all(included) if included else everywhere
+    return area.difference(shapely.union_all([s for s, is_inclusion in shapes if not is_inclusion]))
+
+
+def _shape(fence: PolygonFence | CircleFence, quadrant: int) -> BaseGeometry:
+    import shapely  # noqa: PLC0415 - as above
+
+    if isinstance(fence, CircleFence):
+        return shapely.Point(fence.centre_enu_m).buffer(fence.radius_m, quad_segs=quadrant)
+    return shapely.make_valid(shapely.Polygon(fence.vertices_enu_m))

@@ -7,7 +7,7 @@ from itertools import pairwise
 from math import hypot
 from typing import TYPE_CHECKING
 
-from flightsim.autopilot.fence import CircleFence, FenceStore, Point2, PolygonFence
+from flightsim.autopilot.fence import EVERYWHERE_M, Point2
 from flightsim.autopilot.flight_context import FlightContext
 
 if TYPE_CHECKING:
@@ -19,7 +19,6 @@ _MOST_CORNERS = 100
 """Corners of the fence that a search looks at, so that no fence can hold up the flight."""
 _SIMPLER = 2.0
 """Factor by which corners are smoothed more, from 0.1 m, until they are few enough."""
-_EVERYWHERE_M = 2e5
 
 
 class FenceRoutes:
@@ -116,30 +115,11 @@ def fence_routes(flight: FlightContext) -> FenceRoutes | None:
         return None
     import shapely  # noqa: PLC0415 - as above
 
-    area = _area(flight.fence)
+    area = flight.fence.area
     if has_circle and home is not None:
         x, y, _ = home.position_enu_m
         area = area.intersection(shapely.Point(x, y).buffer(farthest_m))
     return FenceRoutes(area)
-
-
-def _area(fence: FenceStore) -> BaseGeometry:
-    """Places inside any inclusion and outside all exclusions."""
-    import shapely  # noqa: PLC0415 - as above
-
-    shapes = [(_shape(each), each.is_inclusion) for each in fence.fences]
-    included = [shape for shape, is_inclusion in shapes if is_inclusion]
-    everywhere = shapely.box(-_EVERYWHERE_M, -_EVERYWHERE_M, _EVERYWHERE_M, _EVERYWHERE_M)
-    area = shapely.union_all(included) if included else everywhere
-    return area.difference(shapely.union_all([s for s, is_inclusion in shapes if not is_inclusion]))
-
-
-def _shape(fence: PolygonFence | CircleFence) -> BaseGeometry:
-    import shapely  # noqa: PLC0415 - as above
-
-    if isinstance(fence, CircleFence):
-        return shapely.Point(fence.centre_enu_m).buffer(fence.radius_m)
-    return shapely.make_valid(shapely.Polygon(fence.vertices_enu_m))
 
 
 def _corners(area: BaseGeometry) -> list[Point2]:
@@ -151,7 +131,7 @@ def _corners(area: BaseGeometry) -> list[Point2]:
     points = shapely.get_coordinates(inner).tolist()
     while len(points) > _MOST_CORNERS:
         points = shapely.get_coordinates(inner.simplify(tolerance_m)).tolist()
-        if tolerance_m > _EVERYWHERE_M:
+        if tolerance_m > EVERYWHERE_M:
             return []
         tolerance_m *= _SIMPLER
     return [(x, y) for x, y in points]

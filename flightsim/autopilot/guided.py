@@ -16,7 +16,7 @@ from flightsim.autopilot.commander import Commander
 from flightsim.autopilot.events import Severity
 from flightsim.autopilot.flight_context import FlightContext
 from flightsim.autopilot.flight_limits import SpeedRequests
-from flightsim.autopilot.mission_places import fence_breach
+from flightsim.autopilot.mission_places import fence_breach, leg_breach
 from flightsim.autopilot.modes import Mode
 from flightsim.autopilot.results import ACCEPTED, Reply, denied, rejected
 from flightsim.frames import Geodetic
@@ -111,10 +111,12 @@ class GuidedRequests:
         if not _is_near(filled):
             return denied("orbit denied: centre is out of range")
         x, y, z = filled
-        for turn_rad in (i * pi / _ORBIT_POINTS * 2 for i in range(_ORBIT_POINTS)):
+        before: Vector3 | None = None
+        for turn_rad in (i * pi / _ORBIT_POINTS * 2 for i in range(_ORBIT_POINTS + 1)):
             point = (x + abs(radius_m) * cos(turn_rad), y + abs(radius_m) * sin(turn_rad))
-            if refusal := self._beyond_fence("Orbit", point, z):
+            if refusal := self._beyond_fence("Orbit", point, z, before or (*point, z)):
                 return refusal
+            before = (*point, z)
         is_clockwise = (radius_m > 0.0) == (speed_mps > 0.0)
         orbit = Orbit(flight, filled, abs(radius_m), abs(speed_mps), is_clockwise=is_clockwise)
         return self._commander.request(Mode.ORBIT, orbit)
@@ -172,12 +174,21 @@ class GuidedRequests:
         return ACCEPTED
 
     def _beyond_fence(
-        self, request: str, place_enu_m: tuple[float, float], height_enu_m: float | None = None
+        self,
+        request: str,
+        place_enu_m: tuple[float, float],
+        height_enu_m: float | None = None,
+        start_enu_m: Vector3 | None = None,
     ) -> Reply | None:
-        """Refusal of a place that the geofence does not allow, None if it does or only warns."""
+        """Refusal of a place, or of the way there, that the geofence does not allow.
+
+        None if it allows both or only warns. The way begins at the vehicle, or at `start_enu_m`.
+        """
         flight = self._flight
-        height_m = flight.vehicle.position_enu_m[2] if height_enu_m is None else height_enu_m
-        breach = fence_breach(flight, (*place_enu_m, height_m))
+        here = flight.vehicle.position_enu_m
+        place = (*place_enu_m, here[2] if height_enu_m is None else height_enu_m)
+        breach = fence_breach(flight, place)
+        breach = breach or leg_breach(flight, start_enu_m or here, place)
         if breach is None or flight.parameters["GF_ACTION"] <= 1:
             return None
         flight.events.say(Severity.CRITICAL, f"{request} denied: {breach}")

@@ -1,8 +1,8 @@
-"""Positions of mission items in local metres, and obstacles to flying a mission from here."""
+"""Positions of mission items in local metres, and what of them is beyond the geofence."""
 
 from __future__ import annotations
 
-from math import hypot, isnan, radians
+from math import isnan, radians
 
 from autonomy.types import Vector3
 from flightsim.autopilot.flight_context import FlightContext
@@ -58,28 +58,6 @@ def place_after(index: int, flight: FlightContext, height_enu_m: float) -> Vecto
     return None
 
 
-def mission_obstacle(flight: FlightContext) -> str | None:
-    """Reason why the mission cannot be flown from here, or None if it can."""
-    if not flight.mission.items:
-        return "no valid mission uploaded"
-    p = flight.parameters
-    home = flight.vehicle.position_enu_m if flight.home is None else flight.home.position_enu_m
-    is_first, is_fenced = True, True
-    for index, item in enumerate(flight.mission.items):
-        if item.command == Cmd.FENCE_ENABLE:
-            is_fenced = item.param1 == 1.0
-        if item.command not in PLACE_COMMANDS or item.is_here:
-            continue
-        place = place_of(item, flight)
-        distance_m = hypot(place[0] - home[0], place[1] - home[1])
-        if is_first and 0.0 <= p["MIS_DIST_1WP"] < distance_m:
-            return f"first waypoint too far away: {distance_m:.0f} m"
-        is_first = False
-        if is_fenced and p["GF_ACTION"] > 0 and (reason := fence_breach(flight, place)):
-            return f"item {index} is outside the geofence ({reason})"
-    return None
-
-
 def fence_breach(flight: FlightContext, position_enu_m: Vector3) -> str | None:
     """Description of a position outside the geofence, or None if it is inside, or off."""
     if not flight.fence.is_enabled:
@@ -97,3 +75,17 @@ def fence_breach(flight: FlightContext, position_enu_m: Vector3) -> str | None:
     if not flight.fence.allows(position_enu_m):
         return "outside the uploaded fence"
     return None
+
+
+def leg_breach(flight: FlightContext, start_enu_m: Vector3, goal_enu_m: Vector3) -> str | None:
+    """Description of a straight leg that leaves the geofence on its way, or None.
+
+    The limits of the parameters are convex: with both ends within, so is the leg. A leg that begins
+    outside leads back in, and is no breach.
+    """
+    is_free = (
+        not flight.fence.is_enabled or flight.fence.allows_lines([(start_enu_m, goal_enu_m)])[0]
+    )
+    if is_free or fence_breach(flight, start_enu_m) is not None:
+        return None
+    return "the way there leaves the uploaded fence"

@@ -16,7 +16,7 @@ from flightsim.autopilot.behaviours.precision_land import PrecisionLand
 from flightsim.autopilot.behaviours.return_home import ReturnHome
 from flightsim.autopilot.behaviours.takeoff import Takeoff
 from flightsim.autopilot.flight_context import FlightContext
-from flightsim.autopilot.mission_places import mission_obstacle
+from flightsim.autopilot.mission_obstacle import mission_obstacle
 from flightsim.autopilot.modes import POSITION_MODES, THRUST_MODES, Mode
 from flightsim.autopilot.results import ACCEPTED, Reply, denied, rejected
 

@@ -229,7 +229,9 @@ class Batch:
         ending = self._task.ending(self._now, index, seconds, is_time_up=is_time_up)
         if self._task.settles and self._now.touch_s[index] > 0.0:
             self._settle(index)
-        return Outcome(episode.log.judge(airframe, episode.start.goal, ending), seconds)
+        contacts = self._places[index].contacts if episode.start.goal.area is not None else None
+        judgement = episode.log.judge(airframe, episode.start.goal, ending, contacts)
+        return Outcome(judgement, seconds)
 
     def _settle(self, index: int) -> None:
         """Stop the rotors, and wait until the vehicle rests."""

@@ -9,8 +9,10 @@ from __future__ import annotations
 from math import atan2, cos, hypot, radians, sin
 
 from autonomy.types import Setpoint, Vector3
+from flightsim.autopilot.events import Severity
 from flightsim.autopilot.flight_context import FlightContext
 from flightsim.autopilot.heading import wrap_angle
+from flightsim.autopilot.mission_places import fence_breach, leg_breach
 from flightsim.autopilot.modes import Mode
 from flightsim.autopilot.vehicle import TICK_S
 
@@ -34,6 +36,7 @@ class Follow:
         self._target_enu_m: Vector3 | None = None
         self._bearing_rad: float | None = None
         self._course_rad: float | None = None
+        self._is_waiting = False
         self.next_mode: Mode | None = None
 
     def ready_to_lift(self) -> bool:
@@ -53,11 +56,29 @@ class Follow:
         reported = flight.follow_target.at(flight.vehicle.time_us)
         if reported is not None:
             self._smooth(reported)
-            self._goal_enu_m = self._place()
+            place = self._place()
+            if self._is_allowed(place):
+                self._goal_enu_m = place
         assert self._goal_enu_m is not None
         flight.target_enu_m = self._goal_enu_m
         flight.path.fly_to(self._goal_enu_m, flight.limits.automatic)
         return flight.follow_path()
+
+    def _is_allowed(self, place_enu_m: Vector3) -> bool:
+        """Whether the geofence allows straight flight to a place; else the vehicle waits within.
+
+        It counts unless GF_ACTION ignores it. What becomes of a vehicle that is outside already is
+        left to that parameter.
+        """
+        flight = self._flight
+        here = flight.path.position_enu_m
+        if flight.parameters["GF_ACTION"] == 0 or fence_breach(flight, here) is not None:
+            return True
+        breach = fence_breach(flight, place_enu_m) or leg_breach(flight, here, place_enu_m)
+        if breach is not None and not self._is_waiting:
+            flight.events.say(Severity.WARNING, f"Follow: waiting within the geofence ({breach})")
+        self._is_waiting = breach is not None
+        return breach is None
 
     def _smooth(self, reported_enu_m: Vector3) -> None:
         """Move the target's estimate towards what was reported."""

@@ -9,8 +9,13 @@ import numpy as np
 
 from flightsim.plant.record import HISTORY_DTYPE, with_rotors
 from flightsim.vehicles.airframe import Airframe
+from scenarios.trials.bounds import Touched, lift_off_row
+from scenarios.trials.contacts import Contact, ContactFinder, MoverPoses
 from scenarios.trials.score import Goal, is_at_rest, rotors_turn, score_flight
 from scenarios.trials.verdict import Ending, Judgement, judge
+
+_CONTACT_ROWS = 10
+"""Control ticks of 4 ms between two looks at what is touched."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,11 +57,40 @@ class EpisodeLog:
         last = self._rows(-n_advances, airframe)
         return is_at_rest(last) and not rotors_turn(last, airframe)[-1]
 
-    def judge(self, airframe: Airframe, goal: Goal, ending: Ending) -> Judgement:
-        """Verdict on all of it."""
-        return judge(score_flight(self._rows(0, airframe), airframe, goal), goal, ending)
+    def judge(
+        self, airframe: Airframe, goal: Goal, ending: Ending, contacts: ContactFinder | None = None
+    ) -> Judgement:
+        """Verdict on all of it.
+
+        Args:
+            airframe: Vehicle that flew.
+            goal: Where it should have landed, if it should.
+            ending: How the episode ended.
+            contacts: Finds what was touched, so that only the area's own surface counts as the
+                area; needed if the goal has an area.
+        """
+        history = self._rows(0, airframe)
+        touched = None
+        if goal.area is not None and contacts is not None:
+            touched = Touched(contacts=_touched(history, contacts))
+        return judge(score_flight(history, airframe, goal, touched), goal, ending)
 
     def _rows(self, first: int, airframe: Airframe) -> np.ndarray:
         own = (rows[self._own] for rows in self._ticks[first:])
         wide = np.frombuffer(b"".join(own), HISTORY_DTYPE)
         return with_rotors(wide, len(airframe.quadrotor.rotors))
+
+
+def _touched(history: np.ndarray, contacts: ContactFinder) -> tuple[Contact, ...]:
+    """What was touched after lift-off; nothing moves there but the vehicle.
+
+    Rows that only continue a contact are looked at every 40 ms: contacts closer than 200 ms count
+    as one anyway, and a vehicle at rest would cost as much as its flight.
+    """
+    is_touching = history["is_touching"] > 0
+    begins = is_touching & ~np.concatenate([[False], is_touching[:-1]])
+    is_sampled = np.arange(len(history)) % _CONTACT_ROWS == 0
+    counts = (begins | is_sampled) & (np.arange(len(history)) >= lift_off_row(history))
+    n_rows = len(history)
+    still = MoverPoses(position_enu_m=np.zeros((n_rows, 0, 3)), quat_wxyz=np.zeros((n_rows, 0, 4)))
+    return contacts.find(history, still, counts)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+from functools import cached_property
 
 import mujoco
 
@@ -10,6 +11,7 @@ from aeroscene.scene import InteractionArea
 from autonomy.types import LEVEL, Vector3
 from flightsim.world import World
 from scenarios.mission.goals import draw_goals
+from scenarios.trials.contacts import ContactFinder
 
 _ROOM_M = 0.3
 """Distance from everything at which an episode may begin, and targets may lie."""
@@ -32,6 +34,11 @@ class Place:
         self._model.geom_margin[is_hull] = _ROOM_M
         self._data = mujoco.MjData(self._model)
         mujoco.mj_setConst(self._model, self._data)
+
+    @cached_property
+    def contacts(self) -> ContactFinder:
+        """Finds what a vehicle touched in this world."""
+        return ContactFinder(self.world)
 
     @property
     def start_enu_m(self) -> Vector3:

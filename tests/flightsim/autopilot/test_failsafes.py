@@ -243,6 +243,21 @@ def test_an_uploaded_fence_and_a_ceiling_hold_too():
     assert bench.pilot.goto(bench.geodetic(5.0, 0.0, 5.0)).is_accepted
 
 
+def test_nothing_is_flown_to_across_what_the_fence_forbids():
+    bench = Bench().take_off(4.0)
+    strip = ((10.0, -20.0), (12.0, -20.0), (12.0, 6.0), (10.0, 6.0))
+    bench.pilot.fence.replace([bench.item(5002, x, y, param1=4) for x, y in strip])
+    beyond = bench.geodetic(20.0, 0.0, 4.0)
+    for reply in (
+        bench.pilot.goto(beyond),
+        bench.pilot.land(latitude_deg=beyond.latitude_deg, longitude_deg=beyond.longitude_deg),
+        bench.pilot.orbit(bench.geodetic(11.0, -2.0, 4.0), radius_m=6.0, speed_mps=1.0),
+    ):
+        assert reply.result is CommandResult.DENIED
+        assert reply.reason.endswith("the uploaded fence")
+    assert bench.pilot.goto(bench.geodetic(20.0, 15.0, 4.0)).is_accepted
+
+
 def test_outside_the_fence_there_is_no_arming():
     bench = Bench()
     bench.pilot.fence.replace([bench.item(5004, 0.0, 0.0, param1=3.0)])

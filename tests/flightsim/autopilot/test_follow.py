@@ -64,6 +64,22 @@ def test_the_vehicle_stays_where_the_reports_end(bench):
     assert bench.pilot.mode is Mode.FOLLOW
 
 
+def test_it_waits_within_the_fence_while_the_target_is_beyond_it(bench):
+    strip = ((14.0, -30.0), (16.0, -30.0), (16.0, 30.0), (14.0, 30.0))
+    items = [bench.item(5002, x, y, param1=len(strip)) for x, y in strip]
+    bench.pilot.fence.replace(items)
+    east_m = []
+    for x in range(8, 40, 2):
+        report(bench, 1.0, (float(x), 0.0, 0.0), (2.0, 0.0, 0.0))
+        east_m.append(bench.plant.truth.position_enu_m[0])
+    assert 8.0 < max(east_m) < 14.0, "it goes along as far as it may"
+    assert bench.pilot.mode is Mode.FOLLOW
+    assert not bench.says("geofence breached")
+    assert bench.says("Follow: waiting within the geofence")
+    report(bench, 15.0, (8.0, 0.0, 0.0))
+    assert bench.plant.truth.position_enu_m[0] < 4.0, "it goes on when the target is back"
+
+
 def test_it_is_no_mode_to_take_off_in():
     bench = Bench()
     assert bench.pilot.set_mode(Mode.FOLLOW).is_accepted

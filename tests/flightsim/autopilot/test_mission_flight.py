@@ -276,6 +276,55 @@ def test_a_mission_that_leads_too_far_is_not_started(parameters, x, why):
     assert why in reply.reason
 
 
+WALL = ((10.0, -20.0), (12.0, -20.0), (12.0, 6.0), (10.0, 6.0))
+"""A part of the field that an exclusion forbids: a strip from south to north."""
+
+
+def forbid(bench, corners=WALL):
+    items = [bench.item(5002, x, y, param1=len(corners)) for x, y in corners]
+    bench.pilot.fence.replace(items)
+
+
+@pytest.mark.parametrize(
+    ("more", "why"),
+    [
+        ([(20.0, 0.0)], "the way to item 1 leaves the geofence"),
+        ([(5.0, 0.0), (20.0, 0.0)], "the way to item 2 leaves the geofence"),
+        ([(0.0, 12.0), (20.0, 12.0), (20.0, -5.0)], None),
+        ([(11.0, 0.0)], "item 1 is outside the geofence (outside the uploaded fence)"),
+    ],
+)
+def test_a_leg_across_what_the_fence_forbids_is_not_started(more, why):
+    bench = Bench()
+    forbid(bench)
+    places = [waypoint(bench, x, y, 4.0) for x, y in more]
+    bench.pilot.mission.replace([bench.item(Cmd.TAKEOFF, up_m=4.0), *places])
+    reply = bench.pilot.start_mission()
+    assert reply.is_accepted is (why is None)
+    assert why is None or why in reply.reason
+
+
+def test_the_way_of_a_jump_back_and_a_circle_count_too():
+    bench = Bench()
+    forbid(bench)
+    start, beyond = waypoint(bench, 0.0, 12.0, 4.0), waypoint(bench, 20.0, 12.0, 4.0)
+    south = waypoint(bench, 20.0, 0.0, 4.0)
+    first = waypoint(bench, 0.0, 0.0, 4.0)
+    bench.pilot.mission.replace([first, start, beyond, south, bench.item(Cmd.JUMP, param1=0.0)])
+    assert "the way to item 4 leaves the geofence" in bench.pilot.start_mission().reason
+    circle = bench.item(Cmd.LOITER_TURNS, 5.0, 0.0, 4.0, param1=1.0, param3=6.0)
+    bench.pilot.mission.replace([circle])
+    assert "item 0 is outside the geofence" in bench.pilot.start_mission().reason
+
+
+def test_a_leg_counts_only_while_the_mission_has_the_fence_on():
+    bench = Bench()
+    forbid(bench)
+    off = bench.item(Cmd.FENCE_ENABLE, param1=0.0)
+    bench.pilot.mission.replace([off, waypoint(bench, 20.0, 0.0, 4.0)])
+    assert bench.pilot.start_mission().is_accepted
+
+
 @pytest.mark.parametrize(("first", "last"), [(5, None), (-1, None), (2, 1)])
 def test_items_that_do_not_exist_are_denied(first, last):
     bench = Bench()

@@ -18,6 +18,7 @@ from scenarios.environments import (
 )
 from scenarios.environments.batch import Batch
 from tests.flightsim.handmade import empty_scene
+from tests.scenarios.landing_scenes import ON_LAWN, thing, yard
 
 
 def begun(task, cfg=None, *, n=1, scenes=None):
@@ -222,6 +223,30 @@ def test_landing_beside_the_area_is_not_landing():
 
     _, judgement = fly(begun("landing", EnvironmentCfg(action="velocity")), aside, 20.0)
     assert judgement.code in {"outside_area", "off_target"}
+
+
+def test_what_lies_on_the_area_is_not_the_area():
+    mat = thing(30, "crate", (9.0, 8.0, 0.05), (1.4, 1.4, 0.1))
+    scene = yard(areas=(ON_LAWN,))
+    batches = {
+        code: begun("landing", EnvironmentCfg(action="velocity"), scenes=[each])
+        for code, each in (
+            ("landed", scene),
+            ("contact", replace(scene, objects=(*scene.objects, mat))),
+        )
+    }
+
+    def down(observations):
+        actions = np.zeros((1, 4))
+        actions[:, :2] = np.clip(0.3 * observations[:, :2], -1.0, 1.0)
+        above_m = np.hypot(*observations[0, :2])
+        actions[:, 2] = -0.15 if above_m < 0.1 else 0.0
+        return actions
+
+    for code, batch in batches.items():
+        _, judgement = fly(batch, down, 20.0)
+        assert judgement.code == code, judgement.reason
+    assert judgement.reason.startswith("touched object 30 (crate) at")
 
 
 def test_a_scene_without_a_place_for_the_task_is_refused():
