@@ -66,7 +66,7 @@ def execute(
     cfg = parse(command, prog, args)
     # From here on there may be files and ports to close.
     _interrupts.clear()
-    signal.signal(signal.SIGINT, interrupt)
+    before = signal.signal(signal.SIGINT, interrupt)
     try:
         return run(cfg)
     except KeyboardInterrupt:
@@ -79,6 +79,8 @@ def execute(
         if (line := one_line(error)) is None:
             raise
         fail(prog, line)
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def interrupt(number: int, _: FrameType | None = None) -> NoReturn:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 import torch
 from torch import nn
 
-from aeroscene.learning.diffusion.sampling import SamplerCfg
+from aeroscene.learning.diffusion.config import SamplerCfg
 from aeroscene.learning.diffusion.schedule import Schedule
 from aeroscene.learning.generation.denoising import Denoising
 from aeroscene.learning.generation.programs import ProgramProposer
@@ -26,13 +26,8 @@ from aeroscene.learning.paper.preset import PAPER_SAMPLER
 from aeroscene.learning.paper.proposer import FlatModel, FlatProposer
 from aeroscene.learning.program import DecodingCfg
 from aeroscene.learning.tokens.kinds import Vocabulary
-from aeroscene.learning.training.checkpoint import (
-    Checkpoint,
-    CheckpointError,
-    DataSource,
-    Part,
-    read_checkpoint,
-)
+from aeroscene.learning.training.checkpoint import Checkpoint, read_checkpoint
+from aeroscene.learning.training.checkpoint_facts import CheckpointError, DataSource, Part
 from aeroscene.learning.training.presets import sections_from_plain
 from aeroscene.learning.training.settings import changed
 from aeroscene.learning.writer.language import Language
@@ -106,10 +101,9 @@ class _Loader:
         return self._flat(known) if isinstance(known, FlatStatistics) else self._ours(known)
 
     def _ours(self, language: Language) -> ProgramProposer:
-        writer = new_writer(self._sections["writer"], language)
         return ProgramProposer(
             language,
-            self._loaded(writer, "writer"),
+            self._loaded(lambda: new_writer(self._sections["writer"], language), "writer"),
             Denoising(
                 language,
                 self._denoiser(language),
@@ -121,12 +115,14 @@ class _Loader:
         )
 
     def _flat(self, statistics: FlatStatistics) -> FlatProposer:
-        prior = self._loaded(SemanticPrior(self._sections["prior"]), "prior")
+        prior = self._loaded(lambda: SemanticPrior(self._sections["prior"]), "prior")
         read = FlatReader(statistics, self._device)
         is_hollow = torch.from_numpy(statistics.holds).to(self._device)
         return FlatProposer(
             FlatModel(
-                contents=self._loaded(ContentsModel(self._sections["contents"]), "contents"),
+                contents=self._loaded(
+                    lambda: ContentsModel(self._sections["contents"]), "contents"
+                ),
                 denoiser=self._denoiser(statistics),
                 vocabulary=Vocabulary.from_json(self._checkpoint.facts.vocabulary),
                 statistics=statistics,
@@ -138,10 +134,15 @@ class _Loader:
         )
 
     def _denoiser(self, known: Language | FlatStatistics) -> nn.Module:
-        network = new_denoiser(self._sections["model"], known, self._schedule)
-        return self._loaded(network, "denoiser")
+        return self._loaded(
+            lambda: new_denoiser(self._sections["model"], known, self._schedule), "denoiser"
+        )
 
-    def _loaded(self, module: Module, part: Part) -> Module:
+    def _loaded(self, make: Callable[[], Module], part: Part) -> Module:
+        # A file may describe a network of any size: only one that its weights fill is built.
+        with torch.device("meta"):
+            self._checkpoint.require_fit(make(), part)
+        module = make()
         self._checkpoint.load_into(module, part)
         return module.to(self._device).eval()
 
