@@ -33,11 +33,13 @@ def require_usable(cfg: TrainCfg) -> StateHead | None:
         SceneError: If one of them cannot be used.
     """
     from aeroscene.learning.training.data_named import require_data  # noqa: PLC0415 - SciPy
+    from aeroscene.learning.training.network_sizes import require_trainable  # noqa: PLC0415
     from aeroscene.learning.training.presets import read_sections  # noqa: PLC0415
 
     head = _open_head(cfg.out, resumes=cfg.resume)
     _n_workers(cfg)
-    preset, _ = _sections(cfg, head)
+    preset, sections = _sections(cfg, head)
+    require_trainable(sections)
     _parts(cfg, preset)
     for path in (cfg.take, cfg.begin):
         if path is not None and path != "shipped":

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
@@ -28,7 +28,7 @@ from aeroscene.learning.program import DecodingCfg
 from aeroscene.learning.tokens.kinds import Vocabulary
 from aeroscene.learning.training.checkpoint import Checkpoint, read_checkpoint
 from aeroscene.learning.training.checkpoint_facts import CheckpointError, DataSource, Part
-from aeroscene.learning.training.presets import sections_from_plain
+from aeroscene.learning.training.presets import read_sections
 from aeroscene.learning.training.settings import changed
 from aeroscene.learning.writer.language import Language
 from aeroscene.learning.writer.model import new_writer
@@ -72,8 +72,8 @@ def load_proposer(
         if preset not in SHIPPED:
             raise CheckpointError(f"preset is {preset!r}, valid: {', '.join(SHIPPED)}")
         checkpoint = SHIPPED[preset]
+    sections = changed(read_sections(checkpoint), changes)
     found = read_checkpoint(checkpoint)
-    sections = changed(sections_from_plain(found.facts.configs), changes)
     return _Loader(found, sections, device, n_steps, decoding).proposer(), found.facts.data
 
 
@@ -103,7 +103,7 @@ class _Loader:
     def _ours(self, language: Language) -> ProgramProposer:
         return ProgramProposer(
             language,
-            self._loaded(lambda: new_writer(self._sections["writer"], language), "writer"),
+            self._loaded(new_writer(self._sections["writer"], language), "writer"),
             Denoising(
                 language,
                 self._denoiser(language),
@@ -115,14 +115,12 @@ class _Loader:
         )
 
     def _flat(self, statistics: FlatStatistics) -> FlatProposer:
-        prior = self._loaded(lambda: SemanticPrior(self._sections["prior"]), "prior")
+        prior = self._loaded(SemanticPrior(self._sections["prior"]), "prior")
         read = FlatReader(statistics, self._device)
         is_hollow = torch.from_numpy(statistics.holds).to(self._device)
         return FlatProposer(
             FlatModel(
-                contents=self._loaded(
-                    lambda: ContentsModel(self._sections["contents"]), "contents"
-                ),
+                contents=self._loaded(ContentsModel(self._sections["contents"]), "contents"),
                 denoiser=self._denoiser(statistics),
                 vocabulary=Vocabulary.from_json(self._checkpoint.facts.vocabulary),
                 statistics=statistics,
@@ -134,15 +132,10 @@ class _Loader:
         )
 
     def _denoiser(self, known: Language | FlatStatistics) -> nn.Module:
-        return self._loaded(
-            lambda: new_denoiser(self._sections["model"], known, self._schedule), "denoiser"
-        )
+        network = new_denoiser(self._sections["model"], known, self._schedule)
+        return self._loaded(network, "denoiser")
 
-    def _loaded(self, make: Callable[[], Module], part: Part) -> Module:
-        # A file may describe a network of any size: only one that its weights fill is built.
-        with torch.device("meta"):
-            self._checkpoint.require_fit(make(), part)
-        module = make()
+    def _loaded(self, module: Module, part: Part) -> Module:
         self._checkpoint.load_into(module, part)
         return module.to(self._device).eval()
 

@@ -67,32 +67,21 @@ class Checkpoint:
             )
         return self.parts[part]
 
-    def require_fit(self, module: nn.Module, part: Part) -> None:
-        """Refuse a module that the weights of a part do not fill, by names and shapes.
-
-        Raises:
-            CheckpointError: If the part is missing or was made for another module.
-        """
-        weights = self.weights_of(part)
-        wanted = {name: tuple(value.shape) for name, value in module.state_dict().items()}
-        found = {name: tuple(value.shape) for name, value in weights.items()}
-        if wanted == found:
-            return
-        name = min(each for each in wanted | found if wanted.get(each) != found.get(each))
-        raise CheckpointError(
-            f"checkpoint's {part} does not fit the configuration stored with it ({name} has shape "
-            f"{found.get(name, 'none')}, not {wanted.get(name, 'none')}), "
-            "valid: weights and configuration of one training"
-        )
-
     def load_into(self, module: nn.Module, part: Part) -> None:
         """Give a module the weights of a part.
 
         Raises:
             CheckpointError: If the part is missing or was made for another module.
         """
-        self.require_fit(module, part)
-        module.load_state_dict(dict(self.weights_of(part)))
+        weights = dict(self.weights_of(part))
+        try:
+            module.load_state_dict(weights)
+        except RuntimeError as error:
+            detail = str(error).splitlines()[-1].strip()
+            raise CheckpointError(
+                f"checkpoint's {part} does not fit the configuration stored with it ({detail}), "
+                "valid: weights and configuration of one training"
+            ) from None
 
 
 def write_checkpoint(

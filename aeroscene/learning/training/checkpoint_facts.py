@@ -148,26 +148,39 @@ class _TensorHead(msgspec.Struct):
     """Type, shape and place of a tensor in the file."""
 
     dtype: str
-    shape: list[int]
+    shape: tuple[int, ...]
     data_offsets: tuple[int, int]
 
 
+def read_shapes(path: Path) -> dict[str, tuple[int, ...]]:
+    """Shapes of the tensors in a checkpoint that `read_facts` has read, by name."""
+    with open_regular(path) as file:
+        return {name: head.shape for name, head in _tensor_heads(file)[0]}
+
+
+def _tensor_heads(file: BinaryIO) -> tuple[list[tuple[str, _TensorHead]], int]:
+    """Heads of the tensors in order of their names, and where the first tensor begins."""
+    n_bytes = int.from_bytes(file.read(8), "little")
+    heads = msgspec.json.decode(file.read(n_bytes), type=dict[str, msgspec.Raw])
+    heads.pop("__metadata__", None)
+    return [
+        (name, msgspec.json.decode(raw, type=_TensorHead)) for name, raw in sorted(heads.items())
+    ], 8 + n_bytes
+
+
 def _file_digest(path: Path) -> str:
-    """`digest_of` the tensors in a file, a piece at a time.
+    """Digest of the tensors in a file as `write_checkpoint` makes it, a piece at a time.
 
     safetensors has checked offsets and shapes against the file when it was opened.
     """
     digest = hashlib.sha256()
     with open_regular(path) as file:
-        n_bytes = int.from_bytes(file.read(8), "little")
-        tensors = msgspec.json.decode(file.read(n_bytes), type=dict[str, msgspec.Raw])
-        tensors.pop("__metadata__", None)
-        for name, raw in sorted(tensors.items()):
-            head = msgspec.json.decode(raw, type=_TensorHead)
+        heads, first = _tensor_heads(file)
+        for name, head in heads:
             dtype = _TORCH_NAMES.get(head.dtype, head.dtype)
-            digest.update(tensor_title(name, dtype, tuple(head.shape)))
+            digest.update(tensor_title(name, dtype, head.shape))
             begin, end = head.data_offsets
-            file.seek(8 + n_bytes + begin)
+            file.seek(first + begin)
             _feed(digest, file, end - begin)
     return digest.hexdigest()
 

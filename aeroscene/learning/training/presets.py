@@ -11,6 +11,7 @@ from aeroscene.learning.model.config import ModelCfg
 from aeroscene.learning.paper.preset import PAPER_SECTIONS, PROGRESSIVE_SECTIONS
 from aeroscene.learning.training.checkpoint_facts import Part, read_facts
 from aeroscene.learning.training.config import Budget, Preset, TrainCfg, TrainingError
+from aeroscene.learning.training.network_sizes import require_filled
 from aeroscene.learning.training.settings import section_from_plain, section_to_plain
 from aeroscene.learning.writer.config import WriterCfg
 
@@ -110,6 +111,8 @@ def read_sections(path: Path) -> dict[str, Any]:
         TrainingError: If a section is missing, unknown, or out of range.
     """
     try:
-        return sections_from_plain(read_facts(path).configs)
+        sections = sections_from_plain(read_facts(path).configs)
     except TrainingError as error:
         raise error.within(f"checkpoint {str(path)!r}") from None
+    require_filled(path, sections)
+    return sections

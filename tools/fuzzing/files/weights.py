@@ -78,7 +78,6 @@ def _checkpoints() -> Iterator[tuple[str, bytes]]:
     yield "network-of-150-GB", _with_configs(data, "model", huge)
     yield "writer-of-other-sizes", _with_configs(data, "writer", {"width": 1024, "ffn_ratio": 8})
     yield "section-unknown", _with_configs(data, "\x1b[2J", {})
-    yield "field-unknown", _with_configs(data, "model", {"\x1b[2J": 1})
 
 
 def _with_configs(data: bytes, section: str, changes: dict[str, Any]) -> bytes:
