@@ -17,7 +17,7 @@ from typing import Any, NoReturn
 import tyro
 
 from aeroscene.visible import visible
-from scenarios.cli.boundary import of_file, one_line
+from scenarios.cli.boundary import one_line
 from scenarios.cli.entry import EXIT_INTERRUPTED
 from scenarios.cli.help_text import flow_help
 from scenarios.cli.option_faults import option_faults
@@ -160,11 +160,6 @@ def fail(prog: str, message: str) -> NoReturn:
         line = f"{line[:_MOST_CHARACTERS]}..."
     sys.stderr.write(f"{prog}: error: {line}\n")
     sys.exit(EXIT_BAD_INPUT)
-
-
-def fail_on_file(prog: str, error: OSError) -> NoReturn:
-    """Say which file cannot be read or written, and why; exit with status 2."""
-    fail(prog, of_file(error))
 
 
 @contextlib.contextmanager
