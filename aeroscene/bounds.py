@@ -9,7 +9,7 @@ from __future__ import annotations
 
 MOST_OBJECTS = 5_000
 """Objects of a scene; `aeroscene generate` makes up to 1,000."""
-MOST_PRIMITIVES = 100_000
+MOST_PRIMITIVES = 50_000
 """Parts of all objects of a scene; the fullest that ships has some 5,000."""
 MOST_POINTS = 1_000
 """Corners of one outline."""

@@ -1,7 +1,7 @@
 """The AeroScene model: programs, writer, diffusion, training, generation."""
 
-import importlib
 import os
+from importlib.util import find_spec
 
 from aeroscene.scene.errors import SceneError
 
@@ -17,16 +17,14 @@ class MissingTorchError(SceneError):
 def require_torch() -> None:
     """Refuse in one line where the scene model cannot be used, before anything loads it.
 
+    PyTorch itself is looked for and not loaded, so that files can be refused without it.
+
     Raises:
         MissingTorchError: If the extra `model` is not installed.
     """
-    try:
-        for name in ("torch", "safetensors"):
-            importlib.import_module(name)
-    except ModuleNotFoundError as error:
-        if error.name not in {"torch", "safetensors"}:
-            raise
-        raise MissingTorchError(
-            f"the scene model needs {error.name}, which is not installed: "
-            "pip install 'aeroscene[model]'; the scenes that come with the package fly without it"
-        ) from None
+    for name in ("torch", "safetensors"):
+        if find_spec(name) is None:
+            raise MissingTorchError(
+                f"the scene model needs {name}, which is not installed: pip install "
+                "'aeroscene[model]'; the scenes that come with the package fly without it"
+            )

@@ -52,11 +52,11 @@ def read_table_file(
             there = set(facts.schema.to_arrow_schema().names)
             _require_bounds(facts, there, names[0])
             shared = [name for name in texts if name in there]
-            file = pq.ParquetFile(opened, metadata=facts, read_dictionary=shared)
+            file = pq.ParquetFile(opened, metadata=facts, read_dictionary=shared, pre_buffer=False)
             # A condition may be of any column but the tracks.
             asked = {*names, *(() if where is None else _plain(schema))}
             read = [name for name in schema.names if name in asked]
-            found = file.read(columns=[name for name in read if name in there])
+            found = file.read([name for name in read if name in there], use_threads=False)
         columns = [
             _unpacked(found[name], schema.field(name))
             if name in there

@@ -104,6 +104,10 @@ def _module(bench: AnyBenchCfg) -> Any:
         from aeroscene.learning import require_torch  # noqa: PLC0415 - with the scene model
 
         require_torch()
+        if bench.checkpoint is not None:
+            from aeroscene.learning.training.presets import read_sections  # noqa: PLC0415
+
+            read_sections(bench.checkpoint)
     name = "made" if is_made else _NAMES[type(bench)]
     return importlib.import_module(f"scenarios.bench.{name}")
 

@@ -25,7 +25,6 @@ from scenarios.cli.command_line import (
     EXIT_NEGATIVE,
     default_hint,
     fail,
-    fail_on_file,
     interrupt,
     print_json,
 )
@@ -133,8 +132,6 @@ def run(cfg: CampaignCfg) -> int:
         summary = _fly(cfg)
     except refusals as error:
         fail(_PROG, str(error))
-    except OSError as error:
-        fail_on_file(_PROG, error)
     except KeyboardInterrupt:
         sys.stderr.write(f"{_PROG}: stopped; the same command goes on from here\n")
         raise

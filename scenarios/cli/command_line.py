@@ -17,7 +17,7 @@ from typing import Any, NoReturn
 import tyro
 
 from aeroscene.visible import visible
-from scenarios.cli.boundary import of_file, one_line
+from scenarios.cli.boundary import one_line
 from scenarios.cli.entry import EXIT_INTERRUPTED
 from scenarios.cli.help_text import flow_help
 from scenarios.cli.option_faults import option_faults
@@ -66,7 +66,7 @@ def execute(
     cfg = parse(command, prog, args)
     # From here on there may be files and ports to close.
     _interrupts.clear()
-    signal.signal(signal.SIGINT, interrupt)
+    before = signal.signal(signal.SIGINT, interrupt)
     try:
         return run(cfg)
     except KeyboardInterrupt:
@@ -79,6 +79,8 @@ def execute(
         if (line := one_line(error)) is None:
             raise
         fail(prog, line)
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def interrupt(number: int, _: FrameType | None = None) -> NoReturn:
@@ -158,11 +160,6 @@ def fail(prog: str, message: str) -> NoReturn:
         line = f"{line[:_MOST_CHARACTERS]}..."
     sys.stderr.write(f"{prog}: error: {line}\n")
     sys.exit(EXIT_BAD_INPUT)
-
-
-def fail_on_file(prog: str, error: OSError) -> NoReturn:
-    """Say which file cannot be read or written, and why; exit with status 2."""
-    fail(prog, of_file(error))
 
 
 @contextlib.contextmanager

@@ -10,7 +10,7 @@ from typing import Annotated, Any
 import tyro
 from rich.table import Column, Table
 
-from scenarios.cli.command_line import EXIT_DONE, default_hint, fail, fail_on_file, print_json
+from scenarios.cli.command_line import EXIT_DONE, default_hint, fail, print_json
 from scenarios.cli.outputs import OutFile
 from scenarios.cli.terminal import Terminal, styled, terminal
 
@@ -53,8 +53,6 @@ def run(cfg: CompareCfg) -> int:
             write_page(cfg.html, "compare.html", found=found, groups=telling_groups(found))
     except (CampaignError, CompareError, StoreError) as error:
         fail(_PROG, str(error))
-    except OSError as error:
-        fail_on_file(_PROG, error)
     if cfg.json:
         print_json(found)
     else:

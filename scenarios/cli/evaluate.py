@@ -22,7 +22,6 @@ from scenarios.cli.command_line import (
     EXIT_INTERRUPTED,
     default_hint,
     fail,
-    fail_on_file,
     handling_signals,
     print_json,
 )
@@ -102,8 +101,6 @@ def run(cfg: EvaluateCfg) -> int:
         return _run(cfg)
     except (SceneError, TooFewScenesError) as error:
         fail(_PROG, str(error))
-    except OSError as error:
-        fail_on_file(_PROG, error)
 
 
 def _run(cfg: EvaluateCfg) -> int:

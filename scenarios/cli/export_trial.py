@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import tyro
 
 from scenarios.campaigns.recordings import RECORDINGS
-from scenarios.cli.command_line import EXIT_DONE, fail, fail_on_file, print_json
+from scenarios.cli.command_line import EXIT_DONE, fail, print_json
 from scenarios.cli.outputs import OutFile, OutFolder
 from scenarios.cli.progress import progress_bar
 from scenarios.cli.terminal import styled, terminal
@@ -57,8 +57,6 @@ def run(cfg: ExportTrialCfg) -> int:
         facts = _add_all(cfg) if cfg.to == "dataset" else _write_one(cfg)
     except (UnreadableRecordingError, TrialDataError) as error:
         fail(_PROG, str(error))
-    except OSError as error:
-        fail_on_file(_PROG, error)
     if cfg.json:
         print_json({"out": str(cfg.out), "format": cfg.to, **facts})
     else:

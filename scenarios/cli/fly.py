@@ -19,7 +19,6 @@ from scenarios.cli.command_line import (
     EXIT_NEGATIVE,
     default_hint,
     fail,
-    fail_on_file,
     print_json,
 )
 from scenarios.cli.outputs import OutFolder
@@ -101,8 +100,6 @@ def run(cfg: FlyCfg) -> int:
             row = flyer.fly(trial)
     except (CampaignError, StoreError, PilotError, ProgramError, FlightStackError) as error:
         fail(_PROG, str(error))
-    except OSError as error:
-        fail_on_file(_PROG, error)
     is_same = None if before is None else all(before[name] == row.get(name) for name in _OUTCOME)
     if cfg.json:
         facts = {name: value for name, value in row.items() if name not in TRACKS}

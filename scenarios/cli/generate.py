@@ -14,13 +14,7 @@ from aeroscene.learning.wishes import CLUTTER, DENSITY, OBJECTS, PASSAGE_M
 from aeroscene.ranges import THREADS, Range
 from aeroscene.scene import Scene, SceneDomain, SceneError
 from scenarios.baselines.named import NamedPilot, PilotError, pilot_of
-from scenarios.cli.command_line import (
-    EXIT_DONE,
-    EXIT_NEGATIVE,
-    default_hint,
-    fail,
-    fail_on_file,
-)
+from scenarios.cli.command_line import EXIT_DONE, EXIT_NEGATIVE, default_hint, fail
 from scenarios.cli.generate_words import print_generated
 from scenarios.cli.outputs import OutFile, OutFolder
 from scenarios.cli.progress import progress_bar
@@ -127,14 +121,16 @@ def run(cfg: GenerateCfg) -> int:
         return _run(cfg)
     except (SceneError, PilotError) as error:
         fail(_PROG, str(error))
-    except OSError as error:
-        fail_on_file(_PROG, error)
 
 
 def _run(cfg: GenerateCfg) -> int:
     _check(cfg)
     requests = _requests(cfg)
     require_torch()
+    if cfg.checkpoint is not None:
+        from aeroscene.learning.training.presets import read_sections  # noqa: PLC0415
+
+        read_sections(cfg.checkpoint)
     # Imported here because PyTorch takes seconds that no other command should spend.
     from aeroscene.learning.generation import Generator  # noqa: PLC0415
     from scenarios.generation.draws import Tally  # noqa: PLC0415 - SciPy

@@ -12,7 +12,7 @@ from typing import Annotated, Literal
 
 import tyro
 
-from scenarios.cli.command_line import EXIT_DONE, fail, fail_on_file
+from scenarios.cli.command_line import EXIT_DONE, fail
 
 _PROG = "aeroscene new"
 _BEGINNINGS = Path(__file__).parent / "beginnings"
@@ -54,8 +54,6 @@ def run(cfg: NewCfg) -> int:
             file.write(text)
     except FileExistsError:
         fail(_PROG, f"file {str(path)!r} is there already; valid: another name")
-    except OSError as error:
-        fail_on_file(_PROG, error)
     print(f"{path}\nRun it with: {command_of(text)}")
     return EXIT_DONE
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import tyro
 from rich.table import Table
 
-from scenarios.cli.command_line import EXIT_DONE, fail, fail_on_file, interrupt, print_json
+from scenarios.cli.command_line import EXIT_DONE, fail, interrupt, print_json
 from scenarios.cli.outputs import OutFile, OutFolder
 from scenarios.cli.terminal import terminal
 
@@ -94,10 +94,7 @@ def _list(cfg: ReplayCfg) -> None:
     folder = str(cfg.recording)
     if cfg.pictures is not None or cfg.video is not None:
         fail(_PROG, f"recording {folder!r} is a folder; valid: one of the .rrd files in it")
-    try:
-        found = recordings_in(cfg.recording)
-    except OSError as error:
-        fail_on_file(_PROG, error)
+    found = recordings_in(cfg.recording)
     if not found:
         fail(_PROG, f"folder {folder!r} holds no recordings; valid: a folder with .rrd files")
     if cfg.json:
@@ -121,12 +118,15 @@ def _line(listed: Listed) -> str:
 
 
 def _draw(recording: Path, folder: Path, formats: Sequence[PictureFormat]) -> None:
-    # Imported here because only pictures need the renderer and matplotlib.
-    from scenarios.pictures import PictureError, draw_pictures  # noqa: PLC0415
-    from scenarios.pictures.recorded import read_story  # noqa: PLC0415
+    from scenarios.pictures.recorded import read_story  # noqa: PLC0415 - the simulator
+    from scenarios.pictures.story import PictureError  # noqa: PLC0415
 
     try:
-        for picture in draw_pictures(read_story(recording), folder, formats):
+        story = read_story(recording)
+        # Imported here because only pictures need matplotlib.
+        from scenarios.pictures.draw import draw_pictures  # noqa: PLC0415
+
+        for picture in draw_pictures(story, folder, formats):
             print(picture)
     except PictureError as error:
         fail(_PROG, str(error))

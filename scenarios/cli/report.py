@@ -10,7 +10,7 @@ from typing import Annotated, Any
 import tyro
 from rich.table import Table
 
-from scenarios.cli.command_line import EXIT_DONE, default_hint, fail, fail_on_file, print_json
+from scenarios.cli.command_line import EXIT_DONE, default_hint, fail, print_json
 from scenarios.cli.outputs import OutFile
 from scenarios.cli.progress import share_bar
 from scenarios.cli.terminal import Terminal, terminal
@@ -55,8 +55,6 @@ def run(cfg: ReportCfg) -> int:
             update_leaderboard(cfg.leaderboard, cfg.folder, cfg.stack)
     except (CampaignError, LeaderboardError, StoreError) as error:
         fail(_PROG, str(error))
-    except OSError as error:
-        fail_on_file(_PROG, error)
     page = cfg.folder / PAGE
     if cfg.json:
         print_json({"folder": str(cfg.folder), **summary, "page": str(page)})

@@ -17,16 +17,15 @@ from scenarios.cli.command_line import (
     EXIT_INTERRUPTED,
     default_hint,
     fail,
-    fail_on_file,
     handling_signals,
     print_json,
 )
 from scenarios.cli.outputs import OutFolder
 from scenarios.cli.training_bar import TrainingBar, training_bar
-from scenarios.cli.training_plan import open_state, say_what_lacks, training_plan
+from scenarios.cli.training_plan import require_usable, say_what_lacks, training_plan
 
 if TYPE_CHECKING:
-    from aeroscene.learning.training.checkpoint import Part
+    from aeroscene.learning.training.checkpoint_facts import Part
     from aeroscene.learning.training.procedure import Plan, Training
 
 _PROG = "aeroscene train"
@@ -104,20 +103,21 @@ def run(cfg: TrainCfg) -> int:
 
     try:
         require_torch()
+        head = require_usable(cfg)
         # Imported here because PyTorch takes seconds that no other command should spend.
         from aeroscene.learning.training.procedure import Training  # noqa: PLC0415
+        from aeroscene.learning.training.state import read_state  # noqa: PLC0415
+        from aeroscene.learning.training.state_head import STATE  # noqa: PLC0415
 
         with _asked_to_stop() as stop:
-            state = open_state(cfg.out, resumes=cfg.resume)
-            plan = training_plan(cfg, state)
+            state = None if head is None else read_state(cfg.out / STATE)
+            plan = training_plan(cfg, head)
             say_what_lacks(cfg.data)
             with training_bar() as bar:
                 training = Training(plan, _Watcher(bar, stop))
                 is_done = training.run(state)
     except SceneError as error:
         fail(_PROG, str(error))
-    except OSError as error:
-        fail_on_file(_PROG, error)
     _report(cfg, plan, training, is_done=is_done)
     return EXIT_DONE if is_done else EXIT_INTERRUPTED
 

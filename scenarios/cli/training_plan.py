@@ -11,51 +11,76 @@ from scenarios.cli.progress import progress_bar
 
 if TYPE_CHECKING:
     from aeroscene.learning.training.carried import Begun
-    from aeroscene.learning.training.checkpoint import Part, Weights
+    from aeroscene.learning.training.checkpoint import Weights
+    from aeroscene.learning.training.checkpoint_facts import CheckpointFacts, Part
     from aeroscene.learning.training.config import Preset
     from aeroscene.learning.training.data import TrainingData
     from aeroscene.learning.training.procedure import Plan
-    from aeroscene.learning.training.state import TrainingState
+    from aeroscene.learning.training.state_head import StateHead
     from aeroscene.learning.writer.language import Language
     from scenarios.cli.train import TrainCfg
 
 _PROG = "aeroscene train"
 
 
-def open_state(folder: Path, *, resumes: bool) -> TrainingState | None:
-    """The training in a folder, None for a new one.
+def require_usable(cfg: TrainCfg) -> StateHead | None:
+    """Refuse options and files that cannot be used, before PyTorch is loaded.
+
+    Returns:
+        How far the training in the folder is, None for a new one.
 
     Raises:
-        TrainingError: If one should be resumed and there is none, or the other way round.
+        SceneError: If one of them cannot be used.
     """
-    from aeroscene.learning.training.config import TrainingError  # noqa: PLC0415 - PyTorch
-    from aeroscene.learning.training.state import STATE, read_state  # noqa: PLC0415
+    from aeroscene.learning.training.data_named import require_data  # noqa: PLC0415 - SciPy
+    from aeroscene.learning.training.network_sizes import require_trainable  # noqa: PLC0415
+    from aeroscene.learning.training.presets import read_sections  # noqa: PLC0415
 
-    state = read_state(folder / STATE)
-    if state is not None and not resumes:
+    head = _open_head(cfg.out, resumes=cfg.resume)
+    _n_workers(cfg)
+    preset, sections = _sections(cfg, head)
+    require_trainable(sections)
+    _parts(cfg, preset)
+    for path in (cfg.take, cfg.begin):
+        if path is not None and path != "shipped":
+            read_sections(Path(path))
+    require_data(cfg.data)
+    return head
+
+
+def _open_head(folder: Path, *, resumes: bool) -> StateHead | None:
+    from aeroscene.learning.training.config import TrainingError  # noqa: PLC0415
+    from aeroscene.learning.training.state_head import STATE, read_head  # noqa: PLC0415
+
+    head = read_head(folder / STATE)
+    if head is not None and not resumes:
         raise TrainingError(
-            f"out {str(folder)!r} holds a training already ({state.steps:,} steps in all), "
+            f"out {str(folder)!r} holds a training already ({head.steps:,} steps in all), "
             "valid: --resume to go on with it, or another folder"
         )
-    if state is None and resumes:
+    if head is None and resumes:
         raise TrainingError(
             f"out {str(folder)!r} holds no training to resume ({STATE} is missing), "
             "valid: a folder that aeroscene train has written to"
         )
-    return state
+    return head
 
 
-def training_plan(cfg: TrainCfg, state: TrainingState | None) -> Plan:
-    """What is to be trained, on what; bad options are refused before the scenes are read.
+def training_plan(cfg: TrainCfg, head: StateHead | None) -> Plan:
+    """What is to be trained, on what, by options that `require_usable` has seen.
+
+    Args:
+        cfg: The options.
+        head: What `require_usable` has found in the folder.
 
     Raises:
         SceneError: If options, data or device cannot be used.
     """
     import torch  # noqa: PLC0415 - seconds that no other command should spend
 
-    from aeroscene.learning.training.config import require  # noqa: PLC0415
     from aeroscene.learning.training.devices import choose_device  # noqa: PLC0415
-    from aeroscene.learning.training.presets import PARTS, fitted, part_budgets  # noqa: PLC0415
+    from aeroscene.learning.training.fitted import fitted  # noqa: PLC0415
+    from aeroscene.learning.training.presets import part_budgets  # noqa: PLC0415
     from aeroscene.learning.training.procedure import Plan  # noqa: PLC0415
 
     device = choose_device(cfg.device)
@@ -63,18 +88,14 @@ def training_plan(cfg: TrainCfg, state: TrainingState | None) -> Plan:
     if cfg.threads is not None:
         torch.set_num_threads(cfg.threads)
     minutes = 60.0 if cfg.minutes is None and cfg.steps is None else cfg.minutes
-    # Refuse bad options before reading the scenes, which takes time.
-    preset, sections = _sections(cfg, state)
-    parts = cfg.parts or PARTS[preset]
-    strange = [part for part in parts if part not in PARTS[preset]]
-    valid = f"{', '.join(PARTS[preset])} with preset {preset}"
-    require(ok=not strange, name="parts", value=" ".join(parts), valid=valid)
+    preset, sections = _sections(cfg, head)
+    parts = _parts(cfg, preset)
     budgets = part_budgets(parts, cfg.steps, minutes)
-    is_streamed = cfg.stream or (state is not None and state.facts.data.stream != "")
+    is_streamed = cfg.stream or (head is not None and head.facts.data.stream != "")
     begun = _begun_with(cfg, preset, sections)
     language = begun.language if begun is not None and cfg.keep_language else None
     data = _read_data(cfg.data, preset, is_streamed=is_streamed, language=language)
-    if state is None:
+    if head is None:
         sections = fitted(sections, data.train.known)
     first = _first_weights(begun, data, sections)
     return Plan(
@@ -132,6 +153,17 @@ def _taken(
     return {part: weights for part, weights in kept.items() if part not in parts}
 
 
+def _parts(cfg: TrainCfg, preset: Preset) -> tuple[Part, ...]:
+    from aeroscene.learning.training.config import require  # noqa: PLC0415
+    from aeroscene.learning.training.presets import PARTS  # noqa: PLC0415
+
+    parts = cfg.parts or PARTS[preset]
+    strange = [part for part in parts if part not in PARTS[preset]]
+    valid = f"{', '.join(PARTS[preset])} with preset {preset}"
+    require(ok=not strange, name="parts", value=" ".join(parts), valid=valid)
+    return parts
+
+
 def _n_workers(cfg: TrainCfg) -> int:
     from aeroscene.learning.training.config import TrainingError  # noqa: PLC0415 - PyTorch
 
@@ -142,7 +174,7 @@ def _n_workers(cfg: TrainCfg) -> int:
     return cfg.workers
 
 
-def _sections(cfg: TrainCfg, state: TrainingState | None) -> tuple[Preset, dict[str, Any]]:
+def _sections(cfg: TrainCfg, head: StateHead | None) -> tuple[Preset, dict[str, Any]]:
     """Preset and sections of the configuration; on resuming, those of the training so far."""
     from aeroscene.learning.training.presets import (  # noqa: PLC0415 - PyTorch
         preset_sections,
@@ -150,22 +182,22 @@ def _sections(cfg: TrainCfg, state: TrainingState | None) -> tuple[Preset, dict[
     )
     from aeroscene.learning.training.settings import read_settings  # noqa: PLC0415
 
-    if state is None:
+    if head is None:
         preset = cfg.preset or "default"
         sections = preset_sections(preset)
         if cfg.config is not None:
             sections = read_settings(cfg.config, sections)
         return preset, sections
-    sections = sections_from_plain(state.facts.configs)
-    _check_unchanged(cfg, state, sections)
-    return cast("Preset", state.facts.preset), sections
+    sections = sections_from_plain(head.facts.configs)
+    _check_unchanged(cfg, head.facts, sections)
+    return cast("Preset", head.facts.preset), sections
 
 
-def _check_unchanged(cfg: TrainCfg, state: TrainingState, sections: Mapping[str, Any]) -> None:
+def _check_unchanged(cfg: TrainCfg, facts: CheckpointFacts, sections: Mapping[str, Any]) -> None:
     from aeroscene.learning.training.config import TrainingError  # noqa: PLC0415 - PyTorch
     from aeroscene.learning.training.settings import read_settings  # noqa: PLC0415
 
-    begun = state.facts.preset
+    begun = facts.preset
     if cfg.preset not in {None, begun}:
         raise TrainingError(
             f"preset is {cfg.preset!r}, valid: {begun!r}, with which the training in "
@@ -185,10 +217,10 @@ def _check_unchanged(cfg: TrainCfg, state: TrainingState, sections: Mapping[str,
 def _read_data(
     path: Path, preset: Preset, *, is_streamed: bool, language: Language | None
 ) -> TrainingData:
-    from aeroscene.learning.training.data import (  # noqa: PLC0415 - PyTorch
+    from aeroscene.learning.training.data import open_training_data  # noqa: PLC0415 - PyTorch
+    from aeroscene.learning.training.data_named import (  # noqa: PLC0415 - SciPy
         count_scenes,
         is_layouts,
-        open_training_data,
     )
 
     title = "mapping layouts" if is_layouts(path) else "reading scenes"
@@ -204,7 +236,7 @@ def _read_data(
 
 def say_what_lacks(path: Path) -> None:
     """Say on stderr how many scenes a corpus lacks, if it lacks any."""
-    from aeroscene.learning.training.data import is_layouts  # noqa: PLC0415 - PyTorch
+    from aeroscene.learning.training.data_named import is_layouts  # noqa: PLC0415 - SciPy
     from scenarios.cli.dataset.options import mention_shortfall  # noqa: PLC0415 - heavy
 
     if not is_layouts(path):

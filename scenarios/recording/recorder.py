@@ -5,6 +5,7 @@ from __future__ import annotations
 import socket
 from collections.abc import Iterable, Mapping
 from pathlib import Path
+from shutil import disk_usage
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Self
 from uuid import uuid4
@@ -54,7 +55,7 @@ class Recorder:
     Attributes:
         path: File of the recording; None where only a live viewer listens.
         url: Address at which a viewer can watch live; None unless a port was given.
-        fault: Reason for which the file may lack its end, such as a full disk; None if it is whole.
+        fault: Reason for which the file lacks its end, such as a full disk; None if it is whole.
         first: Recorder of the vehicle, or of the first of several.
     """
 
@@ -196,12 +197,19 @@ class Recorder:
         self._write_out()
         self._stream.disconnect()
 
+    def discard(self) -> None:
+        """Remove the file, whose place a summary and pictures of the run may need."""
+        self.close()
+        if self.path is not None:
+            self.path.unlink(missing_ok=True)
+
     def _write_out(self) -> None:
         """Wait until all is in the file; a full disk is noted and costs the run nothing else."""
         try:
             self._stream.flush(timeout_sec=_CLOSING_TIMEOUT_S)
         except (RuntimeError, TimeoutError) as error:
-            self.fault = str(error)
+            is_full = self.path is not None and disk_usage(self.path.parent).free < _CHUNK_BYTES
+            self.fault = "no space left on device" if is_full else str(error)
 
     def __enter__(self) -> Self:
         return self

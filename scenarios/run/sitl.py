@@ -205,7 +205,7 @@ class Sitl:
         return self.offered(result)
 
     def offered(self, result: TrialResult) -> TrialResult:
-        """The result without a recording that lacks its end, which nobody should replay."""
+        """The result without a recording that lacked its end and was removed."""
         is_torn = self.recorder is not None and self.recorder.fault is not None
         return replace(result, recording=None) if is_torn else result
 
@@ -241,7 +241,8 @@ class Sitl:
         if self.recorder is not None:
             self.recorder.conclude(result.to_plain())
             if (fault := self.recorder.fault) is not None:
-                self._miss(f"recording {self.recorder.path} lacks its end: {fault}")
+                self.recorder.discard()
+                self._miss(f"recording {self.recorder.path} lacks its end and is removed: {fault}")
         path, cfg = self.cfg.record, self.cfg
         if path is not None and (fault := write_summary(path, cfg, result, self.pilot, mates)):
             self._miss(fault)

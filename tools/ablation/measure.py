@@ -19,14 +19,15 @@ from aeroscene.feasibility import validity
 from aeroscene.feasibility.layout import layout_of
 from aeroscene.feasibility.report import report_of
 from aeroscene.feasibility.stages import project
-from aeroscene.learning.diffusion.sampling import SamplerCfg
+from aeroscene.learning.diffusion.config import SamplerCfg
 from aeroscene.learning.diffusion.schedule import Schedule
 from aeroscene.learning.generation.denoising import Denoising, Draft
 from aeroscene.learning.generation.loading import DEFAULT_SAMPLER
 from aeroscene.learning.model.network import new_denoiser
 from aeroscene.learning.tokens.skeleton import UnencodableError, Wish
 from aeroscene.learning.training.batches.source import drawn_from
-from aeroscene.learning.training.checkpoint import Checkpoint, CheckpointError, DataSource
+from aeroscene.learning.training.checkpoint import Checkpoint
+from aeroscene.learning.training.checkpoint_facts import CheckpointError, DataSource
 from aeroscene.learning.training.config import Budget
 from aeroscene.learning.training.data import TrainingData
 from aeroscene.learning.training.loop import PartTraining

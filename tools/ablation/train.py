@@ -16,14 +16,12 @@ from aeroscene.learning.model.config import ModelCfg
 from aeroscene.learning.training.checkpoint import Checkpoint, read_checkpoint
 from aeroscene.learning.training.config import Budget, TrainCfg, TrainingError
 from aeroscene.learning.training.data import TrainingData, prepared
-from aeroscene.learning.training.presets import (
-    fitted,
-    preset_sections,
-    sections_from_plain,
-)
+from aeroscene.learning.training.fitted import fitted
+from aeroscene.learning.training.presets import preset_sections, sections_from_plain
 from aeroscene.learning.training.procedure import CHECKPOINT, Plan, Training
 from aeroscene.learning.training.settings import changed
-from aeroscene.learning.training.state import STATE, read_state
+from aeroscene.learning.training.state import read_state
+from aeroscene.learning.training.state_head import STATE
 from aeroscene.scene import Scene
 from scenarios.cli.progress import progress_bar
 from scenarios.cli.training_bar import TrainingBar, training_bar

@@ -186,7 +186,6 @@ def write_archive(path: Path, scenes: Iterable[Scene], provenance: Provenance) -
 
     Raises:
         ArchiveError: If a scene would not come back byte for byte as the JSON that it is now.
-        UnstorableAttributeError: If an attribute is an integer of more than 64 bits.
         OSError: If the file cannot be written.
     """
     summaries: list[SceneSummary] = []

@@ -9,18 +9,13 @@ import numpy as np
 
 from aeroscene.corpus.shipped.columns import ColumnReader, ColumnWriter
 from aeroscene.corpus.shipped.decimals import join_doubles, split_doubles
-from aeroscene.scene import AttributeValue, SceneError
+from aeroscene.scene import AttributeValue
 
 _DIGITS = 4
-_LARGEST = 2**63
 
 Attributes = dict[str, AttributeValue]
 _KeySet = tuple[tuple[str, str], ...]
 """Keys in their order, each with its type."""
-
-
-class UnstorableAttributeError(SceneError):
-    """An attribute that the columns cannot hold."""
 
 
 def write_attributes(rows: Sequence[Attributes], writer: ColumnWriter) -> None:
@@ -28,10 +23,7 @@ def write_attributes(rows: Sequence[Attributes], writer: ColumnWriter) -> None:
 
     Args:
         rows: Rows of each object; likeliest smallest where like stands beside like.
-        writer: Takes the columns.
-
-    Raises:
-        UnstorableAttributeError: If an integer needs more than 64 bits.
+        writer: Takes the columns; `scene.SceneObject` bounds numbers to what it can hold.
     """
     key_sets: list[_KeySet] = [
         tuple((name, type(value).__name__) for name, value in row.items()) for row in rows
@@ -80,12 +72,7 @@ def _read_floats(reader: ColumnReader) -> list[float]:
     return join_doubles(reader.take_decimals(), _DIGITS).tolist()
 
 
-def _write_integers(writer: ColumnWriter, name: str, values: list[Any]) -> None:
-    for value in values:
-        if not -_LARGEST <= value < _LARGEST:
-            raise UnstorableAttributeError(
-                f"attributes.{name} is {value}, valid: an integer of 64 bits"
-            )
+def _write_integers(writer: ColumnWriter, _: str, values: list[Any]) -> None:
     writer.add(np.array(values, np.int64))
 
 

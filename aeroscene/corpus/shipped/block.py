@@ -90,11 +90,7 @@ def _vector(values: list[float]) -> Vector3:
 
 
 def encode_block(scenes: Sequence[Scene]) -> bytes:
-    """Scenes as compressed bytes; the same bytes for equal scenes.
-
-    Raises:
-        UnstorableAttributeError: If an attribute is an integer of more than 64 bits.
-    """
+    """Scenes as compressed bytes; the same bytes for equal scenes."""
     writer = ColumnWriter()
     writer.add_plain([scene.scene_id for scene in scenes])
     writer.add(np.array([_DOMAINS.index(scene.domain) for scene in scenes], np.int64))

@@ -96,11 +96,7 @@ def _parent_rows(scenes: Sequence[Scene]) -> Column:
 
 
 def write_objects(objects: ObjectColumns, writer: ColumnWriter) -> None:
-    """Append the columns.
-
-    Raises:
-        UnstorableAttributeError: If an attribute is an integer of more than 64 bits.
-    """
+    """Append the columns."""
     parents, order = objects.parents, objects.by_category()
     (x, y, z), sizes = objects.places, objects.sizes
     writer.add(objects.counts)

@@ -37,9 +37,10 @@ from aeroscene.learning.baselines.layouts import (
 )
 from aeroscene.learning.baselines.model import BaselineCfg, BaselineModel
 from aeroscene.learning.baselines.networks.set_unet import SetUnet
-from aeroscene.learning.diffusion.loss import LossCfg, diffusion_loss
-from aeroscene.learning.diffusion.sampling import Guidance, SamplerCfg, sample
-from aeroscene.learning.diffusion.schedule import Schedule, ScheduleCfg
+from aeroscene.learning.diffusion.config import LossCfg, SamplerCfg, ScheduleCfg
+from aeroscene.learning.diffusion.loss import diffusion_loss
+from aeroscene.learning.diffusion.sampling import Guidance, sample
+from aeroscene.learning.diffusion.schedule import Schedule
 from aeroscene.learning.paper.guidance.collision import collision_loss
 from aeroscene.learning.paper.guidance.layout import Layout
 from aeroscene.learning.tokens.batch import TokenBatch

@@ -37,9 +37,10 @@ from aeroscene.learning.baselines.layouts import (
 )
 from aeroscene.learning.baselines.model import BaselineCfg, BaselineModel
 from aeroscene.learning.baselines.networks.set_unet import SetUnet
-from aeroscene.learning.diffusion.loss import LossCfg, diffusion_loss
-from aeroscene.learning.diffusion.sampling import SamplerCfg, sample
-from aeroscene.learning.diffusion.schedule import Schedule, ScheduleCfg
+from aeroscene.learning.diffusion.config import LossCfg, SamplerCfg, ScheduleCfg
+from aeroscene.learning.diffusion.loss import diffusion_loss
+from aeroscene.learning.diffusion.sampling import sample
+from aeroscene.learning.diffusion.schedule import Schedule
 from aeroscene.learning.model.encoding import fourier_features
 from aeroscene.learning.paper.network.attention import MaskedAttention
 from aeroscene.learning.tokens.batch import TokenBatch

@@ -17,11 +17,7 @@ from aeroscene.learning.baselines.layouts import LayoutCode, LayoutSet
 from aeroscene.learning.baselines.model import BaselineCfg, BaselineModel
 from aeroscene.learning.tokens.kinds import DOMAINS
 from aeroscene.learning.training.batches.source import Batch, batch_generator, drawn_from
-from aeroscene.learning.training.checkpoint import (
-    CheckpointFacts,
-    DataSource,
-    category_names,
-)
+from aeroscene.learning.training.checkpoint_facts import CheckpointFacts, DataSource, category_names
 from aeroscene.learning.training.code_version import code_version
 from aeroscene.learning.training.config import Budget, TrainCfg, TrainingError
 from aeroscene.learning.training.course import Course, Watcher, check_finite
@@ -30,7 +26,8 @@ from aeroscene.learning.training.journal import forget_after
 from aeroscene.learning.training.loop import LossTerms, PartTraining, train_steps
 from aeroscene.learning.training.same_data import check_same_data
 from aeroscene.learning.training.settings import section_to_plain
-from aeroscene.learning.training.state import STATE, TrainingState, read_state, write_state
+from aeroscene.learning.training.state import TrainingState, read_state, write_state
+from aeroscene.learning.training.state_head import STATE
 from aeroscene.scene import Scene, SceneDomain
 
 BASELINE_TRAINING = TrainCfg(

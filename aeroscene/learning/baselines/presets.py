@@ -17,16 +17,18 @@ from aeroscene.learning.generation.request import Request
 from aeroscene.learning.program import WHOLE, DecodingCfg, EncodingCfg
 from aeroscene.learning.tokens.skeleton import Wish
 from aeroscene.learning.training.batches.source import batch_generator
-from aeroscene.learning.training.checkpoint import FLAT_PRESETS, Part
+from aeroscene.learning.training.checkpoint_facts import FLAT_PRESETS, Part
 from aeroscene.learning.training.config import Preset
 from aeroscene.learning.training.contents_stage import contents_loss
 from aeroscene.learning.training.course import Watcher, part_set
 from aeroscene.learning.training.data import prepared
+from aeroscene.learning.training.fitted import fitted
 from aeroscene.learning.training.loop import LossFunction
-from aeroscene.learning.training.presets import PARTS, fitted, part_budgets, preset_sections
+from aeroscene.learning.training.presets import PARTS, part_budgets, preset_sections
 from aeroscene.learning.training.prior_stage import loss_function
 from aeroscene.learning.training.procedure import CHECKPOINT, Plan, Training
-from aeroscene.learning.training.state import STATE, read_state
+from aeroscene.learning.training.state import read_state
+from aeroscene.learning.training.state_head import STATE
 from aeroscene.learning.training.writer_stage import writer_loss
 from aeroscene.scene import Scene, SceneDomain
 

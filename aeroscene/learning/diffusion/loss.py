@@ -4,20 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import torch
 from jaxtyping import Float
 from torch import Tensor
 from torch.nn.functional import binary_cross_entropy
 
+from aeroscene.learning.diffusion.config import LossCfg
 from aeroscene.learning.diffusion.parameterisation import (
-    Parameterisation,
     min_snr_weight,
     predicted_x0,
     prediction_target,
 )
-from aeroscene.learning.diffusion.schedule import DiffusionError, Schedule, normal_like
+from aeroscene.learning.diffusion.schedule import Schedule, normal_like
 from aeroscene.learning.tokens.batch import TokenBatch
 
 _MOST_WEIGHT = 50.0
@@ -38,62 +38,6 @@ Denoiser = Callable[[Tensor, Tensor, TokenBatch], Prediction]
 """`model(x_t, t, batch)`; t in [0, 1], 0 clean."""
 GuidanceLoss = Callable[[Tensor, TokenBatch], Float[Tensor, " batch"]]
 """The paper's L_guide of layouts, one value a scene."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class LossCfg:
-    """Settings of the loss."""
-
-    parameterisation: Parameterisation = "v"
-    """Quantity that the network predicts; the paper: eps."""
-    min_snr_gamma: float | None = None
-    """Cap of min-SNR weighting; None weighs all times alike, as the paper."""
-    weighting: Literal["even", "velocity"] = "even"
-    """Weights of the times: `even` as the paper's; `velocity` weights an error of eps by
-    1 / alpha_bar, at most 50, as if the velocity were predicted. With even weights, what is decided
-    where there is much noise, such as which wall stands on which side, counts next to nothing."""
-    is_stratified: bool = True
-    """Whether a batch's times are spread evenly; the paper draws each on its own."""
-    small_noise_share: float = 0.0
-    """Share of the times at which log sigma is uniform, see `Schedule.draw_time`: a place is
-    learned to centimetres where there is little noise, of which uniform times have little; the
-    paper: 0."""
-    log_snr_mean: float | None = None
-    """Mean of the log signal-to-noise ratio of a normal distribution that times are drawn by; None
-    draws them evenly. Where the noise is below a tenth of a spread nearly all of it cannot be told
-    from the layout, so that such times teach nothing; those of a uniform log SNR are 40%."""
-    log_snr_spread: float = 2.0
-    """Spread of that distribution."""
-    log_snr_even_share: float = 0.0
-    """Share of the times that is even over the log ratio instead: without any, no network is
-    trained where sampling begins and ends, and it is worse there than a formula."""
-    coarse_weight: float = 1.0
-    """How many times more than a fine token's a coarse token's error counts: everything stands on
-    or in coarse objects, so their errors move all that they carry."""
-    guide_weight: float = 0.0
-    """The paper's lambda_guide, which it leaves open."""
-    guide_scenes: int | None = None
-    """Scenes of a batch on which L_guide is evaluated; None takes all. Times and scenes of a batch
-    are random, so that its first scenes are a sample of it."""
-    gate_weight: float = 0.0
-    """Weight of the cross-entropy of tau with the known level. The paper has no such term: its hard
-    threshold gives the gate no gradient."""
-
-    def __post_init__(self) -> None:
-        for name in ("coarse_weight", "guide_weight", "gate_weight"):
-            if not 0 <= getattr(self, name) < float("inf"):
-                raise DiffusionError(f"{name} is {getattr(self, name):g}, valid: from 0")
-        for name in ("small_noise_share", "log_snr_even_share"):
-            if not 0 <= getattr(self, name) <= 1:
-                raise DiffusionError(f"{name} is {getattr(self, name):g}, valid: from 0 to 1")
-        if self.min_snr_gamma is not None and not self.min_snr_gamma > 0:
-            raise DiffusionError(
-                f"min_snr_gamma is {self.min_snr_gamma:g}, valid: above 0, or left out"
-            )
-        if self.log_snr_spread <= 0:
-            raise DiffusionError(f"log_snr_spread is {self.log_snr_spread:g}, valid: above 0")
-        if self.guide_scenes is not None and self.guide_scenes < 1:
-            raise DiffusionError(f"guide_scenes is {self.guide_scenes}, valid: from 1, or left out")
 
 
 @dataclass(frozen=True)

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Literal
-
 from jaxtyping import Float
 from torch import Tensor
 
+from aeroscene.learning.diffusion.config import Parameterisation
 from aeroscene.learning.diffusion.schedule import over_tokens
-
-Parameterisation = Literal["eps", "v", "x0"]
 
 _LEAST_ALPHA = 1e-4
 """Below it, dividing by sqrt(alpha_bar) says nothing about x0."""

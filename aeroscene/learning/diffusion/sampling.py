@@ -8,56 +8,18 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Literal, Protocol
+from typing import Protocol
 
 import torch
 from jaxtyping import Bool, Float
 from torch import Tensor
 
+from aeroscene.learning.diffusion.config import SamplerCfg
 from aeroscene.learning.diffusion.loss import Denoiser, channel_weight
-from aeroscene.learning.diffusion.parameterisation import Parameterisation, predicted_x0
-from aeroscene.learning.diffusion.schedule import (
-    Schedule,
-    normal_like,
-    require_choice,
-    require_within,
-)
-from aeroscene.learning.diffusion.steps import (
-    Level,
-    Variance,
-    ddim_step,
-    ddpm_step,
-    dpm_solver_step,
-    levels,
-)
+from aeroscene.learning.diffusion.parameterisation import predicted_x0
+from aeroscene.learning.diffusion.schedule import Schedule, normal_like
+from aeroscene.learning.diffusion.steps import Level, ddim_step, ddpm_step, dpm_solver_step, levels
 from aeroscene.learning.tokens.batch import TokenBatch
-
-SamplerKind = Literal["ddpm", "ddim", "dpm-solver++"]
-Spacing = Literal["time", "log_snr"]
-
-
-@dataclass(frozen=True, kw_only=True)
-class SamplerCfg:
-    """Settings of the sampling of a layout."""
-
-    kind: SamplerKind = "ddim"
-    """`ddpm` is the paper's; `ddim` and `dpm-solver++` need fewer steps."""
-    n_steps: int = 30
-    """Calls of the network; the paper: 100."""
-    parameterisation: Parameterisation = "v"
-    """Quantity that the network predicts, as in its training."""
-    spacing: Spacing = "time"
-    """Steps of equal time, or of equal log signal-to-noise ratio and a last one to 0."""
-    eta: float = 0.0
-    """Noise of `ddim`: 0 is deterministic but for the first noise, 1 is ancestral."""
-    variance: Variance = "small"
-    """Variance of `ddpm`."""
-
-    def __post_init__(self) -> None:
-        require_choice("sampler", self, kind=SamplerKind, parameterisation=Parameterisation)
-        require_choice("sampler", self, spacing=Spacing, variance=Variance)
-        require_within("sampler", self, (1, 1000), "n_steps")
-        require_within("sampler", self, (0, 1), "eta")
 
 
 @dataclass(frozen=True)

@@ -2,72 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from math import pi
-from typing import Any, Literal, get_args
 
 import torch
 from jaxtyping import Float, Float64
 from torch import Tensor
 
-ScheduleKind = Literal["linear", "cosine", "log_snr"]
+from aeroscene.learning.diffusion.config import ScheduleCfg
 
 _LEAST_ALPHA_BAR = 1e-5
 """The cosine schedule's at t = 1, where 0 would let the noise hide the layout wholly."""
 _COSINE_OFFSET = 0.008
 """Nichol and Dhariwal 2021, eq. (17): keeps the first steps' noise from vanishing."""
-
-
-class DiffusionError(ValueError):
-    """A setting of the diffusion out of range; one line with field, value and what is valid."""
-
-
-def require_within(section: str, cfg: object, limits: tuple[float, float], *names: str) -> None:
-    """Raise a `DiffusionError` unless fields are within limits, which are valid themselves."""
-    low, high = limits
-    for name in names:
-        value = getattr(cfg, name)
-        if not low <= value <= high:
-            raise DiffusionError(f"{section}.{name} is {value:g}, valid: {low:g} to {high:g}")
-
-
-def require_choice(section: str, cfg: object, **choices: Any) -> None:
-    """Raise a `DiffusionError` unless fields are among the members of their `Literal` types."""
-    for name, choice in choices.items():
-        if getattr(cfg, name) not in get_args(choice):
-            valid = ", ".join(get_args(choice))
-            raise DiffusionError(f"{section}.{name} is {getattr(cfg, name)!r}, valid: {valid}")
-
-
-@dataclass(frozen=True, kw_only=True)
-class ScheduleCfg:
-    """The noise schedule, which the paper leaves open."""
-
-    kind: ScheduleKind = "cosine"
-    """`linear`: variances of Ho et al. 2020. `cosine`: Nichol and Dhariwal 2021. `log_snr`: even
-    steps of the logarithm of alpha_bar / (1 - alpha_bar), so that as many steps work on centimetres
-    as on rooms."""
-    n_steps: int = 1000
-    """Training steps T."""
-    beta_first: float = 1e-4
-    """First beta of `linear` for T = 1000; scaled by 1000/T, so any T ends in the same noise."""
-    beta_last: float = 0.02
-    """Last beta of `linear`, likewise."""
-    log_snr_first: float = 12.0
-    """Log signal-to-noise ratio of `log_snr` after the first step: noise of 0.25% of a spread."""
-    log_snr_last: float = -7.0
-    """And after the last one: the noise hides the layout."""
-
-    def __post_init__(self) -> None:
-        require_choice("schedule", self, kind=ScheduleKind)
-        require_within("schedule", self, (2, 10_000), "n_steps")
-        top = self.beta_last * 1000 / self.n_steps
-        if self.kind == "linear" and not (0 < self.beta_first <= self.beta_last and top < 1):
-            raise DiffusionError(
-                f"schedule.beta_first and beta_last are {self.beta_first:g} and "
-                f"{self.beta_last:g}, valid: 0 < first <= last < {self.n_steps / 1000:g}"
-            )
 
 
 class Schedule:

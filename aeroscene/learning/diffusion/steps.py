@@ -7,15 +7,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import exp, inf, isinf, log, sqrt
-from typing import Literal
 
 import torch
 from jaxtyping import Float
 from torch import Tensor
 
+from aeroscene.learning.diffusion.config import Variance
 from aeroscene.learning.diffusion.schedule import Schedule
-
-Variance = Literal["small", "large"]
 
 
 @dataclass(frozen=True)

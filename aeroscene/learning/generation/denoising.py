@@ -10,8 +10,9 @@ import torch
 from jaxtyping import Float
 from torch import Tensor
 
+from aeroscene.learning.diffusion.config import SamplerCfg
 from aeroscene.learning.diffusion.loss import Denoiser
-from aeroscene.learning.diffusion.sampling import Fixed, Moment, SamplerCfg, sample
+from aeroscene.learning.diffusion.sampling import Fixed, Moment, sample
 from aeroscene.learning.diffusion.schedule import Schedule
 from aeroscene.learning.generation.given import PlacedPart
 from aeroscene.learning.generation.proposal import OnStep

@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 import torch
 from torch import nn
 
-from aeroscene.learning.diffusion.sampling import SamplerCfg
+from aeroscene.learning.diffusion.config import SamplerCfg
 from aeroscene.learning.diffusion.schedule import Schedule
 from aeroscene.learning.generation.denoising import Denoising
 from aeroscene.learning.generation.programs import ProgramProposer
@@ -26,14 +26,9 @@ from aeroscene.learning.paper.preset import PAPER_SAMPLER
 from aeroscene.learning.paper.proposer import FlatModel, FlatProposer
 from aeroscene.learning.program import DecodingCfg
 from aeroscene.learning.tokens.kinds import Vocabulary
-from aeroscene.learning.training.checkpoint import (
-    Checkpoint,
-    CheckpointError,
-    DataSource,
-    Part,
-    read_checkpoint,
-)
-from aeroscene.learning.training.presets import sections_from_plain
+from aeroscene.learning.training.checkpoint import Checkpoint, read_checkpoint
+from aeroscene.learning.training.checkpoint_facts import CheckpointError, DataSource, Part
+from aeroscene.learning.training.presets import read_sections
 from aeroscene.learning.training.settings import changed
 from aeroscene.learning.writer.language import Language
 from aeroscene.learning.writer.model import new_writer
@@ -77,8 +72,8 @@ def load_proposer(
         if preset not in SHIPPED:
             raise CheckpointError(f"preset is {preset!r}, valid: {', '.join(SHIPPED)}")
         checkpoint = SHIPPED[preset]
+    sections = changed(read_sections(checkpoint), changes)
     found = read_checkpoint(checkpoint)
-    sections = changed(sections_from_plain(found.facts.configs), changes)
     return _Loader(found, sections, device, n_steps, decoding).proposer(), found.facts.data
 
 
@@ -106,10 +101,9 @@ class _Loader:
         return self._flat(known) if isinstance(known, FlatStatistics) else self._ours(known)
 
     def _ours(self, language: Language) -> ProgramProposer:
-        writer = new_writer(self._sections["writer"], language)
         return ProgramProposer(
             language,
-            self._loaded(writer, "writer"),
+            self._loaded(new_writer(self._sections["writer"], language), "writer"),
             Denoising(
                 language,
                 self._denoiser(language),

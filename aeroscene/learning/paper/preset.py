@@ -11,13 +11,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from aeroscene.learning.diffusion.loss import LossCfg
-from aeroscene.learning.diffusion.sampling import SamplerCfg
-from aeroscene.learning.diffusion.schedule import ScheduleCfg
+from aeroscene.learning.diffusion.config import LossCfg, SamplerCfg, ScheduleCfg
 from aeroscene.learning.model.config import N_GEOMETRY, ModelCfg
-from aeroscene.learning.paper.contents.model import ContentsCfg
-from aeroscene.learning.paper.guidance.objectives import ObjectivesCfg
-from aeroscene.learning.paper.guidance.semantic import SemanticPriorCfg
+from aeroscene.learning.paper.contents.config import ContentsCfg
+from aeroscene.learning.paper.guidance.config import ObjectivesCfg, SemanticPriorCfg
 from aeroscene.learning.training.config import TrainCfg
 from aeroscene.scene.catalogue import CATALOGUE
 

@@ -9,8 +9,9 @@ import numpy as np
 import torch
 from torch import Tensor
 
+from aeroscene.learning.diffusion.config import SamplerCfg
 from aeroscene.learning.diffusion.loss import Denoiser
-from aeroscene.learning.diffusion.sampling import Guidance, Moment, SamplerCfg, sample
+from aeroscene.learning.diffusion.sampling import Guidance, Moment, sample
 from aeroscene.learning.diffusion.schedule import Schedule
 from aeroscene.learning.generation.proposal import OnStep, noise_of
 from aeroscene.learning.generation.request import NO_THEMES, Request, RequestError, Themes

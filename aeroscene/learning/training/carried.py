@@ -16,7 +16,8 @@ from torch import Tensor
 
 from aeroscene.learning.program.kinds import Kind
 from aeroscene.learning.program.vocabulary import ProgramVocabulary
-from aeroscene.learning.training.checkpoint import CheckpointError, Part, Weights, read_checkpoint
+from aeroscene.learning.training.checkpoint import Weights, read_checkpoint
+from aeroscene.learning.training.checkpoint_facts import CheckpointError, Part
 from aeroscene.learning.training.presets import Sections, sections_from_plain
 from aeroscene.learning.writer.language import Language
 

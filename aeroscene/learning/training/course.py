@@ -15,7 +15,7 @@ from aeroscene.learning.paper.contents.lessons import ContentsLessons
 from aeroscene.learning.paper.training_set import FlatTrainingSet
 from aeroscene.learning.training.batches.opened import stream_stage
 from aeroscene.learning.training.batches.stream import StreamedBatches
-from aeroscene.learning.training.checkpoint import Part
+from aeroscene.learning.training.checkpoint_facts import Part
 from aeroscene.learning.training.config import TrainingError
 from aeroscene.learning.training.data import Set
 from aeroscene.learning.training.held_out import HeldOutSet, held_out_loss

@@ -12,14 +12,15 @@ import msgspec
 
 from aeroscene.corpus.dataset import DatasetError, open_dataset
 from aeroscene.corpus.provenance import curation_digest
-from aeroscene.layouts.kept import count_layouts, mapped_scenes
+from aeroscene.layouts.kept import mapped_scenes
 from aeroscene.learning.paper.training_set import FlatTrainingSet, flat_training_set
 from aeroscene.learning.program import WHOLE, EncodingCfg
 from aeroscene.learning.tokens.skeleton import UnencodableError, Wish
 from aeroscene.learning.tokens.symmetry import may_be_mirrored, mirrored
 from aeroscene.learning.training.batches.curation import Encoder
-from aeroscene.learning.training.checkpoint import FLAT_PRESETS, DataSource
+from aeroscene.learning.training.checkpoint_facts import FLAT_PRESETS, DataSource
 from aeroscene.learning.training.config import Preset, TrainingError
+from aeroscene.learning.training.data_named import is_layouts
 from aeroscene.learning.writer.examples import ProgramEncoder, encodable, written
 from aeroscene.learning.writer.language import Language, learn_language
 from aeroscene.learning.writer.training_set import ProgramSet
@@ -203,20 +204,6 @@ def training_scenes(
         (train if entry.split == "train" else held_out).append(dataset.read(entry))
         on_scene()
     return train, held_out
-
-
-def count_scenes(path: Path) -> int:
-    """Number of the scenes that `open_training_data` reads.
-
-    Raises:
-        SceneError: If there is no such data.
-    """
-    return count_layouts(path) if is_layouts(path) else len(open_dataset(path).entries)
-
-
-def is_layouts(path: Path) -> bool:
-    """Whether a user names a file of layouts, not the folder of a dataset."""
-    return path.is_file() or ".jsonl" in path.name
 
 
 def _layout_scenes(path: Path, on_scene: OnScene) -> tuple[list[Scene], list[Scene]]:

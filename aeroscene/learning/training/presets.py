@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from pathlib import Path
 from typing import Any, get_args
 
-from aeroscene.learning.diffusion.loss import LossCfg
-from aeroscene.learning.diffusion.schedule import ScheduleCfg
+from aeroscene.learning.diffusion.config import LossCfg, ScheduleCfg
 from aeroscene.learning.model.config import ModelCfg
 from aeroscene.learning.paper.preset import PAPER_SECTIONS, PROGRESSIVE_SECTIONS
-from aeroscene.learning.program.program import N_CHANNELS
-from aeroscene.learning.training.checkpoint import Known, Part
+from aeroscene.learning.training.checkpoint_facts import Part, read_facts
 from aeroscene.learning.training.config import Budget, Preset, TrainCfg, TrainingError
+from aeroscene.learning.training.network_sizes import require_filled
 from aeroscene.learning.training.settings import section_from_plain, section_to_plain
 from aeroscene.learning.writer.config import WriterCfg
-from aeroscene.learning.writer.language import Language
 
 _SHARED = ("model", "schedule", "loss", "training")
 Sections = Mapping[str, Any]
@@ -85,23 +83,6 @@ def is_flat(sections: Sections) -> bool:
     return sections["model"].n_categories > 0
 
 
-def fitted(sections: Sections, known: Known) -> dict[str, Any]:
-    """Sections for the kinds that there are.
-
-    Raises:
-        TrainingError: If the network is not one for programs.
-    """
-    if not isinstance(known, Language):
-        return dict(sections)
-    model = sections["model"]
-    if model.denoiser != "tokens" or model.channels != N_CHANNELS:
-        raise TrainingError(
-            f"model.denoiser is {model.denoiser!r} with {model.channels} channels, valid: 'tokens' "
-            f"with {N_CHANNELS}; the paper's network needs --preset paper"
-        )
-    return {**sections, "model": replace(model, n_kinds=len(known.vocabulary.kinds))}
-
-
 def sections_to_plain(sections: Sections) -> dict[str, dict[str, Any]]:
     """Sections as a checkpoint keeps them."""
     return {name: section_to_plain(section) for name, section in sections.items()}
@@ -120,3 +101,18 @@ def sections_from_plain(plain: Mapping[str, Mapping[str, Any]]) -> dict[str, Any
     if missing:
         raise TrainingError(f"section [{missing[0]}] is missing, valid: {', '.join(_KINDS)}")
     return {name: section_from_plain(_KINDS[name], values, name) for name, values in plain.items()}
+
+
+def read_sections(path: Path) -> dict[str, Any]:
+    """Sections of the training that a checkpoint is of, after a check of its file.
+
+    Raises:
+        CheckpointError: If the file cannot be used.
+        TrainingError: If a section is missing, unknown, or out of range.
+    """
+    try:
+        sections = sections_from_plain(read_facts(path).configs)
+    except TrainingError as error:
+        raise error.within(f"checkpoint {str(path)!r}") from None
+    require_filled(path, sections)
+    return sections

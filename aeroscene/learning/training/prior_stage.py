@@ -8,7 +8,8 @@ from pathlib import Path
 
 import torch
 
-from aeroscene.learning.diffusion.loss import Denoiser, GuidanceLoss, LossCfg, diffusion_loss
+from aeroscene.learning.diffusion.config import LossCfg
+from aeroscene.learning.diffusion.loss import Denoiser, GuidanceLoss, diffusion_loss
 from aeroscene.learning.diffusion.schedule import Schedule
 from aeroscene.learning.paper.guidance.layout import FlatReader, Layout
 from aeroscene.learning.paper.guidance.objectives import Objectives

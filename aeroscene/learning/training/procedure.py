@@ -20,13 +20,8 @@ from aeroscene.learning.model.network import new_denoiser
 from aeroscene.learning.paper.contents.model import ContentsModel
 from aeroscene.learning.training.batches.opened import Supply, open_batches
 from aeroscene.learning.training.batches.stream import StreamedBatches
-from aeroscene.learning.training.checkpoint import (
-    CheckpointFacts,
-    Part,
-    Weights,
-    category_names,
-    write_checkpoint,
-)
+from aeroscene.learning.training.checkpoint import Weights, write_checkpoint
+from aeroscene.learning.training.checkpoint_facts import CheckpointFacts, Part, category_names
 from aeroscene.learning.training.code_version import code_version
 from aeroscene.learning.training.config import Budget, Preset
 from aeroscene.learning.training.contents_stage import contents_loss
@@ -49,7 +44,8 @@ from aeroscene.learning.training.loop import (
 from aeroscene.learning.training.presets import PARTS, Sections, sections_to_plain
 from aeroscene.learning.training.prior_stage import loss_function, train_prior_part
 from aeroscene.learning.training.same_data import check_same_data
-from aeroscene.learning.training.state import STATE, TrainingState, write_state
+from aeroscene.learning.training.state import TrainingState, write_state
+from aeroscene.learning.training.state_head import STATE
 from aeroscene.learning.training.writer_stage import with_fitting_share, writer_loss
 from aeroscene.learning.writer.language import Language
 from aeroscene.learning.writer.model import new_writer

@@ -5,13 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection
 from pathlib import Path
 
-from aeroscene.learning.training.checkpoint import (
-    CheckpointFacts,
-    DataSource,
-    Part,
-    Weights,
-    read_checkpoint,
-)
+from aeroscene.learning.training.checkpoint import Weights, read_checkpoint
+from aeroscene.learning.training.checkpoint_facts import CheckpointFacts, DataSource, Part
 from aeroscene.learning.training.config import TrainingError
 from aeroscene.learning.training.data import TrainingData
 

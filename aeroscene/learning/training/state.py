@@ -7,44 +7,23 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import msgspec
-from safetensors import SafetensorError, safe_open
+from safetensors import safe_open
 from safetensors.torch import save
 from torch import Tensor
 
 from aeroscene.files import replacing
-from aeroscene.learning.training.checkpoint import (
+from aeroscene.learning.training.checkpoint import Weights, under
+from aeroscene.learning.training.checkpoint_facts import (
     PARTS,
     CheckpointError,
     CheckpointFacts,
     Part,
-    Weights,
-    under,
 )
 from aeroscene.learning.training.loop import PartTraining
+from aeroscene.learning.training.state_head import KEY, VERSION, PartHead, StateHead, read_head
 
-STATE = "state.safetensors"
-VERSION = 2
-
-_KEY = "aeroscene-training"
 _MODEL, _AVERAGE, _MOMENTS, _BEST = "model.", "average.", "moments.", "best."
 _PARTS = "parts."
-
-
-class PartHead(msgspec.Struct, frozen=True, kw_only=True):
-    """How far a part is."""
-
-    step: int
-    seconds: float
-    best_step: int = 0
-    best_loss: float | None = None
-    """Least held-out loss so far; None where no step was looked at."""
-
-
-class _Head(msgspec.Struct):
-    version: int
-    parts: dict[Part, PartHead]
-    """Parts that are trained step by step, as far as they are."""
-    facts: CheckpointFacts
 
 
 @dataclass(frozen=True)
@@ -55,11 +34,6 @@ class TrainingState:
     facts: CheckpointFacts
     heads: Mapping[Part, PartHead]
     tensors: Mapping[str, Tensor]
-
-    @property
-    def steps(self) -> int:
-        """Steps of all parts."""
-        return sum(head.step for head in self.heads.values())
 
     @property
     def parts(self) -> dict[Part, Weights]:
@@ -120,8 +94,8 @@ def write_state(
         tensors |= {f"{part}.{name}": value for name, value in _tensors(training).items()}
     heads: dict[Part, PartHead] = {part: _head(training) for part, training in trainings.items()}
     plain = {name: value.detach().cpu().contiguous().clone() for name, value in tensors.items()}
-    head = msgspec.json.encode(_Head(VERSION, heads, facts)).decode()
-    data = save(plain, metadata={_KEY: head})
+    head = msgspec.json.encode(StateHead(VERSION, heads, facts)).decode()
+    data = save(plain, metadata={KEY: head})
     with replacing(path) as file:
         file.write(data)
 
@@ -148,29 +122,9 @@ def read_state(path: Path) -> TrainingState | None:
     Raises:
         CheckpointError: If it is damaged or of another version.
     """
-    if not path.exists():
+    head = read_head(path)
+    if head is None:
         return None
-    try:
-        with safe_open(path, framework="pt", device="cpu") as file:
-            text = (file.metadata() or {}).get(_KEY, "")
-            tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
-        version = msgspec.json.decode(text, type=dict).get("version")
-    except (OSError, SafetensorError, msgspec.DecodeError) as error:
-        raise _damaged(path, error) from None
-    if version != VERSION:
-        raise CheckpointError(
-            f"state {str(path)!r} is of version {version}, valid: {VERSION}; "
-            "delete it to train anew"
-        )
-    try:
-        head = msgspec.json.decode(text, type=_Head)
-    except msgspec.DecodeError as error:
-        raise _damaged(path, error) from None
+    with safe_open(path, framework="pt", device="cpu") as file:
+        tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
     return TrainingState(path, head.facts, head.parts, tensors)
-
-
-def _damaged(path: Path, error: Exception) -> CheckpointError:
-    return CheckpointError(
-        f"state {str(path)!r} is truncated or no state of a training ({error}), "
-        "valid: as aeroscene train has written it; delete it to train anew"
-    )

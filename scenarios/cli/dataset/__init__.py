@@ -10,7 +10,8 @@ import tyro
 
 from aeroscene.processes import WorkerDiedError
 from aeroscene.scene import SceneError
-from scenarios.cli.command_line import fail, fail_on_file
+from scenarios.cli.boundary import of_file
+from scenarios.cli.command_line import fail
 from scenarios.cli.dataset import build, show, stats, unpack, validate
 from scenarios.cli.dataset.options import mention_part
 from scenarios.cli.scene_numbers import SceneNumbersError
@@ -53,5 +54,5 @@ def run(cfg: DatasetCfg) -> int:
     except (SceneError, SceneNumbersError, WorkerDiedError) as error:
         fail(prog, str(error))
     except OSError as error:
-        fail_on_file(prog, error)
+        fail(prog, of_file(error))
     return status

@@ -17,7 +17,7 @@ import torch
 from aeroscene.corpus.dataset import open_dataset, store_scene, write_manifest
 from aeroscene.learning.training.batches.curation import scene_file
 from aeroscene.learning.training.checkpoint import read_checkpoint
-from aeroscene.learning.training.state import read_state
+from aeroscene.learning.training.state_head import read_head
 from aeroscene.scene.io import write_scene
 from scenarios.cli.main import main
 from tests.aeroscene.conftest import cached_scene
@@ -309,7 +309,7 @@ def test_sigterm_to_all_processes_saves_and_leaves_none(corpus, config, tmp_path
     assert process.returncode == 130, errors
     assert "stopped and saved; --resume goes on from here" in errors
     assert "Traceback" not in errors
-    assert read_state(out / "state.safetensors").steps > 0
+    assert read_head(out / "state.safetensors").steps > 0
 
 
 def test_stream_that_cannot_be_is_refused(corpus, streaming, trained, tmp_path, capsys):

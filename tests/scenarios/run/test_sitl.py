@@ -127,7 +127,7 @@ sys.exit(sitl.main())
 """
 
 
-def test_a_disk_that_fills_up_costs_the_recording_its_end_and_not_the_figures(tmp_path):
+def test_a_disk_that_fills_up_costs_the_recording_and_not_the_figures(tmp_path):
     path = tmp_path / "flight.rrd"
     args = ("--scene", "field", "--headless-seconds", "8", "--speed", "max", "--camera-hz", "0")
     done = subprocess.run(
@@ -142,7 +142,8 @@ def test_a_disk_that_fills_up_costs_the_recording_its_end_and_not_the_figures(tm
     assert json.loads(done.stdout)["reason"] == "ended"
     assert "Traceback" not in done.stderr
     (line,) = [line for line in done.stderr.splitlines() if line.startswith("aeroscene-sitl: ")]
-    assert line.startswith(f"aeroscene-sitl: recording {path} lacks its end: ")
+    assert line.startswith(f"aeroscene-sitl: recording {path} lacks its end and is removed: ")
+    assert not path.exists()
     assert json.loads(path.with_suffix(".json").read_text())["result"]["reason"] == "ended"
 
 

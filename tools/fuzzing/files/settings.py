@@ -28,6 +28,7 @@ _TRAININGS: tuple[tuple[str, str], ...] = (
     ("batch-huge", "[training]\nbatch_size = 1000000000000"),
     ("section-control", '["\\u001b[2J"]\na = 1'),
     ("section-is-list", "training = [1]"),
+    ("network-of-500-GB", "[model]\nwidth = 4096\nblocks = 64\nffn_ratio = 16"),
 )
 _OUTLINES: tuple[tuple[str, bytes], ...] = (
     ("empty", b""),

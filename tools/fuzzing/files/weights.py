@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
+from importlib import resources
 from typing import Any
 
 from fuzzing.files.case import HERE, Case
 
 _KEY = "aeroscene"
+_SHIPPED = resources.files("aeroscene.learning").joinpath("checkpoints/default.safetensors")
 
 
 def weight_cases() -> Iterator[Case]:
@@ -68,6 +70,24 @@ def _checkpoints() -> Iterator[tuple[str, bytes]]:
             {f"a{i}": {**one, "shape": [0], "data_offsets": [0, 0]} for i in range(200_000)}
         ),
     )
+
+    data = _SHIPPED.read_bytes()
+    yield "weights-cut-short", data[:-1000]
+    yield "weights-changed", data[:-1000] + bytes(1000)
+    huge = {"width": 4096, "blocks": 64, "ffn_ratio": 16}
+    yield "network-of-150-GB", _with_configs(data, "model", huge)
+    yield "writer-of-other-sizes", _with_configs(data, "writer", {"width": 1024, "ffn_ratio": 8})
+    yield "section-unknown", _with_configs(data, "\x1b[2J", {})
+
+
+def _with_configs(data: bytes, section: str, changes: dict[str, Any]) -> bytes:
+    """A checkpoint that describes another network than the one that its weights are of."""
+    n_bytes = int.from_bytes(data[:8], "little")
+    header = json.loads(data[8 : 8 + n_bytes])
+    facts = json.loads(header["__metadata__"][_KEY])
+    facts["configs"][section] = facts["configs"].get(section, {}) | changes
+    header["__metadata__"][_KEY] = json.dumps(facts)
+    return _safetensors(header, data[8 + n_bytes :])
 
 
 def _manifests() -> Iterator[tuple[str, bytes]]:

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import torch
 from jaxtyping import Bool, Float
 from torch import Tensor, nn
 
-from aeroscene.learning.diffusion.schedule import DiffusionError
 from aeroscene.learning.paper.channels import FlatStatistics
 from aeroscene.learning.paper.contents.batch import SentenceBatch
+from aeroscene.learning.paper.contents.config import ContentsCfg
 from aeroscene.learning.paper.contents.sentences import (
     COARSE_LIST,
     N_TOKENS,
@@ -27,20 +25,6 @@ from aeroscene.learning.tokens.skeleton import Wish
 N_DRAWN = 8
 """Contents drawn for a wish, of which the one that comes nearest to it is taken."""
 _MOST_TOKENS = 1200
-
-
-@dataclass(frozen=True, kw_only=True)
-class ContentsCfg:
-    """Shape of the prior of contents."""
-
-    width: int = 192
-    layers: int = 2
-
-    def __post_init__(self) -> None:
-        for name, most in (("width", 4096), ("layers", 16)):
-            if not 1 <= getattr(self, name) <= most:
-                value = getattr(self, name)
-                raise DiffusionError(f"contents.{name} is {value}, valid: 1 to {most}")
 
 
 class ContentsModel(nn.Module):

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Literal
-
 import torch
 from jaxtyping import Bool, Float
 from torch import Tensor
 
+from aeroscene.learning.paper.guidance.config import RegionDistance
 from aeroscene.learning.paper.guidance.layout import Layout
-
-RegionDistance = Literal["centroid", "border"]
 
 _LEAST_DISTANCE_M = 1e-4
 """Where the distance to a point has no slope."""

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Literal
-
 import torch
 from jaxtyping import Bool, Float
 from torch import Tensor
 
+from aeroscene.learning.paper.guidance.config import IouKind
 from aeroscene.learning.paper.guidance.layout import Layout
 from aeroscene.learning.paper.guidance.overlap import BoxPairs, exact_iou, penetration_m, soft_iou
-
-IouKind = Literal["exact", "soft", "depth"]
 
 
 def collision_loss(

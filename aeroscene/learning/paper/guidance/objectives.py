@@ -22,64 +22,19 @@ Deviations from the paper's equations 21 to 23, with their reasons:
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import torch
 from jaxtyping import Bool, Float
 from torch import Tensor
 
 from aeroscene.learning.diffusion.sampling import Moment
-from aeroscene.learning.diffusion.schedule import DiffusionError, require_choice
-from aeroscene.learning.paper.guidance.coarse_to_fine import RegionDistance, coarse_to_fine_loss
-from aeroscene.learning.paper.guidance.collision import IouKind, collision_loss
+from aeroscene.learning.paper.guidance.coarse_to_fine import coarse_to_fine_loss
+from aeroscene.learning.paper.guidance.collision import collision_loss
+from aeroscene.learning.paper.guidance.config import ObjectivesCfg
 from aeroscene.learning.paper.guidance.layout import FlatReader, Layout, turn_back, turn_on
 from aeroscene.learning.paper.guidance.semantic import SemanticPrior, semantic_loss
 from aeroscene.learning.tokens.batch import TokenBatch
-
-
-@dataclass(frozen=True, kw_only=True)
-class ObjectivesCfg:
-    """The objectives and their strengths; the paper leaves delta_d and eta_0 open."""
-
-    collision_weight: float = 1.0
-    coarse_to_fine_weight: float = 1.0
-    semantic_weight: float = 0.1
-    """Of the loss in training, and of the normalised steps in sampling; zeros are the rows of the
-    paper's ablation. A full semantic step draws neighbours together, so that more of them collide
-    and fewer stand as they should: on rooms CR 12.5% and SP 7.3 against 9.7% and 6.5 without."""
-    iou: IouKind = "depth"
-    iou_tolerance: float = 0.01
-    """delta_d: the IoU from which the paper's collision rate counts a pair; m where `iou` is a
-    depth."""
-    softness_m: float = 0.1
-    """Softness of the soft IoU."""
-    region_distance: RegionDistance = "border"
-    """`centroid` is the paper's, whose least value is a heap in the middle of a region."""
-    step_size: float = 0.3
-    """eta_0, m: how far one term moves an object in one call at most, where all is noise."""
-    slack: float = 0.5
-    """The paper's epsilon beside a norm, 1/m: weaker gradients move less."""
-    first_share: float = 0.3
-    """Calls before this share of all are not guided: they know no places yet."""
-    n_quiet: int = 5
-    """Last calls, which are not guided."""
-
-    def __post_init__(self) -> None:
-        require_choice("guidance", self, iou=IouKind, region_distance=RegionDistance)
-        weights = ("collision_weight", "coarse_to_fine_weight", "semantic_weight", "step_size")
-        for name in weights:
-            if getattr(self, name) < 0:
-                raise DiffusionError(f"guidance.{name} is {getattr(self, name):g}, valid: from 0")
-        for name in ("iou_tolerance", "first_share"):
-            if not 0 <= getattr(self, name) < 1:
-                value = getattr(self, name)
-                raise DiffusionError(f"guidance.{name} is {value:g}, valid: 0 to below 1")
-        for name in ("softness_m", "slack"):
-            if getattr(self, name) <= 0:
-                value = getattr(self, name)
-                raise DiffusionError(f"guidance.{name} is {value:g}, valid: above 0")
-        if self.n_quiet < 0:
-            raise DiffusionError(f"guidance.n_quiet is {self.n_quiet}, valid: from 0")
 
 
 class Objectives:

@@ -17,7 +17,7 @@ import torch
 from jaxtyping import Float, Int
 from torch import Tensor, nn
 
-from aeroscene.learning.diffusion.schedule import DiffusionError
+from aeroscene.learning.paper.guidance.config import SemanticPriorCfg
 from aeroscene.learning.paper.guidance.layout import Layout, turn_back
 
 _N_NUMBERS = 7
@@ -25,39 +25,6 @@ _N_NUMBERS = 7
 _LOG_SPREAD = (math.log(0.05), math.log(30.0))
 """Logarithms of the least and greatest spread, m."""
 _HALF_LOG_TWO_PI = math.log(2 * math.pi) / 2
-
-
-@dataclass(frozen=True, kw_only=True)
-class SemanticPriorCfg:
-    """Shape of the prior and of its training."""
-
-    n_categories: int
-    width: int = 64
-    category_width: int = 16
-    n_neighbours: int = 8
-    """Pairs are each object with its nearest so many."""
-    n_parts: int = 8
-    """Gaussians of the mixture."""
-    reach_m: float = 4.0
-    """Middles of the Gaussians are of this order."""
-    learning_rate: float = 2e-3
-    batch_size: int = 16
-    """Scenes."""
-
-    def __post_init__(self) -> None:
-        for name in (
-            "n_categories",
-            "width",
-            "category_width",
-            "n_neighbours",
-            "n_parts",
-            "batch_size",
-        ):
-            if getattr(self, name) < 1:
-                raise DiffusionError(f"prior.{name} is {getattr(self, name)}, valid: from 1")
-        for name in ("reach_m", "learning_rate"):
-            if getattr(self, name) <= 0:
-                raise DiffusionError(f"prior.{name} is {getattr(self, name):g}, valid: above 0")
 
 
 @dataclass(frozen=True)

@@ -1,9 +1,7 @@
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from aeroscene.corpus.shipped.attributes import (
-    UnstorableAttributeError,
     read_attributes,
     write_attributes,
 )
@@ -29,8 +27,3 @@ def test_one_key_may_hold_values_of_several_types():
     rows = [{"a": 1}, {"a": True}, {"a": 1.0}, {"a": "1"}, {"a": 2, "b": "x"}, {"b": "y", "a": 3}]
     found = there_and_back(rows)
     assert list(map(repr, found)) == list(map(repr, rows))
-
-
-def test_an_integer_beyond_64_bits_is_refused():
-    with pytest.raises(UnstorableAttributeError, match=r"attributes\.n is 9223372036854775808, va"):
-        write_attributes([{"n": 2**63}], ColumnWriter())

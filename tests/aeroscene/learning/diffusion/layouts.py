@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
+from aeroscene.learning.diffusion.config import Parameterisation
 from aeroscene.learning.diffusion.loss import Prediction
-from aeroscene.learning.diffusion.parameterisation import Parameterisation, prediction_target
+from aeroscene.learning.diffusion.parameterisation import prediction_target
 from aeroscene.learning.diffusion.schedule import Schedule
 from aeroscene.learning.tokens.batch import TokenBatch
 

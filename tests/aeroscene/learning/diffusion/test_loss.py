@@ -4,14 +4,9 @@ from typing import get_args
 import pytest
 import torch
 
-from aeroscene.learning.diffusion.loss import (
-    LossCfg,
-    Prediction,
-    diffusion_loss,
-    gate_cross_entropy,
-)
-from aeroscene.learning.diffusion.parameterisation import Parameterisation
-from aeroscene.learning.diffusion.schedule import DiffusionError, Schedule
+from aeroscene.learning.diffusion.config import DiffusionError, LossCfg, Parameterisation
+from aeroscene.learning.diffusion.loss import Prediction, diffusion_loss, gate_cross_entropy
+from aeroscene.learning.diffusion.schedule import Schedule
 from tests.aeroscene.learning.diffusion.layouts import GaussianDenoiser, blank_batch
 
 KINDS = get_args(Parameterisation)

@@ -5,8 +5,8 @@ import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
+from aeroscene.learning.diffusion.config import Parameterisation
 from aeroscene.learning.diffusion.parameterisation import (
-    Parameterisation,
     min_snr_weight,
     predicted_x0,
     prediction_target,

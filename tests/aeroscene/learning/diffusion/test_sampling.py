@@ -3,8 +3,9 @@ from dataclasses import replace
 import pytest
 import torch
 
-from aeroscene.learning.diffusion.sampling import Fixed, Moment, SamplerCfg, sample, sampling_times
-from aeroscene.learning.diffusion.schedule import DiffusionError, Schedule, ScheduleCfg, normal_like
+from aeroscene.learning.diffusion.config import DiffusionError, SamplerCfg, ScheduleCfg
+from aeroscene.learning.diffusion.sampling import Fixed, Moment, sample, sampling_times
+from aeroscene.learning.diffusion.schedule import Schedule, normal_like
 from tests.aeroscene.learning.diffusion.layouts import GaussianDenoiser, blank_batch
 
 MEAN, SPREAD = 0.8, 0.4

@@ -3,7 +3,8 @@ import math
 import pytest
 import torch
 
-from aeroscene.learning.diffusion.schedule import DiffusionError, Schedule, ScheduleCfg, normal_like
+from aeroscene.learning.diffusion.config import DiffusionError, ScheduleCfg
+from aeroscene.learning.diffusion.schedule import Schedule, normal_like
 
 KINDS = ("linear", "cosine")
 

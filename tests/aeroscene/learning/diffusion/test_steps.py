@@ -6,7 +6,8 @@ import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
-from aeroscene.learning.diffusion.schedule import Schedule, ScheduleCfg
+from aeroscene.learning.diffusion.config import ScheduleCfg
+from aeroscene.learning.diffusion.schedule import Schedule
 from aeroscene.learning.diffusion.steps import (
     Level,
     ddim_step,

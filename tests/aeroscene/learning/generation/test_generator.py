@@ -16,7 +16,7 @@ from aeroscene.learning.generation import Generated, Generator, Request, Request
 from aeroscene.learning.generation import generator as generation
 from aeroscene.learning.generation.proposal import Proposal
 from aeroscene.learning.generation.sense import senseless
-from aeroscene.learning.training.checkpoint import CheckpointError
+from aeroscene.learning.training.checkpoint_facts import CheckpointError
 from aeroscene.learning.training.devices import DeviceError
 from aeroscene.scene import Scene
 from aeroscene.scene.io import scene_to_json

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import torch
 
-from aeroscene.learning.diffusion.sampling import SamplerCfg
+from aeroscene.learning.diffusion.config import SamplerCfg
 from aeroscene.learning.diffusion.schedule import Schedule
 from aeroscene.learning.generation import Generator, Request, RequestError
 from aeroscene.learning.generation.denoising import Denoising

@@ -4,17 +4,14 @@ import numpy as np
 import pytest
 import torch
 
+from aeroscene.learning.diffusion.config import DiffusionError
 from aeroscene.learning.diffusion.sampling import Moment
-from aeroscene.learning.diffusion.schedule import DiffusionError
 from aeroscene.learning.paper.guidance.coarse_to_fine import coarse_to_fine_loss
 from aeroscene.learning.paper.guidance.collision import collision_loss
+from aeroscene.learning.paper.guidance.config import ObjectivesCfg, SemanticPriorCfg
 from aeroscene.learning.paper.guidance.layout import FlatReader
-from aeroscene.learning.paper.guidance.objectives import Objectives, ObjectivesCfg, _shifted
-from aeroscene.learning.paper.guidance.semantic import (
-    SemanticPrior,
-    SemanticPriorCfg,
-    semantic_loss,
-)
+from aeroscene.learning.paper.guidance.objectives import Objectives, _shifted
+from aeroscene.learning.paper.guidance.semantic import SemanticPrior, semantic_loss
 from aeroscene.learning.paper.training_set import flat_training_set
 from tests.aeroscene.conftest import cached_scene
 

@@ -5,10 +5,10 @@ from functools import cache
 import pytest
 import torch
 
-from aeroscene.learning.diffusion.schedule import DiffusionError
+from aeroscene.learning.diffusion.config import DiffusionError
+from aeroscene.learning.paper.guidance.config import SemanticPriorCfg
 from aeroscene.learning.paper.guidance.layout import Layout
 from aeroscene.learning.paper.guidance.semantic import (
-    SemanticPriorCfg,
     neighbour_pairs,
     semantic_loss,
     train_semantic_prior,
@@ -105,4 +105,4 @@ def test_gradient_is_that_of_finite_differences():
 def test_settings_out_of_range_say_what_is_valid():
     with pytest.raises(DiffusionError) as error:
         SemanticPriorCfg(n_categories=0)
-    assert str(error.value) == "prior.n_categories is 0, valid: from 1"
+    assert str(error.value) == "prior.n_categories is 0, valid: 1 to 4086"

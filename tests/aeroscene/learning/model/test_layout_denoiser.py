@@ -7,8 +7,9 @@ from dataclasses import replace
 import pytest
 import torch
 
-from aeroscene.learning.diffusion.loss import LossCfg, diffusion_loss
-from aeroscene.learning.diffusion.schedule import Schedule, ScheduleCfg
+from aeroscene.learning.diffusion.config import LossCfg, ScheduleCfg
+from aeroscene.learning.diffusion.loss import diffusion_loss
+from aeroscene.learning.diffusion.schedule import Schedule
 from aeroscene.learning.model.config import ModelCfg
 from aeroscene.learning.paper.network.attention import ScaleAttention
 from aeroscene.learning.paper.network.layout_denoiser import LayoutDenoiser

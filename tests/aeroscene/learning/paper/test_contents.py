@@ -9,8 +9,9 @@ import pytest
 import torch
 
 from aeroscene.learning.paper.boxes import usable_categories
+from aeroscene.learning.paper.contents.config import ContentsCfg
 from aeroscene.learning.paper.contents.lessons import ContentsLessons
-from aeroscene.learning.paper.contents.model import ContentsCfg, ContentsModel
+from aeroscene.learning.paper.contents.model import ContentsModel
 from aeroscene.learning.paper.contents.sentences import (
     Reading,
     allowed,

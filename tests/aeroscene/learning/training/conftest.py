@@ -10,7 +10,8 @@ import torch
 from aeroscene.learning.model.config import ModelCfg
 from aeroscene.learning.training.config import Budget, TrainCfg
 from aeroscene.learning.training.data import TrainingData, prepared
-from aeroscene.learning.training.presets import fitted, preset_sections
+from aeroscene.learning.training.fitted import fitted
+from aeroscene.learning.training.presets import preset_sections
 from aeroscene.learning.training.procedure import Plan
 from aeroscene.learning.writer.config import WriterCfg
 from aeroscene.scene import Scene

@@ -8,9 +8,10 @@ import torch
 
 from aeroscene.learning.generation.loading import SHIPPED
 from aeroscene.learning.training.carried import _nearest, carried, read_begun
-from aeroscene.learning.training.checkpoint import CheckpointError
+from aeroscene.learning.training.checkpoint_facts import CheckpointError
 from aeroscene.learning.training.data import prepared
-from aeroscene.learning.training.presets import fitted, preset_sections
+from aeroscene.learning.training.fitted import fitted
+from aeroscene.learning.training.presets import preset_sections
 from aeroscene.learning.training.procedure import CHECKPOINT, Training
 from aeroscene.learning.writer.model import new_writer
 from tests.aeroscene.conftest import cached_scene

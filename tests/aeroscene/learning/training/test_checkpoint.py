@@ -10,13 +10,12 @@ from torch import nn
 from aeroscene.learning.generation.loading import SHIPPED
 from aeroscene.learning.paper.channels import FlatStatistics
 from aeroscene.learning.tokens.skeleton import Wish
-from aeroscene.learning.training.checkpoint import (
+from aeroscene.learning.training.checkpoint import read_checkpoint, write_checkpoint
+from aeroscene.learning.training.checkpoint_facts import (
     CheckpointError,
     CheckpointFacts,
     DataSource,
     category_names,
-    read_checkpoint,
-    write_checkpoint,
 )
 from aeroscene.learning.writer.language import Language
 

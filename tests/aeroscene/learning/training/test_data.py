@@ -12,7 +12,8 @@ from aeroscene.layouts.document import LayoutError
 from aeroscene.learning.paper.training_set import FlatTrainingSet
 from aeroscene.learning.tokens.skeleton import UnencodableError, Wish
 from aeroscene.learning.training.config import TrainingError
-from aeroscene.learning.training.data import count_scenes, open_training_data, prepared
+from aeroscene.learning.training.data import open_training_data, prepared
+from aeroscene.learning.training.data_named import count_scenes
 from tests.aeroscene.conftest import cached_scene
 from tests.aeroscene.learning.training.conftest import ten_objects
 

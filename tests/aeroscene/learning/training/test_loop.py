@@ -4,7 +4,8 @@ import pytest
 import torch
 from torch import nn
 
-from aeroscene.learning.diffusion.loss import LossCfg, diffusion_loss
+from aeroscene.learning.diffusion.config import LossCfg
+from aeroscene.learning.diffusion.loss import diffusion_loss
 from aeroscene.learning.diffusion.schedule import Schedule
 from aeroscene.learning.model.network import new_denoiser
 from aeroscene.learning.paper.preset import PAPER_TRAINING

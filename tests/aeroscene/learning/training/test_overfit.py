@@ -3,8 +3,9 @@
 import numpy as np
 import torch
 
-from aeroscene.learning.diffusion.loss import LossCfg, diffusion_loss
-from aeroscene.learning.diffusion.sampling import SamplerCfg, sample
+from aeroscene.learning.diffusion.config import LossCfg, SamplerCfg
+from aeroscene.learning.diffusion.loss import diffusion_loss
+from aeroscene.learning.diffusion.sampling import sample
 from aeroscene.learning.diffusion.schedule import Schedule
 from aeroscene.learning.model.config import ModelCfg
 from aeroscene.learning.model.network import new_denoiser

@@ -10,7 +10,8 @@ from aeroscene.learning.training.data import prepared
 from aeroscene.learning.training.journal import read_log
 from aeroscene.learning.training.procedure import CHECKPOINT, Training
 from aeroscene.learning.training.same_data import taken_parts
-from aeroscene.learning.training.state import STATE, read_state
+from aeroscene.learning.training.state import read_state
+from aeroscene.learning.training.state_head import STATE
 from tests.aeroscene.learning.training.conftest import Watcher, small_sections
 
 
