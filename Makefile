@@ -54,7 +54,11 @@ $(VENV)/.installed-docs: $(VENV)/.installed
 demo: $(VENV)/.installed
 	$(BIN)/aeroscene sitl 42 --demo --speed max --record recordings/scene-42.rrd
 
+# Kernels that an edit changed are compiled here, once, and in no test. Bytecode is kept, also where a
+# container turns that off: the tests start some hundred programs, which import the same modules.
+test: export PYTHONDONTWRITEBYTECODE :=
 test: $(VENV)/.installed-dev
+	$(BIN)/aeroscene compile
 	$(BIN)/python -m pytest --numprocesses $(WORKERS) --dist worksteal
 
 check: $(VENV)/.installed-dev

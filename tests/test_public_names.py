@@ -92,7 +92,6 @@ def test_the_snippet_that_needs_torch_says_how_to_get_it(tmp_path):
         cwd=tmp_path,
         capture_output=True,
         text=True,
-        timeout=100,
         check=False,
     )
     assert (done.returncode, done.stderr) == (0, "")

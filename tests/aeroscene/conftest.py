@@ -18,6 +18,12 @@ SAMPLE = (7, 42, 45, 49, 311, 1015)
 cached_scene = cache(curate_scene)
 
 
+@cache
+def sampled_scenes() -> list[Scene]:
+    """The sampled scenes, made when a test asks: every process of a run imports every test."""
+    return [cached_scene(index) for index in SAMPLE]
+
+
 @pytest.fixture(params=SAMPLE, ids=lambda index: f"scene{index}")
 def scene(request: pytest.FixtureRequest) -> Scene:
     """One of the sampled scenes."""
@@ -27,7 +33,7 @@ def scene(request: pytest.FixtureRequest) -> Scene:
 @pytest.fixture(scope="session")
 def scenes() -> list[Scene]:
     """All sampled scenes."""
-    return [cached_scene(index) for index in SAMPLE]
+    return sampled_scenes()
 
 
 @pytest.fixture(scope="session")

@@ -63,7 +63,7 @@ class TestbenchProcess:
     def stop(self) -> str:
         """Interrupt it as Ctrl-C does and return its standard error."""
         self.process.send_signal(signal.SIGINT)
-        _, errors = self.process.communicate(timeout=20)
+        _, errors = self.process.communicate()
         return errors
 
     def kill(self) -> None:
@@ -114,7 +114,6 @@ def run_page(page: str, bench: TestbenchProcess) -> list[str]:
         [sys.executable, "-c", script],
         capture_output=True,
         text=True,
-        timeout=100,
         check=False,
     )
     assert done.returncode == 0, done.stderr
@@ -125,13 +124,12 @@ def run_page(page: str, bench: TestbenchProcess) -> list[str]:
 def run_script():
     """Run a client script to its end in its own process."""
 
-    def run(name: str, *arguments: str, timeout_s: float = 60.0) -> None:
+    def run(name: str, *arguments: str) -> None:
         script = Path(__file__).parent / "scripts" / name
         done = subprocess.run(
             [sys.executable, str(script), *arguments],
             capture_output=True,
             text=True,
-            timeout=timeout_s,
             check=False,
         )
         assert done.returncode == 0, f"{name}:\n{done.stdout}\n{done.stderr}"

@@ -54,7 +54,7 @@ class MavProxy:
         self._process.stdin.write(line + "\n")
         self._process.stdin.flush()
 
-    def expect(self, pattern: str, timeout_s: float = 30.0) -> re.Match[str]:
+    def expect(self, pattern: str, timeout_s: float = 300.0) -> re.Match[str]:
         """Read on until a line matches."""
         deadline = time.monotonic() + timeout_s
         while time.monotonic() < deadline:
@@ -200,7 +200,7 @@ def _fly_guided_and_the_mission(proxy, latitude_deg, longitude_deg):
     proxy.ask("status GLOBAL_POSITION_INT", rf"lat : {round(latitude_deg * 1e7 + 1000) // 100}")
     proxy.type("mode auto")
     proxy.ask("status MISSION_CURRENT", r"seq : 2\b")
-    proxy.expect("Disarmed by landing|DISARMED", timeout_s=90.0)
+    proxy.expect("Disarmed by landing|DISARMED", timeout_s=300.0)
 
 
 def _download_the_log(proxy, directory):

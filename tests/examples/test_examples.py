@@ -31,7 +31,7 @@ def load(name):
 def run(name, *arguments):
     """An example as a process of its own; its output."""
     command = [sys.executable, str(EXAMPLES / f"{name}.py"), *arguments]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=100, check=False)
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, f"{name}:\n{done.stdout}\n{done.stderr}"
     return done.stdout
 
@@ -94,7 +94,6 @@ def test_images_come_with_depth_and_with_labels_that_agree_with_it():
 
 
 def test_a_generated_scene_is_kept_and_flown():
-    pytest.importorskip("torch")
     result = load("generate_and_fly")["main"](7)
     assert result.scene == "aeroscene-0007"
     assert Path("aeroscene-0007.json").is_file()
@@ -110,14 +109,12 @@ def test_a_scene_from_twenty_lines_is_sound_and_flown():
 
 
 def test_a_policy_learns_for_a_moment_and_is_tried():
-    pytest.importorskip("stable_baselines3")
     share, distance_m = load("learn_hover")["main"](256, 2)
     assert 0.0 <= share <= 1.0
     assert 0.0 < distance_m < 6.0
 
 
 def test_a_policy_learns_to_land_for_a_moment_and_is_judged(monkeypatch):
-    pytest.importorskip("stable_baselines3")
     monkeypatch.syspath_prepend(EXAMPLES)  # it takes `Worlds` of its neighbour
     codes = load("learn_landing")["main"](128, 2, n_trials=3)
     assert codes.total() == 3

@@ -7,22 +7,21 @@ from aeroscene.metrics.comparison import Reference, comparison_table
 from aeroscene.metrics.damage import jittered
 from aeroscene.metrics.discrepancy import TooFewScenesError
 from aeroscene.metrics.places.checks import CHECKS
-from tests.aeroscene.conftest import SAMPLE, cached_scene
+from tests.aeroscene.conftest import sampled_scenes
 
 PLACES = {check.key for check in CHECKS}
-SCENES = [cached_scene(index) for index in SAMPLE]
 
 
 @pytest.fixture(scope="module")
 def reference():
-    return Reference.of(SCENES, SCENES)
+    return Reference.of(sampled_scenes(), sampled_scenes())
 
 
 @pytest.fixture(scope="module")
 def rows(reference):
     rng = np.random.default_rng(0)
-    groups = {"real": SCENES} | {
-        f"{spread} m": [jittered(scene, rng, spread_m=spread) for scene in SCENES]
+    groups = {"real": sampled_scenes()} | {
+        f"{spread} m": [jittered(scene, rng, spread_m=spread) for scene in sampled_scenes()]
         for spread in (0.1, 0.5, 2.0)
     }
     return {row.key: row for row in comparison_table(groups, reference, rng)}
@@ -68,4 +67,4 @@ def test_every_group_has_every_figure(rows):
 
 def test_a_group_that_is_too_small_is_named(reference):
     with pytest.raises(TooFewScenesError, match="a set of 4 scenes"):
-        comparison_table({"few": SCENES[:4]}, reference, np.random.default_rng(0))
+        comparison_table({"few": sampled_scenes()[:4]}, reference, np.random.default_rng(0))

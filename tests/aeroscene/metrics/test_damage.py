@@ -9,18 +9,19 @@ from aeroscene.metrics.damage import DAMAGES, with_chairs_turned
 from aeroscene.metrics.discrepancy import TooFewScenesError
 from aeroscene.metrics.intervals import Figure
 from aeroscene.metrics.scorecard import METRICS, Yardstick, layout_figures
-from tests.aeroscene.conftest import SAMPLE, cached_scene
+from tests.aeroscene.conftest import cached_scene, sampled_scenes
 
-SCENES = [cached_scene(index) for index in SAMPLE]
 JITTERS = ("jitter_0.1", "jitter_0.3", "jitter_1")
 
 
 @pytest.fixture(scope="module")
 def figures() -> dict[str, dict[str, Figure]]:
-    yardstick = Yardstick.of(SCENES)
-    groups = {"none": SCENES}
+    yardstick = Yardstick.of(sampled_scenes())
+    groups = {"none": sampled_scenes()}
     for name, damage in DAMAGES.items():
-        groups[name] = [damage(scene, np.random.default_rng(i)) for i, scene in enumerate(SCENES)]
+        groups[name] = [
+            damage(scene, np.random.default_rng(i)) for i, scene in enumerate(sampled_scenes())
+        ]
     return {
         name: layout_figures(scenes, yardstick, np.random.default_rng(0))
         for name, scenes in groups.items()
@@ -36,8 +37,8 @@ def test_figures_rise_with_the_jitter(figures, metric):
 
 def test_orientation_plausibility_sees_turned_chairs_and_semantic_plausibility_hardly(figures):
     real, turned = figures["none"], figures["chairs_turned"]
-    n_chairs = sum(obj.category == "chair" for scene in SCENES for obj in scene.objects)
-    n_objects = sum(len(scene.objects) for scene in SCENES)
+    n_chairs = sum(obj.category == "chair" for scene in sampled_scenes() for obj in scene.objects)
+    n_objects = sum(len(scene.objects) for scene in sampled_scenes())
     rise = {key: turned[key].value - real[key].value for key in ("SP", "OP")}
     # Half of the chairs, each as surprising as a guess among 64 turns at the least.
     assert rise["OP"] > 0.25 * n_chairs / n_objects * np.log(64)
@@ -81,12 +82,15 @@ def test_half_of_the_chairs_are_turned_and_nothing_else_changes():
 
 
 def test_scenes_of_one_object_are_not_judged_best():
-    alone = [replace(scene, objects=scene.objects[:1], interaction_areas=()) for scene in SCENES]
-    found = layout_figures(alone, Yardstick.of(SCENES), np.random.default_rng(0))
+    alone = [
+        replace(scene, objects=scene.objects[:1], interaction_areas=())
+        for scene in sampled_scenes()
+    ]
+    found = layout_figures(alone, Yardstick.of(sampled_scenes()), np.random.default_rng(0))
     assert all(np.isnan(found[key].value) for key in ("CR", "SP", "OP", "CFC"))
     assert found["category_kl"].value > 0.5
 
 
 def test_too_few_scenes_are_refused_with_the_number_that_would_do():
     with pytest.raises(TooFewScenesError, match="4 scenes, valid: 5 or more"):
-        Yardstick.of(SCENES[:4])
+        Yardstick.of(sampled_scenes()[:4])

@@ -6,10 +6,8 @@ from aeroscene.metrics.arrays import scene_arrays
 from aeroscene.metrics.damage import jittered
 from aeroscene.metrics.diversity import layout_distances, layout_of, sketches_of
 from aeroscene.metrics.novelty import KnownSkeletons, nearness, training_distances
-from tests.aeroscene.conftest import SAMPLE, cached_scene
+from tests.aeroscene.conftest import sampled_scenes
 from tests.aeroscene.metrics.scenes import box, scene_of, turned
-
-SCENES = [cached_scene(index) for index in SAMPLE]
 
 
 def sketches(scenes):
@@ -17,13 +15,13 @@ def sketches(scenes):
 
 
 def test_a_copy_is_found_however_it_is_turned():
-    training = sketches(SCENES)
-    copies = [turned(scene, 1 + number % 3) for number, scene in enumerate(SCENES)]
+    training = sketches(sampled_scenes())
+    copies = [turned(scene, 1 + number % 3) for number, scene in enumerate(sampled_scenes())]
     assert training_distances(sketches(copies), training).max() < 1e-9
 
 
 def test_distances_between_sets_are_those_within_their_union():
-    some = [layout_of(scene) for scene in SCENES]
+    some = [layout_of(scene) for scene in sampled_scenes()]
     whole = layout_distances(some)
     found = training_distances(sketches_of(some[:2]), sketches_of(some[2:]))
     assert np.allclose(found, whole[:2, 2:].min(axis=1))
@@ -31,9 +29,11 @@ def test_distances_between_sets_are_those_within_their_union():
 
 def test_a_nearly_copied_scene_is_nearer_than_any_of_the_test_split():
     rng = np.random.default_rng(0)
-    training, tested = sketches(SCENES[:3]), sketches(SCENES[3:])
+    training, tested = sketches(sampled_scenes()[:3]), sketches(sampled_scenes()[3:])
     tests = training_distances(tested, training)
-    copies = training_distances(sketches([jittered(SCENES[0], rng, spread_m=0.3)]), training)
+    copies = training_distances(
+        sketches([jittered(sampled_scenes()[0], rng, spread_m=0.3)]), training
+    )
     assert nearness(copies, tests).copied_share == 1.0
     assert nearness(tests, tests).copied_share == 0.0
     assert nearness(copies, tests).median < 0.9 * nearness(tests, tests).median

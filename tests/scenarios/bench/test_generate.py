@@ -22,9 +22,7 @@ from scenarios.bench.quality import (
 )
 from scenarios.bench.soundness import fault
 from scenarios.cli.main import main
-from tests.aeroscene.conftest import SAMPLE, cached_scene
-
-SCENES = [cached_scene(index) for index in SAMPLE]
+from tests.aeroscene.conftest import sampled_scenes
 
 
 def by_metric(rows):
@@ -33,14 +31,19 @@ def by_metric(rows):
 
 def disturbed(spread_m):
     rng = np.random.default_rng(0)
-    return [jittered(scene, rng, spread_m=spread_m) for scene in SCENES]
+    return [jittered(scene, rng, spread_m=spread_m) for scene in sampled_scenes()]
 
 
 @pytest.fixture(scope="module")
 def figures():
     rng = np.random.default_rng(0)
-    reference = Reference.of(SCENES, SCENES)
-    groups = {RAW: disturbed(0.5), FEASIBLE: disturbed(0.05), TEST: SCENES, TRAIN: SCENES}
+    reference = Reference.of(sampled_scenes(), sampled_scenes())
+    groups = {
+        RAW: disturbed(0.5),
+        FEASIBLE: disturbed(0.05),
+        TEST: sampled_scenes(),
+        TRAIN: sampled_scenes(),
+    }
     return {name: figures_of(scenes, reference, rng) for name, scenes in groups.items()}
 
 
@@ -95,7 +98,7 @@ def test_a_model_without_feasible_scenes_is_compared_as_far_as_it_came(figures):
 
 
 def test_corpus_scenes_are_valid_and_jittered_ones_are_not():
-    real = by_metric(validity_rows(SCENES, TEST, None))
+    real = by_metric(validity_rows(sampled_scenes(), TEST, None))
     raw = by_metric(validity_rows(disturbed(0.5), RAW, 85.0))
     assert real[f"objects valid, {TEST}"].value > 99.0
     assert not raw[f"objects valid, {RAW}"].is_met
@@ -103,18 +106,18 @@ def test_corpus_scenes_are_valid_and_jittered_ones_are_not():
 
 
 def test_soundness_displacement_and_losses_are_over_all_draws():
-    kept, lost = SCENES[0], SCENES[1]
+    kept, lost = sampled_scenes()[0], sampled_scenes()[1]
     gone = lost.objects[-1].id
     lesser = replace(
         lost,
         objects=lost.objects[:-1],
         interaction_areas=tuple(a for a in lost.interaction_areas if a.object_id != gone),
     )
-    bare = replace(SCENES[2], interaction_areas=())
+    bare = replace(sampled_scenes()[2], interaction_areas=())
     draws = [
         Drawn(raw=kept, projected=kept, is_rejected=False),
         Drawn(raw=lost, projected=lesser, is_rejected=False),
-        Drawn(raw=SCENES[2], projected=bare, is_rejected=True),
+        Drawn(raw=sampled_scenes()[2], projected=bare, is_rejected=True),
     ]
     seen = []
     rows = by_metric(feasibility_rows(draws, lambda: seen.append(1)))
@@ -127,7 +130,7 @@ def test_soundness_displacement_and_losses_are_over_all_draws():
 
 
 def test_what_keeps_a_scene_from_being_flown_is_said():
-    scene = SCENES[0]
+    scene = sampled_scenes()[0]
     assert fault(scene) is None
     assert "no landing area" in str(fault(replace(scene, interaction_areas=())))
     crowded = replace(disturbed(0.5)[0], interaction_areas=scene.interaction_areas)
@@ -135,8 +138,8 @@ def test_what_keeps_a_scene_from_being_flown_is_said():
 
 
 def test_averages_stand_beside_the_papers():
-    rows = by_metric(statistics_rows(SCENES))
-    mean = np.mean([len(scene.objects) for scene in SCENES])
+    rows = by_metric(statistics_rows(sampled_scenes()))
+    mean = np.mean([len(scene.objects) for scene in sampled_scenes()])
     assert rows["objects / scene, mean"].value == pytest.approx(mean)
     off = rows["objects / scene, off the paper's"]
     assert off.value == pytest.approx(100 * abs(mean / 149 - 1))

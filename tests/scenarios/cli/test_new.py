@@ -18,7 +18,7 @@ def run_in_a_shell(command, folder):
     if arguments[0] == "sitl":
         arguments += ["--instance", str(own_instance())]
     return subprocess.run(
-        [*words, *arguments], cwd=folder, capture_output=True, text=True, timeout=280, check=False
+        [*words, *arguments], cwd=folder, capture_output=True, text=True, check=False
     )
 
 

@@ -212,7 +212,7 @@ def test_ctrl_c_saves_and_a_resume_goes_on(corpus, config, tmp_path):
             assert process.poll() is None, process.stderr.read()
             time.sleep(0.05)
         process.send_signal(signal.SIGINT)
-        text, errors = process.communicate(timeout=300)
+        text, errors = process.communicate()
     finally:
         process.kill()
         process.communicate()
@@ -297,7 +297,7 @@ def test_sigterm_to_all_processes_saves_and_leaves_none(corpus, config, tmp_path
             assert process.poll() is None, process.stderr.read()
             time.sleep(0.05)
         os.killpg(process.pid, signal.SIGTERM)
-        _, errors = process.communicate(timeout=300)
+        _, errors = process.communicate()
         deadline_s = time.monotonic() + 60.0
         while is_there(process.pid):
             assert time.monotonic() < deadline_s

@@ -36,7 +36,6 @@ def run(tmp_path):
             cwd=tmp_path,
             capture_output=True,
             text=True,
-            timeout=110,
             check=False,
         )
 

@@ -5,14 +5,13 @@ import math
 import re
 from pathlib import Path
 
+import gymnasium
 import numpy as np
 import pytest
+from gymnasium.utils.env_checker import check_env
+from stable_baselines3.common.env_checker import check_env as stable_baselines_check
 
-gymnasium = pytest.importorskip("gymnasium")
-
-from gymnasium.utils.env_checker import check_env  # noqa: E402
-
-from scenarios.environments import (  # noqa: E402
+from scenarios.environments import (
     AeroSceneEnv,
     AeroSceneVectorEnv,
     EnvironmentCfg,
@@ -52,9 +51,8 @@ def test_gymnasium_finds_no_fault(name, cfg):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_stable_baselines_finds_no_fault(name):
-    checker = pytest.importorskip("stable_baselines3.common.env_checker")
     env = gymnasium.make(name)
-    checker.check_env(env.unwrapped)
+    stable_baselines_check(env.unwrapped)
     env.close()
 
 

@@ -6,6 +6,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from autonomy.jit import announce_if_cold, cache_directory
 from scenarios.run.kernels import (
     EXPLORING_MODULES,
@@ -13,6 +15,8 @@ from scenarios.run.kernels import (
     announce_pilot_kernels,
     compile_everything,
 )
+
+pytestmark = pytest.mark.timeout(600)  # run alone after an edit of kernels, these compile them all
 
 
 def test_compiled_kernels_are_not_announced(caplog):
@@ -80,7 +84,6 @@ def python(*args, **environment):
         cwd=ROOT,
         capture_output=True,
         text=True,
-        timeout=110,
         check=True,
     )
 

@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -28,7 +29,12 @@ from tests.aeroscene.learning.training.conftest import ten_objects
 
 LEARNED = ("atiss", "diffusion_sdf", "diffuscene", "physcene")
 TINY = BaselineCfg(width=16, levels=2, heads=2, steps=4)
-SCENES = [ten_objects(cached_scene(index)) for index in (7, 42, 49, 311)]
+
+
+@cache
+def some_scenes():
+    """Not at import: every process of a test run imports this module."""
+    return [ten_objects(cached_scene(index)) for index in (7, 42, 49, 311)]
 
 
 class Patience:
@@ -47,7 +53,8 @@ class Patience:
         return self.left <= 0
 
 
-def lessons(folder, steps, scenes=SCENES):
+def lessons(folder, steps, scenes=None):
+    scenes = scenes or some_scenes()
     return Lessons(
         folder=folder, name="small", train=scenes, held_out=scenes[:1], budget=Budget(steps=steps)
     )
@@ -78,13 +85,13 @@ def test_a_stopped_training_goes_on_to_the_same_scene(name, tmp_path):
     ids=lambda value: getattr(value, "__name__", value),
 )
 def test_a_baseline_learns(kind, term):
-    code = LayoutCode.of(SCENES)
-    data = LayoutSet.of(SCENES, code)
+    code = LayoutCode.of(some_scenes())
+    data = LayoutSet.of(some_scenes(), code)
     torch.manual_seed(0)
     # The noise of all channels has to go through.
     model = kind(code, replace(TINY, width=96))
     optimiser = torch.optim.Adam(model.parameters(), lr=3e-3)
-    batch = data.in_order(0, len(SCENES))
+    batch = data.in_order(0, len(some_scenes()))
 
     def loss():
         with torch.no_grad():
@@ -102,7 +109,7 @@ def test_a_baseline_learns(kind, term):
 def test_other_data_and_other_sizes_are_refused_on_resuming(tmp_path):
     fit("diffuscene", lessons(tmp_path, 2), Patience(), TINY)
     with pytest.raises(TrainingError, match="is not what the training"):
-        fit("diffuscene", lessons(tmp_path, 2, SCENES[1:]), Patience(), TINY)
+        fit("diffuscene", lessons(tmp_path, 2, some_scenes()[1:]), Patience(), TINY)
     with pytest.raises(TrainingError, match="another configuration"):
         fit("diffuscene", lessons(tmp_path, 2), Patience(), replace(TINY, width=32))
     with pytest.raises(TrainingError, match="training of diffuscene"):
@@ -112,7 +119,7 @@ def test_other_data_and_other_sizes_are_refused_on_resuming(tmp_path):
 def test_unknown_methods_domains_and_sizes_are_refused_with_those_that_would_do(tmp_path):
     with pytest.raises(TrainingError, match=f"method is 'gan', valid: {', '.join(METHODS)}"):
         fit("gan", lessons(tmp_path, 2), Patience(), TINY)
-    indoor = [scene for scene in SCENES if scene.domain == "indoor"] * 2
+    indoor = [scene for scene in some_scenes() if scene.domain == "indoor"] * 2
     fitted = fit("atiss", lessons(tmp_path, 1, indoor), Patience(), TINY)
     with pytest.raises(TrainingError, match="domain is 'outdoor', valid: indoor"):
         fitted.sample(0, "outdoor")
@@ -132,10 +139,10 @@ def test_mixtures_sum_to_one_over_all_bins_and_draw_what_they_say():
 
 
 def test_signed_distances_are_those_of_boxes():
-    code = LayoutCode.of(SCENES)
-    data = LayoutSet.of(SCENES[:1], code)
+    code = LayoutCode.of(some_scenes())
+    data = LayoutSet.of(some_scenes()[:1], code)
     batch = data.in_order(0, 1)
-    boxes = boxes_of(SCENES[0])
+    boxes = boxes_of(some_scenes()[0])
     rng = np.random.default_rng(0)
     inside = boxes.centre_enu_m + rng.uniform(-0.1, 0.1, boxes.size_m.shape) * boxes.size_m
     points = np.concatenate([rng.uniform(-20, 20, (30, 3)), inside])
@@ -144,8 +151,8 @@ def test_signed_distances_are_those_of_boxes():
     found = diffusion_sdf._signed_distances_m(
         layout, batch, torch.from_numpy(points).float()[None]
     )[0].numpy()
-    is_coarse = np.array([obj.is_coarse for obj in SCENES[0].objects])
-    by_category = {obj.category_id - 1: obj.is_coarse for obj in SCENES[0].objects}
+    is_coarse = np.array([obj.is_coarse for obj in some_scenes()[0].objects])
+    by_category = {obj.category_id - 1: obj.is_coarse for obj in some_scenes()[0].objects}
     for row, point in enumerate(points):
         for column, level in enumerate((True, False)):
             true = min(
@@ -168,9 +175,9 @@ def signed_distance(boxes, i, point):
 
 
 def test_physical_guidance_parts_objects_in_the_last_steps_and_resizes_nothing():
-    code = LayoutCode.of(SCENES)
+    code = LayoutCode.of(some_scenes())
     model = PhyScene(code, TINY)
-    batch = LayoutSet.of(SCENES[:1], code).in_order(0, 1)
+    batch = LayoutSet.of(some_scenes()[:1], code).in_order(0, 1)
     x = batch.x0.clone()
     # All in one place, but for their heights.
     x[..., :2] = 0.01 * torch.randn(x[..., :2].shape, generator=torch.Generator().manual_seed(0))
@@ -205,11 +212,11 @@ def test_values_far_from_every_mean_still_pull_at_it():
 
 
 def test_atiss_reads_no_slots_that_nobody_fills():
-    code = replace(LayoutCode.of(SCENES), n_slots=64)
+    code = replace(LayoutCode.of(some_scenes()), n_slots=64)
     model = Atiss(code, TINY)
     read = []
     model.encoder.register_forward_pre_hook(lambda _, args: read.append(args[0].shape[1]))
-    batch = LayoutSet.of(SCENES, code).in_order(0, len(SCENES))
+    batch = LayoutSet.of(some_scenes(), code).in_order(0, len(some_scenes()))
     for seed in range(8):
         model(batch, torch.Generator().manual_seed(seed))
     # A query and the domain stand before the objects.
@@ -217,16 +224,16 @@ def test_atiss_reads_no_slots_that_nobody_fills():
 
 
 def test_the_code_of_a_layout_knows_the_order_in_which_it_is_read():
-    code = LayoutCode.of(SCENES)
+    code = LayoutCode.of(some_scenes())
     model = DiffusionSdf(code, TINY)
-    batch = LayoutSet.of(SCENES[:1], code).in_order(0, 1)
+    batch = LayoutSet.of(some_scenes()[:1], code).in_order(0, 1)
     other = batch.x0.clone()
     other[:, :2] = batch.x0[:, :2].flip(1)
     assert not torch.allclose(model._encode(batch.x0)[0], model._encode(other)[0], atol=1e-4)
 
 
 def test_geometry_weighs_as_much_as_the_many_channels_of_categories(monkeypatch):
-    code = LayoutCode.of(SCENES)
+    code = LayoutCode.of(some_scenes())
     model = DiffuScene(code, TINY)
     weights = []
 
@@ -235,13 +242,13 @@ def test_geometry_weighs_as_much_as_the_many_channels_of_categories(monkeypatch)
         return diffusion_loss(denoiser, batch, *args)
 
     monkeypatch.setattr(diffuscene, "diffusion_loss", looked_at)
-    model(LayoutSet.of(SCENES, code).in_order(0, 4), torch.Generator().manual_seed(0))
+    model(LayoutSet.of(some_scenes(), code).in_order(0, 4), torch.Generator().manual_seed(0))
     geometry, categories = weights[0][..., :8].sum(), weights[0][..., 8:].sum()
     assert float(geometry) == pytest.approx(float(categories), rel=1e-4)
 
 
 def test_the_vectors_of_a_code_are_told_apart_by_their_places():
-    model = DiffusionSdf(LayoutCode.of(SCENES), TINY)
+    model = DiffusionSdf(LayoutCode.of(some_scenes()), TINY)
     code = torch.randn(1, 16, 32, generator=torch.Generator().manual_seed(0))
     assert not torch.allclose(model._decode(code), model._decode(code.flip(1)), atol=1e-4)
 
@@ -269,8 +276,8 @@ def test_the_papers_preset_has_steps_enough_for_minutes():
 
 def test_where_objects_stand_is_heard_in_a_new_code():
     torch.manual_seed(0)
-    model = DiffusionSdf(LayoutCode.of(SCENES), replace(TINY, width=96))
-    batch = LayoutSet.of(SCENES, model.code).in_order(0, len(SCENES))
+    model = DiffusionSdf(LayoutCode.of(some_scenes()), replace(TINY, width=96))
+    batch = LayoutSet.of(some_scenes(), model.code).in_order(0, len(some_scenes()))
     moved = batch.x0.clone()
     moved[..., :2] += torch.randn(moved[..., :2].shape) * batch.mask[..., None]
     (before, log_variance), (after, _) = model._encode(batch.x0), model._encode(moved)

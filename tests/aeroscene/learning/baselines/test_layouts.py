@@ -15,18 +15,16 @@ from aeroscene.learning.baselines.layouts import (
 from aeroscene.learning.baselines.marginals import Marginals
 from aeroscene.learning.tokens.kinds import DOMAINS
 from aeroscene.learning.training.config import TrainingError
-from tests.aeroscene.conftest import SAMPLE, cached_scene
-
-SCENES = [cached_scene(index) for index in SAMPLE]
+from tests.aeroscene.conftest import cached_scene, sampled_scenes
 
 
 @pytest.fixture(scope="module")
 def code():
-    return LayoutCode.of(SCENES)
+    return LayoutCode.of(sampled_scenes())
 
 
 def test_boxes_survive_encoding_and_decoding(code):
-    for scene in SCENES:
+    for scene in sampled_scenes():
         boxes = boxes_of(scene)
         found = code.decode(code.encode(boxes))
         assert (found.category == boxes.category).all()
@@ -56,7 +54,7 @@ def test_a_decoded_scene_has_the_same_boxes_and_nearest_hosts(code):
 
 
 def test_empty_slots_are_no_objects_and_a_layout_has_one_at_least(code):
-    boxes = boxes_of(SCENES[0])
+    boxes = boxes_of(sampled_scenes()[0])
     x = code.encode(boxes)
     x[1:, CATEGORY], x[1:, EMPTY] = -1.0, 1.0
     assert len(code.decode(x).category) == 1
@@ -65,8 +63,8 @@ def test_empty_slots_are_no_objects_and_a_layout_has_one_at_least(code):
 
 
 def test_batches_are_turned_and_mirrored_as_one_and_keep_their_content(code):
-    data = LayoutSet.of(SCENES[:1], code)
-    boxes = boxes_of(SCENES[0])
+    data = LayoutSet.of(sampled_scenes()[:1], code)
+    boxes = boxes_of(sampled_scenes()[0])
     away = np.linalg.norm(boxes.centre_enu_m[:, None] - boxes.centre_enu_m, axis=-1)
     seen = set()
     for seed in range(12):
@@ -76,20 +74,20 @@ def test_batches_are_turned_and_mirrored_as_one_and_keep_their_content(code):
         assert between == pytest.approx(away, abs=1e-3)
         seen.add(tuple(batch.x0[0, 0, HEADING].numpy().round(3).tolist()))
     assert len(seen) >= 4
-    assert int(batch.domain) == DOMAINS.index(SCENES[0].domain)
+    assert int(batch.domain) == DOMAINS.index(sampled_scenes()[0].domain)
 
 
 def test_scenes_with_more_objects_than_slots_are_left_out():
-    code = LayoutCode.of([min(SCENES, key=lambda scene: len(scene.objects))])
-    assert 0 < len(LayoutSet.of(SCENES, code).examples) < len(SCENES)
+    code = LayoutCode.of([min(sampled_scenes(), key=lambda scene: len(scene.objects))])
+    assert 0 < len(LayoutSet.of(sampled_scenes(), code).examples) < len(sampled_scenes())
 
 
 def test_marginals_keep_what_there_is_and_break_what_goes_together():
-    marginals = Marginals(SCENES)
+    marginals = Marginals(sampled_scenes())
     made = marginals.sample(3, "outdoor")
     assert made == marginals.sample(3, "outdoor")
     assert made != marginals.sample(4, "outdoor")
-    outdoor = [scene for scene in SCENES if scene.domain == "outdoor"]
+    outdoor = [scene for scene in sampled_scenes() if scene.domain == "outdoor"]
     assert len(made.objects) in {len(scene.objects) for scene in outdoor}
     sizes = {obj.bbox.s for scene in outdoor for obj in scene.objects}
     known = np.array(sorted(sizes))

@@ -1,6 +1,7 @@
 """The checks on real scenes: hardly a fault, and of what is spoilt by half they find half."""
 
 import math
+from functools import cache
 
 import numpy as np
 import pytest
@@ -24,17 +25,22 @@ from tests.aeroscene.metrics.scenes import scene_of
 
 NUMBERS = (26, 44, 63, 69, 86, 108, 120, 145, 148)
 """Corpus scenes in which every check finds something to judge."""
-SCENES = [cached_scene(number) for number in NUMBERS]
 BY_KEY = {check.key: check for check in CHECKS}
+
+
+@cache
+def real_scenes():
+    """Not at import: every process of a test run imports this module."""
+    return [cached_scene(number) for number in NUMBERS]
 
 
 @pytest.fixture(scope="module")
 def real():
-    return place_figures(SCENES)
+    return place_figures(real_scenes())
 
 
 def spoilt(key, spoil):
-    return BY_KEY[key].figure([TopView(spoil(scene)) for scene in SCENES])
+    return BY_KEY[key].figure([TopView(spoil(scene)) for scene in real_scenes()])
 
 
 # Park paths lie apart, screens have two ends, bleachers end at a wall, rows of shelves stand free;
@@ -81,20 +87,22 @@ AWAY = shifted(300.0, 300.0)
     ],
 )
 def test_of_real_things_half_of_which_are_spoilt_half_are_found(key, categories, change, real):
-    views = [TopView(changed(*each, change)) for each in halves(SCENES, *categories)]
+    views = [TopView(changed(*each, change)) for each in halves(real_scenes(), *categories)]
     sound = 100 - real[key]
     assert BY_KEY[key].figure(views) == pytest.approx(real[key] + sound / 2, abs=0.2 * sound)
 
 
 @pytest.mark.parametrize("turn_deg", [90.0, 180.0])
 def test_buildings_that_are_turned_look_elsewhere(real, turn_deg):
-    views = [TopView(changed(*each, turned_by(turn_deg))) for each in halves(SCENES, *BUILDINGS)]
+    views = [
+        TopView(changed(*each, turned_by(turn_deg))) for each in halves(real_scenes(), *BUILDINGS)
+    ]
     assert BY_KEY["averted_fronts"].figure(views) > 2 * real["averted_fronts"]
 
 
 def test_rooms_without_half_of_the_walls_are_open(real):
     assert real["closed_outline"] == pytest.approx(100.0)
-    views = [TopView(without(*each)) for each in halves(SCENES, "wall")]
+    views = [TopView(without(*each)) for each in halves(real_scenes(), "wall")]
     assert 50.0 < BY_KEY["closed_outline"].figure(views) < 95.0
 
 
@@ -117,7 +125,8 @@ def test_ground_that_has_shrunk_leaves_gaps(real):
 
 def test_desks_out_of_line_are_uneven(real):
     views = [
-        TopView(changed(*each, shifted(0.45, 0.45))) for each in halves(SCENES, "desk", "table")
+        TopView(changed(*each, shifted(0.45, 0.45)))
+        for each in halves(real_scenes(), "desk", "table")
     ]
     assert real["uneven_desks"] < 0.01
     assert BY_KEY["uneven_desks"].figure(views) > 0.05
@@ -125,13 +134,13 @@ def test_desks_out_of_line_are_uneven(real):
 
 def test_objects_anywhere_in_their_parents_have_no_order(real):
     rng = np.random.default_rng(3)
-    views = [TopView(strewn(scene, rng)) for scene in SCENES]
+    views = [TopView(strewn(scene, rng)) for scene in real_scenes()]
     for key in ("pinned", "in_rows"):
         assert BY_KEY[key].figure(views) < real[key] / 4
 
 
 def test_order_is_that_of_the_relations(real):
-    shares = relation_shares(SCENES)
+    shares = relation_shares(real_scenes())
     assert real["pinned"] == pytest.approx(100 * shares.pinned)
     assert real["in_rows"] == pytest.approx(100 * shares.in_rows)
 
@@ -144,6 +153,6 @@ def test_without_anything_to_judge_there_is_no_figure():
 
 def test_scenes_weigh_by_what_is_judged_in_them():
     check = BY_KEY["averted_chairs"]
-    views = [TopView(scene) for scene in SCENES]
+    views = [TopView(scene) for scene in real_scenes()]
     values = [value for view in views for value in check.judge(view)]
     assert check.figure(views) == pytest.approx(100 * sum(values) / len(values))
