@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import json
 import tempfile
+import warnings
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 import rerun as rr
+from rerun.error_utils import RerunWarning
 
 from fuzzing.files.case import HERE, Case
 from scenarios.recording import layout
@@ -64,7 +66,9 @@ def _case(name: str, content: bytes, way: str) -> Case:
 
 def _recording(run: Mapping[str, Any], verdict: Mapping[str, Any]) -> bytes:
     stream = rr.RecordingStream(layout.APPLICATION_ID)
-    with tempfile.TemporaryDirectory(prefix="aeroscene-") as folder:
+    with tempfile.TemporaryDirectory(prefix="aeroscene-") as folder, warnings.catch_warnings():
+        # rerun says that a number is no text, which is what the recording is for.
+        warnings.simplefilter("ignore", RerunWarning)
         path = Path(folder) / "r.rrd"
         stream.set_sinks(rr.FileSink(path))
         stream.send_property(layout.RUN_PROPERTY, rr.AnyValues(**run))
