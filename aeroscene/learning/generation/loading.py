@@ -72,6 +72,7 @@ def load_proposer(
         if preset not in SHIPPED:
             raise CheckpointError(f"preset is {preset!r}, valid: {', '.join(SHIPPED)}")
         checkpoint = SHIPPED[preset]
+    checkpoint = Path(checkpoint)
     sections = changed(read_sections(checkpoint), changes)
     found = read_checkpoint(checkpoint)
     return _Loader(found, sections, device, n_steps, decoding).proposer(), found.facts.data

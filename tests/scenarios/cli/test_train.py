@@ -305,7 +305,7 @@ def test_sigterm_to_all_processes_saves_and_leaves_none(corpus, config, tmp_path
     finally:
         if is_there(process.pid):
             os.killpg(process.pid, signal.SIGKILL)
-        process.communicate()
+        process.wait()
     assert process.returncode == 130, errors
     assert "stopped and saved; --resume goes on from here" in errors
     assert "Traceback" not in errors

@@ -52,7 +52,8 @@ def test_a_collision_that_ends_the_flight_is_counted_with_what_when_and_how_fast
     assert touchdown_s == pytest.approx(6.3, abs=0.01)
     found = judged(history, tree, ground)
     assert found.code is Code.CONTACT
-    assert found.reason == "touched object 7 at 6.0 s and 4.0 m/s before touchdown"
+    touch = "touched object 7 at 6.0 s and 4.0 m/s before touchdown"
+    assert found.reason == f"{touch}; the pilot gave up: flipped"
     assert found.fate is Fate.COLLIDED
 
 
