@@ -92,8 +92,8 @@ def interrupt(number: int, _: FrameType | None = None) -> NoReturn:
 def raise_if_interrupted() -> None:
     """Raise KeyboardInterrupt again where a library has swallowed it.
 
-    Callbacks, destructors and imports of compiled libraries do: one Ctrl-C in twenty during the
-    first three seconds of a run.
+    Callbacks, destructors and imports of compiled libraries do: 2 of 50 tries with Ctrl-C in the
+    first three seconds of a run flew on.
     """
     if _interrupts:
         raise KeyboardInterrupt
