@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from aeroscene.metrics.discrepancy import TooFewScenesError
+from aeroscene.metrics.intervals import Figure, normal_figure
 
 N_FOLDS = 5
 _PENALTY = 0.001
@@ -39,6 +40,20 @@ def classifier_accuracy(
         asked = fold == number
         is_right[asked] = _predict(points[~asked], is_set[~asked], points[asked]) == is_set[asked]
     return float((is_right[is_set].mean() + is_right[~is_set].mean()) / 2)
+
+
+def accuracy_figure(
+    scenes: Float[np.ndarray, "n f"], reference: Float[np.ndarray, "m f"], rng: np.random.Generator
+) -> Figure:
+    """The accuracy in percent with its interval: it is the mean of two shares, one over each set.
+
+    Raises:
+        TooFewScenesError: If a set has fewer scenes than there are folds.
+    """
+    n, m = len(scenes), len(reference)
+    accuracy = classifier_accuracy(scenes, reference, rng)
+    error = 50.0 * float(np.sqrt(accuracy * (1 - accuracy) * (1 / n + 1 / m)))
+    return normal_figure(100.0 * accuracy, error, n)
 
 
 def _folds(count: int, rng: np.random.Generator) -> np.ndarray:

@@ -19,7 +19,7 @@ import numpy as np
 from jaxtyping import Float
 
 from aeroscene.metrics.arrays import SceneArrays, scene_arrays
-from aeroscene.metrics.classifier import N_FOLDS, classifier_accuracy
+from aeroscene.metrics.classifier import N_FOLDS, accuracy_figure
 from aeroscene.metrics.collision import Among, collisions, overlaps
 from aeroscene.metrics.consistency import consistency
 from aeroscene.metrics.discrepancy import (
@@ -36,7 +36,6 @@ from aeroscene.metrics.intervals import (
     Figure,
     mean_figure,
     median_figure,
-    normal_figure,
     ratio_figure,
     resamples,
     set_figure,
@@ -187,15 +186,11 @@ def _set_figures(
     """Figures about the group as a whole."""
     n, features = len(group), layout_features(group)
     times = resamples(n, rng, _N_DRAWS)
-    accuracy = classifier_accuracy(features, yardstick.features, rng)
-    # The mean of two shares, one over each set.
-    m = len(yardstick.features)
-    error = 50.0 * float(np.sqrt(accuracy * (1 - accuracy) * (1 / n + 1 / m)))
     return {
         "category_kl": _kl_figure(group, yardstick, times, "category"),
         "cooccurrence_kl": _kl_figure(group, yardstick, times, "cooccurrence"),
         "mmd": _mmd_figure(features, yardstick.features, times),
-        "classifier_accuracy": normal_figure(100.0 * accuracy, error, n),
+        "classifier_accuracy": accuracy_figure(features, yardstick.features, rng),
         "coverage": _coverage_figure(features, yardstick.features, times),
     }
 

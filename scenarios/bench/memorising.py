@@ -25,7 +25,7 @@ from aeroscene.learning.diffusion.sampling import sample
 from aeroscene.learning.diffusion.schedule import Schedule
 from aeroscene.learning.model.network import new_denoiser
 from aeroscene.learning.paper.guidance.layout import FlatReader
-from aeroscene.learning.paper.layouts import IS_TWO_SIDED
+from aeroscene.learning.paper.layouts import IS_TWO_SIDED, turned
 from aeroscene.learning.paper.preset import PAPER_SAMPLER
 from aeroscene.learning.paper.training_set import FlatTrainingSet, flat_training_set
 from aeroscene.learning.tokens.batch import TokenBatch
@@ -118,7 +118,10 @@ def _memorised_by_preset(
         yaw = torch.atan2(layout.heading[..., 1], layout.heading[..., 0])
         for i, own in enumerate(is_drawn):
             parts = (layout.category[i] - 1, layout.center_enu_m[i], layout.size_m[i], yaw[i])
-            boxes[i].append(Boxes(*(part[own].numpy() for part in parts)))
+            category, center_m, size_m, yaw_rad = (part[own].numpy() for part in parts)
+            site_yaw_rad = data.examples[i].site_yaw_rad
+            center_m = turned(center_m, site_yaw_rad)
+            boxes[i].append(Boxes(category, center_m, size_m, yaw_rad + site_yaw_rad))
     return [_joined(parts) for parts in boxes], training.step
 
 

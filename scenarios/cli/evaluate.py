@@ -59,6 +59,13 @@ class EvaluateCfg:
     """Scenes to learn from and to be held against."""
     path: Annotated[Path | None, default_hint("./corpus for the corpus")] = None
     """Folder that `aeroscene dataset build` has made, or your own file of neutral layouts."""
+    protocol: Literal["ours", "diffuscene"] = "ours"
+    """How pictures are taken and what they are held against: ours in colour from above and from
+    aside; diffuscene as its authors do, from above in class colours, and furniture alone."""
+    room: Annotated[
+        str | None, default_hint("bedroom with --protocol diffuscene, else all rooms")
+    ] = None
+    """Layouts with this as attributes.room_type alone."""
     out: Annotated[Path, OutFolder()] = Path("evaluation")
     """Folder to work in; it is made where there is none."""
     scenes: Annotated[int, Range(_LEAST_SCENES, 1_000_000)] = 1000
@@ -123,8 +130,15 @@ def _run(cfg: EvaluateCfg) -> int:
     minutes = 60.0 if cfg.cpu_minutes is None and cfg.steps is None else cfg.cpu_minutes
     Budget(steps=cfg.steps, seconds=None if minutes is None else 60.0 * minutes)
     torch.set_num_threads(cfg.threads)
+    room = cfg.room or ("bedroom" if cfg.protocol == "diffuscene" else None)
+    require(
+        ok=cfg.data != "corpus" or room is None,
+        name="data",
+        value=cfg.data,
+        valid="front3d or procthor with --protocol diffuscene or --room",
+    )
     network = open_network(cfg.inception)
-    data = _read(cfg)
+    data = _read(cfg, room)
     entrants = entrants_of(cfg.table, data, cfg.methods)
     asked = EvaluationCfg(
         data=data.name,
@@ -134,6 +148,8 @@ def _run(cfg: EvaluateCfg) -> int:
         cpu_minutes=minutes,
         steps=cfg.steps,
         baseline=baseline,
+        protocol=cfg.protocol,
+        room=room,
     )
     with _asked_to_stop() as stop:
         evaluation = Evaluation(asked, data, network, cfg.out, stop.is_set)
@@ -147,12 +163,12 @@ def _run(cfg: EvaluateCfg) -> int:
     return EXIT_DONE
 
 
-def _read(cfg: EvaluateCfg) -> Data:
+def _read(cfg: EvaluateCfg, room: str | None) -> Data:
     from scenarios.evaluation.sources import count_scenes, open_data  # noqa: PLC0415 - PyTorch
 
     title = "reading scenes" if cfg.data == "corpus" else "mapping layouts"
     with progress_bar(title, count_scenes(cfg.data, cfg.path)) as advance:
-        return open_data(cfg.data, cfg.path, advance)
+        return open_data(cfg.data, cfg.path, advance, room)
 
 
 @contextmanager
@@ -187,6 +203,8 @@ def _tell(
     head = {
         "table": cfg.table,
         "data": data.name,
+        "protocol": cfg.protocol,
+        "room": evaluation.cfg.room,
         "train_scenes": len(data.train),
         "test_scenes": len(data.test),
         "seed": cfg.seed,

@@ -26,7 +26,7 @@ from aeroscene.scene import Scene, SceneDomain, SceneError
 from aeroscene.scene.io import read_scene, write_scene
 from flightsim.vehicles.catalogue import airframe_by_name
 from flightsim.world import build_world
-from scenarios.evaluation.renders import Camera
+from scenarios.evaluation.renders import Photographer
 
 SAMPLED, PROJECTED = "sampled", "projected"
 STAGES = (SAMPLED, PROJECTED)
@@ -74,7 +74,11 @@ class Drawer:
     """Draws scenes into a folder."""
 
     def __init__(
-        self, folder: Path, network: FeatureNetwork, camera: Camera, domains: Sequence[SceneDomain]
+        self,
+        folder: Path,
+        network: FeatureNetwork,
+        camera: Photographer,
+        domains: Sequence[SceneDomain],
     ) -> None:
         """Set up.
 

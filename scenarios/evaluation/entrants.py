@@ -13,6 +13,7 @@ from aeroscene.learning.baselines.model import BaselineCfg
 from aeroscene.learning.baselines.named import METHODS, Fitted, fit
 from aeroscene.learning.baselines.presets import FittedPreset, fit_preset, shipped_preset, without
 from aeroscene.learning.program import DecodingCfg, EncodingCfg
+from aeroscene.learning.training.config import Preset
 from aeroscene.learning.training.course import Watcher
 from aeroscene.metrics.damage import DAMAGES
 from aeroscene.scene import Scene, SceneDomain
@@ -96,6 +97,11 @@ _SHIPPED = (
 )
 """Trained for longer than a table has, on other scenes of the same grammar."""
 
+_PRESETS: Mapping[str, Preset] = {
+    "paper": "paper",
+    "progressive": "progressive",
+    "ours": "default",
+}
 _GUIDANCE = {
     "without_collision": ("collision_weight",),
     "without_coarse_to_fine": ("coarse_to_fine_weight",),
@@ -128,28 +134,32 @@ def _less_encoded(name: str, encoding: EncodingCfg) -> Entrant:
     )
 
 
-def _less_guided(preset: str, name: str, weights: Sequence[str], *, is_shipped: bool) -> Entrant:
+def _less_guided(method: str, name: str, weights: Sequence[str], *, is_shipped: bool) -> Entrant:
     changes: Mapping[str, Any] = {"guidance": dict.fromkeys(weights, 0.0)}
     return Entrant(
-        name=f"{preset}_{name}",
-        title=f"{METHODS['paper'].title}, {name.replace('_', ' ')} guidance",
-        begin=lambda means: _changed("paper", means, is_shipped, changes, DecodingCfg()),
+        name=f"{_row_name(method, is_shipped)}_{name}",
+        title=f"{METHODS[method].title}, {name.replace('_', ' ')} guidance",
+        begin=lambda means: _changed(method, means, is_shipped, changes, DecodingCfg()),
     )
 
 
-def _less_decoded(preset: str, name: str, *, is_shipped: bool) -> Entrant:
+def _less_decoded(name: str, *, is_shipped: bool) -> Entrant:
     words, decoding = _DECODING[name]
     return Entrant(
-        name=f"{preset}_{name}",
+        name=f"{_row_name('ours', is_shipped)}_{name}",
         title=f"ours, {words}",
         begin=lambda means: _changed("ours", means, is_shipped, {}, decoding),
     )
 
 
+def _row_name(method: str, is_shipped: bool) -> str:
+    return f"{method}_shipped" if is_shipped else method
+
+
 def _changed(
     method: str, means: Means, is_shipped: bool, changes: Mapping[str, Any], decoding: DecodingCfg
 ) -> FittedPreset:
-    preset = "paper" if method == "paper" else "default"
+    preset = _PRESETS[method]
     if is_shipped:
         return without(None, preset, changes, decoding, None)
     lessons = means.lessons(method)
@@ -182,13 +192,16 @@ def _others(table: TableName, data: Data) -> list[Entrant]:
         return [*map(_trained, METHODS), *(_SHIPPED if data.is_corpus else ())]
     # Of the corpus what ships is taken apart, which nobody has to train first.
     is_shipped = data.is_corpus
-    paper, ours = ("paper_shipped", "ours_shipped") if is_shipped else ("paper", "ours")
     whole = {entrant.name: entrant for entrant in (*map(_trained, METHODS), *_SHIPPED)}
+    guided: list[Entrant] = []
+    for method in ("paper", "progressive"):
+        guided.append(whole[_row_name(method, is_shipped)])
+        for name, weights in _GUIDANCE.items():
+            guided.append(_less_guided(method, name, weights, is_shipped=is_shipped))
     return [
-        whole[paper],
-        *(_less_guided(paper, name, w, is_shipped=is_shipped) for name, w in _GUIDANCE.items()),
-        whole[ours],
-        *(_less_decoded(ours, name, is_shipped=is_shipped) for name in _DECODING),
+        *guided,
+        whole[_row_name("ours", is_shipped)],
+        *(_less_decoded(name, is_shipped=is_shipped) for name in _DECODING),
         *([whole["ours"]] if is_shipped else []),
         *(_less_encoded(name, encoding) for name, encoding in _ENCODING.items()),
     ]

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import Literal
 
 import msgspec
 import numpy as np
@@ -21,14 +22,16 @@ from aeroscene.metrics.appearance.features import FeatureNetwork
 from aeroscene.metrics.appearance.frechet import LEAST_PICTURES
 from aeroscene.metrics.scorecard import Yardstick
 from aeroscene.scene import SceneDomain
+from scenarios.evaluation.class_colours import ClassPictures
 from scenarios.evaluation.drawing import PROJECTED, SAMPLED, STAGES, Draw, Drawer
 from scenarios.evaluation.entrants import Entrant, Means
-from scenarios.evaluation.renders import Camera
+from scenarios.evaluation.renders import Camera, Photographer
 from scenarios.evaluation.rows import Judge, Row, cost_rows, stage_name
 from scenarios.evaluation.sources import Data, EvaluationError
 
 _ASKED, _SPENT, _TRAINING = "asked.json", "spent.json", "training"
 OnProgress = Callable[[str, float], None]
+Protocol = Literal["ours", "diffuscene"]
 
 
 class StoppedError(Exception):
@@ -47,6 +50,8 @@ class EvaluationCfg:
     """Budget of each method's training."""
     steps: int | None
     baseline: BaselineCfg
+    protocol: Protocol
+    room: str | None
 
 
 class Evaluation:
@@ -69,7 +74,8 @@ class Evaluation:
         self.cfg = cfg
         self._data, self._network = data, network
         self._folder, self._wants_stop = folder, wants_stop
-        self.camera = Camera.of(data.train)
+        makes_camera = ClassPictures.of if cfg.protocol == "diffuscene" else Camera.of
+        self.camera: Photographer = makes_camera(data.train)
         folder.mkdir(parents=True, exist_ok=True)
         path, text = folder / _ASKED, msgspec.json.format(msgspec.json.encode(cfg), indent=1)
         if path.exists() and path.read_bytes() != text:
@@ -187,9 +193,10 @@ class Evaluation:
         return Judge(
             yardstick=Yardstick.of(self._data.train),
             pictures=self._reference_pictures(),
+            views=self.camera.views,
             network=self._network,
             seed=self.cfg.seed,
-            key=f"{self._data.digest} {self._network.name} {self._network.digest}",
+            key=self._key,
         )
 
     @property
@@ -197,10 +204,16 @@ class Evaluation:
         """What scenes are held against."""
         return self._judge
 
+    @property
+    def _key(self) -> str:
+        """What figures depend on beside the scenes that are judged."""
+        network = f"{self._network.name} {self._network.digest}"
+        return f"{self._data.digest} {network} {self.cfg.protocol}"
+
     def _reference_pictures(self) -> np.ndarray:
         """Features of the pictures of the training scenes, kept as far as they are made."""
         path = self._folder / "reference.npz"
-        key = f"{self._data.digest} {self._network.name} {self._network.digest}"
+        key = self._key
         found = _read_reference(path, key)
         for scene in self._data.train[len(found) :]:
             if self._wants_stop():

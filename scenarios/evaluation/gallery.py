@@ -11,7 +11,7 @@ from PIL import Image
 
 from aeroscene.files import replacing
 from scenarios.evaluation.drawing import STAGES, Draw
-from scenarios.evaluation.renders import PIXELS, VIEWS, Camera
+from scenarios.evaluation.renders import PIXELS, Photographer
 from scenarios.pictures.lettering import INK_RGB, PALE_RGB, PAPER_RGB, write
 
 GALLERY = "scenes.png"
@@ -20,9 +20,12 @@ _GAP_PX, _HEAD_PX, _SIDE_PX = 6, 26, 250
 
 
 def draw_gallery(
-    path: Path, draws: Mapping[str, Sequence[Draw]], stages: Mapping[str, str], camera: Camera
+    path: Path,
+    draws: Mapping[str, Sequence[Draw]],
+    stages: Mapping[str, str],
+    camera: Photographer,
 ) -> None:
-    """A row a method, the same draws in the columns, each from above and from aside.
+    """A row a method, the same draws in the columns, each in all views.
 
     Args:
         path: Picture to write.
@@ -33,11 +36,11 @@ def draw_gallery(
     Raises:
         OSError: If it cannot be written.
     """
-    step_px = PIXELS + _GAP_PX
-    width_px = _SIDE_PX + N_SHOWN * len(VIEWS) * step_px
+    step_px, n_views = PIXELS + _GAP_PX, len(camera.views)
+    width_px = _SIDE_PX + N_SHOWN * n_views * step_px
     sheet = np.full((_HEAD_PX + len(draws) * step_px, width_px, 3), PAPER_RGB, dtype=np.uint8)
     for number in range(N_SHOWN):
-        place = (_SIDE_PX + number * len(VIEWS) * step_px, 5)
+        place = (_SIDE_PX + number * n_views * step_px, 5)
         write(sheet, f"draw {number}", place, 14, PALE_RGB)
     for line, (title, found) in enumerate(draws.items()):
         top_px = _HEAD_PX + line * step_px
@@ -48,7 +51,7 @@ def draw_gallery(
             if scene is None:
                 continue
             for view, picture in enumerate(camera.pictures(scene)):
-                left_px = _SIDE_PX + (number * len(VIEWS) + view) * step_px
+                left_px = _SIDE_PX + (number * n_views + view) * step_px
                 sheet[top_px : top_px + PIXELS, left_px : left_px + PIXELS] = picture
     data = io.BytesIO()
     Image.fromarray(sheet).save(data, "PNG", optimize=True)

@@ -21,6 +21,7 @@ import math
 from collections.abc import Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 
@@ -33,7 +34,6 @@ from flightsim.vehicles.catalogue import airframe_by_name
 from flightsim.world import build_world
 
 PIXELS = 256
-VIEWS = ("top", "oblique")
 _TOP_FOV_RAD = math.radians(40.0)
 """From farther away haze hides the ground of a large site."""
 _OBLIQUE_FOV_RAD = math.radians(40.0)
@@ -48,12 +48,30 @@ _VEHICLE = "iris"
 """A world has one, which is not in the picture."""
 
 
+class Photographer(Protocol):
+    """What takes pictures of a scene, all in one way."""
+
+    @property
+    def views(self) -> tuple[str, ...]:
+        """Names of the pictures."""
+        ...
+
+    def pictures(self, scene: Scene) -> Sequence[Picture]:
+        """The pictures of a scene, in the order of their names."""
+        ...
+
+
 @dataclass(frozen=True)
 class Camera:
     """The scale of the pictures."""
 
     reach_m: Mapping[SceneDomain, float]
     """Half of what is in the picture, by domain."""
+
+    @property
+    def views(self) -> tuple[str, ...]:
+        """Names of the pictures of a scene."""
+        return ("top", "oblique")
 
     @classmethod
     def of(cls, train: Sequence[Scene]) -> Camera:

@@ -16,10 +16,10 @@ from aeroscene.learning.baselines.fitting import Spent
 from aeroscene.metrics.appearance.features import FeatureNetwork
 from aeroscene.metrics.appearance.frechet import frechet_figure
 from aeroscene.metrics.appearance.kernel_distance import kernel_figure
+from aeroscene.metrics.classifier import accuracy_figure
 from aeroscene.metrics.intervals import Figure, mean_figure
 from aeroscene.metrics.scorecard import METRICS, Metric, Yardstick, layout_figures
 from scenarios.evaluation.drawing import SAMPLED, Draw
-from scenarios.evaluation.renders import VIEWS
 
 COSTS: Mapping[str, Metric] = {
     "flies": Metric(
@@ -43,7 +43,7 @@ COSTS: Mapping[str, Metric] = {
 """What a method costs, and whether its scenes can be flown in."""
 
 
-_VERSION = 2
+_VERSION = 3
 """Raise it when figures are computed otherwise: kept ones are then measured anew."""
 
 
@@ -66,6 +66,7 @@ class Judge:
     yardstick: Yardstick
     pictures: np.ndarray
     """Features of the training scenes' pictures, (scenes, views, features)."""
+    views: tuple[str, ...]
     network: FeatureNetwork
     seed: int
     key: str
@@ -74,12 +75,18 @@ class Judge:
     def metrics(self) -> dict[str, Metric]:
         """All metrics in the order of the table."""
         near, kernel = self.network.frechet_name, self.network.kernel_name
-        found = {near: Metric(title="Fréchet distance of pictures, both views", unit="-")}
-        found[kernel] = Metric(title="kernel distance of pictures, both views", unit="-")
-        for view in VIEWS:
+        found = {near: Metric(title="Fréchet distance of pictures, all views", unit="-")}
+        found[kernel] = Metric(title="kernel distance of pictures, all views", unit="-")
+        found["SCA"] = Metric(title="pictures that a classifier tells from real ones", unit="%")
+        for view in self._own_views:
             found[f"{near}-{view}"] = Metric(title=f"Fréchet distance, {view} view", unit="-")
             found[f"{kernel}-{view}"] = Metric(title=f"kernel distance, {view} view", unit="-")
         return found | dict(METRICS) | dict(COSTS)
+
+    @property
+    def _own_views(self) -> tuple[str, ...]:
+        """Views with figures of their own: the mean of one alone is that one."""
+        return self.views if len(self.views) > 1 else ()
 
     def rows(self, method: str, stage: str, draws: Sequence[Draw], kept: Path) -> list[Row]:
         """Figures of the scenes of a stage; read where they were measured before.
@@ -113,15 +120,25 @@ class Judge:
     def _picture_figures(self, pictures: np.ndarray, rng: np.random.Generator) -> dict[str, Figure]:
         name, kernel = self.network.frechet_name, self.network.kernel_name
         figures: dict[str, Figure] = {}
-        for number, view in enumerate(VIEWS):
+        for number, view in enumerate(self.views):
             pair = pictures[:, number], self.pictures[:, number]
             figures[f"{name}-{view}"] = frechet_figure(*pair, rng)
             figures[f"{kernel}-{view}"] = kernel_figure(*pair, rng)
         means = {
-            metric: _mean([figures[f"{metric}-{view}"] for view in VIEWS])
+            metric: _mean([figures[f"{metric}-{view}"] for view in self.views])
             for metric in (name, kernel)
         }
-        return means | figures
+        own = {key: figures[key] for key in self.metrics() if key in figures}
+        return means | own | {"SCA": _told_apart(pictures, self.pictures, rng)}
+
+
+def _told_apart(pictures: np.ndarray, reference: np.ndarray, rng: np.random.Generator) -> Figure:
+    """How well a classifier tells pictures from the reference's, by all views together."""
+    both = np.concatenate([pictures, reference]).reshape(len(pictures) + len(reference), -1)
+    both = both - both.mean(axis=0)
+    # Of norm two, which the classifier's penalty is for.
+    both *= 2.0 / max(float(np.linalg.norm(both, axis=1).mean()), 1e-9)
+    return accuracy_figure(both[: len(pictures)], both[len(pictures) :], rng)
 
 
 def _mean(figures: Sequence[Figure]) -> Figure:

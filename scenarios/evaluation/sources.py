@@ -52,7 +52,10 @@ def count_scenes(name: DataName, path: Path | None) -> int:
 
 
 def open_data(
-    name: DataName, path: Path | None, on_scene: Callable[[], None] = lambda: None
+    name: DataName,
+    path: Path | None,
+    on_scene: Callable[[], None] = lambda: None,
+    room: str | None = None,
 ) -> Data:
     """Read the data of a table.
 
@@ -61,6 +64,7 @@ def open_data(
         path: Folder that `aeroscene dataset build` has made, for the corpus, or the user's own file
             of neutral layouts.
         on_scene: Called after each scene.
+        room: Only layouts whose `attributes.room_type` is this.
 
     Raises:
         SceneError: If there is no such data, or too little of it.
@@ -74,8 +78,13 @@ def open_data(
             on_scene()
         train, test = splits["train"], splits["test"]
     else:
-        _require_known(where)
+        rooms = _known_rooms(where)
         scenes = mapped_scenes(where, on_scene)
+        if room is not None:
+            if room not in rooms:
+                known = ", ".join(sorted({repr(each) for each in rooms if each})) or "no --room"
+                raise EvaluationError(f"room {room!r} is none of {str(where)!r}, valid: {known}")
+            scenes = [scene for scene, own in zip(scenes, rooms, strict=True) if own == room]
         test = scenes[_TEST_EVERY - 1 :: _TEST_EVERY]
         train = [scene for i, scene in enumerate(scenes) if (i + 1) % _TEST_EVERY]
     for split, found in (("train", train), ("test", test)):
@@ -90,13 +99,20 @@ def open_data(
     return Data(name, train, test, digest.hexdigest()[:16])
 
 
-def _require_known(path: Path) -> None:
-    """Refuse layouts with things that are in none of our categories: scenes would lack them."""
+def _known_rooms(path: Path) -> list[str | None]:
+    """The type of room of each layout of a file.
+
+    Layouts with things that are in none of our categories are refused: scenes would lack them.
+    """
+    rooms: list[str | None] = []
     for layout in read_neutral(path):
+        room = layout.attributes.get("room_type")
+        rooms.append(room if isinstance(room, str) else None)
         for number, obj in enumerate(layout.objects):
             if match(obj) is None:
                 unknown = unknown_category(obj.category)
                 raise EvaluationError(f"scene {layout.scene_id!r}: object {number}: {unknown}")
+    return rooms
 
 
 def _place(name: DataName, path: Path | None) -> Path:

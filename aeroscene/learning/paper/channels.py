@@ -29,6 +29,8 @@ from aeroscene.learning.paper.layouts import (
     FlatLayout,
     quarter_turns,
 )
+from aeroscene.learning.tokens.kinds import DOMAINS
+from aeroscene.scene import SceneDomain
 from aeroscene.scene.catalogue import CATALOGUE
 
 POSITION, ROTATION, SCALE = slice(0, 3), slice(3, 7), slice(7, 10)
@@ -45,6 +47,7 @@ _LEAST_VARIANCE = 1e-4
 """Channels that vary less are constants of their category."""
 _LEAST_SEEN = 4
 """Categories with fewer objects have the spreads of all objects."""
+_N_QUANTILES = 64
 LEAST_HALF_M = 0.25
 """Half extents of a frame are at least so large: a wall is a region, too."""
 
@@ -64,6 +67,8 @@ class FlatStatistics:
     """Whether regions of the category hold fine objects."""
     has_regions: Bool[np.ndarray, ""]
     """Whether fine objects have the frames of their regions."""
+    site_yaw_rad: Float[np.ndarray, "domains quantiles"]
+    """How sites of each domain are turned: what new ones are turned by is drawn among these."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,12 +132,22 @@ def measure(layouts: Sequence[FlatLayout], *, has_regions: bool) -> FlatStatisti
         holds[layout.category[layout.region[layout.region != NO_REGION]]] = True
     ones = np.ones((N_ROWS, N_GEOMETRY))
     on_top = _stands_on_top(layouts) if has_regions else empty
-    framed = FlatStatistics(0 * ones, ones, ones, on_top, holds, np.array(has_regions))
+    site_yaw_rad = np.stack([_yaw_quantiles_rad(layouts, domain) for domain in DOMAINS])
+    rest = on_top, holds, np.array(has_regions), site_yaw_rad
+    framed = FlatStatistics(0 * ones, ones, ones, *rest)
     rows = [measured_channels(layout, frames_of(layout, framed))[0] for layout in layouts]
     mean, spread, variance = _moments(
         np.concatenate(rows), np.concatenate([layout.category for layout in layouts])
     )
-    return FlatStatistics(mean, spread, variance, on_top, holds, np.array(has_regions))
+    return FlatStatistics(mean, spread, variance, *rest)
+
+
+def _yaw_quantiles_rad(
+    layouts: Sequence[FlatLayout], domain: SceneDomain
+) -> Float[np.ndarray, " quantiles"]:
+    own = [layout.site_yaw_rad for layout in layouts if layout.wish.domain == domain]
+    shares = (np.arange(_N_QUANTILES) + 0.5) / _N_QUANTILES
+    return np.quantile(own or [0.0], shares, method="nearest")
 
 
 def _moments(

@@ -20,12 +20,12 @@ from aeroscene.learning.paper.channels import N_GEOMETRY, FlatStatistics
 from aeroscene.learning.paper.contents.model import ContentsModel
 from aeroscene.learning.paper.contents.sentences import Contents
 from aeroscene.learning.paper.guidance.layout import FlatReader, Layout
-from aeroscene.learning.paper.layouts import FlatLayout
+from aeroscene.learning.paper.layouts import FlatLayout, turned
 from aeroscene.learning.paper.training_set import Row, batch_of, row_of
 from aeroscene.learning.tokens.assembly import assemble
 from aeroscene.learning.tokens.batch import TokenBatch
 from aeroscene.learning.tokens.geometry import Geometry
-from aeroscene.learning.tokens.kinds import Vocabulary
+from aeroscene.learning.tokens.kinds import DOMAINS, Vocabulary
 from aeroscene.learning.tokens.skeleton import Skeleton, Wish
 from aeroscene.scene import Scene
 
@@ -101,7 +101,8 @@ class FlatProposer:
                 )
         model = self._model
         blanks = [
-            _blank(self._contents(wish, rng), wish) for wish, rng in zip(wishes, rngs, strict=True)
+            _blank(self._contents(wish, rng), wish, self._site_yaw_rad(wish, rng))
+            for wish, rng in zip(wishes, rngs, strict=True)
         ]
         layouts, turns = [layout for layout, _ in blanks], [turn for _, turn in blanks]
         noise = noise_of(rngs, model.device)
@@ -120,6 +121,10 @@ class FlatProposer:
         model = self._model
         generator = noise_of([rng], model.device)
         return model.contents.draw(wish, model.statistics, self._is_usable, generator)
+
+    def _site_yaw_rad(self, wish: Wish, rng: np.random.Generator) -> float:
+        known = self._model.statistics.site_yaw_rad
+        return float(rng.choice(known[DOMAINS.index(wish.domain)]))
 
     def _sampled(
         self, rows: Sequence[Row], noise: torch.Generator, on_step: OnStep | None
@@ -173,15 +178,15 @@ class FlatProposer:
         vocabulary = self._model.vocabulary
         boxes = FlatBoxes(
             layout.category,
-            layout.center_enu_m,
-            layout.yaw_rad,
+            turned(layout.center_enu_m, layout.site_yaw_rad),
+            layout.yaw_rad + layout.site_yaw_rad,
             layout.size_m,
             layout.region if self._model.statistics.has_regions else None,
         )
         return FlatProposal(*as_skeleton(boxes, layout.wish.domain, vocabulary, rng), vocabulary)
 
 
-def _blank(contents: Contents, wish: Wish) -> tuple[FlatLayout, np.ndarray]:
+def _blank(contents: Contents, wish: Wish, site_yaw_rad: float) -> tuple[FlatLayout, np.ndarray]:
     """Contents as a layout without geometry, and their quarter turns."""
     n = len(contents.category)
     layout = FlatLayout(
@@ -192,6 +197,7 @@ def _blank(contents: Contents, wish: Wish) -> tuple[FlatLayout, np.ndarray]:
         region=contents.region,
         n_coarse=contents.n_coarse,
         half_m=np.array(contents.half_m),
+        site_yaw_rad=site_yaw_rad,
         wish=wish,
     )
     return layout, contents.turn

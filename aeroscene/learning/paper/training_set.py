@@ -13,6 +13,7 @@ from jaxtyping import Float, Int
 
 from aeroscene.learning.paper.channels import (
     N_GEOMETRY,
+    N_ROWS,
     FlatStatistics,
     frames_of,
     measure,
@@ -27,8 +28,8 @@ from aeroscene.scene import Scene
 
 COARSE_PASS_SHARE = 0.4
 """Share of the progressive batches that show the coarse objects of their scenes alone."""
-_N_BUCKETS = 12
-"""Scenes of a batch are among so many-th of all that have about as many objects: little padding."""
+_POOL = 2
+"""A batch is drawn from so many times its size of scenes with about as many objects."""
 _WEIGHT = np.array([1.0, 1.0, *[0.5] * 8], dtype=np.float32)
 """What an error of each channel counts: most depends on places."""
 
@@ -71,16 +72,28 @@ class FlatTrainingSet:
 
     def sample_batch(self, size: int, rng: np.random.Generator) -> TokenBatch:
         """Scenes of about as many objects, each turned at random, indoors mirrored too."""
-        layouts = [random_symmetry(each, rng) for each in self.alike(size, rng)]
-        return self._batch(layouts, [rng.random() >= COARSE_PASS_SHARE] * size)
+        is_second = not self.statistics.has_regions or rng.random() >= COARSE_PASS_SHARE
+        chosen = self.alike(size, rng, coarse_only=not is_second)
+        layouts = [random_symmetry(each, rng) for each in chosen]
+        return self._batch(layouts, [is_second] * size)
 
-    def alike(self, size: int, rng: np.random.Generator) -> list[FlatLayout]:
-        """Scenes near one that is drawn evenly, in the order of their numbers of objects."""
-        n = len(self.examples)
-        width = min(n, max(2 * size, n // _N_BUCKETS))
-        start = int(np.clip(rng.integers(n) - width // 2, 0, n - width))
-        rows = self._by_count[start + rng.integers(width, size=size)]
-        return [self.examples[row] for row in rows]
+    def alike(
+        self, size: int, rng: np.random.Generator, *, coarse_only: bool = False
+    ) -> list[FlatLayout]:
+        """Scenes near one that is drawn evenly, by all their objects or the coarse ones alone."""
+        pool = _near(self._by_coarse if coarse_only else self._by_count, _POOL * size, rng)
+        # Both lists are padded, so both should be about as long as those of the other scenes.
+        pool = pool[np.argsort(self._n_coarse[pool], kind="stable")]
+        window = _near(pool, size, rng)
+        return [self.examples[row] for row in rng.choice(window, size)]
+
+    @cached_property
+    def _n_coarse(self) -> Int[np.ndarray, " n"]:
+        return np.array([each.n_coarse for each in self.examples])
+
+    @cached_property
+    def _by_coarse(self) -> Int[np.ndarray, " n"]:
+        return np.argsort(self._n_coarse, kind="stable")
 
     @cached_property
     def _by_count(self) -> Int[np.ndarray, " n"]:
@@ -101,6 +114,16 @@ class FlatTrainingSet:
             for layout, second in zip(layouts, is_second, strict=True)
         ]
         return batch_of(rows, self.statistics)
+
+
+def _near(
+    rows: Int[np.ndarray, " n"], most: int, rng: np.random.Generator
+) -> Int[np.ndarray, " m"]:
+    """As many rows beside each other, about one that is drawn evenly."""
+    n = len(rows)
+    width = min(n, most)
+    start = int(np.clip(rng.integers(n) - width // 2, 0, n - width))
+    return rows[start : start + width]
 
 
 def flat_training_set(scenes: Sequence[Scene], *, has_regions: bool = False) -> FlatTrainingSet:
@@ -158,6 +181,7 @@ def batch_of(rows: Sequence[Row], statistics: FlatStatistics) -> TokenBatch:
     x0 = np.zeros((*shape, N_GEOMETRY), dtype=np.float32)
     frame = np.tile(np.array([0, 0, 0, 1, 0, 1, 1], dtype=np.float32), (*shape, 1))
     kind, turn = np.zeros(shape, dtype=np.int64), np.zeros(shape, dtype=np.int64)
+    held = np.zeros((*shape, N_ROWS), dtype=np.float32)
     parent = np.full(shape, NO_REGION, dtype=np.int64)
     mask, given = np.zeros(shape, dtype=bool), np.zeros(shape, dtype=bool)
     for i, row in enumerate(rows):
@@ -167,6 +191,8 @@ def batch_of(rows: Sequence[Row], statistics: FlatStatistics) -> TokenBatch:
         x0[i, slots], frame[i, slots], turn[i, slots] = row.x0[:n], row.frame[:n], row.turn[:n]
         kind[i, slots], parent[i, slots] = layout.category[:n], layout.region[:n]
         mask[i, slots] = True
+        inside = layout.region != NO_REGION
+        np.add.at(held[i], (layout.region[inside], layout.category[inside]), 1)
         given[i, :n_own] = row.is_given
     varies = (mask & ~given)[..., None] & (variance[kind] > 0)
     weight = varies * _WEIGHT
@@ -186,5 +212,6 @@ def batch_of(rows: Sequence[Row], statistics: FlatStatistics) -> TokenBatch:
         weight=torch.from_numpy(weight.astype(np.float32)),
         turn=torch.from_numpy(turn),
         frame=torch.from_numpy(frame),
+        held=torch.from_numpy(held),
         given=torch.from_numpy(given),
     )

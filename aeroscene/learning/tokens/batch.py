@@ -45,6 +45,8 @@ class TokenBatch:
     """Quarter turn of each object of a flat layout, which is given as its category is."""
     frame: Float[Tensor, "batch n 7"] | None = None
     """Frame of each object of a flat layout: origin, cosine, sine of the yaw, half extents; m."""
+    held: Float[Tensor, "batch n categories"] | None = None
+    """How many objects of each category are in each region of a flat layout, shown or not."""
     given: Bool[Tensor, "batch n"] | None = None
     """Objects of a flat layout whose `x0` is known: the coarse ones while fine ones are made."""
 

@@ -19,8 +19,8 @@ from aeroscene.scene.catalogue import CATALOGUE
 
 FORMAT = "aeroscene-checkpoint"
 VERSION = 2
-_FLAT_VERSION = 3
-"""First version in which the paper's presets standardise by category and draw contents first."""
+_FLAT_VERSION = 4
+"""First version whose lists are in order of place, in the axes of the site."""
 FLAT_PRESETS = ("paper", "progressive")
 """Presets that have scenes as the paper does."""
 

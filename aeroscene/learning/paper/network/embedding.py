@@ -70,16 +70,19 @@ class LayoutEmbedding(nn.Module):
     """The paper's h_i = f_i^(0) + e_i^pos + e_i^dom with f_i^(0) = MLP([p, q, s, Emb(c)]).
 
     The category and its quarter turn are given: "a one-hot vector which conditioned as learned
-    soft-embeddings". The place i is counted among real tokens. Beside its sinusoid stands a
-    learned vector for the k-th object of a category: where all is noise, nothing else tells the
-    four walls of a room from each other.
+    soft-embeddings". What a region holds is given too, so that a room is made for its furniture.
+    The place i is counted among real tokens. Beside its sinusoid stand learned vectors for the
+    k-th object of a category that faces one way, from the first and from the last: where all is
+    noise, nothing else tells the four walls of a room from each other.
     """
 
-    def __init__(self, cfg: ModelCfg) -> None:
+    def __init__(self, cfg: ModelCfg, *, has_regions: bool) -> None:
         super().__init__()
         self.width, self.bands = cfg.width, cfg.fourier_bands
         self.category = nn.Embedding(1 + cfg.n_categories, cfg.width)
         self.turn = nn.Embedding(_N_TURNS, cfg.width)
+        n_held = 1 + cfg.n_categories
+        self.held = nn.Linear(n_held, cfg.width, bias=False) if has_regions else None
         n_waves = 2 * cfg.fourier_bands * (_N_FACES + N_GEOMETRY)
         self.mlp = nn.Sequential(
             nn.Linear(N_GEOMETRY + n_waves + _N_FACES + _N_SHAPE + cfg.width, cfg.width),
@@ -87,13 +90,17 @@ class LayoutEmbedding(nn.Module):
             nn.Linear(cfg.width, cfg.width),
         )
         self.domain = nn.Embedding(cfg.n_domains, cfg.width)
-        self.slot = nn.Embedding(_N_ALIKE, cfg.width)
+        self.from_first = nn.Embedding(_N_ALIKE, cfg.width)
+        self.from_last = nn.Embedding(_N_ALIKE, cfg.width)
 
     def forward(self, seen: Seen, time: Float[Tensor, "batch n d"], batch: TokenBatch) -> Embedded:
         """Tokens of a noisy layout."""
         assert batch.turn is not None
         assert batch.frame is not None
+        assert batch.held is not None
         known = self.category(batch.kind) + self.turn(batch.turn)
+        if self.held is not None:
+            known = known + self.held(batch.held.log1p())
         boxes = seen.boxes
         faces = faces_m(boxes)
         parts = [
@@ -110,15 +117,20 @@ class LayoutEmbedding(nn.Module):
         with torch.autocast(seen.x.device.type, enabled=False):
             feature = self.mlp(torch.cat(parts, dim=-1).float())
         place = _PLACE_SCALE * sinusoid(batch.mask.cumsum(1) - 1, self.width)
-        place = place + self.slot(among_alike(batch).clamp(max=_N_ALIKE - 1))
+        before, after = among_alike(batch)
+        place = place + self.from_first(before) + self.from_last(after)
         token = feature + place + time + self.domain(batch.domain).unsqueeze(1)
         return Embedded(feature, token, place)
 
 
-def among_alike(batch: TokenBatch) -> Int[Tensor, "batch n"]:
-    """How many objects of its category come before each in its scene."""
-    same = (batch.kind.unsqueeze(2) == batch.kind.unsqueeze(1)) & batch.mask.unsqueeze(1)
-    return same.tril(-1).sum(-1)
+def among_alike(batch: TokenBatch) -> tuple[Int[Tensor, "batch n"], Int[Tensor, "batch n"]]:
+    """How many objects of its category, quarter turn and region come before and after each."""
+    assert batch.turn is not None
+    same = batch.mask.unsqueeze(1)
+    for known in (batch.kind, batch.turn, batch.parent):
+        same = same & (known.unsqueeze(2) == known.unsqueeze(1))
+    before, after = (side.sum(-1).clamp(max=_N_ALIKE - 1) for side in (same.tril(-1), same.triu(1)))
+    return before, after
 
 
 def level_extent_m(boxes: Layout) -> Float[Tensor, "batch n 3"]:

@@ -68,7 +68,7 @@ class LayoutDenoiser(nn.Module):
         variance = torch.as_tensor(statistics.variance, dtype=torch.float32)
         self.register_buffer("variance", variance, persistent=False)
         width, levels = cfg.width, cfg.unet_widths
-        self.embedding = LayoutEmbedding(cfg)
+        self.embedding = LayoutEmbedding(cfg, has_regions=bool(statistics.has_regions))
         self.routing = LearnedRouting(width) if cfg.routing == "learned" else None
         self.coarse = _coarse_branch(cfg)
         self.fine = _fine_branch(cfg)

@@ -32,12 +32,15 @@ def test_waves_fade_to_their_mean_over_the_doubt():
     assert found.reshape(2, BANDS)[:, -1].abs().max() < 0.2
 
 
-def test_objects_of_a_category_are_counted_from_the_first(scenes: list[Scene]):
-    batch = flat_training_set(scenes, has_regions=False).in_order(0, 2)
-    found = among_alike(batch)
+def test_alike_objects_are_counted_from_the_first_and_from_the_last(scenes: list[Scene]):
+    batch = flat_training_set(scenes, has_regions=True).in_order(0, 2)
+    before, after = among_alike(batch)
     for row in range(2):
-        seen: dict[int, int] = {}
-        for slot in torch.nonzero(batch.mask[row]).flatten().tolist():
-            kind = int(batch.kind[row, slot])
-            assert int(found[row, slot]) == seen.get(kind, 0)
-            seen[kind] = seen.get(kind, 0) + 1
+        slots = torch.nonzero(batch.mask[row]).flatten().tolist()
+        known = [
+            (int(batch.kind[row, k]), int(batch.turn[row, k]), int(batch.parent[row, k]))
+            for k in slots
+        ]
+        for i, slot in enumerate(slots):
+            assert int(before[row, slot]) == known[:i].count(known[i])
+            assert int(after[row, slot]) == known[i + 1 :].count(known[i])
