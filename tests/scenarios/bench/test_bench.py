@@ -141,7 +141,6 @@ def test_target_is_met_in_the_direction_that_is_better(value, target, better, is
 
 
 def test_worlds_are_flown_on_one_thread_and_on_two_and_environments_stepped():
-    pytest.importorskip("gymnasium")
     cfg = WorldsBenchCfg(worlds=2, scenes=("field",), seconds=1.0)
     rows = list(worlds_rows(cfg, lambda *_: None))
     assert all(row.value > 0.0 for row in rows)
