@@ -68,7 +68,7 @@ def looked_at_one_by_one(is_free, resolution):
 
 
 def test_cells_with_room_about_them_are_passed_over_and_no_other():
-    world = room_with(0.6, 1.5, 0.9, 2.4, 0.4)
+    world = room_with(0.6, 2.5, 0.9, 2.4, 0.4)
     field = field_of(world, half_extent=5.0, height=8.0, resolution=0.25)
     is_free = np.ascontiguousarray(field.distance_m > 0)
     found = narrow_cells(is_free, 0.25)
