@@ -1,5 +1,6 @@
 """Settings shared by all tests."""
 
+import gc
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -25,6 +26,11 @@ settings.load_profile(profile)
 if profile == "thorough":
     # The limit in pyproject.toml is for the fixed draws.
     os.environ.setdefault("PYTEST_TIMEOUT", "900")
+
+
+def pytest_collection_finish() -> None:
+    """Take what was imported for lasting, else the collector looks through all of it in tests."""
+    gc.freeze()
 
 
 @contextmanager

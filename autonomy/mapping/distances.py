@@ -109,6 +109,7 @@ def cover_skin(
         First cells of the blocks, and the cells beyond their last ones.
     """
     nx, ny, nz = is_free.shape
+    sums = _free_sums(is_free)
     is_held = np.zeros((nx, ny, nz), dtype=np.bool_)
     first = np.empty((1024, 3), dtype=np.int64)
     beyond = np.empty((1024, 3), dtype=np.int64)
@@ -117,12 +118,12 @@ def cover_skin(
     for i in range(nx):
         for j in range(ny):
             for k in range(nz):
-                if is_free[i, j, k] or is_held[i, j, k] or not _touches(is_free, i, j, k):
+                if is_free[i, j, k] or is_held[i, j, k] or not _touches(sums, i, j, k):
                     continue
                 low[0], low[1], low[2] = i, j, k
                 high[:] = low + 1
                 for axis in (2, 1, 0):
-                    _grow(is_free, low, high, axis)
+                    _grow(sums, low, high, axis)
                 is_held[low[0] : high[0], low[1] : high[1], low[2] : high[2]] = True
                 if count == len(first):
                     first = np.concatenate((first, np.empty_like(first)))
@@ -133,29 +134,48 @@ def cover_skin(
 
 
 @kernel
-def _touches(is_free: np.ndarray, i: int, j: int, k: int) -> bool:
-    """Whether one of the 26 neighbours is free."""
+def _free_sums(is_free: np.ndarray) -> np.ndarray:
+    """Number of free cells before each index along all axes, so that blocks count in a moment."""
     nx, ny, nz = is_free.shape
-    for u in range(max(i - 1, 0), min(i + 2, nx)):
-        for v in range(max(j - 1, 0), min(j + 2, ny)):
-            for w in range(max(k - 1, 0), min(k + 2, nz)):
-                if is_free[u, v, w]:
-                    return True
-    return False
+    sums = np.zeros((nx + 1, ny + 1, nz + 1), dtype=np.int32)
+    for i in range(nx):
+        for j in range(ny):
+            column = 0
+            for k in range(nz):
+                column += is_free[i, j, k]
+                before = sums[i, j + 1, k + 1] + sums[i + 1, j, k + 1] - sums[i, j, k + 1]
+                sums[i + 1, j + 1, k + 1] = before + column
+    return sums
 
 
 @kernel
-def _grow(is_free: np.ndarray, low: np.ndarray, high: np.ndarray, axis: int) -> None:
+def _has_free(sums: np.ndarray, i: int, j: int, k: int, u: int, v: int, w: int) -> bool:
+    """Whether a cell of a block is free, from its first cell to before its last."""
+    upper = sums[u, v, w] - sums[i, v, w] - sums[u, j, w] + sums[i, j, w]
+    lower = sums[u, v, k] - sums[i, v, k] - sums[u, j, k] + sums[i, j, k]
+    return upper != lower
+
+
+@kernel
+def _touches(sums: np.ndarray, i: int, j: int, k: int) -> bool:
+    """Whether one of the 26 neighbours is free."""
+    nx, ny, nz = sums.shape
+    ends = (min(i + 2, nx - 1), min(j + 2, ny - 1), min(k + 2, nz - 1))
+    return _has_free(sums, max(i - 1, 0), max(j - 1, 0), max(k - 1, 0), ends[0], ends[1], ends[2])
+
+
+@kernel
+def _grow(sums: np.ndarray, low: np.ndarray, high: np.ndarray, axis: int) -> None:
     """Widen a block along an axis both ways while nothing in it is free."""
     a, b = low.copy(), high.copy()
-    while high[axis] < is_free.shape[axis]:
+    while high[axis] < sums.shape[axis] - 1:
         a[axis], b[axis] = high[axis], high[axis] + 1
-        if np.any(is_free[a[0] : b[0], a[1] : b[1], a[2] : b[2]]):
+        if _has_free(sums, a[0], a[1], a[2], b[0], b[1], b[2]):
             break
         high[axis] += 1
     while low[axis] > 0:
         a[axis], b[axis] = low[axis] - 1, low[axis]
-        if np.any(is_free[a[0] : b[0], a[1] : b[1], a[2] : b[2]]):
+        if _has_free(sums, a[0], a[1], a[2], b[0], b[1], b[2]):
             break
         low[axis] -= 1
 

@@ -184,28 +184,45 @@ def _pass(
 
     Those in a shadow are left as they are, and count as seen.
     """
-    evidence, seen_in, corner, resolution = cells
-    eye, rotation = pixels.eye, pixels.rotation
-    cell, last, turn = np.empty(3, np.int64), np.empty(3, np.int64), np.empty(3, np.int64)
-    ahead, between = np.empty(3), np.empty(3)
-    for n in range(3):
-        ray = (rotation[n, 0] * x + rotation[n, 1] * y + rotation[n, 2]) / resolution
-        at = (eye[n] - corner[n]) / resolution + near * ray
-        way = (far - near) * ray
-        cell[n], last[n] = math.floor(at), math.floor(at + way)
-        turn[n] = 1 if way > 0.0 else -1
-        between[n] = 1.0 / abs(way) if way != 0.0 else np.inf
-        ahead[n] = between[n] * ((cell[n] + 1 - at) if way > 0.0 else (at - cell[n]))
-        if way == 0.0:
-            ahead[n] = np.inf
-    n_steps = abs(last[0] - cell[0]) + abs(last[1] - cell[1]) + abs(last[2] - cell[2])
-    for _ in range(n_steps):
-        i, j, k = cell[0], cell[1], cell[2]
+    evidence, seen_in, _, _ = cells
+    i, i_last, i_turn, i_ahead, i_between = _crossings(cells, pixels, 0, x, y, near, far)
+    j, j_last, j_turn, j_ahead, j_between = _crossings(cells, pixels, 1, x, y, near, far)
+    k, k_last, k_turn, k_ahead, k_between = _crossings(cells, pixels, 2, x, y, near, far)
+    for _ in range(abs(i_last - i) + abs(j_last - j) + abs(k_last - k)):
         if _is_inside(i, j, k, evidence) and seen_in[i, j, k] != number:
             seen_in[i, j, k] = number
             if not is_shadow:
                 evidence[i, j, k] = max(evidence[i, j, k] - MISS, MOST_FREE)
-        n = 0 if ahead[0] <= ahead[1] else 1
-        n = n if ahead[n] <= ahead[2] else 2
-        cell[n] += turn[n]
-        ahead[n] += between[n]
+        if i_ahead <= j_ahead and i_ahead <= k_ahead:
+            i += i_turn
+            i_ahead += i_between
+        elif j_ahead < i_ahead and j_ahead <= k_ahead:
+            j += j_turn
+            j_ahead += j_between
+        else:
+            k += k_turn
+            k_ahead += k_between
+
+
+@kernel
+def _crossings(
+    cells: Cells, pixels: Pixels, axis: int, x: float, y: float, near: float, far: float
+) -> tuple[int, int, int, float, float]:
+    """First and last cell of a line of sight along an axis, and where it crosses between cells.
+
+    Returns:
+        First cell, last cell, step from cell to cell, and as shares of the line the way to the
+        first crossing and from one to the next.
+    """
+    rotation = pixels.rotation
+    ray = rotation[axis, 0] * x + rotation[axis, 1] * y + rotation[axis, 2]
+    ray = ray / cells.resolution
+    at = (pixels.eye[axis] - cells.corner[axis]) / cells.resolution + near * ray
+    way = (far - near) * ray
+    cell, last = math.floor(at), math.floor(at + way)
+    if way == 0.0:
+        return cell, last, -1, np.inf, np.inf
+    between = 1.0 / abs(way)
+    if way > 0.0:
+        return cell, last, 1, between * (cell + 1 - at), between
+    return cell, last, -1, between * (at - cell), between

@@ -17,6 +17,7 @@ from jaxtyping import Bool, Float, Int
 from autonomy.jit import kernel
 from autonomy.planning.field import DistanceField
 from autonomy.planning.obstacles import Obstacles
+from autonomy.planning.solids import Solids, nearest_solid
 from autonomy.types import Vector3
 
 MAX_WIDTH_M = 3.5
@@ -176,15 +177,26 @@ def _reach(
     points_enu_m: Float[np.ndarray, "n 3"], ways: Float[np.ndarray, "n 3"], obstacles: Obstacles
 ) -> Float[np.ndarray, " n"]:
     """Distance from points to obstacles along unit vectors, by sphere tracing."""
-    reach_m = np.zeros(len(points_enu_m))
-    is_going = np.ones(len(points_enu_m), dtype=bool)
-    for _ in range(_MARCH_STEPS):
-        gap_m = obstacles.signed_distance(points_enu_m + reach_m[:, None] * ways)[0]
-        is_going &= (gap_m >= _TOUCH_M) & (reach_m <= _MAX_RUN_M)
-        if not is_going.any():
-            break
-        reach_m += np.where(is_going, gap_m, 0.0)
-    return reach_m
+    points = np.ascontiguousarray(points_enu_m, dtype=float)
+    return reach_solids(points, np.ascontiguousarray(ways, dtype=float), obstacles.solids)
+
+
+@kernel
+def reach_solids(
+    points: Float[np.ndarray, "n 3"], ways: Float[np.ndarray, "n 3"], solids: Solids
+) -> Float[np.ndarray, " n"]:
+    """See `_reach`."""
+    reach = np.zeros(len(points))
+    for n in range(len(points)):
+        for _ in range(_MARCH_STEPS):
+            x = points[n, 0] + reach[n] * ways[n, 0]
+            y = points[n, 1] + reach[n] * ways[n, 1]
+            z = points[n, 2] + reach[n] * ways[n, 2]
+            gap = nearest_solid(x, y, z, solids)[0]
+            if not (gap >= _TOUCH_M and reach[n] <= _MAX_RUN_M):
+                break
+            reach[n] += gap
+    return reach
 
 
 @kernel
@@ -194,20 +206,53 @@ def narrow_cells(
     """Mark cells in the middle of openings by the number of the direction across, others by -1."""
     nx, ny, nz = is_free.shape
     number = np.full((nx, ny, nz), -1, dtype=np.int8)
-    for i in range(nx):
-        for j in range(ny):
-            for k in range(nz):
-                if is_free[i, j, k]:
-                    number[i, j, k] = _narrow_direction(is_free, i, j, k, resolution)
+    most = 0.5 * MAX_WIDTH_M / resolution
+    reach = math.ceil(most) + 1
+    roof = np.full((nx, ny), nz)
+    for k in range(nz - 1, -1, -1):
+        for i in range(nx):
+            for j in range(ny):
+                if not is_free[i, j, k]:
+                    roof[i, j] = k
+        sums = _solid_sums(is_free, k)
+        for i in range(nx):
+            for j in range(ny):
+                # As `_run` counts, which stops half a cell before what is not free.
+                up = roof[i, j] - k - 0.5
+                if not is_free[i, j, k] or up * resolution >= _MAX_RUN_M:
+                    continue
+                if _has_room(sums, i, j, reach):
+                    continue
+                number[i, j, k] = _narrow_direction(is_free, i, j, k, up, most, resolution)
     return number
 
 
 @kernel
-def _narrow_direction(is_free: np.ndarray, i: int, j: int, k: int, resolution: float) -> int:
-    up = _run(is_free, i, j, k, 0.0, 0.0, 1.0, _MAX_RUN_M / resolution)
-    if up * resolution >= _MAX_RUN_M:
-        return -1
-    most = 0.5 * MAX_WIDTH_M / resolution
+def _solid_sums(is_free: np.ndarray, k: int) -> np.ndarray:
+    """Number of cells of a layer that are not free, before each row and column."""
+    nx, ny, _ = is_free.shape
+    sums = np.zeros((nx + 1, ny + 1), dtype=np.int64)
+    for i in range(nx):
+        row = 0
+        for j in range(ny):
+            row += not is_free[i, j, k]
+            sums[i + 1, j + 1] = sums[i, j + 1] + row
+    return sums
+
+
+@kernel
+def _has_room(sums: np.ndarray, i: int, j: int, reach: int) -> bool:
+    """Whether all cells of a layer about one are there and free, so that nothing is narrow."""
+    if i < reach or j < reach or i + reach + 2 > len(sums) or j + reach + 2 > sums.shape[1]:
+        return False
+    a, b, u, v = i - reach, j - reach, i + reach + 1, j + reach + 1
+    return sums[u, v] - sums[a, v] - sums[u, b] + sums[a, b] == 0
+
+
+@kernel
+def _narrow_direction(
+    is_free: np.ndarray, i: int, j: int, k: int, up: float, most: float, resolution: float
+) -> int:
     narrowest, best = np.inf, -1
     for n in range(_N_DIRECTIONS):
         x, y = math.cos(math.pi * n / _N_DIRECTIONS), math.sin(math.pi * n / _N_DIRECTIONS)

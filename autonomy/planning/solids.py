@@ -57,13 +57,20 @@ def distances_to_solids(
     distance = np.full(len(points), np.inf)
     nearest = np.full(len(points), -1)
     for k in range(len(points)):
-        x, y, z = points[k, 0], points[k, 1], points[k, 2]
-        for i in range(len(solids.centers)):
-            if gap_to_sphere(x, y, z, i, solids) >= distance[k]:
-                continue
-            d = plane_between(x, y, z, i, solids)[0]
-            if d < distance[k]:
-                distance[k], nearest[k] = d, i
+        distance[k], nearest[k] = nearest_solid(points[k, 0], points[k, 1], points[k, 2], solids)
+    return distance, nearest
+
+
+@kernel
+def nearest_solid(x: float, y: float, z: float, solids: Solids) -> tuple[float, int]:
+    """Signed distance from a point to the nearest solid, and its index; infinite and -1 if none."""
+    distance, nearest = np.inf, -1
+    for i in range(len(solids.centers)):
+        if gap_to_sphere(x, y, z, i, solids) >= distance:
+            continue
+        d = plane_between(x, y, z, i, solids)[0]
+        if d < distance:
+            distance, nearest = d, i
     return distance, nearest
 
 

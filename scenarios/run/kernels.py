@@ -12,7 +12,8 @@ from autonomy.jit import announce_if_cold
 from autonomy.mapping import SeenMap, plan_towards
 from autonomy.perception import MapAnchor, MapMatcher, MoverTracker, SurfaceMatcher
 from autonomy.planning import Craft, FlightLimits, PlannerCfg
-from autonomy.planning.openings import narrow_cells
+from autonomy.planning.obstacles import Obstacles
+from autonomy.planning.openings import narrow_cells, opening_at
 from autonomy.types import FlatReference
 from flightsim.looks.rays import RayScene
 from flightsim.mavlink.client.telemetry import Telemetry
@@ -107,6 +108,7 @@ def measure_once() -> None:
     flat_m = np.full((240, 320), 6.0, dtype=np.float32)
     measured_depth(flat_m, _Frame.fx, DEPTH_CAMERAS["d435"], np.random.default_rng(0))
     narrow_cells(np.ones((3, 3, 3), dtype=np.bool_), 0.2)
+    opening_at((0.0, 0.0, 1.0), Obstacles.boxes(np.zeros((1, 3)), np.eye(1, 4), np.ones((1, 3))))
     cast_rays(np.zeros(1, RAYS_DTYPE), np.zeros((0, 6)), -1, np.zeros(0))
     RayScene(np.eye(3)[None]).is_hidden(np.zeros(3), np.ones((1, 3)))
     cast_images(*example_arguments())

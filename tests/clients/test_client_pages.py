@@ -15,7 +15,6 @@ def test_a_script_of_a_page_takes_off_and_lands(testbench, page):
 
 @pytest.mark.timeout(150)
 def test_the_script_for_dronekit_flies_to_a_place_as_with_ardupilot(copter):
-    pytest.importorskip("dronekit", reason="dronekit2 comes with the extra `dev`")
     above, landed = run_page("clients/dronekit.md", copter)
     assert above.endswith("m above the start")
     assert landed == "landed"

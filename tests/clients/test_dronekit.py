@@ -2,8 +2,6 @@
 
 import pytest
 
-pytest.importorskip("dronekit", reason="dronekit2 comes with the extra `dev`")
-
 
 @pytest.mark.timeout(300)
 def test_dronekit_arms_takes_off_goes_flies_a_mission_and_returns(copter, run_script):

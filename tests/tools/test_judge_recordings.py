@@ -29,12 +29,20 @@ def landed(tmp_path_factory):
     return path
 
 
-@pytest.fixture
-def flight(landed):
+@pytest.fixture(scope="module")
+def told(landed):
+    """The flight as it is read."""
     return read_recording(landed)
 
 
-def test_a_real_flight_is_confirmed(landed, capsys):
+@pytest.fixture
+def flight(told):
+    """A copy to put a fault into."""
+    return copy.deepcopy(told)
+
+
+def test_a_real_flight_is_confirmed(landed, told, capsys):
+    assert judge_recording(told).success
     assert judge_recordings.main(judge_recordings.JudgeCfg(paths=(landed.parent,))) == 0
     assert "1 verdicts: 1 confirmed" in capsys.readouterr().out
 
@@ -98,10 +106,8 @@ def off_the_point(flight):
     ],
 )
 def test_each_fault_has_its_objection(flight, fault, objection):
-    assert judge_recording(flight).success
-    faulty = copy.copy(flight)
-    fault(faulty)
-    opinion = judge_recording(faulty)
+    fault(flight)
+    opinion = judge_recording(flight)
     assert objection in opinion.objections
     assert opinion.success is False
 

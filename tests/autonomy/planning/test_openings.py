@@ -2,12 +2,13 @@
 
 import math
 
+import numba
 import numpy as np
 import pytest
 
-from autonomy.planning import Obstacles
+from autonomy.planning import Obstacles, openings
 from autonomy.planning.obstacles import join
-from autonomy.planning.openings import Opening, find_openings
+from autonomy.planning.openings import Opening, find_openings, narrow_cells, reach_solids
 from tests.autonomy.planning_worlds import GROUND, field_of
 
 THICK = 0.12
@@ -52,6 +53,41 @@ def test_a_door_or_window_is_found_with_its_measures(yaw, width, low, high):
     assert found.height_m == pytest.approx(high - low, abs=0.02)
     off = math.remainder(found.normal_rad - yaw - math.pi / 2, math.pi)
     assert abs(off) < math.radians(3.0)
+
+
+@numba.njit
+def looked_at_one_by_one(is_free, resolution):
+    """Narrow cells without a look at what is about them before."""
+    number = np.full(is_free.shape, -1, dtype=np.int8)
+    most = 0.5 * openings.MAX_WIDTH_M / resolution
+    for i, j, k in np.ndindex(is_free.shape):
+        up = openings._run(is_free, i, j, k, 0.0, 0.0, 1.0, openings._MAX_RUN_M / resolution)
+        if is_free[i, j, k] and up * resolution < openings._MAX_RUN_M:
+            number[i, j, k] = openings._narrow_direction(is_free, i, j, k, up, most, resolution)
+    return number
+
+
+def test_cells_with_room_about_them_are_passed_over_and_no_other():
+    world = room_with(0.6, 2.5, 0.9, 2.4, 0.4)
+    field = field_of(world, half_extent=5.0, height=8.0, resolution=0.25)
+    is_free = np.ascontiguousarray(field.distance_m > 0)
+    found = narrow_cells(is_free, 0.25)
+    assert (found >= 0).any()
+    np.testing.assert_array_equal(found, looked_at_one_by_one(is_free, 0.25))
+
+
+def test_lines_reach_as_far_as_steps_of_the_free_distance_lead():
+    world = room_with(0.6, 1.5, 0.9, 2.4, 0.4)
+    rng = np.random.default_rng(0)
+    points, ways = rng.uniform((-4, -4, 0.2), (4, 4, 3.8), (40, 3)), rng.normal(size=(40, 3))
+    ways /= np.linalg.norm(ways, axis=1, keepdims=True)
+    reach_m, is_going = np.zeros(40), np.ones(40, dtype=bool)
+    for _ in range(openings._MARCH_STEPS):
+        gap_m = world.signed_distance(points + reach_m[:, None] * ways)[0]
+        is_going &= (gap_m >= openings._TOUCH_M) & (reach_m <= openings._MAX_RUN_M)
+        reach_m += np.where(is_going, gap_m, 0.0)
+    np.testing.assert_array_equal(reach_solids(points, ways, world.solids), reach_m)
+    assert reach_m.max() > 1.0
 
 
 def test_a_wall_without_an_opening_and_open_space_have_none():

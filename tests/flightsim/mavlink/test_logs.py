@@ -5,6 +5,10 @@ import struct
 
 import numpy as np
 import pytest
+import pyulog
+from pyulog.px4 import PX4ULog
+from pyulog.ulog2csv import convert_ulog2csv
+from pyulog.ulog2kml import convert_ulog2kml
 
 from flightsim.autopilot.modes import Mode
 from flightsim.mavlink.logs import recorder
@@ -76,7 +80,6 @@ def test_a_flight_is_logged_and_downloaded_whole(flight):
 
 
 def test_pyulog_reads_it(flight):
-    pyulog = pytest.importorskip("pyulog", reason="pyulog is not among what tests need")
     flight.take_off(4.0)
     (entry,) = entries(flight)
     log = pyulog.ULog(io.BytesIO(download(flight, entry)))
@@ -93,7 +96,6 @@ def test_pyulog_reads_it(flight):
 
 def test_what_is_demanded_and_measured_is_in_the_log(flight):
     """Tracking can be judged: set points beside what was flown, and what the motors got."""
-    pyulog = pytest.importorskip("pyulog", reason="pyulog is not among what tests need")
     flight.take_off(4.0)
     flight.skip(4.0)
     (entry,) = entries(flight)
@@ -124,12 +126,6 @@ def test_what_is_demanded_and_measured_is_in_the_log(flight):
 
 def test_px4s_tools_open_it(flight, tmp_path):
     """What the commands ulog_info, ulog2csv and ulog2kml do."""
-    pytest.importorskip("pyulog", reason="pyulog is not among what tests need")
-    pytest.importorskip("simplekml", reason="simplekml is not among what tests need")
-    from pyulog.px4 import PX4ULog  # noqa: PLC0415 - only if it is there
-    from pyulog.ulog2csv import convert_ulog2csv  # noqa: PLC0415
-    from pyulog.ulog2kml import convert_ulog2kml  # noqa: PLC0415
-
     flight.take_off(4.0)
     (entry,) = entries(flight)
     path = tmp_path / "flight.ulg"

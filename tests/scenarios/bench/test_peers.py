@@ -3,8 +3,6 @@ from importlib.util import find_spec
 
 import numpy as np
 import pytest
-
-pytest.importorskip("gymnasium")
 from gymnasium.spaces import Box
 
 from scenarios.bench import peers

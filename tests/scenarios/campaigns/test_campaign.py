@@ -33,7 +33,8 @@ TIMES = ("wall_seconds", "cpu_seconds", "trial_cpu_seconds", "real_time_factor")
 def command(folder, *args):
     return [
         *(sys.executable, "-m", "aeroscene", "campaign", "--out", str(folder)),
-        *("--scenes", "7", "--pilot", f"{STUBS}:Slow", "--workers", "2", *args),
+        *("--scenes", "7", "--vehicles", "iris", "--pilot", f"{STUBS}:Slow"),
+        *("--workers", "2", *args),
     ]
 
 
@@ -47,13 +48,13 @@ def results(folder):
 def test_a_campaign_that_is_killed_goes_on_as_if_nothing_had_been(tmp_path):
     whole, killed = tmp_path / "whole", tmp_path / "killed"
     done = subprocess.run(
-        command(whole, "--trials", "3", "--json"), capture_output=True, text=True, check=True
+        command(whole, "--trials", "6", "--json"), capture_output=True, text=True, check=True
     )
     summary = json.loads(done.stdout)
     assert summary["trials"] == 6
     assert summary["codes"] == {"never_flew": 6}
     assert json.loads((whole / "summary.json").read_text())["codes"] == summary["codes"]
-    campaign = subprocess.Popen(command(killed, "--trials", "2"), stderr=subprocess.DEVNULL)
+    campaign = subprocess.Popen(command(killed, "--trials", "4"), stderr=subprocess.DEVNULL)
     deadline_s = time.monotonic() + 300.0
     journal = killed / JOURNAL
     while not (journal.exists() and journal.read_bytes().count(b"\n") >= 2):
@@ -64,7 +65,7 @@ def test_a_campaign_that_is_killed_goes_on_as_if_nothing_had_been(tmp_path):
     n_before = len(results(killed))
     assert n_before >= 2
     again = subprocess.run(
-        command(killed, "--trials", "3"), capture_output=True, text=True, check=True
+        command(killed, "--trials", "6"), capture_output=True, text=True, check=True
     )
     assert f"{6 - n_before} of 6 trials to fly" in again.stderr
     assert results(killed) == results(whole)

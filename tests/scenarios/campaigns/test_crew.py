@@ -11,7 +11,8 @@ from scenarios.campaigns.flyer import Suite, Trial
 
 pytestmark = pytest.mark.timeout(600)
 STUBS = "tests.scenarios.campaigns.stub_pilots"
-TWO = [Trial("field", "iris", 0), Trial("field", "hummingbird", 0)]
+TWO = [Trial("49", "iris", 0), Trial("49", "iris", 1)]
+TWO_VEHICLES = [Trial("49", "iris", 0), Trial("49", "hummingbird", 0)]
 
 
 def rows_of(pilot, trials=TWO, n_workers=1, patience_s=500.0):
@@ -32,20 +33,20 @@ def test_two_processes_fly_what_one_flies():
 def test_a_pilot_that_ends_its_process_fails_after_another_try():
     rows = rows_of("Dying", TWO[:1])
     assert [row["code"] for row in rows.values()] == ["died"]
-    assert rows["field/iris/0"]["reason"] == "its process ended with -9, twice"
+    assert rows["49/iris/0"]["reason"] == "its process ended with -9, twice"
 
 
 def test_a_pilot_that_leaves_politely_has_failed_too():
     rows = rows_of("Leaving", TWO[:1])
-    assert rows["field/iris/0"]["reason"] == "its process ended with 0, twice"
+    assert rows["49/iris/0"]["reason"] == "its process ended with 0, twice"
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="no bound on memory there")
 def test_a_pilot_that_floods_memory_or_output_harms_nobody(capfd):
-    rows = rows_of("Troubled")
+    rows = rows_of("Troubled", TWO_VEHICLES)
     assert [row["code"] for row in rows.values()] == ["raised", "raised"]
-    assert "MemoryError" in rows["field/iris/0"]["reason"]
-    assert rows["field/hummingbird/0"]["reason"] == "SystemExit: enough"
+    assert "MemoryError" in rows["49/iris/0"]["reason"]
+    assert rows["49/hummingbird/0"]["reason"] == "SystemExit: enough"
     assert "blah" not in capfd.readouterr().out
 
 
@@ -59,7 +60,7 @@ def test_a_process_that_ends_once_costs_nothing(tmp_path, monkeypatch):
 def test_a_pilot_that_hangs_fails_and_the_next_trial_is_flown():
     rows = rows_of("Hanging", patience_s=12.0)
     assert [row["code"] for row in rows.values()] == ["hung", "hung"]
-    assert rows["field/iris/0"]["reason"] == "no end in 12 s"
+    assert rows["49/iris/0"]["reason"] == "no end in 12 s"
     assert multiprocessing.active_children() == []
 
 

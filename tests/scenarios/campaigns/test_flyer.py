@@ -38,7 +38,7 @@ def without_time(row):
 def flown():
     """Rows of a process that flies in two scenes and comes back, and its flyer's."""
     with Flyer(SUITE) as flyer:
-        names = [("7", "iris", 1), ("field", "iris", 0), ("7", "hummingbird", 0), ("7", "iris", 0)]
+        names = [("7", "hummingbird", 0), ("field", "iris", 0), ("7", "iris", 0)]
         return {name: flyer.fly(Trial(*name)) for name in names}
 
 

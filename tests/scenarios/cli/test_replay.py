@@ -1,51 +1,37 @@
 import json
 import re
-import subprocess
 import sys
 
 import pytest
 import rerun as rr
 
 from scenarios.cli import replay
-
-
-def _main(*args):
-    """Run the command as a process of its own."""
-    code = (
-        "import sys\n"
-        "from scenarios.cli import replay\n"
-        "from scenarios.cli.command_line import parse\n"
-        "sys.exit(replay.run(parse(replay.ReplayCfg, 'aeroscene replay', sys.argv[1:])))"
-    )
-    return subprocess.run(
-        [sys.executable, "-c", code, *map(str, args)], capture_output=True, text=True, check=False
-    )
+from tests.scenarios.in_process import in_process
 
 
 @pytest.mark.parametrize("content", [None, b"", b"no recording at all"])
-def test_nothing_to_replay_ends_with_status_2_and_one_line(tmp_path, content):
+def test_nothing_to_replay_ends_with_status_2_and_one_line(tmp_path, capfd, content):
     path = tmp_path / "x.rrd"
     if content is not None:
         path.write_bytes(content)
-    result = _main(path)
-    assert result.returncode == 2
-    assert result.stdout == ""
-    (line,) = result.stderr.strip().splitlines()
+    status, out, err = in_process(capfd, "replay", path)
+    assert (status, out) == (2, "")
+    (line,) = err.strip().splitlines()
     assert line.startswith("aeroscene replay: error: recording ")
     assert str(path) in line
     assert "valid: an .rrd file" in line
 
 
-def test_json_is_one_object_and_nothing_else(tmp_path):
+def test_json_is_one_object_and_nothing_else(tmp_path, capfd):
     path = tmp_path / "foreign.rrd"
     recording = rr.RecordingStream("somebody_elses")
     recording.set_sinks(rr.FileSink(path))
     recording.log("a/text", rr.TextLog("hello"))
     recording.flush()
     recording.disconnect()
-    result = _main(path, "--json")
-    assert result.returncode == 0, result.stderr
-    summary = json.loads(result.stdout)
+    status, out, err = in_process(capfd, "replay", path, "--json")
+    assert status == 0, err
+    summary = json.loads(out)
     assert summary["scene"] is None
     assert summary["verdict"] is None
     assert summary["is_complete"] is True
@@ -56,7 +42,7 @@ def _summary(**result):
     return json.dumps({"result": {**known, "success": True, "code": "landed", **result}})
 
 
-def test_a_folder_is_listed_with_the_verdicts_of_what_is_in_it(tmp_path):
+def test_a_folder_is_listed_with_the_verdicts_of_what_is_in_it(tmp_path, capfd):
     inner = tmp_path / "recordings"
     inner.mkdir()
     for name in ("a", "b", "c d"):
@@ -64,15 +50,15 @@ def test_a_folder_is_listed_with_the_verdicts_of_what_is_in_it(tmp_path):
     (inner / "a.json").write_text(_summary(reason="landed on area 2"))
     (inner / "b.json").write_text("{" * 100_000)
     (inner / "c d.json").write_text(_summary(reason="\x1b[2Jhi\nthere"))
-    result = _main(tmp_path)
-    assert (result.returncode, result.stderr) == (0, "")
-    assert result.stdout.splitlines() == [
+    status, out, err = in_process(capfd, "replay", tmp_path)
+    assert (status, err) == (0, "")
+    assert out.splitlines() == [
         f"{inner}/a.rrd  0.1 MB  landed: landed on area 2; scene 42, iris, seed 3, 15.2 s",
         f"{inner}/b.rrd  0.1 MB",
         f"{inner}/c d.rrd  0.1 MB  landed: ?[2Jhi?there; scene 42, iris, seed 3, 15.2 s",
         f"Open one with: aeroscene replay '{inner}/c d.rrd'",
     ]
-    first, *others = json.loads(_main(tmp_path, "--json").stdout)["recordings"]
+    first, *others = json.loads(in_process(capfd, "replay", tmp_path, "--json")[1])["recordings"]
     assert first["recording"] == f"{inner}/a.rrd"
     assert (first["code"], first["success"], first["sim_seconds"]) == ("landed", True, 15.2)
     assert others[0]["code"] is None
@@ -85,10 +71,10 @@ def test_a_folder_is_listed_with_the_verdicts_of_what_is_in_it(tmp_path):
         (("--pictures", "p"), " is a folder; valid: "),
     ],
 )
-def test_a_folder_that_cannot_be_listed_or_drawn_gets_one_line(tmp_path, options, says):
-    result = _main(tmp_path, *options)
-    assert (result.returncode, result.stdout) == (2, "")
-    (line,) = result.stderr.splitlines()
+def test_a_folder_that_cannot_be_listed_or_drawn_gets_one_line(tmp_path, capfd, options, says):
+    status, out, err = in_process(capfd, "replay", tmp_path, *options)
+    assert (status, out) == (2, "")
+    (line,) = err.splitlines()
     assert re.search(says, line)
 
 
@@ -107,10 +93,10 @@ def test_native_viewer_without_display_ends_with_status_2(tmp_path, monkeypatch,
     assert "needs a display" in capsys.readouterr().err
 
 
-def test_a_film_of_an_unknown_format_ends_with_status_2_and_one_line(tmp_path):
-    result = _main(tmp_path / "x.rrd", "--video", tmp_path / "x.avi")
-    assert result.returncode == 2
-    assert result.stdout == ""
-    (line,) = result.stderr.strip().splitlines()
+def test_a_film_of_an_unknown_format_ends_with_status_2_and_one_line(tmp_path, capfd):
+    args = ("replay", tmp_path / "x.rrd", "--video", tmp_path / "x.avi")
+    status, out, err = in_process(capfd, *args)
+    assert (status, out) == (2, "")
+    (line,) = err.strip().splitlines()
     assert line.startswith("aeroscene replay: error: video ")
     assert line.endswith("valid: NAME.mp4, NAME.webm, NAME.webp, NAME.gif")

@@ -6,8 +6,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-pytest.importorskip("gymnasium")
-
 from aeroscene.sources import open_scene
 from flightsim.vehicles.catalogue import airframe_by_name
 from scenarios.environments import (
@@ -212,6 +210,7 @@ def test_each_world_is_judged_by_its_own_flight():
         actions[:, 2] = (-0.8, -0.2)
         for i, outcome in batch.step(actions).outcomes.items():
             codes.setdefault(i, outcome.judgement.code)
+            batch.begin(i)
     assert codes == {0: "hard_touchdown", 1: "landed"}
 
 

@@ -6,8 +6,6 @@ import mujoco
 import numpy as np
 import pytest
 
-pytest.importorskip("gymnasium")
-
 from aeroscene.sources import open_scene
 from flightsim.environment.movers import MovingObstacle
 from flightsim.plant.rays import new_rays

@@ -6,9 +6,6 @@ import warnings
 
 import numpy as np
 import pytest
-
-pytest.importorskip("pettingzoo")
-
 from pettingzoo.test import parallel_api_test
 
 from flightsim.vehicles.catalogue import airframe_by_name

@@ -19,7 +19,10 @@ def test_run_that_nobody_flies_leaves_a_picture(tmp_path):
 
 
 def test_a_run_draws_lines_where_that_is_asked_for(tmp_path):
-    cfg = SitlCfg(bench=BENCH, headless_seconds=0.5, pictures=tmp_path, formats=("svg", "pdf"))
+    formats = ("svg", "pdf")
+    cfg = SitlCfg(
+        scene="field", bench=BENCH, headless_seconds=0.5, pictures=tmp_path, formats=formats
+    )
     with Sitl(cfg) as sitl:
         sitl.run()
     assert sitl.pictures == [tmp_path / "flight.svg", tmp_path / "flight.pdf"]

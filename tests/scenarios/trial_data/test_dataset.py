@@ -4,6 +4,7 @@ import errno
 import io
 import json
 import os
+import resource
 import shutil
 import subprocess
 import sys
@@ -14,6 +15,7 @@ import cv2
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
+import torch
 
 from scenarios.trial_data.dataset.frames import FrameDataset
 from scenarios.trial_data.dataset.write import DATASET_TABLES, add_trial, has_trial
@@ -57,7 +59,6 @@ def test_places_in_the_shard_are_those_of_the_images(trial, folder):
 
 
 def test_torch_gets_what_the_cameras_saw(flight, folder):
-    torch = pytest.importorskip("torch", reason="torch comes with the extra `model`")
     frames = FrameDataset(folder, camera="down", imu_rows=25)
     expected = [frame for frame in flight.frames if frame.camera == "down"]
     assert len(frames) == len(expected)
@@ -182,26 +183,22 @@ def test_a_disk_that_fills_up_between_two_tables_leaves_nothing(trial, tmp_path,
 
 
 # The disk is full for this process alone.
-FULL = """
-import resource, sys
-resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))
-from scenarios.cli.main import main
-sys.exit(main(sys.argv[1:]))
-"""
+@pytest.fixture
+def full_disk():
+    """Files end after 20 kB, for this process alone."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, before[1]))
+    yield
+    resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 
 @pytest.mark.parametrize("to", ["mcap", "ulog", "csv", "dataset"])
-def test_a_full_disk_is_one_line_and_leaves_nothing(flight, tmp_path, to):
-    if to == "mcap":
-        pytest.importorskip("rosbags", reason="rosbags comes with the extra `ros`")
+def test_a_full_disk_is_one_line_and_leaves_nothing(flight, tmp_path, capsys, full_disk, to):
     out = tmp_path / "out"
-    args = ["export-trial", str(flight.path), "--to", to, "--out", str(out)]
-    done = subprocess.run(
-        [sys.executable, "-c", FULL, *args], capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 2, done.stderr
-    assert done.stderr.count("\n") == 1, done.stderr
-    assert "file too large" in done.stderr
+    status, _, err = in_process(capsys, "export-trial", flight.path, "--to", to, "--out", out)
+    assert status == 2, err
+    assert err.count("\n") == 1, err
+    assert "file too large" in err
     left = [path for path in tmp_path.rglob("*") if path.is_file()]
     assert left in ([], [out / "schema.json"])
 
@@ -212,7 +209,6 @@ def test_the_loader_imports_no_torch():
 
 
 def test_images_are_decoded_as_they_were_recorded(trial, folder):
-    pytest.importorskip("torch", reason="torch comes with the extra `model`")
     frames = FrameDataset(folder, imu_rows=1)
     (row,) = frames.table.slice(3, 1).to_pylist()
     (picture,) = [each for each in trial.pictures if each.file == row["depth_file"]]

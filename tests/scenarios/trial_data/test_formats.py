@@ -7,6 +7,10 @@ import sys
 import numpy as np
 import pyarrow.csv
 import pytest
+import pyulog
+from mcap.reader import make_reader
+from mcap_ros2.decoder import DecoderFactory
+from rosbags import rosbag2
 from scipy.spatial.transform import Rotation
 
 from scenarios.trial_data.csv_folder import write_csv
@@ -48,7 +52,6 @@ def test_csv_holds_every_number(trial, tmp_path):
 
 
 def test_pyulog_reads_the_ulog(flight, aligned, trial, tmp_path):
-    pyulog = pytest.importorskip("pyulog", reason="pyulog is not among what tests need")
     log = pyulog.ULog(str(write_ulog(trial, tmp_path / "flight.ulg")))
     assert log.msg_info_dict["aeroscene_scene"] == "42"
 
@@ -88,18 +91,15 @@ def test_pyulog_reads_the_ulog(flight, aligned, trial, tmp_path):
 
 @pytest.fixture(scope="module")
 def bag_folder(trial, tmp_path_factory):
-    pytest.importorskip("rosbags", reason="rosbags comes with the extra `ros`")
     return write_bag(trial, tmp_path_factory.mktemp("bag") / "flight")
 
 
 @pytest.fixture(scope="module")
 def bag(bag_folder):
     """Topics of a bag, read by the libraries of MCAP's makers: times in us, and messages."""
-    why = "mcap-ros2-support comes with the extra `dev`"
-    mcap, ros2 = (pytest.importorskip(m, reason=why) for m in ("mcap.reader", "mcap_ros2.decoder"))
     topics: dict[str, list] = {}
     with (bag_folder / "flight.mcap").open("rb") as file:
-        reader = mcap.make_reader(file, decoder_factories=[ros2.DecoderFactory()])
+        reader = make_reader(file, decoder_factories=[DecoderFactory()])
         for _, channel, message, decoded in reader.iter_decoded_messages():
             topics.setdefault(channel.topic, []).append((message.log_time // 1000, decoded))
     return topics
@@ -107,7 +107,6 @@ def bag(bag_folder):
 
 def test_the_folder_is_a_bag_whose_fixed_transforms_reach_late_listeners(bag_folder, bag):
     assert sorted(path.name for path in bag_folder.iterdir()) == ["flight.mcap", "metadata.yaml"]
-    rosbag2 = pytest.importorskip("rosbags.rosbag2")
     with rosbag2.Reader(bag_folder) as reader:
         counts = {each.topic: each.msgcount for each in reader.connections}
         durability = {c.topic: c.ext.offered_qos_profiles[0].durability for c in reader.connections}
@@ -238,8 +237,6 @@ def test_without_the_extra_the_way_to_it_is_told(flight, tmp_path):
 
 @pytest.mark.parametrize("write", [write_ulog, write_bag])
 def test_a_summary_is_refused_by_formats_of_states(flight, tmp_path, write):
-    if write is write_bag:
-        pytest.importorskip("rosbags", reason="rosbags comes with the extra `ros`")
     trial = read_trial(flight.path)
     tables = {**trial.tables, "states": trial.tables["states"].slice(0, 0)}
     bare = type(trial)(name="bare", tables=tables, pictures=(), mounts={})

@@ -9,6 +9,9 @@ import cv2
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
+import pyulog
+from mcap.reader import make_reader
+from mcap_ros2.decoder import DecoderFactory
 
 from aeroscene import open_scene
 from flightsim.plant import Plant, PlantCfg
@@ -150,7 +153,6 @@ def test_the_dataset_has_segments_and_scans_in_its_shard(flown, trial, tmp_path)
         names = tar.getnames()
     assert "flight_000000_lidar.points.npy" in names
     assert any(name.endswith("_forward.instances.png") for name in names)
-    pytest.importorskip("torch", reason="torch comes with the extra `model`")
     frame = FrameDataset(tmp_path, camera="forward", imu_rows=1)[0]
     seen = flown.frames[0]
     np.testing.assert_array_equal(frame.classes.numpy()[0], seen.class_ids)
@@ -158,7 +160,6 @@ def test_the_dataset_has_segments_and_scans_in_its_shard(flown, trial, tmp_path)
 
 
 def test_the_ulog_has_flow_battery_and_distance(trial, tmp_path):
-    pyulog = pytest.importorskip("pyulog", reason="pyulog is not among what tests need")
     log = pyulog.ULog(str(write_ulog(trial, tmp_path / "flight.ulg")))
     flow = log.get_dataset("sensor_optical_flow").data
     table = trial.tables["optical_flow"]
@@ -174,13 +175,10 @@ def test_the_ulog_has_flow_battery_and_distance(trial, tmp_path):
 
 @pytest.fixture(scope="module")
 def bag(trial, tmp_path_factory):
-    why = "rosbags and mcap-ros2-support come with the extra `dev`"
-    pytest.importorskip("rosbags", reason=why)
-    mcap, ros2 = (pytest.importorskip(m, reason=why) for m in ("mcap.reader", "mcap_ros2.decoder"))
     folder = write_bag(trial, tmp_path_factory.mktemp("bag") / "flight")
     topics: dict[str, list] = {}
     with (folder / "flight.mcap").open("rb") as file:
-        reader = mcap.make_reader(file, decoder_factories=[ros2.DecoderFactory()])
+        reader = make_reader(file, decoder_factories=[DecoderFactory()])
         for _, channel, message, decoded in reader.iter_decoded_messages():
             topics.setdefault(channel.topic, []).append((message.log_time // 1000, decoded))
     return topics

@@ -11,15 +11,26 @@ from fuzzing.files.settings import settings_cases
 from fuzzing.files.vehicles import vehicle_cases
 from fuzzing.files.weights import weight_cases
 
-__all__ = ["Case", "all_cases"]
+__all__ = ["Case", "all_cases", "cases_of"]
+
+
+_MAKERS = {
+    "scene": scene_cases,
+    "layout": layout_cases,
+    "airframe": vehicle_cases,
+    "settings": settings_cases,
+    "campaign": campaign_cases,
+    "recording": recording_cases,
+    "checkpoint": weight_cases,
+}
 
 
 def all_cases() -> Iterator[Case]:
     """All of them, kind by kind."""
-    yield from scene_cases()
-    yield from layout_cases()
-    yield from vehicle_cases()
-    yield from settings_cases()
-    yield from campaign_cases()
-    yield from recording_cases()
-    yield from weight_cases()
+    for make in _MAKERS.values():
+        yield from make()
+
+
+def cases_of(kind: str) -> Iterator[Case]:
+    """Cases of one kind; seconds of work are spared those who want few."""
+    yield from _MAKERS[kind]()
