@@ -88,8 +88,10 @@ def replacing(path: Path) -> Iterator[BinaryIO]:
             yield file
         temporary.chmod(0o644)
         temporary.replace(path)
-    except BaseException:
+    except BaseException as error:
         temporary.unlink(missing_ok=True)
+        if isinstance(error, OSError) and error.filename is None:
+            error.filename = str(path)  # A write to a full disk does not name it.
         raise
 
 
