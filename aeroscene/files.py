@@ -81,7 +81,11 @@ def replacing(path: Path) -> Iterator[BinaryIO]:
     Raises:
         OSError: If it cannot be written; what was there before is untouched.
     """
-    descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    try:
+        descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    except OSError as error:
+        error.filename = str(path)  # Not the neighbour, of which nobody knows.
+        raise
     temporary = Path(name)
     try:
         with os.fdopen(descriptor, "wb") as file:

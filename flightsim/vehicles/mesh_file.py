@@ -125,7 +125,7 @@ def _ascii_surface(data: bytes) -> Mapping[str, Any]:
 
 
 def _skip_name(data: bytes, start: int) -> int:
-    """Where the facets of the solid begin whose head begins at `start`; the end if there is none."""
+    """Where the facets of the solid begin that begins at `start`; the end if there is none."""
     if not data[start:].strip():
         return len(data)
     head = _NAME_END.search(data, start)
