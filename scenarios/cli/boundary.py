@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import sys
 import tomllib
@@ -9,7 +10,23 @@ from types import ModuleType
 
 import msgspec
 
-from aeroscene.scene import SceneError
+INPUT_ERROR_NAMES = frozenset(
+    {
+        "aeroscene.scene.errors.SceneError",
+        "flightsim.environment.effects.EffectError",
+        "flightsim.environment.traffic.TrafficError",
+        "flightsim.environment.wind.WindError",
+        "flightsim.mavlink.links.link.LinkError",
+        "flightsim.sensors.cameras.view.CameraError",
+        "flightsim.sensors.lidars.definition.LidarError",
+        "flightsim.starts.WorldError",
+        "flightsim.testbench.cfg.TestbenchError",
+        "flightsim.vehicles.airframe.AirframeError",
+    }
+)
+"""The classes of `scenarios.INPUT_ERRORS`, by name. Importing them loads the whole simulator, a
+second that a refusal should not cost."""
+_FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
 
 
 def one_line(error: Exception) -> str | None:
@@ -21,7 +38,7 @@ def one_line(error: Exception) -> str | None:
     """
     if os.environ.get("AEROSCENE_TRACEBACK") == "1":
         return None
-    if isinstance(error, (SceneError, *_input_errors())):
+    if any(f"{kind.__module__}.{kind.__name__}" in INPUT_ERROR_NAMES for kind in type(error).mro()):
         return str(error)
     if isinstance(error, OSError):
         return of_file(error)
@@ -39,18 +56,14 @@ def one_line(error: Exception) -> str | None:
 def of_file(error: OSError) -> str:
     """Which file cannot be read or written, and why."""
     reason = (error.strerror or str(error) or type(error).__name__).lower()
-    if error.filename:
-        return f"file {str(error.filename)!r}: {reason}, valid: a path that you may read or write"
-    return reason
-
-
-def _input_errors() -> tuple[type[Exception], ...]:
-    """Errors that the simulator names itself; where it is not loaded it has raised none."""
-    if "flightsim" not in sys.modules:
-        return ()
-    from scenarios.run.input_errors import INPUT_ERRORS  # noqa: PLC0415 - the whole simulator
-
-    return INPUT_ERRORS
+    if error.errno in _FULL:
+        valid = "a disk with room"
+    elif error.filename:
+        valid = "a path that you may read or write"
+    else:
+        return reason
+    said = f"file {str(error.filename)!r}: {reason}" if error.filename else reason
+    return f"{said}, valid: {valid}"
 
 
 def _library_errors() -> tuple[type[Exception], ...]:

@@ -47,6 +47,8 @@ _MOST_CHARACTERS = 2000
 """Longest error: a name or a value from a file may be as long as the file."""
 _interrupts: list[int] = []
 """Signals that `interrupt` has raised for."""
+_INSIST_S = 0.2
+"""Time that an interrupt has to end the command, or to begin closing what is open."""
 _KINDS = {"FLOAT": "a number", "INT": "a whole number"}
 
 
@@ -65,28 +67,61 @@ def execute(
     logging.basicConfig(level=logging.WARNING, handlers=[shown])
     cfg = parse(command, prog, args)
     # From here on there may be files and ports to close.
-    _interrupts.clear()
     before = signal.signal(signal.SIGINT, interrupt)
     try:
-        return run(cfg)
+        return _run_within_boundary(prog, lambda: run(cfg))
     except KeyboardInterrupt:
+        interrupt_is_answered()
         return EXIT_INTERRUPTED
-    except BrokenPipeError:
-        raise  # The reader of our output has closed the pipe: no fault.
-    except Exception as error:
-        if _interrupts:
-            return EXIT_INTERRUPTED  # A library made an exception of its own of it.
-        if (line := one_line(error)) is None:
-            raise
-        fail(prog, line)
     finally:
+        interrupt_is_answered()
         signal.signal(signal.SIGINT, before)
 
 
+def _run_within_boundary(prog: str, run: Callable[[], int]) -> int:
+    """Run a command; an error of files or of the machine ends it with one line and status 2."""
+    try:
+        return run()
+    except BrokenPipeError:
+        raise  # The reader of our output has closed the pipe: no fault.
+    except Exception as error:
+        raise_if_interrupted()  # A library made an exception of its own of it.
+        if (line := one_line(error)) is None:
+            raise
+        fail(prog, line)
+
+
 def interrupt(number: int, _: FrameType | None = None) -> NoReturn:
-    """Raise KeyboardInterrupt for a signal, and remember that it came."""
+    """Raise KeyboardInterrupt for a signal, again and again until the command ends because of it.
+
+    Libraries swallow it: trimesh, for example, catches BaseException in 144 places, and an export
+    that lost its Ctrl-C there ran to its end.
+    """
     _interrupts.append(number)
+    signal.signal(signal.SIGALRM, _insist)
+    signal.setitimer(signal.ITIMER_REAL, _INSIST_S, _INSIST_S)
     raise KeyboardInterrupt
+
+
+def _insist(_number: int, _frame: FrameType | None) -> None:
+    """Raise KeyboardInterrupt, unless files and processes are being closed because of an earlier.
+
+    The error that a `finally`, an `except` or an `__exit__` handles is the present one to a signal
+    handler, too.
+    """
+    error = sys.exception()
+    while error is not None:
+        if isinstance(error, KeyboardInterrupt):
+            return
+        error = error.__context__
+    raise KeyboardInterrupt
+
+
+def interrupt_is_answered() -> None:
+    """Forget an interrupt: the command has ended because of it, or needs not end."""
+    if _interrupts:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        _interrupts.clear()
 
 
 def raise_if_interrupted() -> None:

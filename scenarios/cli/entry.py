@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import contextlib
 import gc
 import importlib
@@ -11,7 +12,7 @@ import signal
 import sys
 from collections.abc import Iterator
 from types import FrameType
-from typing import Any
+from typing import Any, NoReturn
 
 EXIT_INTERRUPTED = 130
 
@@ -38,11 +39,14 @@ def _start(module: str) -> int:
     # KeyboardInterrupt during an import is unsafe: libraries turn it into exceptions of their own.
     signal.signal(signal.SIGINT, _leave)
     try:
-        return _import(f"scenarios.cli.{module}").main()
+        status = _import(f"scenarios.cli.{module}").main()
     except BrokenPipeError:
         os._exit(0)  # The reader of our output has closed the pipe.
     finally:
         signal.signal(signal.SIGINT, _leave)
+    if status == EXIT_INTERRUPTED:
+        _end_interrupted()
+    return status
 
 
 def _print_anything() -> None:
@@ -73,6 +77,21 @@ def lasting() -> Iterator[None]:
     finally:
         gc.freeze()
         gc.enable()
+
+
+def _end_interrupted() -> NoReturn:
+    """End with status 130, whatever the interpreter noticed of the interrupt.
+
+    It ends itself by SIGINT instead where KeyboardInterrupt passed through `exec`, which imports
+    of dataclasses and named tuples call; and its own end takes up to half a second.
+    """
+    # Threads and processes that libraries have started end here.
+    atexit._run_exitfuncs()
+    with contextlib.suppress(OSError):
+        sys.stdout.flush()
+    with contextlib.suppress(OSError):
+        sys.stderr.flush()
+    os._exit(EXIT_INTERRUPTED)
 
 
 def _leave(_number: int, _frame: FrameType | None) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import sys
 from dataclasses import dataclass
@@ -12,6 +13,7 @@ from typing import Annotated, Literal
 
 import tyro
 
+from aeroscene.files import replacing
 from scenarios.cli.command_line import EXIT_DONE, fail
 
 _PROG = "aeroscene new"
@@ -49,11 +51,10 @@ def run(cfg: NewCfg) -> int:
     beginning = _BEGINNINGS / _FILES[cfg.kind]
     path = cfg.out / f"{cfg.name}{beginning.suffix}"
     text = beginning.read_text("utf-8").replace(f"my_{cfg.kind}", cfg.name)
-    try:
-        with path.open("x", encoding="utf-8") as file:
-            file.write(text)
-    except FileExistsError:
+    if os.path.lexists(path):
         fail(_PROG, f"file {str(path)!r} is there already; valid: another name")
+    with replacing(path) as file:
+        file.write(text.encode())
     print(f"{path}\nRun it with: {command_of(text)}")
     return EXIT_DONE
 

@@ -12,7 +12,13 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import tyro
 from rich.table import Table
 
-from scenarios.cli.command_line import EXIT_DONE, fail, interrupt, print_json
+from scenarios.cli.command_line import (
+    EXIT_DONE,
+    fail,
+    interrupt,
+    interrupt_is_answered,
+    print_json,
+)
 from scenarios.cli.outputs import OutFile, OutFolder
 from scenarios.cli.terminal import terminal
 
@@ -177,6 +183,7 @@ def show(kind: Literal["auto", "native", "web"], source: Path, what: str) -> Non
                 print(f"{what} at {viewer.url}\nCtrl-C ends it.", flush=True)
             viewer.wait()
         except KeyboardInterrupt:
+            interrupt_is_answered()
             sys.stderr.write("\n")
 
 

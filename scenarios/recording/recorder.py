@@ -5,7 +5,6 @@ from __future__ import annotations
 import socket
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from shutil import disk_usage
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Self
 from uuid import uuid4
@@ -22,6 +21,13 @@ from scenarios.recording.blueprint import recording_blueprint
 from scenarios.recording.entity_stream import VehicleStream
 from scenarios.recording.legend import AREA_ROWS, FLIGHT_ROWS, log_legend
 from scenarios.recording.metadata import RunInfo, log_document, log_run, log_verdict
+from scenarios.recording.output import (
+    CHUNK_BYTES,
+    RecordingError,
+    close_output,
+    require_room,
+    write_out,
+)
 from scenarios.recording.plan_log import PlanLog
 from scenarios.recording.scene import log_scene
 from scenarios.recording.state_log import StateLog
@@ -35,15 +41,7 @@ if TYPE_CHECKING:
     from flightsim.sensors.lidars import LidarScan
 
 _LOOPBACK = "127.0.0.1"
-_CLOSING_TIMEOUT_S = 30.0
 _SERVER_MEMORY = "512MiB"
-# A process that is killed while it writes a chunk leaves a file that needs mending: small chunks
-# make that rare. One camera image is about this large.
-_CHUNK_BYTES = 64 * 1024
-
-
-class RecordingError(OSError):
-    """The recording cannot be written to the given path or port."""
 
 
 class Recorder:
@@ -96,19 +94,14 @@ class Recorder:
         self.fault: str | None = None
         self._info = info
         self._stream = _new_stream()
-        try:
-            self._stream.set_sinks(
-                *self._open_sinks(serve_port),
-                default_blueprint=None
-                if is_summary
-                else recording_blueprint(
-                    scene, airframe, goal_enu_m, has_segments=has_segments, mates=mates
-                ),
-            )
-        except RuntimeError as error:
-            raise RecordingError(
-                f"recording {str(path)!r} cannot be written ({error}); valid: a file with room"
-            ) from None
+        self._stream.set_sinks(
+            *self._open_sinks(serve_port),
+            default_blueprint=None
+            if is_summary
+            else recording_blueprint(
+                scene, airframe, goal_enu_m, has_segments=has_segments, mates=mates
+            ),
+        )
         self._is_open = True
         log_run(self._stream, info, airframe)
         if not is_summary:
@@ -133,7 +126,7 @@ class Recorder:
     def _open_sinks(self, serve_port: int | None) -> list[rr.FileSink | rr.GrpcServerSink]:
         sinks: list[rr.FileSink | rr.GrpcServerSink] = []
         if self.path is not None:
-            _require_writable(self.path)
+            require_room(self.path)
             sinks.append(rr.FileSink(self.path))
         if serve_port is not None:
             _require_free(serve_port)
@@ -195,7 +188,7 @@ class Recorder:
         self._is_open = False
         self.flush()
         self._write_out()
-        self._stream.disconnect()
+        close_output(self._stream, self.fault)
 
     def discard(self) -> None:
         """Remove the file, whose place a summary and pictures of the run may need."""
@@ -205,11 +198,7 @@ class Recorder:
 
     def _write_out(self) -> None:
         """Wait until all is in the file; a full disk is noted and costs the run nothing else."""
-        try:
-            self._stream.flush(timeout_sec=_CLOSING_TIMEOUT_S)
-        except (RuntimeError, TimeoutError) as error:
-            is_full = self.path is not None and disk_usage(self.path.parent).free < _CHUNK_BYTES
-            self.fault = "no space left on device" if is_full else str(error)
+        self.fault = write_out(self._stream, self.path) or self.fault
 
     def __enter__(self) -> Self:
         return self
@@ -230,25 +219,12 @@ def _require_free(port: int) -> None:
             ) from None
 
 
-def _require_writable(path: Path) -> None:
-    """Refuse a path that no file can be written to, before the sink fails behind the scenes."""
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with path.open("wb"):
-            pass
-    except OSError as error:
-        raise RecordingError(
-            f"recording {str(path)!r} cannot be written ({error.strerror}); "
-            "valid: a file in a folder you may write to"
-        ) from None
-
-
 def _new_stream() -> rr.RecordingStream:
     """A stream with an id of its own: else viewers take all of one process for one recording."""
     stream = rr.RecordingStream(
         layout.APPLICATION_ID,
         recording_id=uuid4(),
-        batcher_config=rr.ChunkBatcherConfig(flush_num_bytes=_CHUNK_BYTES),
+        batcher_config=rr.ChunkBatcherConfig(flush_num_bytes=CHUNK_BYTES),
     )
     stream.set_log_time_enabled(False)
     return stream

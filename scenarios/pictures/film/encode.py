@@ -7,7 +7,9 @@ that the product does not have. (Wheels that encode H.264 carry x264, which is u
 
 from __future__ import annotations
 
+import errno
 import itertools
+import os
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -19,6 +21,8 @@ from aeroscene.files import replacing
 from scenarios.pictures.lettering import Picture
 
 _WEBP_QUALITY = 55
+_ERRORS_ALONE = 2
+"""OpenCV's level of messages."""
 
 
 def write_video(pictures: Iterator[Picture], fps: float, out: Path) -> None:
@@ -27,8 +31,13 @@ def write_video(pictures: Iterator[Picture], fps: float, out: Path) -> None:
     Raises:
         OSError: If it cannot be written.
     """
+    # Otherwise FFmpeg prints what it thinks of a film that a full disk has cut short.
+    os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
     import cv2  # noqa: PLC0415 - heavy, and only films need its encoder
 
+    cv2.utils.logging.setLogLevel(
+        _ERRORS_ALONE
+    )  # The same of each picture that does not get there.
     with tempfile.TemporaryDirectory(dir=out.parent, prefix=".film-") as folder:
         first = next(pictures)
         height, width = (edge - edge % 2 for edge in first.shape[:2])
@@ -37,10 +46,30 @@ def write_video(pictures: Iterator[Picture], fps: float, out: Path) -> None:
         writer = cv2.VideoWriter(str(draft), codec, fps, (width, height))
         if not writer.isOpened():
             raise OSError("OpenCV has no encoder for it here")
+        n_pictures = 0
         for picture in itertools.chain([first], pictures):
             writer.write(np.ascontiguousarray(picture[:height, :width, ::-1]))
+            n_pictures += 1
         writer.release()
+        _require_whole(draft, n_pictures)
         draft.replace(out)
+
+
+def _require_whole(video: Path, n_pictures: int) -> None:
+    """Count the pictures in a video, since OpenCV's writer says nothing of a full disk.
+
+    Raises:
+        OSError: If some are missing.
+    """
+    import cv2  # noqa: PLC0415 - as above
+
+    capture = cv2.VideoCapture(str(video))
+    n_found = 0
+    while capture.grab():
+        n_found += 1
+    capture.release()
+    if n_found != n_pictures:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
 
 def write_animation(pictures: Iterator[Picture], fps: float, out: Path) -> None:

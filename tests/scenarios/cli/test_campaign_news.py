@@ -1,9 +1,11 @@
 """What a campaign reports while it flies: the first of each kind of failure, and how far it is."""
 
+import json
 from pathlib import Path
 
 import pytest
 
+from scenarios.cli import campaign
 from scenarios.cli.campaign_news import CampaignNews
 
 AGAIN = "aeroscene fly --out 'a b' --scene 7 --vehicle iris --trial 2"
@@ -52,3 +54,20 @@ def test_without_a_terminal_progress_is_a_line_every_so_many_trials(tell, n, per
 def test_trials_from_before_count_in_the_rate(tell):
     (line,) = tell(["success"], has_bar=False, known=[False, False, False, None])
     assert line.endswith("1 of 1 trials flown, success so far 25.0%; 1 success")
+
+
+@pytest.mark.parametrize(
+    ("codes", "status"),
+    [
+        ({"raised": 3}, 1),
+        ({"raised": 2, "hung": 1, "died": 1}, 1),
+        ({"raised": 2, "contact": 1}, 0),
+        ({}, 0),
+    ],
+)
+def test_a_campaign_of_nothing_but_mishaps_ends_with_status_1(
+    monkeypatch, capsys, tmp_path, codes, status
+):
+    monkeypatch.setattr(campaign, "_fly", lambda _: {"codes": codes})
+    assert campaign.run(campaign.CampaignCfg(out=tmp_path, json=True)) == status
+    assert json.loads(capsys.readouterr().out)["codes"] == codes
