@@ -35,9 +35,8 @@ def write_video(pictures: Iterator[Picture], fps: float, out: Path) -> None:
     os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
     import cv2  # noqa: PLC0415 - heavy, and only films need its encoder
 
-    cv2.utils.logging.setLogLevel(
-        _ERRORS_ALONE
-    )  # The same of each picture that does not get there.
+    # OpenCV says the same of each picture that does not get there.
+    cv2.utils.logging.setLogLevel(_ERRORS_ALONE)
     with tempfile.TemporaryDirectory(dir=out.parent, prefix=".film-") as folder:
         first = next(pictures)
         height, width = (edge - edge % 2 for edge in first.shape[:2])
