@@ -22,6 +22,7 @@ from scenarios.cli.command_line import (
     execute,
     handling_signals,
     interrupt,
+    interrupt_is_answered,
     print_json,
     raise_if_interrupted,
 )
@@ -154,9 +155,11 @@ def _folders(cfg: SitlCfg) -> list[Path]:
 def _keep_open(console: Terminal, viewer: Viewer) -> None:
     """Keep the viewer open until the user closes it or presses Ctrl-C."""
     page = "window" if viewer.url is None else "page"
-    with contextlib.suppress(KeyboardInterrupt):
+    try:
         console.print(f"The flight has ended. The {page} stays until it is closed, or Ctrl-C.")
         viewer.wait()
+    except KeyboardInterrupt:
+        interrupt_is_answered()
 
 
 @contextlib.contextmanager

@@ -139,7 +139,7 @@ def test_older_files_are_refused_and_what_ships_of_the_papers_is_read(path, pres
     with_facts(path, version=1, code="0.9.0+abc")
     assert "is of version 1, valid: 2" in refusal(path)
     with_facts(path, version=2, preset=preset)
-    assert "is of version 2, valid: 3" in refusal(path)
+    assert "is of version 2, valid: 4" in refusal(path)
     found = read_checkpoint(SHIPPED[preset])
     assert isinstance(found.known, FlatStatistics)
     assert found.known.has_regions == (preset == "progressive")
