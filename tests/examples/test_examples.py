@@ -15,6 +15,7 @@ from scenarios.campaigns.flyer import Flyer, Suite, Trial
 from scenarios.tasks.recipe import Recipe
 from scenarios.trials.verdict import Code
 from tests.clients.conftest import testbench  # noqa: F401 - a fixture
+from tests.instances import free_port
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 MOST_LINES = 66
@@ -129,10 +130,8 @@ def test_a_vehicle_of_ones_own_lands():
 
 @pytest.mark.timeout(150)
 def test_mavsdk_flies_offboard(testbench):  # noqa: F811
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
-    assert run("offboard_mavsdk", testbench.sdk_address, str(port)).endswith("landed\n")
+    port = str(free_port(socket.SOCK_STREAM))
+    assert run("offboard_mavsdk", testbench.sdk_address, port).endswith("landed\n")
 
 
 @pytest.mark.timeout(150)

@@ -12,7 +12,8 @@ from flightsim.mavlink.logs import FlightRecorder
 from flightsim.mavlink.parameters import ParameterService
 from flightsim.mavlink.server import MavlinkServer
 from tests.flightsim.mavlink.conftest import Flight
-from tests.flightsim.mavlink.wire import Wire, free_port, named
+from tests.flightsim.mavlink.wire import Wire, named
+from tests.instances import free_port
 
 _ATTITUDE = LAYOUTS["ATTITUDE"].message_id
 _PING = LAYOUTS["PING"].message_id

@@ -16,7 +16,8 @@ from flightsim.mavlink.links import (
     UdpLink,
     UdpOutLink,
 )
-from tests.flightsim.mavlink.wire import Wire, free_port, named
+from tests.flightsim.mavlink.wire import Wire, named
+from tests.instances import free_port
 
 _PING = layout("PING")
 

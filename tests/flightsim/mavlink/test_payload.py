@@ -15,7 +15,8 @@ from flightsim.mavlink.dialect import LAYOUTS
 from flightsim.mavlink.dialect import dialect as mav
 from flightsim.payload import PayloadCfg
 from tests.flightsim.mavlink.conftest import Flight
-from tests.flightsim.mavlink.wire import Wire, free_port, named
+from tests.flightsim.mavlink.wire import Wire, named
+from tests.instances import free_port
 
 _CAMERA, _GIMBAL = 100, 154
 _ACCEPTED, _REJECTED, _DENIED, _UNSUPPORTED = range(4)

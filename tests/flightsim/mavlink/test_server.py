@@ -19,7 +19,8 @@ from flightsim.mavlink.parameters import ParameterService
 from flightsim.mavlink.server import MavlinkServer
 from flightsim.mavlink.shell import ShellService
 from tests.flightsim.mavlink.conftest import Flight
-from tests.flightsim.mavlink.wire import Wire, free_port, named
+from tests.flightsim.mavlink.wire import Wire, named
+from tests.instances import free_port
 
 # Commands that end a flight when they are meant: not what a fuzz test is after.
 _ENDING = {400, 185, 20, 21, 176, 262, 92, 22}

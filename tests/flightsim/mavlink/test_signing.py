@@ -10,7 +10,8 @@ from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.links import TcpServerLink, UdpLink
 from flightsim.mavlink.server import MavlinkServer
 from flightsim.mavlink.signing import Signing, SigningKeyError, key_of_passphrase, read_key
-from tests.flightsim.mavlink.wire import Wire, free_port, named
+from tests.flightsim.mavlink.wire import Wire, named
+from tests.instances import free_port
 
 KEY, OTHER_KEY = key_of_passphrase("open sesame"), key_of_passphrase("guess")
 NOW_S = 1_700_000_000.0

@@ -2,20 +2,12 @@
 
 from __future__ import annotations
 
-import socket
 import time
 from collections.abc import Iterable
 from typing import Any
 
 from flightsim.mavlink.channel import Channel
 from flightsim.mavlink.dialect import dialect, layout
-
-
-def free_port(kind: socket.SocketKind) -> int:
-    """A port of TCP or UDP that nothing has at this moment."""
-    with socket.socket(socket.AF_INET, kind) as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
 
 
 class Wire:

@@ -18,7 +18,7 @@ from flightsim.payload.lens import Lens
 from flightsim.payload.video import FRAME_US, Film, VideoError, VideoStream, encoder
 from flightsim.payload.video.rtp import MAX_PAYLOAD_BYTES, Packetiser, payloads_of
 from flightsim.plant import Plant, PlantCfg
-from tests.flightsim.mavlink.wire import free_port
+from tests.instances import free_port
 
 _PAGE = Path(__file__).parents[3] / "docs" / "camera.md"
 _LEAST_PSNR_DB = 32.0

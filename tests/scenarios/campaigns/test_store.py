@@ -2,7 +2,6 @@
 
 import os
 import random
-import resource
 import signal
 import time
 
@@ -20,6 +19,7 @@ from scenarios.campaigns.store import (
     open_store,
     read_results,
 )
+from tests.full_disk import files_end_after
 
 
 def row(number, **more):
@@ -70,20 +70,15 @@ def test_a_journal_that_was_cut_short_loses_its_last_line_alone(tmp_path):
 
 def test_a_full_disk_loses_no_row_that_was_kept(tmp_path):
     kept = []
-    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
 
     def fill():
-        with open_store(tmp_path) as results:
-            resource.setrlimit(resource.RLIMIT_FSIZE, (3000, hard))
+        with open_store(tmp_path) as results, files_end_after(3000):
             for number in range(1000):
                 results.add(row(number))
                 kept.append(f"7/iris/{number}")
 
-    try:
-        with pytest.raises(OSError, match="too large"):
-            fill()
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    with pytest.raises(OSError, match="too large"):
+        fill()
     assert 5 < len(kept) < 1000
     assert ids(tmp_path) == kept
     with open_store(tmp_path) as results:

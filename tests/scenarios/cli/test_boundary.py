@@ -15,6 +15,7 @@ import pytest
 from scenarios import INPUT_ERRORS
 from scenarios.cli.boundary import INPUT_ERROR_NAMES, one_line
 from scenarios.recording import RecordingError
+from tests.full_disk import LIMITED
 
 BED = {"category": "Bed", "p": [0, 0, 0.4], "q": [1, 0, 0, 0], "s": [1.5, 2.0, 0.8]}
 FLOOR = [[-5, -4], [5, -4], [5, 4], [-5, 4]]
@@ -58,13 +59,9 @@ def test_a_fault_of_ours_keeps_its_traceback(monkeypatch):
     assert one_line(RecursionError()) is None
 
 
-# The disk is full for this process alone, beyond so many bytes of a file.
-FULL = """
-import resource, sys
-limit = int(sys.argv[1])
-resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+FULL = f"""{LIMITED}
 from scenarios.cli.main import main
-sys.exit(main(sys.argv[2:]))
+sys.exit(main(sys.argv[1:]))
 """
 
 
@@ -85,7 +82,14 @@ def test_a_full_disk_is_one_line_and_leaves_nothing_half_written(tmp_path, limit
         (tmp_path / "l.jsonl").write_text(json.dumps(ROOM) + "\n")
     before = {path: path.read_bytes() for path in tmp_path.iterdir()}
     done = subprocess.run(
-        [sys.executable, "-c", FULL, str(limit), *(word.format(out=tmp_path) for word in words)],
+        [
+            sys.executable,
+            "-B",
+            "-c",
+            FULL,
+            str(limit),
+            *(word.format(out=tmp_path) for word in words),
+        ],
         capture_output=True,
         text=True,
         check=False,

@@ -1,11 +1,10 @@
 """Films are written whole or not at all."""
 
-import resource
-
 import numpy as np
 import pytest
 
 from scenarios.pictures.film.encode import write_animation, write_video
+from tests.full_disk import files_end_after
 
 
 def pictures(count):
@@ -20,13 +19,11 @@ def test_a_film_that_a_full_disk_cuts_short_is_an_error_and_no_file(tmp_path, ca
     write(pictures(8), 10.0, tmp_path / name)
     n_bytes = (tmp_path / name).stat().st_size
     (tmp_path / name).unlink()
-    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     capfd.readouterr()
     for limit in (0, n_bytes // 2, n_bytes - 1000):
-        resource.setrlimit(resource.RLIMIT_FSIZE, (limit, hard))
-        try:
-            with pytest.raises(OSError):  # noqa: PT011 - each encoder has words of its own
-                write(pictures(8), 10.0, tmp_path / name)
-        finally:
-            resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+        with (
+            files_end_after(limit),
+            pytest.raises(OSError),  # noqa: PT011 - each encoder has words of its own
+        ):
+            write(pictures(8), 10.0, tmp_path / name)
         assert list(tmp_path.iterdir()) == []

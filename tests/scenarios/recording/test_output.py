@@ -5,17 +5,16 @@ import sys
 
 import pytest
 
-FULL = """
-import resource, sys
+from tests.full_disk import LIMITED
+
+FULL = f"""{LIMITED}
 from pathlib import Path
 from aeroscene.corpus.field import field_scene
 from scenarios.recording import RecordingError
 from scenarios.recording.scene_file import write_scene_recording
 
-limit = int(sys.argv[1])
-resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
 try:
-    write_scene_recording(field_scene(), Path(sys.argv[2]))
+    write_scene_recording(field_scene(), Path(sys.argv[1]))
 except RecordingError as error:
     print(error)
 """
@@ -26,7 +25,7 @@ except RecordingError as error:
 def test_a_recording_without_room_is_an_error_and_an_end(tmp_path, limit):
     path = tmp_path / "x.rrd"
     done = subprocess.run(
-        [sys.executable, "-c", FULL, str(limit), str(path)],
+        [sys.executable, "-B", "-c", FULL, str(limit), str(path)],
         capture_output=True,
         text=True,
         check=False,

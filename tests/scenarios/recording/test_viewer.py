@@ -9,6 +9,7 @@ import pytest
 from scenarios.recording import Recorder, RunInfo
 from scenarios.recording.summary import summarise
 from scenarios.recording.viewer import Viewer, ViewerError, free_port, has_display
+from tests import instances
 
 
 def _listeners():
@@ -88,9 +89,9 @@ def test_viewer_that_cannot_start_says_why(tmp_path, listeners_before):
 
 
 def test_free_port_prefers_the_one_asked_for_and_avoids_one_in_use():
+    port = instances.free_port(socket.SOCK_STREAM)
     with socket.socket() as taken:
-        taken.bind(("127.0.0.1", 0))
+        taken.bind(("127.0.0.1", port))
         taken.listen()
-        port = taken.getsockname()[1]
         assert free_port(port) != port
     assert free_port(port) == port

@@ -138,7 +138,7 @@ def test_a_disk_that_fills_up_costs_the_recording_and_not_the_figures(tmp_path):
     path = tmp_path / "flight.rrd"
     args = ("--scene", "field", "--headless-seconds", "8", "--speed", "max", "--camera-hz", "0")
     done = subprocess.run(
-        [sys.executable, "-c", FILLING_UP, "--instance", str(own_instance())]
+        [sys.executable, "-B", "-c", FILLING_UP, "--instance", str(own_instance())]
         + [*args, "--json", "--record", str(path)],
         capture_output=True,
         text=True,

@@ -4,7 +4,6 @@ import errno
 import io
 import json
 import os
-import resource
 import shutil
 import subprocess
 import sys
@@ -20,6 +19,7 @@ import torch
 from scenarios.trial_data.dataset.frames import FrameDataset
 from scenarios.trial_data.dataset.write import DATASET_TABLES, add_trial, has_trial
 from scenarios.trial_data.reading import TrialDataError
+from tests.full_disk import files_end_after
 from tests.scenarios.in_process import in_process
 
 
@@ -182,20 +182,11 @@ def test_a_disk_that_fills_up_between_two_tables_leaves_nothing(trial, tmp_path,
     assert not has_trial(tmp_path, trial.name)
 
 
-# The disk is full for this process alone.
-@pytest.fixture
-def full_disk():
-    """Files end after 20 kB, for this process alone."""
-    before = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, before[1]))
-    yield
-    resource.setrlimit(resource.RLIMIT_FSIZE, before)
-
-
 @pytest.mark.parametrize("to", ["mcap", "ulog", "csv", "dataset"])
-def test_a_full_disk_is_one_line_and_leaves_nothing(flight, tmp_path, capsys, full_disk, to):
+def test_a_full_disk_is_one_line_and_leaves_nothing(flight, tmp_path, capsys, to):
     out = tmp_path / "out"
-    status, _, err = in_process(capsys, "export-trial", flight.path, "--to", to, "--out", out)
+    with files_end_after(20_000):
+        status, _, err = in_process(capsys, "export-trial", flight.path, "--to", to, "--out", out)
     assert status == 2, err
     assert err.count("\n") == 1, err
     assert "file too large" in err
