@@ -25,8 +25,8 @@ from shapely import MultiPoint
 
 from aeroscene.metrics.appearance.features import Picture
 from aeroscene.scene import Scene, SceneObject
+from scenarios.evaluation.renders import PIXELS
 
-PIXELS = 256
 HALF_M = 3.1
 """Half of what is in the picture."""
 _FINER = 4

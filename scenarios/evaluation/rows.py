@@ -10,6 +10,7 @@ from pathlib import Path
 
 import msgspec
 import numpy as np
+from jaxtyping import Float
 
 from aeroscene.files import replacing
 from aeroscene.learning.baselines.fitting import Spent
@@ -67,6 +68,7 @@ class Judge:
     pictures: np.ndarray
     """Features of the training scenes' pictures, (scenes, views, features)."""
     views: tuple[str, ...]
+    """Names of the pictures of a scene."""
     network: FeatureNetwork
     seed: int
     key: str
@@ -129,11 +131,15 @@ class Judge:
             for metric in (name, kernel)
         }
         own = {key: figures[key] for key in self.metrics() if key in figures}
-        return means | own | {"SCA": _told_apart(pictures, self.pictures, rng)}
+        return means | own | {"SCA": told_apart(pictures, self.pictures, rng)}
 
 
-def _told_apart(pictures: np.ndarray, reference: np.ndarray, rng: np.random.Generator) -> Figure:
-    """How well a classifier tells pictures from the reference's, by all views together."""
+def told_apart(
+    pictures: Float[np.ndarray, "n views f"],
+    reference: Float[np.ndarray, "m views f"],
+    rng: np.random.Generator,
+) -> Figure:
+    """How well a classifier tells pictures from the reference's by their features, percent."""
     both = np.concatenate([pictures, reference]).reshape(len(pictures) + len(reference), -1)
     both = both - both.mean(axis=0)
     # Of norm two, which the classifier's penalty is for.

@@ -92,7 +92,7 @@ def flat_layout(scene: Scene, wish: Wish, *, has_regions: bool) -> FlatLayout:
 
 
 def turned(center_enu_m: Float[np.ndarray, "n 3"], yaw_rad: float) -> Float[np.ndarray, "n 3"]:
-    """Places turned about the origin."""
+    """Places turned about the vertical through the origin, counter-clockwise from above."""
     cos, sin = np.cos(yaw_rad), np.sin(yaw_rad)
     x, y, z = center_enu_m.T
     return np.column_stack([cos * x - sin * y, sin * x + cos * y, z])
@@ -108,6 +108,7 @@ def _site_yaw_rad(yaw_rad: Float[np.ndarray, " n"], size_m: Float[np.ndarray, "n
 
 
 def _rest_rad(yaw_rad: np.ndarray) -> np.ndarray:
+    """What is left of headings, or of differences of them, after their nearest quarter turns."""
     return yaw_rad - np.round(yaw_rad / QUARTER_RAD) * QUARTER_RAD
 
 
@@ -122,18 +123,15 @@ def random_symmetry(layout: FlatLayout, rng: np.random.Generator) -> FlatLayout:
     turns, is_mirrored = draw_symmetry(layout.wish.domain, rng)
     if turns == 0 and not is_mirrored:
         return layout
-    center, yaw, half = (
-        layout.center_enu_m.copy(),
-        layout.yaw_rad + turns * QUARTER_RAD,
-        layout.half_m,
-    )
-    for _ in range(turns):
-        center[:, 0], center[:, 1] = -center[:, 1].copy(), center[:, 0].copy()
-        half = half[::-1]
+    angle_rad = turns * QUARTER_RAD
+    center, yaw = turned(layout.center_enu_m, angle_rad), layout.yaw_rad + angle_rad
+    half, site_yaw_rad = layout.half_m[:: -1 if turns % 2 else 1], layout.site_yaw_rad
     if is_mirrored:
         center[:, 1] *= -1
-        yaw = -yaw
-    return _ordered(replace(layout, center_enu_m=center, yaw_rad=yaw, half_m=half))
+        yaw, site_yaw_rad = -yaw, -site_yaw_rad
+    return _ordered(
+        replace(layout, center_enu_m=center, yaw_rad=yaw, half_m=half, site_yaw_rad=site_yaw_rad)
+    )
 
 
 def quarter_turns(

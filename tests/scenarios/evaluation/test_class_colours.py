@@ -10,7 +10,9 @@ from aeroscene.layouts.flyable import make_flyable
 from aeroscene.layouts.neutral import neutral_layout
 from aeroscene.scene import Scene
 from scenarios.cli.main import main
-from scenarios.evaluation.class_colours import HALF_M, PIXELS, ClassPictures
+from scenarios.evaluation.class_colours import HALF_M, ClassPictures
+from scenarios.evaluation.renders import PIXELS
+from scenarios.evaluation.rows import told_apart
 from tests.aeroscene.layouts.samples import house
 
 
@@ -80,3 +82,12 @@ def test_the_protocol_is_of_rooms(capsys, tmp_path):
         main(["evaluate", "--protocol", "diffuscene", "--out", str(tmp_path / "out")])
     assert stop.value.code == 2
     assert "data is 'corpus', valid: front3d or procthor" in capsys.readouterr().err
+
+
+def test_pictures_of_one_kind_are_a_guess_and_others_give_themselves_away():
+    rng = np.random.default_rng(3)
+    real, alike = rng.normal(size=(60, 1, 40)), rng.normal(size=(60, 1, 40))
+    other = alike + np.where(np.arange(40) < 5, 4.0, 0.0)
+    guess, seen = (told_apart(each, real, rng) for each in (alike, other))
+    assert guess.low < 50.0 < guess.high
+    assert seen.value > 95.0
