@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -18,14 +18,15 @@ from jaxtyping import Float
 from scipy.optimize import linear_sum_assignment
 
 from aeroscene.learning.baselines.diffuscene import DiffuScene
-from aeroscene.learning.baselines.layouts import Boxes, LayoutCode, LayoutSet, boxes_of
+from aeroscene.learning.baselines.layouts import LayoutCode, LayoutSet, layouts_of
 from aeroscene.learning.baselines.model import BaselineCfg
 from aeroscene.learning.diffusion.loss import diffusion_loss
 from aeroscene.learning.diffusion.sampling import sample
 from aeroscene.learning.diffusion.schedule import Schedule
 from aeroscene.learning.model.network import new_denoiser
+from aeroscene.learning.paper.boxes import FlatBoxes
 from aeroscene.learning.paper.guidance.layout import FlatReader
-from aeroscene.learning.paper.layouts import IS_TWO_SIDED, turned
+from aeroscene.learning.paper.layouts import IS_TWO_SIDED, FlatLayout
 from aeroscene.learning.paper.preset import PAPER_SAMPLER
 from aeroscene.learning.paper.training_set import FlatTrainingSet, flat_training_set
 from aeroscene.learning.tokens.batch import TokenBatch
@@ -82,7 +83,7 @@ def memorising_rows(preset: Preset, scenes: Sequence[Scene], cpu_s: float) -> It
         BenchError: If there are too few scenes that are small enough.
     """
     learned = small_scenes(scenes)
-    real = [boxes_of(scene) for scene in learned]
+    real = layouts_of(learned)
     drawn, n_steps = _memorised_by_preset(preset, learned, cpu_s)
     yield higher(f"{preset}: steps on {N_SCENES} scenes", n_steps, "")
     yield from _Off.of(drawn, real).rows(preset, has_target=True)
@@ -93,7 +94,7 @@ def memorising_rows(preset: Preset, scenes: Sequence[Scene], cpu_s: float) -> It
 
 def _memorised_by_preset(
     preset: Preset, scenes: Sequence[Scene], cpu_s: float
-) -> tuple[list[Boxes], int]:
+) -> tuple[list[FlatBoxes], int]:
     data = flat_training_set(scenes, has_regions=preset == "progressive")
     sections = preset_sections(preset)
     schedule = Schedule(sections["schedule"])
@@ -110,18 +111,15 @@ def _memorised_by_preset(
     training = _train(network, lambda step: passes[step % len(passes)], loss, cpu_s)
     read, sampler = FlatReader(data.statistics), replace(PAPER_SAMPLER, parameterisation="eps")
     generator = torch.Generator().manual_seed(_SEED)
-    boxes: list[list[Boxes]] = [[] for _ in scenes]
+    boxes: list[list[FlatBoxes]] = [[] for _ in scenes]
     for batch in passes:
         layout = read(sample(network.eval(), batch, schedule, sampler, generator), batch)
         assert batch.given is not None
         is_drawn = batch.mask & ~batch.given
         yaw = torch.atan2(layout.heading[..., 1], layout.heading[..., 0])
         for i, own in enumerate(is_drawn):
-            parts = (layout.category[i] - 1, layout.center_enu_m[i], layout.size_m[i], yaw[i])
-            category, center_m, size_m, yaw_rad = (part[own].numpy() for part in parts)
-            site_yaw_rad = data.examples[i].site_yaw_rad
-            center_m = turned(center_m, site_yaw_rad)
-            boxes[i].append(Boxes(category, center_m, size_m, yaw_rad + site_yaw_rad))
+            parts = (layout.category[i], layout.center_enu_m[i], yaw[i], layout.size_m[i])
+            boxes[i].append(FlatBoxes(*(part[own].numpy() for part in parts)))
     return [_joined(parts) for parts in boxes], training.step
 
 
@@ -129,7 +127,7 @@ def _passes(data: FlatTrainingSet) -> tuple[bool, ...]:
     return (False, True) if data.statistics.has_regions else (True,)
 
 
-def _memorised_by_diffuscene(scenes: Sequence[Scene], cpu_s: float) -> tuple[list[Boxes], int]:
+def _memorised_by_diffuscene(scenes: Sequence[Scene], cpu_s: float) -> tuple[list[FlatBoxes], int]:
     code = LayoutCode.of(scenes)
     batch = LayoutSet.of(scenes, code).in_order(0, len(scenes))
     with torch.random.fork_rng(devices=[]):
@@ -157,11 +155,12 @@ def _train(
     return training
 
 
-def _joined(parts: Sequence[Boxes]) -> Boxes:
+def _joined(parts: Sequence[FlatBoxes]) -> FlatBoxes:
     columns = (
-        np.concatenate([getattr(part, column.name) for part in parts]) for column in fields(Boxes)
+        np.concatenate([getattr(part, name) for part in parts])
+        for name in ("category", "center_enu_m", "yaw_rad", "size_m")
     )
-    return Boxes(*columns)
+    return FlatBoxes(*columns)
 
 
 @dataclass(frozen=True)
@@ -175,7 +174,7 @@ class _Off:
     """Objects of the learned scenes that the draws lack."""
 
     @classmethod
-    def of(cls, drawn: Sequence[Boxes], real: Sequence[Boxes]) -> _Off:
+    def of(cls, drawn: Sequence[FlatBoxes], real: Sequence[FlatBoxes | FlatLayout]) -> _Off:
         """Compare each draw with each scene, and keep the nearest."""
         matches = [min((_matched(a, b) for b in real), key=lambda m: m.cost_m) for a in drawn]
         n_lost = sum(match.n_lost for match in matches)
@@ -215,9 +214,9 @@ class _Match:
     """What is summed over all objects: how unlike the two are."""
 
 
-def _matched(drawn: Boxes, real: Boxes) -> _Match:
+def _matched(drawn: FlatBoxes, real: FlatBoxes | FlatLayout) -> _Match:
     """Pair objects of one category so that the distances add up to least."""
-    apart_m = np.linalg.norm(drawn.centre_enu_m[:, None] - real.centre_enu_m, axis=-1)
+    apart_m = np.linalg.norm(drawn.center_enu_m[:, None] - real.center_enu_m, axis=-1)
     is_alike = drawn.category[:, None] == real.category
     own, other = linear_sum_assignment(np.where(is_alike, apart_m, 1e3))
     kept = is_alike[own, other]
@@ -226,7 +225,7 @@ def _matched(drawn: Boxes, real: Boxes) -> _Match:
     ratio = np.abs(np.log(drawn.size_m[own] / real.size_m[other])).max(axis=1)
     turn = drawn.yaw_rad[own] - real.yaw_rad[other]
     turn = np.abs((turn + np.pi) % (2 * np.pi) - np.pi)
-    two_sided = IS_TWO_SIDED[1 + drawn.category[own]]
+    two_sided = IS_TWO_SIDED[drawn.category[own]]
     turn = np.where(two_sided, np.minimum(turn, np.pi - turn), turn)
     n_lost = len(real.category) - len(own)
     cost_m = float(place_m.sum()) + _MISSING_M * (n_lost + len(drawn.category) - len(own))

@@ -32,7 +32,6 @@ from aeroscene.learning.baselines.layouts import (
     LOG_SIZE,
     N_CHANNELS,
     N_GEOMETRY,
-    Boxes,
     LayoutCode,
 )
 from aeroscene.learning.baselines.model import BaselineCfg, BaselineModel
@@ -43,6 +42,7 @@ from aeroscene.learning.baselines.networks.mixture import (
     spread_means,
 )
 from aeroscene.learning.model.encoding import fourier_features
+from aeroscene.learning.paper.boxes import FlatBoxes
 from aeroscene.learning.tokens.batch import TokenBatch
 from aeroscene.learning.tokens.kinds import DOMAINS
 from aeroscene.learning.training.loop import LossTerms
@@ -124,7 +124,7 @@ class Atiss(BaselineModel):
         return total + mixture_loss(_mixtures(self.size_head(known)), x[..., LOG_SIZE])
 
     @torch.no_grad()
-    def draw(self, domain: int, generator: torch.Generator) -> Boxes:
+    def draw(self, domain: int, generator: torch.Generator) -> FlatBoxes:
         """A layout, object by object, until the end is drawn or there are no more slots."""
         device = next(self.parameters()).device
         x = torch.zeros((1, self.code.n_slots, N_CHANNELS), device=device)

@@ -31,7 +31,6 @@ from aeroscene.learning.baselines.layouts import (
     LOG_SIZE,
     N_CHANNELS,
     N_GEOMETRY,
-    Boxes,
     LayoutCode,
     empty_batch,
 )
@@ -41,6 +40,7 @@ from aeroscene.learning.diffusion.config import LossCfg, SamplerCfg, ScheduleCfg
 from aeroscene.learning.diffusion.loss import diffusion_loss
 from aeroscene.learning.diffusion.sampling import Guidance, sample
 from aeroscene.learning.diffusion.schedule import Schedule
+from aeroscene.learning.paper.boxes import FlatBoxes
 from aeroscene.learning.paper.guidance.collision import collision_loss
 from aeroscene.learning.paper.guidance.layout import Layout
 from aeroscene.learning.tokens.batch import TokenBatch
@@ -74,7 +74,7 @@ class DiffuScene(BaselineModel):
             diffusion_loss(self.denoiser, batch, self._schedule, _LOSS, generator, self._overlap)
         )
 
-    def draw(self, domain: int, generator: torch.Generator) -> Boxes:
+    def draw(self, domain: int, generator: torch.Generator) -> FlatBoxes:
         """A layout by ancestral sampling."""
         device = next(self.parameters()).device
         bounds = [torch.as_tensor(b, dtype=torch.float32) for b in (self.code.low, self.code.high)]

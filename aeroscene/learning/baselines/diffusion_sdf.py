@@ -31,7 +31,6 @@ from aeroscene.learning.baselines.layouts import (
     CATEGORY,
     N_CHANNELS,
     N_GEOMETRY,
-    Boxes,
     LayoutCode,
     empty_batch,
 )
@@ -42,6 +41,7 @@ from aeroscene.learning.diffusion.loss import diffusion_loss
 from aeroscene.learning.diffusion.sampling import sample
 from aeroscene.learning.diffusion.schedule import Schedule
 from aeroscene.learning.model.encoding import fourier_features
+from aeroscene.learning.paper.boxes import FlatBoxes
 from aeroscene.learning.paper.network.attention import MaskedAttention
 from aeroscene.learning.tokens.batch import TokenBatch
 from aeroscene.learning.training.loop import LossTerms
@@ -114,7 +114,7 @@ class DiffusionSdf(BaselineModel):
         return {"total": total} | {name: term.detach() for name, term in terms.items()}
 
     @torch.no_grad()
-    def draw(self, domain: int, generator: torch.Generator) -> Boxes:
+    def draw(self, domain: int, generator: torch.Generator) -> FlatBoxes:
         """A layout read off a code that is drawn."""
         device = next(self.parameters()).device
         blank = torch.zeros((1, _N_CODES, _CODE_WIDTH), device=device)

@@ -2,14 +2,16 @@
 
 | channels | name | unit |
 |---|---|---|
-| 0, 1, 2 | centre, ENU | standardised |
+| 0, 1, 2 | centre, along the axes of the site and up | standardised |
 | 3, 4, 5 | logarithms of full extents | standardised |
 | 6, 7 | cosine and sine of the yaw | - |
 | 8 to 77 | category, one-hot, -1 or 1 | - |
 | 78 | no object, -1 or 1 | - |
 
 A layout has as many slots as the largest scene of training has objects; the rest say that they hold
-none. Tilts are left out: 13 of 24,563 objects of 3D-FRONT tilt.
+none. Tilts are left out: 13 of 24,563 objects of 3D-FRONT tilt. Objects are in the order, and in
+the frame, that the paper's presets have them in (`aeroscene.learning.paper.layouts`): what helped
+our own method helps those that it is compared with.
 
 Source: Tang et al. 2024, "DiffuScene", section 3.1, the object attributes, with sizes as
 logarithms, since ours go from a cup to a building.
@@ -21,18 +23,20 @@ import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 import torch
-from jaxtyping import Float, Int
+from jaxtyping import Float
 
 from aeroscene.learning.paper.boxes import FlatBoxes, as_skeleton
+from aeroscene.learning.paper.channels import site_yaw_quantiles_rad
+from aeroscene.learning.paper.layouts import FlatLayout, flat_layout, random_symmetry
 from aeroscene.learning.tokens.assembly import assemble
 from aeroscene.learning.tokens.batch import TokenBatch
 from aeroscene.learning.tokens.kinds import DOMAINS, Vocabulary, count_kinds
-from aeroscene.learning.tokens.skeleton import token_order
-from aeroscene.learning.tokens.symmetry import draw_symmetry
-from aeroscene.metrics.arrays import N_CATEGORIES, scene_arrays
+from aeroscene.learning.tokens.skeleton import Wish
+from aeroscene.metrics.arrays import N_CATEGORIES
 from aeroscene.scene import Scene, SceneDomain
 
 CENTRE, LOG_SIZE, HEADING = slice(0, 3), slice(3, 6), slice(6, 8)
@@ -44,28 +48,9 @@ _LEAST_SPREAD = 1e-3
 _SLOT_STEP = 8
 
 
-@dataclass(frozen=True, eq=False)
-class Boxes:
-    """Objects of a layout in the world."""
-
-    category: Int[np.ndarray, " n"]
-    """Category id less one."""
-    centre_enu_m: Float[np.ndarray, "n 3"]
-    size_m: Float[np.ndarray, "n 3"]
-    yaw_rad: Float[np.ndarray, " n"]
-
-
-def boxes_of(scene: Scene) -> Boxes:
-    """The objects of a scene, coarse ones first, what belongs together side by side."""
-    arrays = scene_arrays(scene)
-    row_of = {obj.id: row for row, obj in enumerate(scene.objects)}
-    order = np.array([row_of[obj.id] for obj in token_order(scene)], dtype=int)
-    return Boxes(
-        arrays.category[order],
-        arrays.centre_enu_m[order],
-        arrays.size_m[order],
-        arrays.yaw_rad[order],
-    )
+def layouts_of(scenes: Sequence[Scene]) -> tuple[FlatLayout, ...]:
+    """Scenes in the axes of their sites, as lists in the one order."""
+    return tuple(flat_layout(scene, Wish.of(scene), has_regions=True) for scene in scenes)
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,12 +64,14 @@ class LayoutCode:
     """Least value of each channel in training."""
     high: Float[np.ndarray, " 79"]
     vocabulary: Vocabulary
+    site_yaw_rad: Float[np.ndarray, "domains quantiles"]
+    """How sites of each domain are turned: what new ones are turned by is drawn among these."""
 
     @classmethod
-    def of(cls, scenes: Sequence[Scene]) -> LayoutCode:
+    def of(cls, scenes: Sequence[Scene]) -> Self:
         """Measure training scenes, under the symmetries of the square."""
-        layouts = [boxes_of(scene) for scene in scenes]
-        rows = np.concatenate([_measures(boxes) for boxes in layouts])
+        layouts = layouts_of(scenes)
+        rows = np.concatenate([_measures(layout) for layout in layouts])
         mean, spread = rows.mean(axis=0), np.maximum(rows.std(axis=0), _LEAST_SPREAD)
         mean[:2] = 0.0
         spread[:2] = max(float(np.sqrt((rows[:, :2] ** 2).mean())), _LEAST_SPREAD)
@@ -95,61 +82,54 @@ class LayoutCode:
         low[:2] = -high[:2]
         # Empty slots have zeros.
         low[:6], high[:6] = np.minimum(low[:6], 0.0), np.maximum(high[:6], 0.0)
-        most = max(len(boxes.category) for boxes in layouts)
+        most = max(len(layout) for layout in layouts)
         n_slots = -(-most // _SLOT_STEP) * _SLOT_STEP
-        return cls(n_slots, mean, spread, low, high, count_kinds(scenes))
+        site_yaw_rad = site_yaw_quantiles_rad(layouts)
+        return cls(n_slots, mean, spread, low, high, count_kinds(scenes), site_yaw_rad)
 
-    def encode(self, boxes: Boxes) -> Float[np.ndarray, "n 79"]:
+    def encode(self, boxes: FlatBoxes | FlatLayout) -> Float[np.ndarray, "n 79"]:
         """Channels of the objects alone, without empty slots."""
         n = len(boxes.category)
         x = np.full((n, N_CHANNELS), -1.0)
         x[:, :6] = (_measures(boxes) - self.mean) / self.spread
         x[:, 6], x[:, 7] = np.cos(boxes.yaw_rad), np.sin(boxes.yaw_rad)
-        x[np.arange(n), N_GEOMETRY + boxes.category] = 1.0
+        x[np.arange(n), N_GEOMETRY - 1 + boxes.category] = 1.0
         return x
 
-    def decode(self, x: Float[np.ndarray, "n 79"]) -> Boxes:
+    def decode(self, x: Float[np.ndarray, "n 79"]) -> FlatBoxes:
         """Boxes of those slots that hold an object; the likeliest one where none does."""
         is_there = x[:, CATEGORY].max(axis=1) > x[:, EMPTY]
         if not is_there.any():
             is_there[(x[:, CATEGORY].max(axis=1) - x[:, EMPTY]).argmax()] = True
         x = x[is_there]
         rows = np.clip(x[:, :6], self.low[:6], self.high[:6]) * self.spread + self.mean
-        return Boxes(
-            x[:, CATEGORY].argmax(axis=1),
-            rows[:, CENTRE],
-            np.exp(rows[:, LOG_SIZE]),
-            np.arctan2(x[:, 7], x[:, 6]),
+        return FlatBoxes(
+            category=1 + x[:, CATEGORY].argmax(axis=1),
+            center_enu_m=rows[:, CENTRE],
+            yaw_rad=np.arctan2(x[:, 7], x[:, 6]),
+            size_m=np.exp(rows[:, LOG_SIZE]),
         )
 
     def scene(
-        self, boxes: Boxes, domain: SceneDomain, seed: int, rng: np.random.Generator
+        self, boxes: FlatBoxes, domain: SceneDomain, seed: int, rng: np.random.Generator
     ) -> Scene:
         """The scene that boxes are, without areas, as the paper's flat layouts are read.
 
-        A fine object belongs to the coarse one whose centre is nearest; `rng` draws kinds within
-        categories, and looks.
+        A fine object belongs to the coarse one whose centre is nearest; `rng` draws how the site is
+        turned, kinds within categories, and looks.
 
         Raises:
             SceneError: If a number is not finite.
         """
-        flat = FlatBoxes(1 + boxes.category, boxes.centre_enu_m, boxes.yaw_rad, boxes.size_m)
-        skeleton, geometry = as_skeleton(flat, domain, self.vocabulary, rng)
+        site_yaw_rad = float(rng.choice(self.site_yaw_rad[DOMAINS.index(domain)]))
+        turned = boxes.turned(site_yaw_rad)
+        skeleton, geometry = as_skeleton(turned, domain, self.vocabulary, rng)
         name = f"scene-{seed:04d}"
         return assemble(skeleton, geometry, self.vocabulary, scene_id=name, seed=seed, rng=rng)
 
 
-def _measures(boxes: Boxes) -> Float[np.ndarray, "n 6"]:
-    return np.hstack([boxes.centre_enu_m, np.log(boxes.size_m)])
-
-
-@dataclass(frozen=True, eq=False)
-class LayoutExample:
-    """One scene."""
-
-    x: Float[np.ndarray, "n 79"]
-    domain: int
-    """Place among `DOMAINS`."""
+def _measures(boxes: FlatBoxes | FlatLayout) -> Float[np.ndarray, "n 6"]:
+    return np.hstack([boxes.center_enu_m, np.log(boxes.size_m)])
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,41 +137,37 @@ class LayoutSet:
     """Scenes as flat layouts, as batches for training."""
 
     code: LayoutCode
-    examples: tuple[LayoutExample, ...]
+    examples: tuple[FlatLayout, ...]
 
     @classmethod
-    def of(cls, scenes: Sequence[Scene], code: LayoutCode) -> LayoutSet:
-        """Encode scenes; those with more objects than there are slots are left out."""
-        examples = [
-            LayoutExample(code.encode(boxes_of(scene)), DOMAINS.index(scene.domain))
-            for scene in scenes
-            if len(scene.objects) <= code.n_slots
-        ]
-        return cls(code, tuple(examples))
+    def of(cls, scenes: Sequence[Scene], code: LayoutCode) -> Self:
+        """Take scenes; those with more objects than there are slots are left out."""
+        return cls(code, tuple(each for each in layouts_of(scenes) if len(each) <= code.n_slots))
 
     @cached_property
     def digest(self) -> str:
         """Sixteen hexadecimal digits that differ between sets of scenes."""
         digest = hashlib.sha256()
         for example in self.examples:
-            digest.update(np.round(example.x, 4).astype("<f4").tobytes())
+            digest.update(np.round(self.code.encode(example), 4).astype("<f4").tobytes())
         return digest.hexdigest()[:16]
 
     def sample_batch(self, size: int, rng: np.random.Generator) -> TokenBatch:
         """Scenes drawn with replacement, each turned at random, indoors mirrored too."""
         picked = rng.integers(len(self.examples), size=size)
-        return self._batch([_symmetric(self.examples[i], rng) for i in picked])
+        return self._batch([random_symmetry(self.examples[i], rng) for i in picked])
 
     def in_order(self, start: int, size: int) -> TokenBatch:
         """Scenes as they are, for measuring."""
         return self._batch(self.examples[start : start + size])
 
-    def _batch(self, examples: Sequence[LayoutExample]) -> TokenBatch:
-        batch = empty_batch([example.domain for example in examples], self.code.n_slots)
+    def _batch(self, examples: Sequence[FlatLayout]) -> TokenBatch:
+        domains = [DOMAINS.index(example.wish.domain) for example in examples]
+        batch = empty_batch(domains, self.code.n_slots)
         assert batch.x0 is not None
         for row, example in enumerate(examples):
-            n = len(example.x)
-            batch.x0[row, :n] = torch.from_numpy(example.x.astype(np.float32))
+            n = len(example)
+            batch.x0[row, :n] = torch.from_numpy(self.code.encode(example).astype(np.float32))
             batch.mask[row, :n] = True
         return batch
 
@@ -215,14 +191,3 @@ def empty_batch(domains: Sequence[int], n_slots: int) -> TokenBatch:
         x0=x0,
         weight=torch.ones((*shape, N_CHANNELS)),
     )
-
-
-def _symmetric(example: LayoutExample, rng: np.random.Generator) -> LayoutExample:
-    turns, is_mirrored = draw_symmetry(DOMAINS[example.domain], rng)
-    x = example.x.copy()
-    for _ in range(turns):
-        for a, b in ((0, 1), (6, 7)):
-            x[:, a], x[:, b] = -x[:, b].copy(), x[:, a].copy()
-    if is_mirrored:
-        x[:, [1, 7]] *= -1
-    return LayoutExample(x, example.domain)

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import torch
 from torch import nn
 
-from aeroscene.learning.baselines.layouts import Boxes, LayoutCode
+from aeroscene.learning.baselines.layouts import LayoutCode
+from aeroscene.learning.paper.boxes import FlatBoxes
 from aeroscene.learning.tokens.batch import TokenBatch
 from aeroscene.learning.training.config import require
 from aeroscene.learning.training.loop import LossTerms
@@ -47,5 +48,5 @@ class BaselineModel(nn.Module, ABC):
         """Loss of a batch; its term `total` is what is minimised."""
 
     @abstractmethod
-    def draw(self, domain: int, generator: torch.Generator) -> Boxes:
+    def draw(self, domain: int, generator: torch.Generator) -> FlatBoxes:
         """A layout of a domain, by its place among `DOMAINS`; the generator draws everything."""

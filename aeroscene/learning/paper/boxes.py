@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from aeroscene.learning.paper.layouts import NO_REGION
+from aeroscene.learning.paper.layouts import NO_REGION, turned
 from aeroscene.learning.tokens.geometry import Geometry
 from aeroscene.learning.tokens.kinds import DOMAINS, OPENINGS, Vocabulary
 from aeroscene.learning.tokens.skeleton import Skeleton
@@ -26,6 +27,11 @@ class FlatBoxes:
     size_m: Float[np.ndarray, "n 3"]
     region: Int[np.ndarray, " n"] | None = None
     """Row of the coarse object that each fine one belongs to, or `NO_REGION`; None if unknown."""
+
+    def turned(self, yaw_rad: float) -> Self:
+        """The boxes turned about the origin, counter-clockwise from above."""
+        center_enu_m = turned(self.center_enu_m, yaw_rad)
+        return replace(self, center_enu_m=center_enu_m, yaw_rad=self.yaw_rad + yaw_rad)
 
 
 def as_skeleton(

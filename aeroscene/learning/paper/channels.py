@@ -30,7 +30,6 @@ from aeroscene.learning.paper.layouts import (
     quarter_turns,
 )
 from aeroscene.learning.tokens.kinds import DOMAINS
-from aeroscene.scene import SceneDomain
 from aeroscene.scene.catalogue import CATALOGUE
 
 POSITION, ROTATION, SCALE = slice(0, 3), slice(3, 7), slice(7, 10)
@@ -132,8 +131,7 @@ def measure(layouts: Sequence[FlatLayout], *, has_regions: bool) -> FlatStatisti
         holds[layout.category[layout.region[layout.region != NO_REGION]]] = True
     ones = np.ones((N_ROWS, N_GEOMETRY))
     on_top = _stands_on_top(layouts) if has_regions else empty
-    site_yaw_rad = np.stack([_yaw_quantiles_rad(layouts, domain) for domain in DOMAINS])
-    rest = on_top, holds, np.array(has_regions), site_yaw_rad
+    rest = on_top, holds, np.array(has_regions), site_yaw_quantiles_rad(layouts)
     framed = FlatStatistics(0 * ones, ones, ones, *rest)
     rows = [measured_channels(layout, frames_of(layout, framed))[0] for layout in layouts]
     mean, spread, variance = _moments(
@@ -142,12 +140,13 @@ def measure(layouts: Sequence[FlatLayout], *, has_regions: bool) -> FlatStatisti
     return FlatStatistics(mean, spread, variance, *rest)
 
 
-def _yaw_quantiles_rad(
-    layouts: Sequence[FlatLayout], domain: SceneDomain
-) -> Float[np.ndarray, " quantiles"]:
-    own = [layout.site_yaw_rad for layout in layouts if layout.wish.domain == domain]
+def site_yaw_quantiles_rad(
+    layouts: Sequence[FlatLayout],
+) -> Float[np.ndarray, "domains quantiles"]:
+    """How the sites of each domain are turned; zeros where there are none."""
     shares = (np.arange(_N_QUANTILES) + 0.5) / _N_QUANTILES
-    return np.quantile(own or [0.0], shares, method="nearest")
+    own = [[each.site_yaw_rad for each in layouts if each.wish.domain == d] for d in DOMAINS]
+    return np.stack([np.quantile(rad or [0.0], shares, method="nearest") for rad in own])
 
 
 def _moments(

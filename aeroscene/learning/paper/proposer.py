@@ -20,7 +20,7 @@ from aeroscene.learning.paper.channels import N_GEOMETRY, FlatStatistics
 from aeroscene.learning.paper.contents.model import ContentsModel
 from aeroscene.learning.paper.contents.sentences import Contents
 from aeroscene.learning.paper.guidance.layout import FlatReader, Layout
-from aeroscene.learning.paper.layouts import FlatLayout, turned
+from aeroscene.learning.paper.layouts import FlatLayout
 from aeroscene.learning.paper.training_set import Row, batch_of, row_of
 from aeroscene.learning.tokens.assembly import assemble
 from aeroscene.learning.tokens.batch import TokenBatch
@@ -178,11 +178,12 @@ class FlatProposer:
         vocabulary = self._model.vocabulary
         boxes = FlatBoxes(
             layout.category,
-            turned(layout.center_enu_m, layout.site_yaw_rad),
-            layout.yaw_rad + layout.site_yaw_rad,
+            layout.center_enu_m,
+            layout.yaw_rad,
             layout.size_m,
             layout.region if self._model.statistics.has_regions else None,
         )
+        boxes = boxes.turned(layout.site_yaw_rad)
         return FlatProposal(*as_skeleton(boxes, layout.wish.domain, vocabulary, rng), vocabulary)
 
 

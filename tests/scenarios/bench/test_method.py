@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import torch
 
-from aeroscene.learning.baselines.layouts import Boxes
 from aeroscene.learning.generation.loading import SHIPPED
+from aeroscene.learning.paper.boxes import FlatBoxes
 from aeroscene.learning.paper.training_set import flat_training_set
 from aeroscene.learning.training.checkpoint import read_checkpoint
 from scenarios.bench.configs import BenchError
@@ -58,13 +58,15 @@ def test_a_checkpoint_of_another_preset_is_refused(tmp_path):
 def test_draws_are_held_against_the_scene_that_they_are_most_like():
     real = [_room(0.0), _room(20.0)]
     moved = _room(20.0)
-    moved.centre_enu_m[:, 0] += 0.04
+    moved.center_enu_m[:, 0] += 0.04
     moved.size_m[:] *= 1.02
     off = _Off.of([moved], real)
     assert off.place_cm == pytest.approx(np.full(4, 4.0))
     assert off.extent_percent == pytest.approx(np.full(4, 2.0))
     assert off.missing_percent == 0.0
-    lost = Boxes(*(column[1:] for column in vars(moved).values()))
+    lost = FlatBoxes(
+        moved.category[1:], moved.center_enu_m[1:], moved.yaw_rad[1:], moved.size_m[1:]
+    )
     assert _Off.of([lost], real).missing_percent == pytest.approx(25.0)
 
 
@@ -74,5 +76,6 @@ def test_few_small_scenes_are_refused(scenes):
 
 
 def _room(shift_m):
-    centre = np.array([[0, 0, 1], [3, 0, 1], [0, 2, 1], [1, 1, 0.5]], dtype=float)
-    return Boxes(np.array([0, 0, 1, 2]), centre + [shift_m, 0, 0], np.ones((4, 3)), np.zeros(4))
+    center = np.array([[0, 0, 1], [3, 0, 1], [0, 2, 1], [1, 1, 0.5]], dtype=float)
+    category = np.array([1, 1, 2, 3])
+    return FlatBoxes(category, center + [shift_m, 0, 0], np.zeros(4), np.ones((4, 3)))

@@ -13,7 +13,7 @@ from aeroscene.learning.baselines.atiss import Atiss
 from aeroscene.learning.baselines.diffuscene import DiffuScene
 from aeroscene.learning.baselines.diffusion_sdf import DiffusionSdf
 from aeroscene.learning.baselines.fitting import Lessons
-from aeroscene.learning.baselines.layouts import LayoutCode, LayoutSet, boxes_of, empty_batch
+from aeroscene.learning.baselines.layouts import LayoutCode, LayoutSet, empty_batch, layouts_of
 from aeroscene.learning.baselines.model import BaselineCfg
 from aeroscene.learning.baselines.named import METHODS, fit
 from aeroscene.learning.baselines.networks.mixture import HALF_BIN, draw_mixture, mixture_loss
@@ -142,9 +142,9 @@ def test_signed_distances_are_those_of_boxes():
     code = LayoutCode.of(some_scenes())
     data = LayoutSet.of(some_scenes()[:1], code)
     batch = data.in_order(0, 1)
-    boxes = boxes_of(some_scenes()[0])
+    (boxes,) = layouts_of(some_scenes()[:1])
     rng = np.random.default_rng(0)
-    inside = boxes.centre_enu_m + rng.uniform(-0.1, 0.1, boxes.size_m.shape) * boxes.size_m
+    inside = boxes.center_enu_m + rng.uniform(-0.1, 0.1, boxes.size_m.shape) * boxes.size_m
     points = np.concatenate([rng.uniform(-20, 20, (30, 3)), inside])
     reader = diffusion_sdf.LayoutReader(code)
     layout = reader(batch.x0, batch)
@@ -152,7 +152,7 @@ def test_signed_distances_are_those_of_boxes():
         layout, batch, torch.from_numpy(points).float()[None]
     )[0].numpy()
     is_coarse = np.array([obj.is_coarse for obj in some_scenes()[0].objects])
-    by_category = {obj.category_id - 1: obj.is_coarse for obj in some_scenes()[0].objects}
+    by_category = {obj.category_id: obj.is_coarse for obj in some_scenes()[0].objects}
     for row, point in enumerate(points):
         for column, level in enumerate((True, False)):
             true = min(
@@ -169,7 +169,7 @@ def test_signed_distances_are_those_of_boxes():
 
 def signed_distance(boxes, i, point):
     c, s = np.cos(boxes.yaw_rad[i]), np.sin(boxes.yaw_rad[i])
-    x, y, z = point - boxes.centre_enu_m[i]
+    x, y, z = point - boxes.center_enu_m[i]
     beyond = np.abs([c * x + s * y, c * y - s * x, z]) - boxes.size_m[i] / 2
     return np.linalg.norm(np.maximum(beyond, 0)) + min(beyond.max(), 0)
 

@@ -1,18 +1,19 @@
 """Flat layouts: what a scene becomes and comes back as."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from aeroscene.learning.baselines.layouts import (
     CATEGORY,
     EMPTY,
-    HEADING,
-    Boxes,
     LayoutCode,
     LayoutSet,
-    boxes_of,
+    layouts_of,
 )
 from aeroscene.learning.baselines.marginals import Marginals
+from aeroscene.learning.paper.boxes import FlatBoxes
 from aeroscene.learning.tokens.kinds import DOMAINS
 from aeroscene.learning.training.config import TrainingError
 from tests.aeroscene.conftest import cached_scene, sampled_scenes
@@ -24,23 +25,22 @@ def code():
 
 
 def test_boxes_survive_encoding_and_decoding(code):
-    for scene in sampled_scenes():
-        boxes = boxes_of(scene)
+    for boxes in layouts_of(sampled_scenes()):
         found = code.decode(code.encode(boxes))
         assert (found.category == boxes.category).all()
-        assert found.centre_enu_m == pytest.approx(boxes.centre_enu_m, abs=1e-6)
+        assert found.center_enu_m == pytest.approx(boxes.center_enu_m, abs=1e-6)
         assert found.size_m == pytest.approx(boxes.size_m, rel=1e-6)
         assert np.cos(found.yaw_rad - boxes.yaw_rad) == pytest.approx(1.0)
 
 
 def test_a_decoded_scene_has_the_same_boxes_and_nearest_hosts(code):
     scene = cached_scene(42)
-    boxes = boxes_of(scene)
-    made = code.scene(boxes, scene.domain, 42, np.random.default_rng(0))
-    again = boxes_of(made)
-    for name in ("category", "centre_enu_m", "size_m"):
+    (boxes,) = layouts_of([scene])
+    made = code.scene(boxes_of(boxes), scene.domain, 42, np.random.default_rng(0))
+    (again,) = layouts_of([made])
+    for name in ("category", "center_enu_m", "size_m"):
         order, order_again = (
-            np.lexsort((*b.centre_enu_m.round(3).T, b.category)) for b in (boxes, again)
+            np.lexsort((*b.center_enu_m.round(3).T, b.category)) for b in (boxes, again)
         )
         whole = getattr(boxes, name)[order], getattr(again, name)[order_again]
         # No document has an extent below MIN_SIZE_M.
@@ -53,8 +53,24 @@ def test_a_decoded_scene_has_the_same_boxes_and_nearest_hosts(code):
             assert away[obj.parent_id] == pytest.approx(min(away.values()))
 
 
+def boxes_of(layout):
+    return FlatBoxes(layout.category, layout.center_enu_m, layout.yaw_rad, layout.size_m)
+
+
+def test_sites_are_turned_as_those_of_training_are(code):
+    scene = cached_scene(42)
+    (layout,) = layouts_of([scene])
+    along = replace(code, site_yaw_rad=np.full_like(code.site_yaw_rad, 0.3))
+    made = along.scene(boxes_of(layout), scene.domain, 42, np.random.default_rng(0))
+    assert layouts_of([made])[0].site_yaw_rad == pytest.approx(0.3, abs=1e-6)
+    outdoor = DOMAINS.index("outdoor")
+    known = [each.site_yaw_rad for each in layouts_of(sampled_scenes())]
+    assert set(code.site_yaw_rad[outdoor].tolist()) <= set(known)
+    assert len(set(code.site_yaw_rad[outdoor].tolist())) > 1
+
+
 def test_empty_slots_are_no_objects_and_a_layout_has_one_at_least(code):
-    boxes = boxes_of(sampled_scenes()[0])
+    (boxes,) = layouts_of(sampled_scenes()[:1])
     x = code.encode(boxes)
     x[1:, CATEGORY], x[1:, EMPTY] = -1.0, 1.0
     assert len(code.decode(x).category) == 1
@@ -64,15 +80,18 @@ def test_empty_slots_are_no_objects_and_a_layout_has_one_at_least(code):
 
 def test_batches_are_turned_and_mirrored_as_one_and_keep_their_content(code):
     data = LayoutSet.of(sampled_scenes()[:1], code)
-    boxes = boxes_of(sampled_scenes()[0])
-    away = np.linalg.norm(boxes.centre_enu_m[:, None] - boxes.centre_enu_m, axis=-1)
+    (boxes,) = layouts_of(sampled_scenes()[:1])
+    away = np.linalg.norm(boxes.center_enu_m[:, None] - boxes.center_enu_m, axis=-1)
+    away = np.sort(away, axis=None)
     seen = set()
     for seed in range(12):
         batch = data.sample_batch(1, np.random.default_rng(seed))
         found = code.decode(batch.x0[0, batch.mask[0]].double().numpy())
-        between = np.linalg.norm(found.centre_enu_m[:, None] - found.centre_enu_m, axis=-1)
-        assert between == pytest.approx(away, abs=1e-3)
-        seen.add(tuple(batch.x0[0, 0, HEADING].numpy().round(3).tolist()))
+        between = np.linalg.norm(found.center_enu_m[:, None] - found.center_enu_m, axis=-1)
+        # Each has the order that belongs to it.
+        assert np.sort(between, axis=None) == pytest.approx(away, abs=1e-3)
+        assert sorted(found.category) == sorted(boxes.category)
+        seen.add(tuple(found.center_enu_m[0].round(2).tolist()))
     assert len(seen) >= 4
     assert int(batch.domain) == DOMAINS.index(sampled_scenes()[0].domain)
 
@@ -99,4 +118,4 @@ def test_marginals_keep_what_there_is_and_break_what_goes_together():
 
 def test_an_empty_set_of_boxes_is_never_decoded(code):
     nothing = np.full((4, EMPTY + 1), -1.0)
-    assert isinstance(code.decode(nothing), Boxes)
+    assert isinstance(code.decode(nothing), FlatBoxes)
