@@ -1,11 +1,11 @@
-"""Numbers that may be asked of the scene model, and within which ranges; loads no PyTorch."""
+"""What may be asked of the scene model, and within which ranges; loads no PyTorch."""
 
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass, fields
 
 from aeroscene.ranges import Range
-from aeroscene.scene.errors import SceneError
+from aeroscene.scene import Scene, SceneDomain, SceneError
 
 OBJECTS = Range(20, 250)
 AREAS = Range(1, 200)
@@ -17,6 +17,26 @@ OUTLINE_M = Range(15.0, 150.0, "m")
 """A side of a site."""
 _AREAS_OF_CLASS = Range(0, AREAS.high)
 _AREAS_OF_CLASSES = Range(AREAS.low, 3 * AREAS.high)
+
+
+@dataclass(frozen=True, slots=True)
+class Wish:
+    """Demands on the content of a scene."""
+
+    domain: SceneDomain
+    n_coarse: int
+    n_fine: int
+    n_areas: int
+    """Landing areas of all sizes."""
+    theme: str = ""
+    """What the place is, empty where nobody has said it."""
+
+    @staticmethod
+    def of(scene: Scene) -> Wish:
+        """Wish that a scene fulfils."""
+        n_coarse = sum(obj.is_coarse for obj in scene.objects)
+        n_fine = len(scene.objects) - n_coarse
+        return Wish(scene.domain, n_coarse, n_fine, len(scene.landing_areas), scene.theme)
 
 
 class RequestError(SceneError):

@@ -3,6 +3,7 @@
 from aeroscene.scene.box import OrientedBox, Quaternion, Vector3
 from aeroscene.scene.errors import SceneError
 from aeroscene.scene.scene import (
+    DOMAINS,
     AreaKind,
     AttributeValue,
     DroneClass,
@@ -14,6 +15,7 @@ from aeroscene.scene.scene import (
 )
 
 __all__ = [
+    "DOMAINS",
     "AreaKind",
     "AttributeValue",
     "DroneClass",

@@ -11,7 +11,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Literal
+from typing import Literal, get_args
 
 from aeroscene.bounds import MOST_ID, MOST_OBJECTS, MOST_POINTS, MOST_SEED
 from aeroscene.scene.box import MAX_EXTENT_M, OrientedBox, Vector3
@@ -29,6 +29,7 @@ from aeroscene.visible import is_visible
 AttributeValue = str | float | int | bool
 ObjectDomain = Literal["indoor", "outdoor"]
 SceneDomain = Literal["indoor", "outdoor", "mixed"]
+DOMAINS: tuple[SceneDomain, ...] = get_args(SceneDomain)
 DroneClass = Literal["small", "medium", "large"]
 AreaKind = Literal["landing", "perching"]
 

@@ -20,6 +20,7 @@ from scipy.optimize import linear_sum_assignment
 from aeroscene.learning.baselines.diffuscene import DiffuScene
 from aeroscene.learning.baselines.layouts import LayoutCode, LayoutSet, layouts_of
 from aeroscene.learning.baselines.model import BaselineCfg
+from aeroscene.learning.batch import TokenBatch
 from aeroscene.learning.diffusion.loss import diffusion_loss
 from aeroscene.learning.diffusion.sampling import sample
 from aeroscene.learning.diffusion.schedule import Schedule
@@ -27,9 +28,8 @@ from aeroscene.learning.model.network import new_denoiser
 from aeroscene.learning.paper.boxes import FlatBoxes
 from aeroscene.learning.paper.guidance.layout import FlatReader
 from aeroscene.learning.paper.layouts import IS_TWO_SIDED, FlatLayout
-from aeroscene.learning.paper.preset import PAPER_SAMPLER
+from aeroscene.learning.paper.preset import paper_sampler
 from aeroscene.learning.paper.training_set import FlatTrainingSet, flat_training_set
-from aeroscene.learning.tokens.batch import TokenBatch
 from aeroscene.learning.training.batches.source import Batch, Batches
 from aeroscene.learning.training.config import Budget, Preset, TrainCfg
 from aeroscene.learning.training.loop import LossFunction, LossTerms, PartTraining, train_steps
@@ -109,7 +109,8 @@ def _memorised_by_preset(
         return vars(diffusion_loss(model, batch, schedule, cfg, generator))
 
     training = _train(network, lambda step: passes[step % len(passes)], loss, cpu_s)
-    read, sampler = FlatReader(data.statistics), replace(PAPER_SAMPLER, parameterisation="eps")
+    read = FlatReader(data.statistics)
+    sampler = paper_sampler(has_regions=bool(data.statistics.has_regions))
     generator = torch.Generator().manual_seed(_SEED)
     boxes: list[list[FlatBoxes]] = [[] for _ in scenes]
     for batch in passes:

@@ -18,6 +18,7 @@ import torch
 from jaxtyping import Float
 from torch import Tensor
 
+from aeroscene.learning.batch import TokenBatch
 from aeroscene.learning.diffusion.sampling import sample
 from aeroscene.learning.diffusion.schedule import Schedule
 from aeroscene.learning.generation.loading import SHIPPED
@@ -27,9 +28,8 @@ from aeroscene.learning.paper.guidance.layout import FlatReader
 from aeroscene.learning.paper.guidance.objectives import Objectives
 from aeroscene.learning.paper.guidance.semantic import SemanticPrior
 from aeroscene.learning.paper.network.layout_denoiser import LayoutDenoiser
-from aeroscene.learning.paper.preset import PAPER_SAMPLER
+from aeroscene.learning.paper.preset import paper_sampler
 from aeroscene.learning.paper.training_set import FlatTrainingSet
-from aeroscene.learning.tokens.batch import TokenBatch
 from aeroscene.learning.training.checkpoint import Checkpoint, read_checkpoint
 from aeroscene.learning.training.data import prepared, training_scenes
 from aeroscene.learning.training.presets import sections_from_plain
@@ -100,7 +100,10 @@ class _Judged:
         self._read = FlatReader(known)
         is_hollow = torch.from_numpy(known.holds)
         self._objectives = Objectives(self._read, sections["guidance"], prior.eval(), is_hollow)
-        self._sampler = replace(PAPER_SAMPLER, parameterisation=sections["loss"].parameterisation)
+        self._sampler = replace(
+            paper_sampler(has_regions=bool(known.has_regions)),
+            parameterisation=sections["loss"].parameterisation,
+        )
         # As the checkpoint has them, not as these scenes' own training split would.
         scenes = replace(scenes, statistics=known)
         starts = range(0, len(scenes.examples), _BATCH)

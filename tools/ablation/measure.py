@@ -24,7 +24,6 @@ from aeroscene.learning.diffusion.schedule import Schedule
 from aeroscene.learning.generation.denoising import Denoising, Draft
 from aeroscene.learning.generation.loading import DEFAULT_SAMPLER
 from aeroscene.learning.model.network import new_denoiser
-from aeroscene.learning.tokens.skeleton import UnencodableError, Wish
 from aeroscene.learning.training.batches.source import drawn_from
 from aeroscene.learning.training.checkpoint import Checkpoint
 from aeroscene.learning.training.checkpoint_facts import CheckpointError, DataSource
@@ -33,7 +32,8 @@ from aeroscene.learning.training.data import TrainingData
 from aeroscene.learning.training.loop import PartTraining
 from aeroscene.learning.training.presets import sections_from_plain
 from aeroscene.learning.training.prior_stage import loss_function
-from aeroscene.learning.writer.examples import ProgramEncoder, Written
+from aeroscene.learning.wishes import Wish
+from aeroscene.learning.writer.examples import ProgramEncoder, UnencodableError, Written
 from aeroscene.learning.writer.language import Language
 from aeroscene.learning.writer.training_set import ProgramSet
 from aeroscene.scene import Scene, SceneError

@@ -41,12 +41,12 @@ from aeroscene.learning.baselines.networks.mixture import (
     mixture_loss,
     spread_means,
 )
+from aeroscene.learning.batch import TokenBatch
 from aeroscene.learning.model.encoding import fourier_features
 from aeroscene.learning.paper.boxes import FlatBoxes
-from aeroscene.learning.tokens.batch import TokenBatch
-from aeroscene.learning.tokens.kinds import DOMAINS
 from aeroscene.learning.training.loop import LossTerms
 from aeroscene.metrics.arrays import N_CATEGORIES
+from aeroscene.scene import DOMAINS
 
 _END = N_CATEGORIES
 """The class that ends a scene."""

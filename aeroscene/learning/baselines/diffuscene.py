@@ -36,6 +36,7 @@ from aeroscene.learning.baselines.layouts import (
 )
 from aeroscene.learning.baselines.model import BaselineCfg, BaselineModel
 from aeroscene.learning.baselines.networks.set_unet import SetUnet
+from aeroscene.learning.batch import TokenBatch
 from aeroscene.learning.diffusion.config import LossCfg, SamplerCfg, ScheduleCfg
 from aeroscene.learning.diffusion.loss import diffusion_loss
 from aeroscene.learning.diffusion.sampling import Guidance, sample
@@ -43,7 +44,6 @@ from aeroscene.learning.diffusion.schedule import Schedule
 from aeroscene.learning.paper.boxes import FlatBoxes
 from aeroscene.learning.paper.guidance.collision import collision_loss
 from aeroscene.learning.paper.guidance.layout import Layout
-from aeroscene.learning.tokens.batch import TokenBatch
 from aeroscene.learning.training.loop import LossTerms
 from aeroscene.metrics.arrays import IS_COARSE
 

@@ -15,7 +15,6 @@ import torch
 from aeroscene.learning.baselines.budget import flop_per_step
 from aeroscene.learning.baselines.layouts import LayoutCode, LayoutSet
 from aeroscene.learning.baselines.model import BaselineCfg, BaselineModel
-from aeroscene.learning.tokens.kinds import DOMAINS
 from aeroscene.learning.training.batches.source import Batch, batch_generator, drawn_from
 from aeroscene.learning.training.checkpoint_facts import CheckpointFacts, DataSource, category_names
 from aeroscene.learning.training.code_version import code_version
@@ -28,7 +27,7 @@ from aeroscene.learning.training.same_data import check_same_data
 from aeroscene.learning.training.settings import section_to_plain
 from aeroscene.learning.training.state import TrainingState, read_state, write_state
 from aeroscene.learning.training.state_head import STATE
-from aeroscene.scene import Scene, SceneDomain
+from aeroscene.scene import DOMAINS, Scene, SceneDomain
 
 BASELINE_TRAINING = TrainCfg(
     batch_size=16, learning_rate=1e-3, second_decay=0.99, look_steps=100, warmup_steps=50
@@ -117,7 +116,7 @@ def fit_baseline(
     facts = CheckpointFacts(
         preset=method,
         configs=cfgs,
-        vocabulary=code.vocabulary.to_json(),
+        vocabulary=code.looks.to_json(),
         categories=category_names(),
         data=DataSource(name=lessons.name, digest=train.digest, n_scenes=len(train.examples)),
         code=code_version(),

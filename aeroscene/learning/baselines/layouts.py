@@ -29,15 +29,14 @@ import numpy as np
 import torch
 from jaxtyping import Float
 
-from aeroscene.learning.paper.boxes import FlatBoxes, as_skeleton
+from aeroscene.learning.batch import TokenBatch
+from aeroscene.learning.paper.boxes import FlatBoxes
 from aeroscene.learning.paper.channels import site_yaw_quantiles_rad
 from aeroscene.learning.paper.layouts import FlatLayout, flat_layout, random_symmetry
-from aeroscene.learning.tokens.assembly import assemble
-from aeroscene.learning.tokens.batch import TokenBatch
-from aeroscene.learning.tokens.kinds import DOMAINS, Vocabulary, count_kinds
-from aeroscene.learning.tokens.skeleton import Wish
+from aeroscene.learning.paper.looks import Looks
+from aeroscene.learning.wishes import Wish
 from aeroscene.metrics.arrays import N_CATEGORIES
-from aeroscene.scene import Scene, SceneDomain
+from aeroscene.scene import DOMAINS, Scene, SceneDomain
 
 CENTRE, LOG_SIZE, HEADING = slice(0, 3), slice(3, 6), slice(6, 8)
 N_GEOMETRY = 8
@@ -63,7 +62,7 @@ class LayoutCode:
     low: Float[np.ndarray, " 79"]
     """Least value of each channel in training."""
     high: Float[np.ndarray, " 79"]
-    vocabulary: Vocabulary
+    looks: Looks
     site_yaw_rad: Float[np.ndarray, "domains quantiles"]
     """How sites of each domain are turned: what new ones are turned by is drawn among these."""
 
@@ -85,7 +84,7 @@ class LayoutCode:
         most = max(len(layout) for layout in layouts)
         n_slots = -(-most // _SLOT_STEP) * _SLOT_STEP
         site_yaw_rad = site_yaw_quantiles_rad(layouts)
-        return cls(n_slots, mean, spread, low, high, count_kinds(scenes), site_yaw_rad)
+        return cls(n_slots, mean, spread, low, high, Looks.of(scenes), site_yaw_rad)
 
     def encode(self, boxes: FlatBoxes | FlatLayout) -> Float[np.ndarray, "n 79"]:
         """Channels of the objects alone, without empty slots."""
@@ -123,9 +122,7 @@ class LayoutCode:
         """
         site_yaw_rad = float(rng.choice(self.site_yaw_rad[DOMAINS.index(domain)]))
         turned = boxes.turned(site_yaw_rad)
-        skeleton, geometry = as_skeleton(turned, domain, self.vocabulary, rng)
-        name = f"scene-{seed:04d}"
-        return assemble(skeleton, geometry, self.vocabulary, scene_id=name, seed=seed, rng=rng)
+        return turned.scene(domain, self.looks, f"scene-{seed:04d}", seed, rng)
 
 
 def _measures(boxes: FlatBoxes | FlatLayout) -> Float[np.ndarray, "n 6"]:

@@ -9,8 +9,8 @@ import torch
 from torch import nn
 
 from aeroscene.learning.baselines.layouts import LayoutCode
+from aeroscene.learning.batch import TokenBatch
 from aeroscene.learning.paper.boxes import FlatBoxes
-from aeroscene.learning.tokens.batch import TokenBatch
 from aeroscene.learning.training.config import require
 from aeroscene.learning.training.loop import LossTerms
 

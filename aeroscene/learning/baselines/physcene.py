@@ -21,10 +21,10 @@ from torch import Tensor
 
 from aeroscene.learning.baselines.diffuscene import DiffuScene, LayoutReader
 from aeroscene.learning.baselines.layouts import HEADING
+from aeroscene.learning.batch import TokenBatch
 from aeroscene.learning.diffusion.sampling import Guidance, Moment
 from aeroscene.learning.paper.guidance.coarse_to_fine import coarse_to_fine_loss
 from aeroscene.learning.paper.guidance.collision import collision_loss
-from aeroscene.learning.tokens.batch import TokenBatch
 
 _GUIDED_SHARE = 0.1
 _INNER_STEPS = 4

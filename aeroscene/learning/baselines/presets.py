@@ -15,7 +15,6 @@ from aeroscene.learning.baselines.fitting import Lessons, Spent
 from aeroscene.learning.generation.generator import Generator
 from aeroscene.learning.generation.request import Request
 from aeroscene.learning.program import WHOLE, DecodingCfg, EncodingCfg
-from aeroscene.learning.tokens.skeleton import Wish
 from aeroscene.learning.training.batches.source import batch_generator
 from aeroscene.learning.training.checkpoint_facts import FLAT_PRESETS, Part
 from aeroscene.learning.training.config import Preset
@@ -30,6 +29,7 @@ from aeroscene.learning.training.procedure import CHECKPOINT, Plan, Training
 from aeroscene.learning.training.state import read_state
 from aeroscene.learning.training.state_head import STATE
 from aeroscene.learning.training.writer_stage import writer_loss
+from aeroscene.learning.wishes import Wish
 from aeroscene.scene import Scene, SceneDomain
 
 _SAVE_S = 60.0

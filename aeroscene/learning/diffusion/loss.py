@@ -11,6 +11,7 @@ from jaxtyping import Float
 from torch import Tensor
 from torch.nn.functional import binary_cross_entropy
 
+from aeroscene.learning.batch import TokenBatch
 from aeroscene.learning.diffusion.config import LossCfg
 from aeroscene.learning.diffusion.parameterisation import (
     min_snr_weight,
@@ -18,7 +19,6 @@ from aeroscene.learning.diffusion.parameterisation import (
     prediction_target,
 )
 from aeroscene.learning.diffusion.schedule import Schedule, normal_like
-from aeroscene.learning.tokens.batch import TokenBatch
 
 _MOST_WEIGHT = 50.0
 _GATE_MARGIN = 1e-6

@@ -14,12 +14,12 @@ import torch
 from jaxtyping import Bool, Float
 from torch import Tensor
 
+from aeroscene.learning.batch import TokenBatch
 from aeroscene.learning.diffusion.config import SamplerCfg
 from aeroscene.learning.diffusion.loss import Denoiser, channel_weight
 from aeroscene.learning.diffusion.parameterisation import predicted_x0
 from aeroscene.learning.diffusion.schedule import Schedule, normal_like
 from aeroscene.learning.diffusion.steps import Level, ddim_step, ddpm_step, dpm_solver_step, levels
-from aeroscene.learning.tokens.batch import TokenBatch
 
 
 @dataclass(frozen=True)

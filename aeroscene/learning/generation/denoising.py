@@ -10,6 +10,7 @@ import torch
 from jaxtyping import Float
 from torch import Tensor
 
+from aeroscene.learning.batch import TokenBatch
 from aeroscene.learning.diffusion.config import SamplerCfg
 from aeroscene.learning.diffusion.loss import Denoiser
 from aeroscene.learning.diffusion.sampling import Fixed, Moment, sample
@@ -21,8 +22,7 @@ from aeroscene.learning.program.batch import channels_in, program_batch, slots_o
 from aeroscene.learning.program.kinds import Kind
 from aeroscene.learning.program.program import COS, N_CHANNELS, SIN, SIZE, U, V
 from aeroscene.learning.program.statistics import ProgramExample, from_example, on_atoms
-from aeroscene.learning.tokens.batch import TokenBatch
-from aeroscene.learning.tokens.skeleton import Wish
+from aeroscene.learning.wishes import Wish
 from aeroscene.learning.writer.language import Language
 from aeroscene.scene import Scene
 

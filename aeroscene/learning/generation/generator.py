@@ -27,8 +27,8 @@ from aeroscene.learning.generation.proposal import OnStep, Proposal, Proposer
 from aeroscene.learning.generation.request import Request
 from aeroscene.learning.generation.sense import senseless
 from aeroscene.learning.program import DecodingCfg
-from aeroscene.learning.tokens.skeleton import Wish
 from aeroscene.learning.training.devices import choose_device, naming_memory
+from aeroscene.learning.wishes import Wish
 from aeroscene.scene import Scene
 
 MOST_ATTEMPTS = 8

@@ -13,8 +13,7 @@ from aeroscene.learning.program.decoding.furnish import furnish
 from aeroscene.learning.program.decoding.making import Given
 from aeroscene.learning.program.references import with_references
 from aeroscene.learning.program.statistics import ProgramExample, to_example
-from aeroscene.learning.tokens.skeleton import Wish
-from aeroscene.learning.wishes import RequestError
+from aeroscene.learning.wishes import RequestError, Wish
 from aeroscene.learning.writer.furnishing import Furnishing
 from aeroscene.learning.writer.language import Language
 from aeroscene.partition import PartitionError

@@ -22,10 +22,10 @@ from aeroscene.learning.paper.contents.model import ContentsModel
 from aeroscene.learning.paper.guidance.layout import FlatReader
 from aeroscene.learning.paper.guidance.objectives import Objectives
 from aeroscene.learning.paper.guidance.semantic import SemanticPrior
-from aeroscene.learning.paper.preset import PAPER_SAMPLER
+from aeroscene.learning.paper.looks import Looks
+from aeroscene.learning.paper.preset import paper_sampler
 from aeroscene.learning.paper.proposer import FlatModel, FlatProposer
 from aeroscene.learning.program import DecodingCfg
-from aeroscene.learning.tokens.kinds import Vocabulary
 from aeroscene.learning.training.checkpoint import Checkpoint, read_checkpoint
 from aeroscene.learning.training.checkpoint_facts import CheckpointError, DataSource, Part
 from aeroscene.learning.training.presets import read_sections
@@ -123,10 +123,10 @@ class _Loader:
             FlatModel(
                 contents=self._loaded(ContentsModel(self._sections["contents"]), "contents"),
                 denoiser=self._denoiser(statistics),
-                vocabulary=Vocabulary.from_json(self._checkpoint.facts.vocabulary),
+                looks=Looks.from_json(self._checkpoint.facts.vocabulary),
                 statistics=statistics,
                 schedule=self._schedule,
-                sampler=self._sampler(PAPER_SAMPLER),
+                sampler=self._sampler(paper_sampler(has_regions=bool(statistics.has_regions))),
                 guidance=Objectives(read, self._sections["guidance"], prior, is_hollow),
                 device=self._device,
             )

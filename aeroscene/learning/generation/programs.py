@@ -14,8 +14,9 @@ from aeroscene.learning.generation.proposal import OnStep, Proposal, noise_of
 from aeroscene.learning.generation.redo import MOST_ROUNDS, NEARLY, Redo, RedoneProposal
 from aeroscene.learning.generation.request import Request, Themes
 from aeroscene.learning.program.program import N_CHANNELS
+from aeroscene.learning.program.skeleton import Skeleton
 from aeroscene.learning.program.statistics import ProgramExample
-from aeroscene.learning.tokens.skeleton import Skeleton, Wish
+from aeroscene.learning.wishes import Wish
 from aeroscene.learning.writer.draw import draw_program
 from aeroscene.learning.writer.growth import Growth
 from aeroscene.learning.writer.language import Language

@@ -10,7 +10,7 @@ import torch
 
 from aeroscene.learning.diffusion.sampling import Moment
 from aeroscene.learning.generation.request import Request, Themes
-from aeroscene.learning.tokens.skeleton import Wish
+from aeroscene.learning.wishes import Wish
 from aeroscene.scene import Scene
 
 

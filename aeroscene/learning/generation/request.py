@@ -16,8 +16,6 @@ from aeroscene.feasibility.wishes.clutter import cluttered
 from aeroscene.feasibility.wishes.passages import widened
 from aeroscene.learning.generation.asked import area_limits, in_all
 from aeroscene.learning.generation.redo import Redo
-from aeroscene.learning.tokens.kinds import DOMAINS
-from aeroscene.learning.tokens.skeleton import Wish
 from aeroscene.learning.wishes import (
     AREAS,
     CLUTTER,
@@ -27,10 +25,11 @@ from aeroscene.learning.wishes import (
     PASSAGE_M,
     AreaCounts,
     RequestError,
+    Wish,
     require_within,
 )
 from aeroscene.ranges import SEEDS
-from aeroscene.scene import AttributeValue, Scene, SceneDomain
+from aeroscene.scene import DOMAINS, AttributeValue, Scene, SceneDomain
 
 _MORE_COARSE, _MORE_FINE = 2, 4
 """Asked for beyond the budget of the corpus, whose structures bring some objects of their own."""

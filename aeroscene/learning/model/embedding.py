@@ -6,10 +6,10 @@ import torch
 from jaxtyping import Bool, Float
 from torch import Tensor, nn
 
+from aeroscene.learning.batch import TokenBatch
 from aeroscene.learning.model.config import ModelCfg
 from aeroscene.learning.model.encoding import TimeEmbedding, fourier_features, sinusoid
 from aeroscene.learning.program.program import N_HOSTS, N_MEMBERS
-from aeroscene.learning.tokens.batch import TokenBatch
 
 VALUE_LIMIT = 8.0
 """Channels in their own units are cut here: the noise of a wide channel may ask for anything."""

@@ -20,7 +20,7 @@ import torch
 from jaxtyping import Bool, Float, Int
 from torch import Tensor
 
-from aeroscene.learning.tokens.batch import TokenBatch
+from aeroscene.learning.batch import TokenBatch
 
 MASKED = -3.0e4
 """Exp of it is zero in every float type, yet it is finite in half precision: a row in which nothing

@@ -7,12 +7,12 @@ from jaxtyping import Float
 from torch import Tensor, nn
 from torch.nn import functional
 
+from aeroscene.learning.batch import TokenBatch
 from aeroscene.learning.diffusion.loss import Prediction
 from aeroscene.learning.model.config import ModelCfg
 from aeroscene.learning.model.embedding import ProgramEmbedding
 from aeroscene.learning.model.hierarchy import HierarchyBlock
 from aeroscene.learning.model.relations import Relations, relations_of
-from aeroscene.learning.tokens.batch import TokenBatch
 
 
 class TokenDenoiser(nn.Module):

@@ -1,19 +1,25 @@
-"""Boxes with categories as a skeleton and its geometry: what a flat layout becomes a scene by."""
+"""Boxes with categories, and the scene document that they become."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Float, Int
 
+from aeroscene.corpus.curation.curate import HEADROOM_M
 from aeroscene.learning.paper.layouts import NO_REGION, turned
-from aeroscene.learning.tokens.geometry import Geometry
-from aeroscene.learning.tokens.kinds import DOMAINS, OPENINGS, Vocabulary
-from aeroscene.learning.tokens.skeleton import Skeleton
-from aeroscene.scene import SceneDomain
-from aeroscene.scene.catalogue import CATALOGUE, COARSE_COUNT
+from aeroscene.learning.paper.looks import Look, Looks
+from aeroscene.scene import OrientedBox, Scene, SceneDomain, SceneObject
+from aeroscene.scene.box import MIN_SIZE_M, quat_from_yaw
+from aeroscene.scene.catalogue import COARSE_COUNT
+from aeroscene.scene.origin import ALTITUDE_M, LATITUDE_DEG, LONGITUDE_DEG
+
+_OPEN_SKY_M = 22.0
+"""Least height of the flight volume under open sky."""
+_LEAST_HALF_M = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,59 +39,98 @@ class FlatBoxes:
         center_enu_m = turned(self.center_enu_m, yaw_rad)
         return replace(self, center_enu_m=center_enu_m, yaw_rad=self.yaw_rad + yaw_rad)
 
+    def scene(
+        self, domain: SceneDomain, looks: Looks, scene_id: str, seed: int, rng: np.random.Generator
+    ) -> Scene:
+        """The scene of two levels that the boxes are, without interaction areas.
 
-def as_skeleton(
-    boxes: FlatBoxes, domain: SceneDomain, vocabulary: Vocabulary, rng: np.random.Generator
-) -> tuple[Skeleton, Geometry]:
-    """A skeleton of two levels and its geometry.
+        A fine object without a region belongs to the coarse one whose centre is nearest, as in the
+        paper's coarse-to-fine guidance. `rng` draws the looks; a category of which there is none
+        becomes the first of which there is one.
 
-    A fine object without a region belongs to the coarse one whose centre is nearest, as in the
-    paper's coarse-to-fine guidance. The kind within a category is drawn as often as the training
-    scenes had it; a category of which there is no kind becomes the first of which there is one.
-    """
-    is_usable = usable_categories(vocabulary)
-    category = np.where(is_usable[boxes.category], boxes.category, is_usable.argmax())
-    order = np.argsort(category > COARSE_COUNT, kind="stable")
-    category, center = category[order], boxes.center_enu_m[order]
-    n_coarse = int((category <= COARSE_COUNT).sum())
-    parent = np.zeros(len(order), dtype=np.int64)
-    if boxes.region is not None:
-        place = np.append(np.argsort(order), NO_REGION)
-        parent[n_coarse:] = 1 + place[boxes.region[order]][n_coarse:]
-    elif n_coarse:
-        away = np.linalg.norm(center[n_coarse:, None] - center[None, :n_coarse], axis=-1)
-        parent[n_coarse:] = 1 + away.argmin(axis=1)
-    kinds = [_draw_kind(int(number), vocabulary, rng) for number in category]
-    skeleton = Skeleton(
-        domain,
-        np.array([DOMAINS.index(domain), *kinds]),
-        np.array([0, *parent]),
-        1 + n_coarse,
-    )
-    half_m = np.abs(center[:, :2]).max(axis=0, initial=1.0)
-    return skeleton, Geometry(
-        np.vstack([[0.0, 0.0, 0.0], center]),
-        np.concatenate([[0.0], boxes.yaw_rad[order]]),
-        np.vstack([[*(2 * half_m), 1.0], boxes.size_m[order]]),
-        np.full((len(skeleton), len(OPENINGS)), np.nan),
-    )
+        Raises:
+            SceneError: If a number is not finite.
+        """
+        boxes = self._coarse_first(looks)
+        assert boxes.region is not None
+        objects: list[SceneObject] = []
+        shared: dict[tuple[int, int], Look] = {}
+        for i, (category, parent) in enumerate(zip(boxes.category, boxes.region, strict=True)):
+            # Chairs of one room are of one kind.
+            key = int(category), int(parent)
+            look = shared.get(key) or looks.draw(key[0], rng)
+            if look.is_shared:
+                shared[key] = look
+            objects.append(
+                SceneObject(
+                    id=i,
+                    scene_id=scene_id,
+                    parent_id=None if parent == NO_REGION else key[1],
+                    category_id=key[0],
+                    bbox=boxes._box(i),
+                    domain=look.domain,
+                    attributes=dict(look.attributes),
+                )
+            )
+        low, high = boxes._extent_enu_m(domain)
+        pad = next((o for o in objects if o.attributes.get("is_start")), None)
+        start = np.clip((0.0, 0.0, 0.0) if pad is None else _top_middle(pad), low, high).tolist()
+        return Scene(
+            scene_id=scene_id,
+            domain=domain,
+            seed=seed,
+            extent_min_enu_m=low,
+            extent_max_enu_m=high,
+            start_position_enu_m=tuple(start),
+            start_yaw_rad=round(math.atan2(-start[1], -start[0]), 6),
+            latitude_deg=LATITUDE_DEG,
+            longitude_deg=LONGITUDE_DEG,
+            altitude_m=ALTITUDE_M,
+            objects=tuple(objects),
+        )
+
+    def _coarse_first(self, looks: Looks) -> Self:
+        """The boxes in a scene's order, of categories that have looks, each with its region."""
+        is_known = looks.is_known
+        category = np.where(is_known[self.category], self.category, is_known.argmax())
+        is_coarse = category <= COARSE_COUNT
+        order = np.argsort(~is_coarse, kind="stable")
+        center, n_coarse = self.center_enu_m[order], int(is_coarse.sum())
+        region = np.full(len(order), NO_REGION)
+        if self.region is not None:
+            place = np.append(np.argsort(order), NO_REGION)
+            region[n_coarse:] = place[self.region[order]][n_coarse:]
+        elif n_coarse:
+            away = np.linalg.norm(center[n_coarse:, None] - center[None, :n_coarse], axis=-1)
+            region[n_coarse:] = away.argmin(axis=1)
+        return replace(
+            self,
+            category=category[order],
+            center_enu_m=center,
+            yaw_rad=self.yaw_rad[order],
+            size_m=self.size_m[order],
+            region=region,
+        )
+
+    def _box(self, row: int) -> OrientedBox:
+        return OrientedBox(
+            tuple(np.round(self.center_enu_m[row], 4).tolist()),
+            quat_from_yaw(float(self.yaw_rad[row])),
+            tuple(np.maximum(np.round(self.size_m[row], 3), MIN_SIZE_M).tolist()),
+        )
+
+    def _extent_enu_m(
+        self, domain: SceneDomain
+    ) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+        """The site's outline; up to the roof indoors, some way above everything outdoors."""
+        half_m = np.abs(self.center_enu_m[:, :2]).max(axis=0, initial=_LEAST_HALF_M)
+        x, y = np.round(half_m, 2).tolist()
+        top = float(np.max(self.center_enu_m[:, 2] + self.size_m[:, 2] / 2, initial=0.0))
+        if domain != "indoor":
+            top = max(_OPEN_SKY_M, math.ceil(top + HEADROOM_M))
+        return (-x, -y, 0.0), (x, y, round(top, 3))
 
 
-def usable_categories(vocabulary: Vocabulary) -> Bool[np.ndarray, " categories"]:
-    """Whether there is a kind to draw of each category, by its number; there is no category 0."""
-    return np.array([False, *(bool(_kinds_of(number, vocabulary)) for number in sorted(CATALOGUE))])
-
-
-def _kinds_of(category: int, vocabulary: Vocabulary) -> list[int]:
-    """Kinds without openings, since a flat layout has no channels for them."""
-    return [
-        number
-        for number in np.flatnonzero(vocabulary.category_id == category).tolist()
-        if not vocabulary.kinds[number].openings
-    ]
-
-
-def _draw_kind(category: int, vocabulary: Vocabulary, rng: np.random.Generator) -> int:
-    kinds = _kinds_of(category, vocabulary)
-    counts = [sum(look.count for look in vocabulary.looks[number]) for number in kinds]
-    return kinds[rng.choice(len(kinds), p=np.array(counts) / sum(counts))]
+def _top_middle(pad: SceneObject) -> tuple[float, float, float]:
+    x, y, z = pad.bbox.p
+    return (x, y, round(z + pad.bbox.s[2] / 2, 4))

@@ -29,7 +29,7 @@ from aeroscene.learning.paper.layouts import (
     FlatLayout,
     quarter_turns,
 )
-from aeroscene.learning.tokens.kinds import DOMAINS
+from aeroscene.scene import DOMAINS
 from aeroscene.scene.catalogue import CATALOGUE
 
 POSITION, ROTATION, SCALE = slice(0, 3), slice(3, 7), slice(7, 10)

@@ -18,8 +18,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from aeroscene.learning.tokens.skeleton import Wish
-from aeroscene.learning.tokens.symmetry import draw_symmetry
+from aeroscene.learning.symmetry import draw_symmetry
+from aeroscene.learning.wishes import Wish
 from aeroscene.metrics.arrays import NO_PARENT, scene_arrays
 from aeroscene.metrics.neighbours import TWO_SIDED
 from aeroscene.scene import Scene

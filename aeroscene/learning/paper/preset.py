@@ -18,7 +18,7 @@ from aeroscene.learning.paper.guidance.config import ObjectivesCfg, SemanticPrio
 from aeroscene.learning.training.config import TrainCfg
 from aeroscene.scene.catalogue import CATALOGUE
 
-PAPER_SAMPLER = SamplerCfg(kind="ddpm", n_steps=100, parameterisation="eps")
+_REVERSE_STEPS = 100
 """Section 4.1: "we employ 100 reverse diffusion steps"."""
 PAPER_TRAINING = TrainCfg(
     batch_size=64,
@@ -38,6 +38,12 @@ in 10,000."""
 CONTENTS_TRAINING = TrainCfg(
     batch_size=64, learning_rate=2e-3, second_decay=0.99, warmup_steps=50, look_steps=100
 )
+
+
+def paper_sampler(*, has_regions: bool) -> SamplerCfg:
+    """The paper's ancestral sampling; the two passes of the progressive preset share its steps."""
+    n_steps = _REVERSE_STEPS // 2 if has_regions else _REVERSE_STEPS
+    return SamplerCfg(kind="ddpm", n_steps=n_steps, parameterisation="eps")
 
 
 def paper_cfg(n_categories: int) -> ModelCfg:

@@ -9,25 +9,23 @@ import numpy as np
 import torch
 from torch import Tensor
 
+from aeroscene.learning.batch import TokenBatch
 from aeroscene.learning.diffusion.config import SamplerCfg
 from aeroscene.learning.diffusion.loss import Denoiser
 from aeroscene.learning.diffusion.sampling import Guidance, Moment, sample
 from aeroscene.learning.diffusion.schedule import Schedule
 from aeroscene.learning.generation.proposal import OnStep, noise_of
 from aeroscene.learning.generation.request import NO_THEMES, Request, RequestError, Themes
-from aeroscene.learning.paper.boxes import FlatBoxes, as_skeleton, usable_categories
+from aeroscene.learning.paper.boxes import FlatBoxes
 from aeroscene.learning.paper.channels import N_GEOMETRY, FlatStatistics
 from aeroscene.learning.paper.contents.model import ContentsModel
 from aeroscene.learning.paper.contents.sentences import Contents
 from aeroscene.learning.paper.guidance.layout import FlatReader, Layout
 from aeroscene.learning.paper.layouts import FlatLayout
+from aeroscene.learning.paper.looks import Looks
 from aeroscene.learning.paper.training_set import Row, batch_of, row_of
-from aeroscene.learning.tokens.assembly import assemble
-from aeroscene.learning.tokens.batch import TokenBatch
-from aeroscene.learning.tokens.geometry import Geometry
-from aeroscene.learning.tokens.kinds import DOMAINS, Vocabulary
-from aeroscene.learning.tokens.skeleton import Skeleton, Wish
-from aeroscene.scene import Scene
+from aeroscene.learning.wishes import Wish
+from aeroscene.scene import DOMAINS, Scene, SceneDomain
 
 _MOST = 8.0
 """A prediction is cut off at so many spreads: one object of 300 km spoils a scene."""
@@ -35,11 +33,11 @@ _MOST = 8.0
 
 @dataclass(frozen=True)
 class FlatProposal:
-    """Objects beside each other, of kinds that were drawn within their categories."""
+    """Objects beside each other, as yet without looks."""
 
-    skeleton: Skeleton
-    geometry: Geometry
-    vocabulary: Vocabulary
+    boxes: FlatBoxes
+    domain: SceneDomain
+    looks: Looks
 
     def scene(self, scene_id: str, seed: int, rng: np.random.Generator) -> Scene:
         """The scene as sampled, without areas; `rng` draws the looks.
@@ -47,9 +45,7 @@ class FlatProposal:
         Raises:
             SceneError: If a number is not finite.
         """
-        return assemble(
-            self.skeleton, self.geometry, self.vocabulary, scene_id=scene_id, seed=seed, rng=rng
-        )
+        return self.boxes.scene(self.domain, self.looks, scene_id, seed, rng)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,7 +54,7 @@ class FlatModel:
 
     contents: ContentsModel
     denoiser: Denoiser
-    vocabulary: Vocabulary
+    looks: Looks
     statistics: FlatStatistics
     schedule: Schedule
     sampler: SamplerCfg
@@ -72,7 +68,7 @@ class FlatProposer:
     def __init__(self, model: FlatModel) -> None:
         self._model = model
         self._read = FlatReader(model.statistics, model.device)
-        self._is_usable = usable_categories(model.vocabulary)
+        self._is_usable = model.looks.is_known
         limit = torch.tensor(_MOST, device=model.device)
         self._x0_range = (-limit, limit)
 
@@ -115,7 +111,7 @@ class FlatProposer:
             if all(row.n == row.is_given * row.layout.n_coarse for row in rows):
                 continue
             layouts = self._sampled(rows, noise, on_step)
-        return [self._proposal(layout, rng) for layout, rng in zip(layouts, rngs, strict=True)]
+        return [self._proposal(layout) for layout in layouts]
 
     def _contents(self, wish: Wish, rng: np.random.Generator) -> Contents:
         model = self._model
@@ -137,14 +133,8 @@ class FlatProposer:
             del x0
             if on_step is not None:
                 shown = self._placed(x_t, batch, rows)
-                # Its own draws of kinds: looking on changes nothing.
-                on_step(
-                    moment,
-                    [
-                        self._proposal(_cut(*each), _same())
-                        for each in zip(shown, rows, strict=True)
-                    ],
-                )
+                cut = (_cut(*each) for each in zip(shown, rows, strict=True))
+                on_step(moment, [self._proposal(layout) for layout in cut])
 
         x0 = sample(
             model.denoiser,
@@ -174,17 +164,16 @@ class FlatProposer:
             found.append(replace(layout, center_enu_m=news[0], yaw_rad=news[1], size_m=news[2]))
         return found
 
-    def _proposal(self, layout: FlatLayout, rng: np.random.Generator) -> FlatProposal:
-        vocabulary = self._model.vocabulary
+    def _proposal(self, layout: FlatLayout) -> FlatProposal:
+        model = self._model
         boxes = FlatBoxes(
             layout.category,
             layout.center_enu_m,
             layout.yaw_rad,
             layout.size_m,
-            layout.region if self._model.statistics.has_regions else None,
+            layout.region if model.statistics.has_regions else None,
         )
-        boxes = boxes.turned(layout.site_yaw_rad)
-        return FlatProposal(*as_skeleton(boxes, layout.wish.domain, vocabulary, rng), vocabulary)
+        return FlatProposal(boxes.turned(layout.site_yaw_rad), layout.wish.domain, model.looks)
 
 
 def _blank(contents: Contents, wish: Wish, site_yaw_rad: float) -> tuple[FlatLayout, np.ndarray]:
@@ -225,7 +214,3 @@ def _cut(layout: FlatLayout, row: Row) -> FlatLayout:
         size_m=layout.size_m[: row.n],
         region=layout.region[: row.n],
     )
-
-
-def _same() -> np.random.Generator:
-    return np.random.default_rng(0)

@@ -11,6 +11,7 @@ import numpy as np
 import torch
 from jaxtyping import Float, Int
 
+from aeroscene.learning.batch import TokenBatch, scaled_wish
 from aeroscene.learning.paper.channels import (
     N_GEOMETRY,
     N_ROWS,
@@ -21,10 +22,9 @@ from aeroscene.learning.paper.channels import (
     standardised,
 )
 from aeroscene.learning.paper.layouts import NO_REGION, FlatLayout, flat_layout, random_symmetry
-from aeroscene.learning.tokens.batch import TokenBatch, scaled_wish
-from aeroscene.learning.tokens.kinds import DOMAINS, Vocabulary, count_kinds
-from aeroscene.learning.tokens.skeleton import Wish
-from aeroscene.scene import Scene
+from aeroscene.learning.paper.looks import Looks
+from aeroscene.learning.wishes import Wish
+from aeroscene.scene import DOMAINS, Scene
 
 COARSE_PASS_SHARE = 0.4
 """Share of the progressive batches that show the coarse objects of their scenes alone."""
@@ -38,7 +38,7 @@ _WEIGHT = np.array([1.0, 1.0, *[0.5] * 8], dtype=np.float32)
 class FlatTrainingSet:
     """Scenes as the paper has them, as batches for training."""
 
-    vocabulary: Vocabulary
+    looks: Looks
     statistics: FlatStatistics
     examples: tuple[FlatLayout, ...]
 
@@ -49,8 +49,8 @@ class FlatTrainingSet:
 
     @property
     def kinds_json(self) -> str:
-        """The kinds of objects as text."""
-        return self.vocabulary.to_json()
+        """The looks of objects as text."""
+        return self.looks.to_json()
 
     @cached_property
     def digest(self) -> str:
@@ -132,7 +132,7 @@ def flat_training_set(scenes: Sequence[Scene], *, has_regions: bool = False) -> 
     statistics = measure(layouts, has_regions=has_regions)
     if not has_regions:
         layouts = [flat_layout(scene, Wish.of(scene), has_regions=False) for scene in scenes]
-    return FlatTrainingSet(count_kinds(scenes), statistics, tuple(layouts))
+    return FlatTrainingSet(Looks.of(scenes), statistics, tuple(layouts))
 
 
 @dataclass(frozen=True, eq=False)

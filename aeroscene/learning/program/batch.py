@@ -9,11 +9,12 @@ import numpy as np
 import torch
 from jaxtyping import Int
 
+from aeroscene.learning.batch import MOST_SIBLINGS, TokenBatch, scaled_wish
 from aeroscene.learning.program.program import N_HOSTS, N_MEMBERS
+from aeroscene.learning.program.skeleton import Skeleton
 from aeroscene.learning.program.statistics import ProgramExample, ProgramStatistics
-from aeroscene.learning.tokens.batch import MOST_SIBLINGS, TokenBatch, scaled_wish
-from aeroscene.learning.tokens.kinds import DOMAINS
-from aeroscene.learning.tokens.skeleton import Skeleton, Wish
+from aeroscene.learning.wishes import Wish
+from aeroscene.scene import DOMAINS
 
 _MOST = np.array([N_MEMBERS, N_HOSTS]) - 1
 """Members and ranks of hosts are counted up to here."""

@@ -24,8 +24,8 @@ from aeroscene.learning.program.references import (
     measure_references,
     with_references,
 )
+from aeroscene.learning.program.skeleton import Skeleton
 from aeroscene.learning.program.vocabulary import ProgramVocabulary, count_program_kinds
-from aeroscene.learning.tokens.skeleton import Skeleton
 from aeroscene.scene import SceneDomain
 
 _PRIOR = 4.0

@@ -13,7 +13,7 @@ import msgspec
 from safetensors import SafetensorError, safe_open
 
 from aeroscene.files import open_regular
-from aeroscene.learning.tokens.skeleton import Wish
+from aeroscene.learning.wishes import Wish
 from aeroscene.scene import SceneError
 from aeroscene.scene.catalogue import CATALOGUE
 

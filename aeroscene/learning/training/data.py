@@ -15,13 +15,13 @@ from aeroscene.corpus.provenance import curation_digest
 from aeroscene.layouts.kept import mapped_scenes
 from aeroscene.learning.paper.training_set import FlatTrainingSet, flat_training_set
 from aeroscene.learning.program import WHOLE, EncodingCfg
-from aeroscene.learning.tokens.skeleton import UnencodableError, Wish
-from aeroscene.learning.tokens.symmetry import may_be_mirrored, mirrored
+from aeroscene.learning.symmetry import may_be_mirrored, mirrored
 from aeroscene.learning.training.batches.curation import Encoder
 from aeroscene.learning.training.checkpoint_facts import FLAT_PRESETS, DataSource
 from aeroscene.learning.training.config import Preset, TrainingError
 from aeroscene.learning.training.data_named import is_layouts
-from aeroscene.learning.writer.examples import ProgramEncoder, encodable, written
+from aeroscene.learning.wishes import Wish
+from aeroscene.learning.writer.examples import ProgramEncoder, UnencodableError, encodable, written
 from aeroscene.learning.writer.language import Language, learn_language
 from aeroscene.learning.writer.training_set import ProgramSet
 from aeroscene.scene import Scene

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import torch
 
+from aeroscene.learning.batch import TokenBatch
 from aeroscene.learning.diffusion.config import LossCfg
 from aeroscene.learning.diffusion.loss import Denoiser, GuidanceLoss, diffusion_loss
 from aeroscene.learning.diffusion.schedule import Schedule
@@ -15,7 +16,6 @@ from aeroscene.learning.paper.guidance.layout import FlatReader, Layout
 from aeroscene.learning.paper.guidance.objectives import Objectives
 from aeroscene.learning.paper.guidance.semantic import SemanticPrior, train_semantic_prior
 from aeroscene.learning.paper.training_set import FlatTrainingSet
-from aeroscene.learning.tokens.batch import TokenBatch
 from aeroscene.learning.training.batches.source import batch_generator
 from aeroscene.learning.training.checkpoint import Weights
 from aeroscene.learning.training.data import TrainingData

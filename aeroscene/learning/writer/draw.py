@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from aeroscene.learning.program.kinds import theme_of
-from aeroscene.learning.tokens.skeleton import Wish
+from aeroscene.learning.wishes import Wish
 from aeroscene.learning.writer.bucket import bucket
 from aeroscene.learning.writer.config import WriterError
 from aeroscene.learning.writer.furnishing import Furnishing

@@ -13,12 +13,16 @@ from aeroscene.learning.program import (
     encode,
 )
 from aeroscene.learning.program.statistics import ProgramExample, to_example
-from aeroscene.learning.tokens.skeleton import UnencodableError, Wish
+from aeroscene.learning.wishes import Wish
 from aeroscene.learning.writer.growth import replay
 from aeroscene.learning.writer.language import Language
 from aeroscene.learning.writer.lesson import Lesson, lesson_of
 from aeroscene.partition import PartitionError
 from aeroscene.scene import Scene
+
+
+class UnencodableError(ValueError):
+    """A scene that cannot be learned from by what is known; one line that says why."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Collection
 
 from aeroscene.learning.program.program import Program
-from aeroscene.learning.tokens.skeleton import Wish
+from aeroscene.learning.wishes import Wish
 from aeroscene.learning.writer.growth import Growth, Written
 from aeroscene.learning.writer.syntax import Syntax
 from aeroscene.relations.hosts import SEATS

@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Bool
 
 from aeroscene.learning.program.program import Program
-from aeroscene.learning.tokens.skeleton import Wish
+from aeroscene.learning.wishes import Wish
 from aeroscene.learning.writer.syntax import Syntax, count_objects
 
 MAX_DEPTH = 24

@@ -9,10 +9,10 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from aeroscene.learning.program.program import N_HOSTS, N_MEMBERS
-from aeroscene.learning.tokens.kinds import DOMAINS
-from aeroscene.learning.tokens.skeleton import Wish
+from aeroscene.learning.wishes import Wish
 from aeroscene.learning.writer.bucket import bucket
 from aeroscene.learning.writer.growth import MAX_DEPTH, N_RECENT, Choice, Element, Growth
+from aeroscene.scene import DOMAINS
 
 IGNORE = -100
 """Target where nothing is to be said."""

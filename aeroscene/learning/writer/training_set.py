@@ -10,8 +10,8 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Int
 
+from aeroscene.learning.batch import TokenBatch
 from aeroscene.learning.program.batch import program_batch
-from aeroscene.learning.tokens.batch import TokenBatch
 from aeroscene.learning.writer.batch import LessonBatch, lesson_batch
 from aeroscene.learning.writer.examples import ProgramEncoder, Written
 from aeroscene.learning.writer.language import Language

@@ -13,11 +13,11 @@ from jaxtyping import Float
 from torch import Tensor, nn
 from torch.nn import functional
 
+from aeroscene.learning.batch import TokenBatch
 from aeroscene.learning.diffusion.loss import Prediction
 from aeroscene.learning.model.encoding import TimeEmbedding
 from aeroscene.learning.paper.network.attention import MaskedAttention
-from aeroscene.learning.tokens.batch import TokenBatch
-from aeroscene.learning.tokens.kinds import DOMAINS
+from aeroscene.scene import DOMAINS
 
 
 class SetUnet(nn.Module):

@@ -10,10 +10,10 @@ import torch
 from jaxtyping import Float, Int
 from torch import Tensor
 
+from aeroscene.learning.batch import scaled_wish
 from aeroscene.learning.paper.contents.sentences import Sentence
-from aeroscene.learning.tokens.batch import scaled_wish
-from aeroscene.learning.tokens.kinds import DOMAINS
-from aeroscene.learning.tokens.skeleton import Wish
+from aeroscene.learning.wishes import Wish
+from aeroscene.scene import DOMAINS
 
 
 @dataclass(frozen=True)

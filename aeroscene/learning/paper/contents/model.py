@@ -7,6 +7,7 @@ import torch
 from jaxtyping import Bool, Float
 from torch import Tensor, nn
 
+from aeroscene.learning.batch import scaled_wish
 from aeroscene.learning.paper.channels import FlatStatistics
 from aeroscene.learning.paper.contents.batch import SentenceBatch
 from aeroscene.learning.paper.contents.config import ContentsCfg
@@ -18,9 +19,8 @@ from aeroscene.learning.paper.contents.sentences import (
     Reading,
     allowed,
 )
-from aeroscene.learning.tokens.batch import scaled_wish
-from aeroscene.learning.tokens.kinds import DOMAINS
-from aeroscene.learning.tokens.skeleton import Wish
+from aeroscene.learning.wishes import Wish
+from aeroscene.scene import DOMAINS
 
 N_DRAWN = 8
 """Contents drawn for a wish, of which the one that comes nearest to it is taken."""

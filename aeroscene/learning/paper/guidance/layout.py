@@ -9,8 +9,8 @@ import torch
 from jaxtyping import Bool, Float, Int
 from torch import Tensor
 
+from aeroscene.learning.batch import TokenBatch
 from aeroscene.learning.paper.channels import POSITION, SCALE, FlatStatistics
-from aeroscene.learning.tokens.batch import TokenBatch
 
 _LOG_SIZE = (-4.6, 5.7)
 """Logarithms of the least and greatest extent that is read, 1 cm and 300 m."""

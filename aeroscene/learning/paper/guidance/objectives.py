@@ -28,13 +28,13 @@ import torch
 from jaxtyping import Bool, Float
 from torch import Tensor
 
+from aeroscene.learning.batch import TokenBatch
 from aeroscene.learning.diffusion.sampling import Moment
 from aeroscene.learning.paper.guidance.coarse_to_fine import coarse_to_fine_loss
 from aeroscene.learning.paper.guidance.collision import collision_loss
 from aeroscene.learning.paper.guidance.config import ObjectivesCfg
 from aeroscene.learning.paper.guidance.layout import FlatReader, Layout, turn_back, turn_on
 from aeroscene.learning.paper.guidance.semantic import SemanticPrior, semantic_loss
-from aeroscene.learning.tokens.batch import TokenBatch
 
 
 class Objectives:

@@ -17,10 +17,10 @@ import torch
 from jaxtyping import Float, Int
 from torch import Tensor, nn
 
+from aeroscene.learning.batch import TokenBatch
 from aeroscene.learning.model.config import N_GEOMETRY, ModelCfg
 from aeroscene.learning.model.encoding import sinusoid
 from aeroscene.learning.paper.guidance.layout import Layout
-from aeroscene.learning.tokens.batch import TokenBatch
 
 LONGEST_M = 128.0
 """Longest wavelength of a face's Fourier features; each further band halves it."""

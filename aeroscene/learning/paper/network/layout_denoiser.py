@@ -8,6 +8,7 @@ import torch
 from jaxtyping import Float
 from torch import Tensor, nn
 
+from aeroscene.learning.batch import TokenBatch
 from aeroscene.learning.diffusion.loss import Prediction
 from aeroscene.learning.diffusion.schedule import Schedule
 from aeroscene.learning.model.config import ModelCfg
@@ -24,7 +25,6 @@ from aeroscene.learning.paper.network.fine import FineGnn
 from aeroscene.learning.paper.network.nearness import NearnessBias
 from aeroscene.learning.paper.network.routing import LearnedRouting, Routes, given_routes
 from aeroscene.learning.paper.network.unet import Condition, TokenUnet
-from aeroscene.learning.tokens.batch import TokenBatch
 
 _LEAST_TOTAL = 1e-6
 _HEIGHT_M = 6.0

@@ -6,9 +6,9 @@ import torch
 from jaxtyping import Float
 from torch import Tensor, nn
 
+from aeroscene.learning.batch import TokenBatch
 from aeroscene.learning.paper.guidance.layout import Layout
 from aeroscene.learning.paper.network.embedding import level_extent_m
-from aeroscene.learning.tokens.batch import TokenBatch
 
 _SCALES_M = (0.1, 1.0, 8.0)
 _WIDTH = 16

@@ -16,7 +16,7 @@ import torch
 from jaxtyping import Bool, Float
 from torch import Tensor, nn
 
-from aeroscene.learning.tokens.batch import TokenBatch
+from aeroscene.learning.batch import TokenBatch
 
 GATE_TEMPERATURE = 0.1
 """Width of the soft gate in units of tau: what gradients of the hard one are replaced by."""

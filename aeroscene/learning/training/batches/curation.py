@@ -14,7 +14,8 @@ from typing import Any
 from aeroscene.corpus.corpus import scene_split
 from aeroscene.corpus.curation import curate_layout, most_landing_areas
 from aeroscene.corpus.provenance import curation_digest
-from aeroscene.learning.tokens.skeleton import UnencodableError, Wish
+from aeroscene.learning.wishes import Wish
+from aeroscene.learning.writer.examples import UnencodableError
 from aeroscene.scene import Scene, SceneError
 from aeroscene.scene.io import read_scene, write_scene
 

@@ -7,8 +7,8 @@ from typing import Protocol
 
 import numpy as np
 
+from aeroscene.learning.batch import TokenBatch
 from aeroscene.learning.paper.contents.batch import SentenceBatch
-from aeroscene.learning.tokens.batch import TokenBatch
 from aeroscene.learning.writer.batch import LessonBatch
 
 Batch = TokenBatch | LessonBatch | SentenceBatch

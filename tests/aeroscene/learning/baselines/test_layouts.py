@@ -14,8 +14,8 @@ from aeroscene.learning.baselines.layouts import (
 )
 from aeroscene.learning.baselines.marginals import Marginals
 from aeroscene.learning.paper.boxes import FlatBoxes
-from aeroscene.learning.tokens.kinds import DOMAINS
 from aeroscene.learning.training.config import TrainingError
+from aeroscene.scene import DOMAINS
 from tests.aeroscene.conftest import cached_scene, sampled_scenes
 
 

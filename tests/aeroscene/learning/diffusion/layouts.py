@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
+from aeroscene.learning.batch import TokenBatch
 from aeroscene.learning.diffusion.config import Parameterisation
 from aeroscene.learning.diffusion.loss import Prediction
 from aeroscene.learning.diffusion.parameterisation import prediction_target
 from aeroscene.learning.diffusion.schedule import Schedule
-from aeroscene.learning.tokens.batch import TokenBatch
 
 
 def blank_batch(n_scenes: int, n: int, channels: int, *, n_coarse: int = 1) -> TokenBatch:

@@ -10,7 +10,7 @@ import pytest
 
 from aeroscene.corpus.shipped import read_shipped
 from aeroscene.learning.generation import Generated, Generator, Redo, Region, Request, RequestError
-from aeroscene.learning.tokens.skeleton import Wish
+from aeroscene.learning.wishes import Wish
 from aeroscene.scene import Scene
 from aeroscene.scene.io import scene_to_json
 from aeroscene.validation import validate

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from aeroscene.learning.generation import AreaCounts, Request, RequestError
-from aeroscene.learning.tokens.skeleton import Wish
+from aeroscene.learning.wishes import Wish
 from tests.aeroscene.conftest import cached_scene
 
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 import pytest
 import torch
 
+from aeroscene.learning.batch import TokenBatch
 from aeroscene.learning.diffusion.config import LossCfg, ScheduleCfg
 from aeroscene.learning.diffusion.loss import diffusion_loss
 from aeroscene.learning.diffusion.schedule import Schedule
@@ -15,7 +16,6 @@ from aeroscene.learning.paper.network.attention import ScaleAttention
 from aeroscene.learning.paper.network.layout_denoiser import LayoutDenoiser
 from aeroscene.learning.paper.preset import paper_cfg
 from aeroscene.learning.paper.training_set import FlatTrainingSet, flat_training_set
-from aeroscene.learning.tokens.batch import TokenBatch
 from aeroscene.scene import Scene
 from tests.aeroscene.conftest import SAMPLE, cached_scene
 

@@ -6,8 +6,8 @@ import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
+from aeroscene.learning.batch import TokenBatch
 from aeroscene.learning.model.relations import coarse_ancestors, nearest_coarse, relations_of
-from aeroscene.learning.tokens.batch import TokenBatch
 from tests.aeroscene.learning.model.trees import tree_batch
 
 counts = st.tuples(st.integers(1, 6), st.integers(0, 9))

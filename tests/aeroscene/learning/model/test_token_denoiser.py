@@ -9,10 +9,10 @@ import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
+from aeroscene.learning.batch import TokenBatch
 from aeroscene.learning.model.config import ModelCfg
 from aeroscene.learning.model.embedding import ProgramEmbedding
 from aeroscene.learning.model.token_denoiser import TokenDenoiser
-from aeroscene.learning.tokens.batch import TokenBatch
 from tests.aeroscene.learning.model.trees import N_KINDS, N_SHAPES, permuted, tree_batch
 
 CFG = ModelCfg(n_kinds=N_KINDS, width=32, blocks=4)

@@ -8,7 +8,7 @@ from dataclasses import replace
 import torch
 from torch import Tensor
 
-from aeroscene.learning.tokens.batch import TokenBatch
+from aeroscene.learning.batch import TokenBatch
 
 N_KINDS, N_SHAPES = 12, 6
 

@@ -1,17 +1,16 @@
-"""Boxes as skeletons."""
+"""Boxes as scene documents."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from aeroscene.learning.paper.boxes import FlatBoxes, as_skeleton, usable_categories
+from aeroscene.learning.paper.boxes import FlatBoxes
 from aeroscene.learning.paper.layouts import flat_layout
-from aeroscene.learning.tokens.assembly import assemble
-from aeroscene.learning.tokens.kinds import count_kinds
-from aeroscene.learning.tokens.skeleton import Wish
+from aeroscene.learning.paper.looks import Looks
+from aeroscene.learning.wishes import Wish
 from aeroscene.scene import Scene
-from aeroscene.scene.catalogue import CATALOGUE, COARSE_COUNT
+from aeroscene.scene.catalogue import CATALOGUE
 
 
 def boxes_of(scene: Scene, *, has_regions: bool) -> FlatBoxes:
@@ -25,35 +24,61 @@ def boxes_of(scene: Scene, *, has_regions: bool) -> FlatBoxes:
     )
 
 
+def made_of(boxes: FlatBoxes, scene: Scene, seed: int = 0) -> Scene:
+    looks = Looks.of([scene])
+    return boxes.scene(scene.domain, looks, "made", 7, np.random.default_rng(seed))
+
+
 def test_regions_are_the_parents(scene_42: Scene) -> None:
-    boxes, vocabulary = boxes_of(scene_42, has_regions=True), count_kinds([scene_42])
-    skeleton, geometry = as_skeleton(boxes, "mixed", vocabulary, np.random.default_rng(0))
-    np.testing.assert_allclose(geometry.center_enu_m[1:], boxes.center_enu_m)
-    n = skeleton.n_coarse
-    assert (skeleton.parent[:n] == 0).all()
-    assert (skeleton.parent[n:] == 1 + boxes.region[n - 1 :]).all()
+    boxes = boxes_of(scene_42, has_regions=True)
+    made = made_of(boxes, scene_42)
+    assert (made.scene_id, made.seed, made.domain) == ("made", 7, scene_42.domain)
+    assert boxes.region is not None
+    for obj, center, size, region in zip(
+        made.objects, boxes.center_enu_m, boxes.size_m, boxes.region, strict=True
+    ):
+        assert obj.bbox.p == pytest.approx(center, abs=1e-4)
+        assert obj.bbox.s == pytest.approx(np.maximum(size, 0.01), abs=1e-3)
+        assert obj.parent_id == (None if region < 0 else region)
+        assert obj.is_coarse == (obj.id < sum(o.is_coarse for o in made.objects))
 
 
 def test_without_regions_fine_objects_belong_to_the_nearest_coarse_one(scene_42: Scene) -> None:
-    boxes, vocabulary = boxes_of(scene_42, has_regions=False), count_kinds([scene_42])
-    skeleton, geometry = as_skeleton(boxes, "mixed", vocabulary, np.random.default_rng(0))
-    n = skeleton.n_coarse
-    for token in range(n, len(skeleton), 7):
-        away = np.linalg.norm(geometry.center_enu_m[1:n] - geometry.center_enu_m[token], axis=1)
-        assert away[skeleton.parent[token] - 1] == pytest.approx(away.min())
+    made = made_of(boxes_of(scene_42, has_regions=False), scene_42)
+    coarse = np.array([obj.bbox.p for obj in made.objects if obj.is_coarse])
+    for obj in made.objects[len(coarse) :: 7]:
+        away = np.linalg.norm(coarse - obj.bbox.p, axis=1)
+        assert obj.parent_id is not None
+        assert away[obj.parent_id] == pytest.approx(away.min())
+
+
+def test_flights_start_on_the_pad(scene_42: Scene) -> None:
+    made = made_of(boxes_of(scene_42, has_regions=True), scene_42)
+    (pad,) = [obj for obj in made.objects if obj.attributes.get("is_start")]
+    assert made.start_position_enu_m[:2] == pytest.approx(pad.bbox.p[:2])
+
+
+def test_what_is_alike_in_one_room_looks_alike(scene_42: Scene) -> None:
+    made = made_of(boxes_of(scene_42, has_regions=True), scene_42)
+    seen: dict[tuple[int, int | None], object] = {}
+    n_alike = 0
+    for obj in made.objects:
+        if obj.domain == "indoor":
+            key = obj.category_id, obj.parent_id
+            n_alike += key in seen
+            assert seen.setdefault(key, obj.attributes) == obj.attributes
+    assert n_alike > 3
+    assert made != made_of(boxes_of(scene_42, has_regions=True), scene_42, seed=1)
 
 
 def test_any_boxes_make_a_document(scene_42: Scene) -> None:
-    vocabulary, rng = count_kinds([scene_42]), np.random.default_rng(1)
+    rng = np.random.default_rng(1)
     boxes = FlatBoxes(
         rng.integers(1, 1 + len(CATALOGUE), 30),
         rng.normal(size=(30, 3)),
         rng.normal(size=30),
         rng.uniform(0.1, 2.0, (30, 3)),
     )
-    skeleton, geometry = as_skeleton(boxes, "outdoor", vocabulary, rng)
-    scene = assemble(skeleton, geometry, vocabulary, scene_id="noise", seed=0, rng=rng)
-    assert len(scene.objects) == 30
-    n_coarse = sum(obj.category_id <= COARSE_COUNT for obj in scene.objects)
-    assert n_coarse == skeleton.n_coarse - 1
-    assert usable_categories(vocabulary)[[obj.category_id for obj in scene.objects]].all()
+    made = made_of(boxes, scene_42)
+    assert len(made.objects) == 30
+    assert {obj.category for obj in made.objects} <= set(Looks.of([scene_42]).by_category)

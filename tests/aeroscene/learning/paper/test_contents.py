@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 import torch
 
-from aeroscene.learning.paper.boxes import usable_categories
 from aeroscene.learning.paper.contents.config import ContentsCfg
 from aeroscene.learning.paper.contents.lessons import ContentsLessons
 from aeroscene.learning.paper.contents.model import ContentsModel
@@ -76,7 +75,7 @@ def test_a_prior_that_has_learned_few_scenes_draws_them(
     drawn = model.eval().draw(
         layout.wish,
         data.statistics,
-        usable_categories(data.vocabulary),
+        data.looks.is_known,
         torch.Generator().manual_seed(0),
     )
     assert len(drawn.category) == pytest.approx(len(layout.category), rel=0.3)
@@ -88,7 +87,7 @@ def test_what_is_drawn_is_usable_and_coarse_objects_come_first(scenes: list[Scen
     data = flat_training_set(scenes, has_regions=True)
     torch.manual_seed(0)
     model = ContentsModel(ContentsCfg(width=16, layers=1)).eval()
-    is_usable = usable_categories(data.vocabulary)
+    is_usable = data.looks.is_known
     for seed in range(4):
         generator = torch.Generator().manual_seed(seed)
         drawn = model.draw(data.examples[0].wish, data.statistics, is_usable, generator)

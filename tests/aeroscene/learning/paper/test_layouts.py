@@ -20,7 +20,7 @@ from aeroscene.learning.paper.layouts import (
     random_symmetry,
     turned,
 )
-from aeroscene.learning.tokens.skeleton import Wish
+from aeroscene.learning.wishes import Wish
 from aeroscene.scene import OrientedBox, Scene
 from aeroscene.scene.catalogue import CATALOGUE
 

@@ -11,7 +11,7 @@ from aeroscene.learning.program import DecodingCfg, encode
 from aeroscene.learning.program.atoms import Atoms, atoms_of
 from aeroscene.learning.program.references import group_of
 from aeroscene.learning.program.statistics import from_example, to_example
-from aeroscene.learning.tokens.skeleton import Wish
+from aeroscene.learning.wishes import Wish
 from aeroscene.learning.writer.language import Language, learn_language
 
 DOORS_M = np.repeat([2.35, 2.85], [30, 50])

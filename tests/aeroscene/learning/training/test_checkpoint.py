@@ -9,7 +9,6 @@ from torch import nn
 
 from aeroscene.learning.generation.loading import SHIPPED
 from aeroscene.learning.paper.channels import FlatStatistics
-from aeroscene.learning.tokens.skeleton import Wish
 from aeroscene.learning.training.checkpoint import read_checkpoint, write_checkpoint
 from aeroscene.learning.training.checkpoint_facts import (
     CheckpointError,
@@ -17,6 +16,7 @@ from aeroscene.learning.training.checkpoint_facts import (
     DataSource,
     category_names,
 )
+from aeroscene.learning.wishes import Wish
 from aeroscene.learning.writer.language import Language
 
 

@@ -10,10 +10,11 @@ import pytest
 from aeroscene.corpus.dataset import DatasetError, store_scene, write_manifest
 from aeroscene.layouts.document import LayoutError
 from aeroscene.learning.paper.training_set import FlatTrainingSet
-from aeroscene.learning.tokens.skeleton import UnencodableError, Wish
 from aeroscene.learning.training.config import TrainingError
 from aeroscene.learning.training.data import open_training_data, prepared
 from aeroscene.learning.training.data_named import count_scenes
+from aeroscene.learning.wishes import Wish
+from aeroscene.learning.writer.examples import UnencodableError
 from tests.aeroscene.conftest import cached_scene
 from tests.aeroscene.learning.training.conftest import ten_objects
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import torch
 
-from aeroscene.learning.tokens.skeleton import Wish
+from aeroscene.learning.wishes import Wish
 from aeroscene.learning.writer.config import WriterCfg
 from aeroscene.learning.writer.examples import encodable
 from aeroscene.learning.writer.language import Language, learn_language

@@ -3,7 +3,7 @@
 import json
 
 from aeroscene.learning.program import EncodingCfg
-from aeroscene.learning.tokens.skeleton import Wish
+from aeroscene.learning.wishes import Wish
 from aeroscene.learning.writer.examples import ProgramEncoder, encodable
 from aeroscene.learning.writer.language import Language, learn_language
 from tests.aeroscene.conftest import cached_scene

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from aeroscene.learning.tokens.skeleton import UnencodableError
+from aeroscene.learning.writer.examples import UnencodableError
 
 
 class OneKind:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from aeroscene.learning.program import encode
-from aeroscene.learning.tokens.symmetry import draw_symmetry, mirrored
+from aeroscene.learning.symmetry import draw_symmetry, mirrored
 from aeroscene.metrics.places.seating import averted_chairs
 from aeroscene.metrics.places.top_view import TopView
 from aeroscene.metrics.places.walls import loose_wall_ends

@@ -1,4 +1,4 @@
-"""Skeletons: which objects a scene has, of which kind, child of whom, before any geometry."""
+"""Skeletons: which tokens a program has, of which kind, child of whom, before any geometry."""
 
 from __future__ import annotations
 
@@ -9,31 +9,7 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Int
 
-from aeroscene.scene import Scene, SceneDomain, SceneObject
-
-
-class UnencodableError(ValueError):
-    """A scene that cannot be learned from by what is known; one line that says why."""
-
-
-@dataclass(frozen=True, slots=True)
-class Wish:
-    """Demands on the content of a scene."""
-
-    domain: SceneDomain
-    n_coarse: int
-    n_fine: int
-    n_areas: int
-    """Landing areas of all sizes."""
-    theme: str = ""
-    """What the place is, empty where nobody has said it."""
-
-    @staticmethod
-    def of(scene: Scene) -> Wish:
-        """Wish that a scene fulfils."""
-        n_coarse = sum(obj.is_coarse for obj in scene.objects)
-        n_fine = len(scene.objects) - n_coarse
-        return Wish(scene.domain, n_coarse, n_fine, len(scene.landing_areas), scene.theme)
+from aeroscene.scene import SceneDomain
 
 
 @dataclass(frozen=True)
@@ -80,22 +56,3 @@ def _counted(keys: list) -> Int[np.ndarray, " n"]:
         places[i] = seen[key]
         seen[key] += 1
     return places
-
-
-def token_order(scene: Scene) -> tuple[SceneObject, ...]:
-    """The objects of a scene in a skeleton's order."""
-    coarse: list[SceneObject] = []
-    _descend(scene, None, coarse, is_coarse=True)
-    fine: list[SceneObject] = []
-    for parent in (None, *(obj.id for obj in coarse)):
-        _descend(scene, parent, fine, is_coarse=False)
-    return (*coarse, *fine)
-
-
-def _descend(
-    scene: Scene, parent: int | None, found: list[SceneObject], *, is_coarse: bool
-) -> None:
-    for child in scene.children_by_id.get(parent, ()):
-        if child.is_coarse == is_coarse:
-            found.append(child)
-            _descend(scene, child.id, found, is_coarse=is_coarse)

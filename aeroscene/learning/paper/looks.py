@@ -1,0 +1,82 @@
+"""What objects of a category are like beside their box: shape, colour, finish.
+
+The paper's objects are (p, q, s, c) and have no looks. Those of a drawn layout are drawn from the
+training scenes, as often as objects of the category had them there.
+"""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+import msgspec
+import numpy as np
+from jaxtyping import Bool
+
+from aeroscene.scene import AttributeValue, ObjectDomain, Scene
+from aeroscene.scene.catalogue import CATALOGUE
+
+_OPENINGS = ("door_m", "window_m")
+"""What has one of these is left out: a flat layout has no channels for where an opening is."""
+
+
+class Look(msgspec.Struct, frozen=True):
+    """Attributes that objects of a category were found to have."""
+
+    domain: ObjectDomain
+    attributes: dict[str, AttributeValue]
+    count: int
+
+    @property
+    def is_shared(self) -> bool:
+        """Whether all of its category in one room look so."""
+        return self.domain == "indoor"
+
+
+@dataclass(frozen=True)
+class Looks:
+    """The looks of a corpus by the name of the category, the commonest first."""
+
+    by_category: Mapping[str, tuple[Look, ...]]
+
+    @classmethod
+    def of(cls, scenes: Iterable[Scene]) -> Looks:
+        """Count the looks of scenes; their order does not matter."""
+        counts: defaultdict[str, Counter[tuple[ObjectDomain, bytes]]] = defaultdict(Counter)
+        for scene in scenes:
+            for obj in scene.objects:
+                if not any(name in obj.attributes for name in _OPENINGS):
+                    text = msgspec.json.encode(obj.attributes, order="sorted")
+                    counts[obj.category][obj.domain, text] += 1
+        return cls({name: _ranked(counts[name]) for name in sorted(counts)})
+
+    def to_json(self) -> str:
+        """The looks as text."""
+        return msgspec.json.encode(self.by_category).decode()
+
+    @classmethod
+    def from_json(cls, text: str) -> Looks:
+        """What `to_json` wrote.
+
+        Raises:
+            msgspec.DecodeError: If it is not that.
+        """
+        return cls(msgspec.json.decode(text, type=dict[str, tuple[Look, ...]]))
+
+    @property
+    def is_known(self) -> Bool[np.ndarray, " categories"]:
+        """Whether there is a look of each category, by its number; there is no category 0."""
+        known = [bool(self.by_category.get(CATALOGUE[c].name)) for c in sorted(CATALOGUE)]
+        return np.array([False, *known])
+
+    def draw(self, category: int, rng: np.random.Generator) -> Look:
+        """A look of a category of which there is one."""
+        looks = self.by_category[CATALOGUE[category].name]
+        share = np.array([look.count for look in looks], dtype=float)
+        return looks[rng.choice(len(looks), p=share / share.sum())]
+
+
+def _ranked(counts: Counter[tuple[ObjectDomain, bytes]]) -> tuple[Look, ...]:
+    ranked = sorted(counts.items(), key=lambda item: (-item[1], item[0]))
+    return tuple(Look(domain, msgspec.json.decode(text), count) for (domain, text), count in ranked)

@@ -1,1 +1,0 @@
-"""Scenes as tokens: kinds, skeletons, geometry as channels, and back."""
