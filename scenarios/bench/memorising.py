@@ -24,15 +24,15 @@ from aeroscene.learning.batch import TokenBatch
 from aeroscene.learning.diffusion.loss import diffusion_loss
 from aeroscene.learning.diffusion.sampling import sample
 from aeroscene.learning.diffusion.schedule import Schedule
-from aeroscene.learning.model.network import new_denoiser
 from aeroscene.learning.paper.boxes import FlatBoxes
 from aeroscene.learning.paper.guidance.layout import FlatReader
 from aeroscene.learning.paper.layouts import IS_TWO_SIDED, FlatLayout
-from aeroscene.learning.paper.preset import paper_sampler
 from aeroscene.learning.paper.training_set import FlatTrainingSet, flat_training_set
 from aeroscene.learning.training.batches.source import Batch, Batches
 from aeroscene.learning.training.config import Budget, Preset, TrainCfg
 from aeroscene.learning.training.loop import LossFunction, LossTerms, PartTraining, train_steps
+from aeroscene.learning.training.networks import new_denoiser
+from aeroscene.learning.training.paper_preset import paper_sampler
 from aeroscene.learning.training.presets import preset_sections
 from aeroscene.scene import Scene
 from scenarios.bench.configs import BenchError

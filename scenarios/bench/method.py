@@ -22,16 +22,16 @@ from aeroscene.learning.batch import TokenBatch
 from aeroscene.learning.diffusion.sampling import sample
 from aeroscene.learning.diffusion.schedule import Schedule
 from aeroscene.learning.generation.loading import SHIPPED
-from aeroscene.learning.model.network import new_denoiser
 from aeroscene.learning.paper.channels import SCALE, FlatStatistics
 from aeroscene.learning.paper.guidance.layout import FlatReader
 from aeroscene.learning.paper.guidance.objectives import Objectives
 from aeroscene.learning.paper.guidance.semantic import SemanticPrior
 from aeroscene.learning.paper.network.layout_denoiser import LayoutDenoiser
-from aeroscene.learning.paper.preset import paper_sampler
 from aeroscene.learning.paper.training_set import FlatTrainingSet
 from aeroscene.learning.training.checkpoint import Checkpoint, read_checkpoint
 from aeroscene.learning.training.data import prepared, training_scenes
+from aeroscene.learning.training.networks import new_denoiser
+from aeroscene.learning.training.paper_preset import paper_sampler
 from aeroscene.learning.training.presets import sections_from_plain
 from scenarios.bench.configs import BenchError
 from scenarios.bench.memorising import memorising_rows

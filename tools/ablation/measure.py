@@ -23,13 +23,13 @@ from aeroscene.learning.diffusion.config import SamplerCfg
 from aeroscene.learning.diffusion.schedule import Schedule
 from aeroscene.learning.generation.denoising import Denoising, Draft
 from aeroscene.learning.generation.loading import DEFAULT_SAMPLER
-from aeroscene.learning.model.network import new_denoiser
 from aeroscene.learning.training.batches.source import drawn_from
 from aeroscene.learning.training.checkpoint import Checkpoint
 from aeroscene.learning.training.checkpoint_facts import CheckpointError, DataSource
 from aeroscene.learning.training.config import Budget
 from aeroscene.learning.training.data import TrainingData
 from aeroscene.learning.training.loop import PartTraining
+from aeroscene.learning.training.networks import new_denoiser
 from aeroscene.learning.training.presets import sections_from_plain
 from aeroscene.learning.training.prior_stage import loss_function
 from aeroscene.learning.wishes import Wish

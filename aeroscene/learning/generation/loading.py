@@ -14,20 +14,20 @@ from torch import nn
 from aeroscene.learning.diffusion.config import SamplerCfg
 from aeroscene.learning.diffusion.schedule import Schedule
 from aeroscene.learning.generation.denoising import Denoising
+from aeroscene.learning.generation.layouts import FlatModel, FlatProposer
 from aeroscene.learning.generation.programs import ProgramProposer
 from aeroscene.learning.generation.proposal import Proposer
-from aeroscene.learning.model.network import new_denoiser
 from aeroscene.learning.paper.channels import FlatStatistics
 from aeroscene.learning.paper.contents.model import ContentsModel
 from aeroscene.learning.paper.guidance.layout import FlatReader
 from aeroscene.learning.paper.guidance.objectives import Objectives
 from aeroscene.learning.paper.guidance.semantic import SemanticPrior
 from aeroscene.learning.paper.looks import Looks
-from aeroscene.learning.paper.preset import paper_sampler
-from aeroscene.learning.paper.proposer import FlatModel, FlatProposer
 from aeroscene.learning.program import DecodingCfg
 from aeroscene.learning.training.checkpoint import Checkpoint, read_checkpoint
 from aeroscene.learning.training.checkpoint_facts import CheckpointError, DataSource, Part
+from aeroscene.learning.training.networks import new_denoiser
+from aeroscene.learning.training.paper_preset import paper_sampler
 from aeroscene.learning.training.presets import read_sections
 from aeroscene.learning.training.settings import changed
 from aeroscene.learning.writer.language import Language

@@ -8,10 +8,10 @@ from typing import Any, get_args
 
 from aeroscene.learning.diffusion.config import LossCfg, ScheduleCfg
 from aeroscene.learning.model.config import ModelCfg
-from aeroscene.learning.paper.preset import PAPER_SECTIONS, PROGRESSIVE_SECTIONS
 from aeroscene.learning.training.checkpoint_facts import Part, read_facts
 from aeroscene.learning.training.config import Budget, Preset, TrainCfg, TrainingError
 from aeroscene.learning.training.network_sizes import require_filled
+from aeroscene.learning.training.paper_preset import PAPER_SECTIONS, PROGRESSIVE_SECTIONS
 from aeroscene.learning.training.settings import section_from_plain, section_to_plain
 from aeroscene.learning.writer.config import WriterCfg
 

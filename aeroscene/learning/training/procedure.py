@@ -16,7 +16,6 @@ from typing import Any
 import torch
 
 from aeroscene.learning.diffusion.schedule import Schedule
-from aeroscene.learning.model.network import new_denoiser
 from aeroscene.learning.paper.contents.model import ContentsModel
 from aeroscene.learning.training.batches.opened import Supply, open_batches
 from aeroscene.learning.training.batches.stream import StreamedBatches
@@ -41,6 +40,7 @@ from aeroscene.learning.training.loop import (
     PartTraining,
     train_steps,
 )
+from aeroscene.learning.training.networks import new_denoiser
 from aeroscene.learning.training.presets import PARTS, Sections, sections_to_plain
 from aeroscene.learning.training.prior_stage import loss_function, train_prior_part
 from aeroscene.learning.training.same_data import check_same_data

@@ -14,7 +14,7 @@ from aeroscene.learning.generation import Generator, Request, RequestError
 from aeroscene.learning.generation.denoising import Denoising
 from aeroscene.learning.generation.programs import ProgramProposer
 from aeroscene.learning.model.config import ModelCfg
-from aeroscene.learning.model.network import new_denoiser
+from aeroscene.learning.training.networks import new_denoiser
 from aeroscene.learning.writer.config import WriterCfg
 from aeroscene.learning.writer.examples import encodable
 from aeroscene.learning.writer.language import Language, learn_language

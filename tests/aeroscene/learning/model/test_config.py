@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from aeroscene.learning.model.config import ModelCfg, ModelCfgError
-from aeroscene.learning.paper.preset import paper_cfg
+from aeroscene.learning.training.paper_preset import paper_cfg
 
 
 @pytest.mark.parametrize(

@@ -14,8 +14,8 @@ from aeroscene.learning.diffusion.schedule import Schedule
 from aeroscene.learning.model.config import ModelCfg
 from aeroscene.learning.paper.network.attention import ScaleAttention
 from aeroscene.learning.paper.network.layout_denoiser import LayoutDenoiser
-from aeroscene.learning.paper.preset import paper_cfg
 from aeroscene.learning.paper.training_set import FlatTrainingSet, flat_training_set
+from aeroscene.learning.training.paper_preset import paper_cfg
 from aeroscene.scene import Scene
 from tests.aeroscene.conftest import SAMPLE, cached_scene
 

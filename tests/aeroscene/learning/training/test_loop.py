@@ -7,8 +7,6 @@ from torch import nn
 from aeroscene.learning.diffusion.config import LossCfg
 from aeroscene.learning.diffusion.loss import diffusion_loss
 from aeroscene.learning.diffusion.schedule import Schedule
-from aeroscene.learning.model.network import new_denoiser
-from aeroscene.learning.paper.preset import PAPER_TRAINING
 from aeroscene.learning.training.batches.source import batch_generator, drawn_from
 from aeroscene.learning.training.config import Budget, TrainCfg, TrainingError
 from aeroscene.learning.training.loop import (
@@ -16,6 +14,8 @@ from aeroscene.learning.training.loop import (
     noise_generator,
     train_steps,
 )
+from aeroscene.learning.training.networks import new_denoiser
+from aeroscene.learning.training.paper_preset import PAPER_TRAINING
 from tests.aeroscene.learning.training.conftest import small_sections
 
 CPU = torch.device("cpu")

@@ -8,9 +8,9 @@ from aeroscene.learning.diffusion.loss import diffusion_loss
 from aeroscene.learning.diffusion.sampling import sample
 from aeroscene.learning.diffusion.schedule import Schedule
 from aeroscene.learning.model.config import ModelCfg
-from aeroscene.learning.model.network import new_denoiser
 from aeroscene.learning.training.config import Budget, TrainCfg
 from aeroscene.learning.training.loop import PartTraining, train_steps
+from aeroscene.learning.training.networks import new_denoiser
 from aeroscene.learning.training.writer_stage import writer_loss
 from aeroscene.learning.writer.config import WriterCfg
 from aeroscene.learning.writer.draw import draw_program

@@ -86,4 +86,4 @@ PAPER_SECTIONS: Mapping[str, Any] = {
 }
 """Sections of the paper's configuration, by name."""
 PROGRESSIVE_SECTIONS: Mapping[str, Any] = dict(PAPER_SECTIONS)
-"""The same network and settings; `paper.training_set` and `paper.proposer` make the difference."""
+"""The same network and settings; `paper.training_set` and `generation.layouts` make the difference."""
