@@ -9,8 +9,8 @@ import numpy as np
 
 from aeroscene.feasibility.region import Region
 from aeroscene.learning.program import Program, ProgramError, encode
+from aeroscene.learning.program.decoding.draft import Given
 from aeroscene.learning.program.decoding.furnish import furnish
-from aeroscene.learning.program.decoding.making import Given
 from aeroscene.learning.program.references import with_references
 from aeroscene.learning.program.statistics import ProgramExample, to_example
 from aeroscene.learning.wishes import RequestError, Wish

@@ -2,24 +2,19 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
 from jaxtyping import Float, Int
 
-from aeroscene.corpus.curation.curate import HEADROOM_M
 from aeroscene.learning.paper.layouts import NO_REGION, turned
 from aeroscene.learning.paper.looks import Look, Looks
+from aeroscene.learning.program.flight import extent_of, start_pad, top_of, yaw_inwards
 from aeroscene.scene import OrientedBox, Scene, SceneDomain, SceneObject
 from aeroscene.scene.box import MIN_SIZE_M, quat_from_yaw
 from aeroscene.scene.catalogue import COARSE_COUNT
 from aeroscene.scene.origin import ALTITUDE_M, LATITUDE_DEG, LONGITUDE_DEG
-
-_OPEN_SKY_M = 22.0
-"""Least height of the flight volume under open sky."""
-_LEAST_HALF_M = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,9 +67,9 @@ class FlatBoxes:
                     attributes=dict(look.attributes),
                 )
             )
-        low, high = boxes._extent_enu_m(domain)
-        pad = next((o for o in objects if o.attributes.get("is_start")), None)
-        start = np.clip((0.0, 0.0, 0.0) if pad is None else _top_middle(pad), low, high).tolist()
+        low, high = extent_of(objects, domain)
+        pad = start_pad(objects)
+        start = np.clip((0.0, 0.0, 0.0) if pad is None else top_of(pad), low, high).tolist()
         return Scene(
             scene_id=scene_id,
             domain=domain,
@@ -82,7 +77,7 @@ class FlatBoxes:
             extent_min_enu_m=low,
             extent_max_enu_m=high,
             start_position_enu_m=tuple(start),
-            start_yaw_rad=round(math.atan2(-start[1], -start[0]), 6),
+            start_yaw_rad=yaw_inwards(start),
             latitude_deg=LATITUDE_DEG,
             longitude_deg=LONGITUDE_DEG,
             altitude_m=ALTITUDE_M,
@@ -118,19 +113,3 @@ class FlatBoxes:
             quat_from_yaw(float(self.yaw_rad[row])),
             tuple(np.maximum(np.round(self.size_m[row], 3), MIN_SIZE_M).tolist()),
         )
-
-    def _extent_enu_m(
-        self, domain: SceneDomain
-    ) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
-        """The site's outline; up to the roof indoors, some way above everything outdoors."""
-        half_m = np.abs(self.center_enu_m[:, :2]).max(axis=0, initial=_LEAST_HALF_M)
-        x, y = np.round(half_m, 2).tolist()
-        top = float(np.max(self.center_enu_m[:, 2] + self.size_m[:, 2] / 2, initial=0.0))
-        if domain != "indoor":
-            top = max(_OPEN_SKY_M, math.ceil(top + HEADROOM_M))
-        return (-x, -y, 0.0), (x, y, round(top, 3))
-
-
-def _top_middle(pad: SceneObject) -> tuple[float, float, float]:
-    x, y, z = pad.bbox.p
-    return (x, y, round(z + pad.bbox.s[2] / 2, 4))

@@ -86,4 +86,5 @@ PAPER_SECTIONS: Mapping[str, Any] = {
 }
 """Sections of the paper's configuration, by name."""
 PROGRESSIVE_SECTIONS: Mapping[str, Any] = dict(PAPER_SECTIONS)
-"""The same network and settings; `paper.training_set` and `generation.layouts` make the difference."""
+"""The same network and settings: batches (`paper.training_set`) and passes (`generation.layouts`)
+make the difference."""

@@ -1,7 +1,7 @@
 """Decodes programs: covers, then what stands on them, storeys in buildings, and so on down.
 
-It gives a scene for any program, so that a draw of a model needs no luck: see `growing`,
-`settling`, `stacking`, `mending` and `neighbours` for what is done with what does not fit.
+It gives a scene for any program, so that a draw of a model needs no luck. The modules of
+`structures` and `units` say what is done with what does not fit.
 """
 
 from __future__ import annotations
@@ -19,30 +19,29 @@ from aeroscene.feasibility.roles import FITTINGS, GROUND, POSTS
 from aeroscene.feasibility.seats import TABLES, turns_to_tables
 from aeroscene.feasibility.strays import AFLOAT
 from aeroscene.feasibility.traffic import turns_with_traffic
-from aeroscene.learning.program.decoding.buildings import DecodedBuilding, build_building
 from aeroscene.learning.program.decoding.cfg import DecodingCfg
-from aeroscene.learning.program.decoding.extent import extent_of
-from aeroscene.learning.program.decoding.making import Making
-from aeroscene.learning.program.decoding.mending import LAID, drawn_in, laid_for, mended
-from aeroscene.learning.program.decoding.neighbours import (
+from aeroscene.learning.program.decoding.draft import Draft
+from aeroscene.learning.program.decoding.structures.buildings import DecodedBuilding, build_building
+from aeroscene.learning.program.decoding.structures.overhead import Overhead
+from aeroscene.learning.program.decoding.structures.sites import add_site
+from aeroscene.learning.program.decoding.units.backs import asks_for_wall, has_wall
+from aeroscene.learning.program.decoding.units.groups import back_to_back, backed_by, drawn_up
+from aeroscene.learning.program.decoding.units.neighbours import (
     free_of,
     free_shift,
     moved,
     open_ways,
     turned,
 )
-from aeroscene.learning.program.decoding.overhead import Overhead
-from aeroscene.learning.program.decoding.sites import add_site
-from aeroscene.learning.program.decoding.start import start_pad, top_of, yaw_inwards
-from aeroscene.learning.program.decoding.together import back_to_back, backed_by, drawn_up
-from aeroscene.learning.program.decoding.units import (
+from aeroscene.learning.program.decoding.units.reading import (
     member_boxes,
     openings_of,
     read_unit,
     with_own_sizes,
 )
-from aeroscene.learning.program.decoding.walled import asks_for_wall, has_wall
+from aeroscene.learning.program.decoding.units.supports import LAID, drawn_in, laid_for, mended
 from aeroscene.learning.program.encoding.units import unit_size_m
+from aeroscene.learning.program.flight import extent_of, start_pad, top_of, yaw_inwards
 from aeroscene.learning.program.kinds import CATEGORY_IDS, Kind, What, theme_of
 from aeroscene.learning.program.program import Program
 from aeroscene.relations import Kind as RelationKind
@@ -74,10 +73,10 @@ def decode(
     """The scene of a program, whatever its numbers; without interaction areas."""
     builder = Builder(program, cfg)
     builder.build()
-    making = builder.making
-    low, high = extent_of(making.objects, program.kinds[0].domain)
-    making.let_tiles_bear()
-    objects = tuple(replace(obj, scene_id=scene_id) for obj in making.objects)
+    draft = builder.draft
+    low, high = extent_of(draft.objects, program.kinds[0].domain)
+    draft.let_tiles_bear()
+    objects = tuple(replace(obj, scene_id=scene_id) for obj in draft.objects)
     pad = start_pad(objects)
     start = (0.0, 0.0, 0.0) if pad is None else top_of(pad)
     start = np.clip(start, low, high).tolist()
@@ -96,7 +95,7 @@ def decode(
         objects=objects,
         theme=theme_of(program.kinds[0]),
     )
-    return DecodedProgram(scene=scene, object_ids=tuple(map(tuple, making.made)))
+    return DecodedProgram(scene=scene, object_ids=tuple(map(tuple, draft.made)))
 
 
 class Builder:
@@ -105,7 +104,7 @@ class Builder:
     def __init__(self, program: Program, cfg: DecodingCfg | None = None) -> None:
         self._program = with_own_sizes(program)
         self._cfg = cfg or DecodingCfg()
-        self.making = Making(self._program)
+        self.draft = Draft(self._program)
         self._buildings: dict[int | None, DecodedBuilding] = {}
         """Those with storeys, by what they are in."""
         self._overhead = Overhead()
@@ -119,51 +118,51 @@ class Builder:
 
         Where any objects are given, so are all that partitions make.
         """
-        making, kinds = self.making, self._program.kinds
-        n_given = self._n_given = len(making.objects)
+        draft, kinds = self.draft, self._program.kinds
+        n_given = self._n_given = len(draft.objects)
         n_built = 1
         if not n_given:
             self._add_storeys(None)
-            for place in making.children[0]:
+            for place in draft.children[0]:
                 if kinds[place].node == "site":
-                    add_site(making, place, self._buildings.get(None))
-        queue: list[int | None] = [None, *range(len(making.objects))]
+                    add_site(draft, place, self._buildings.get(None))
+        queue: list[int | None] = [None, *range(len(draft.objects))]
         for turn in range(N_TURNS):
             for number, bearer in enumerate(queue):
-                before = len(making.objects)
+                before = len(draft.objects)
                 if number >= n_built and not n_given:
                     self._add_storeys(bearer)
                     n_built += 1
-                for place in making.below(bearer, "unit"):
+                for place in draft.below(bearer, "unit"):
                     if turn_of(CATEGORY_IDS[kinds[place].category]) > turn:
                         continue
-                    if not making.made[place]:
+                    if not draft.made[place]:
                         self._add_unit(place, bearer)
-                    elif making.made[place][0] < n_given:
-                        given = making.objects[making.made[place][0]]
+                    elif draft.made[place][0] < n_given:
+                        given = draft.objects[draft.made[place][0]]
                         self._last_m[kinds[place].what] = given.bbox.s
                 self._lay_slabs(bearer)
-                queue += range(before, len(making.objects))
+                queue += range(before, len(draft.objects))
         if self._cfg.mends:
             self._turn()
 
     def _turn(self) -> None:
         """Turn chairs to their tables, and vehicles with the traffic."""
-        making = self.making
-        objects = making.objects
+        draft = self.draft
+        objects = draft.objects
         known = objects, boxes_of(objects), np.ones(len(objects), dtype=bool)
         for row, turn_rad in [*turns_to_tables(*known), *turns_with_traffic(*known)]:
             box = objects[row].bbox
-            making.move(row, replace(box, q=quat_from_yaw(box.yaw_rad + turn_rad)))
+            draft.move(row, replace(box, q=quat_from_yaw(box.yaw_rad + turn_rad)))
 
     def _add_storeys(self, host: int | None) -> None:
         """Rooms and walls of the storeys in an object."""
-        making = self.making
-        storeys = making.below(host, "storey")
+        draft = self.draft
+        storeys = draft.below(host, "storey")
         if not storeys:
             return
-        outline, base_m = making.outline(host), making.base_m(host)
-        building = build_building(self._program, making.grower, storeys, outline, base_m)
+        outline, base_m = draft.outline(host), draft.base_m(host)
+        building = build_building(self._program, draft.trees, storeys, outline, base_m)
         if host is None:
             building = building.with_one_ceiling()
         self._buildings[host] = building
@@ -171,25 +170,25 @@ class Builder:
             kind = Kind("leaf") if token is None else self._program.kinds[token]
             openings = {name: round(value, 4) for name, value in part.openings.items()}
             attributes = dict(kind.attributes) | openings
-            making.add(
+            draft.add(
                 token, part.category, "indoor", attributes, part.box, parent=host, bearer=host
             )
             air = air_of(part.box, attributes) if part.category == "wall" else None
             if air is not None:
-                making.neighbours.add_air(air)
+                draft.neighbours.add_air(air)
 
     def _add_unit(self, place: int, bearer: int | None) -> None:
-        program, making = self._program, self.making
+        program, draft = self._program, self.draft
         kind = program.kinds[place]
-        if kind.category in AFLOAT and making.standing.category(bearer) != "water":
-            bearer = next((obj.id for obj in making.objects if obj.category == "water"), bearer)
+        if kind.category in AFLOAT and draft.standing.category(bearer) != "water":
+            bearer = next((obj.id for obj in draft.objects if obj.category == "water"), bearer)
         is_roof = kind.category == "roof" and bearer is None and bearer in self._buildings
         if is_roof and self._overhead.has_roof:
             return
-        unit = read_unit(making, place, bearer, self._last_m.get(kind.what))
+        unit = read_unit(draft, place, bearer, self._last_m.get(kind.what))
         self._last_m[kind.what] = unit_size_m(unit)
         if unit.array is not None:
-            making.pitches_m[place] = unit.array.pitch_m
+            draft.pitches_m[place] = unit.array.pitch_m
         table = unit.host_id if unit.relation.kind == RelationKind.SEAT else None
         boxes = self._boxes(unit, kind)
         if self._cfg.makes_room and boxes:
@@ -202,7 +201,7 @@ class Builder:
             if building is not None and building.is_upper(box):
                 self._overhead.slabs.append((place, box))
                 continue
-            making.add(
+            draft.add(
                 place,
                 kind.category,
                 kind.domain,
@@ -220,34 +219,34 @@ class Builder:
             kind = self._program.kinds[place]
             parent = None if kind.is_root else host
             attributes = dict(kind.attributes)
-            self.making.add(
+            self.draft.add(
                 place, kind.category, kind.domain, attributes, slab, parent=parent, bearer=host
             )
 
     def _boxes(self, unit: Unit, kind: Kind) -> list[OrientedBox]:
         """The boxes of a unit as its relation has them, but for those without a place."""
-        making = self.making
-        boxes = member_boxes(unit, making.box)
+        draft = self.draft
+        boxes = member_boxes(unit, draft.box)
         if not self._cfg.mends:
             return boxes
-        boxes = mended(kind.category, boxes, making.objects)
-        bearer = making.standing.category(unit.parent_id)
+        boxes = mended(kind.category, boxes, draft.objects)
+        bearer = draft.standing.category(unit.parent_id)
         if unit.parent_id is not None and bearer in _HOLDING and kind.category not in _FIXED:
-            return drawn_in(boxes, making.tiles(unit.parent_id))
+            return drawn_in(boxes, draft.tiles(unit.parent_id))
         is_on_table = bearer in TABLES
-        return laid_for(boxes, making.objects) if kind.category in LAID and is_on_table else boxes
+        return laid_for(boxes, draft.objects) if kind.category in LAID and is_on_table else boxes
 
     def _with_its_room(
         self, unit: Unit, kind: Kind, boxes: Sequence[OrientedBox], table: int | None
     ) -> list[OrientedBox]:
         """A unit's boxes where they have room, with what they belong to or by themselves."""
-        making = self.making
+        draft = self.draft
         if table is not None:
-            return drawn_up(making, boxes, table, self._n_given)
+            return drawn_up(draft, boxes, table, self._n_given)
         if kind.category in _FIXED:
             return list(boxes)
-        others = backed_by(making, unit)
-        found = back_to_back(making, unit, others, self._n_given) if others else None
+        others = backed_by(draft, unit)
+        found = back_to_back(draft, unit, others, self._n_given) if others else None
         return self._free(unit, kind, boxes) if found is None else found
 
     def _free(self, unit: Unit, kind: Kind, boxes: Sequence[OrientedBox]) -> list[OrientedBox]:
@@ -257,20 +256,20 @@ class Builder:
         there is none for all, those that have some, or that are at least not deep in others; the
         start pad whatever is there.
         """
-        making, neighbours = self.making, self.making.neighbours
-        taken = making.taken(unit.parent_id)
+        draft, neighbours = self.draft, self.draft.neighbours
+        taken = draft.taken(unit.parent_id)
         clearance_m = self._program.clearances.of(kind.category)
         tries: list[tuple[Float[np.ndarray, "k 8"], int | None]] = [(taken, None)]
         if any(clearance_m):
             kept_free = neighbours.kept_free(kind.category, clearance_m)
             tries.insert(0, (np.concatenate([taken, kept_free]), 1))
-        is_backed = self._cfg.mends and asks_for_wall(making, unit, kind.category)
+        is_backed = self._cfg.mends and asks_for_wall(draft, unit, kind.category)
         for needs_wall in (True, False) if is_backed else (False,):
             for full, n_ways in tries:
                 found = self._with_room(unit, kind, boxes, full, n_ways, needs_wall=needs_wall)
                 if found is not None:
                     return found
-        things = making.taken(unit.parent_id, has_air=False)
+        things = draft.taken(unit.parent_id, has_air=False)
         found = free_of(taken, boxes) or free_of(things, boxes, _INNER)
         return found or [box for box in boxes if dict(kind.attributes).get("is_start")]
 
@@ -285,16 +284,16 @@ class Builder:
         needs_wall: bool,
     ) -> list[OrientedBox] | None:
         """A unit's boxes by the first of the ways that its relation leaves open, if any."""
-        making = self.making
-        within = making.extent(unit.parent_id)
-        for turns, ways in islice(open_ways(unit, making.outline(unit.host_id)), n_ways):
+        draft = self.draft
+        within = draft.extent(unit.parent_id)
+        for turns, ways in islice(open_ways(unit, draft.outline(unit.host_id)), n_ways):
             tried = turned(unit, turns)
             found = self._boxes(tried, kind) if turns else boxes
             shift = free_shift(found, taken, within, ways) if found else None
             if shift is None:
                 continue
             found = [moved(box, shift) for box in found]
-            is_borne = making.is_borne(unit.parent_id, found)
-            if is_borne and (not needs_wall or has_wall(making, tried, found)):
+            is_borne = draft.is_borne(unit.parent_id, found)
+            if is_borne and (not needs_wall or has_wall(draft, tried, found)):
                 return found
         return None

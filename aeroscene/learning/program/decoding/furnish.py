@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from aeroscene.learning.program.decoding.decode import Builder
-from aeroscene.learning.program.decoding.making import Given
-from aeroscene.learning.program.decoding.start import start_pad, top_of, yaw_inwards
+from aeroscene.learning.program.decoding.draft import Given
+from aeroscene.learning.program.flight import start_pad, top_of, yaw_inwards
 from aeroscene.learning.program.program import Program
 from aeroscene.scene import Scene
 
@@ -19,9 +19,9 @@ def furnish(program: Program, given: Given, scene_id: str, seed: int) -> Scene:
     What is given keeps its id and is as it was; new objects come after it, with greater ids.
     """
     builder = Builder(program)
-    builder.making.begin_with(given)
+    builder.draft.begin_with(given)
     builder.build()
-    kept, made = given.scene, builder.making.objects
+    kept, made = given.scene, builder.draft.objects
     ids = [obj.id for obj in kept.objects]
     first_id = max(given.first_id, 1 + max(ids, default=-1))
     ids += range(first_id, first_id + len(made) - len(ids))

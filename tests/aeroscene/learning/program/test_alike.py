@@ -11,7 +11,7 @@ import pytest
 from aeroscene.corpus.curation import curate_layout
 from aeroscene.learning.generation.denoising import frame_values
 from aeroscene.learning.program import DecodingCfg, decode, encode
-from aeroscene.learning.program.decoding.growing import Grower
+from aeroscene.learning.program.decoding.structures.trees import TreeReader
 from aeroscene.learning.program.kinds import AS_LAST_AXES, Kind
 from aeroscene.learning.program.references import measure_references, with_references
 from aeroscene.relations.hosts import AT_LEVELS
@@ -118,7 +118,7 @@ def test_a_site_along_the_axes_lies_so_by_other_numbers_and_a_turned_one_as_it_d
     seen = set()
     for program, place in sites(30):
         kind = program.kinds[place]
-        head, _ = Grower(program, program.children()).head(place)
+        head, _ = TreeReader(program, program.children()).head(place)
         quarters = head.record.values[2] / (np.pi / 2)
         assert (abs(quarters - round(quarters)) > 1e-3) == kind.is_turned
         if not kind.is_turned:
@@ -148,7 +148,7 @@ def test_parts_that_were_equal_are_so_by_other_shares():
         blurry = program.with_channels(
             program.channels * np.random.default_rng(seed).normal(1, 0.2, program.channels.shape)
         )
-        grower = Grower(blurry, blurry.children())
+        grower = TreeReader(blurry, blurry.children())
         for _, parts in even_parts(program):
             logits = [grower._logit(i) for i in parts]
             for number, place in enumerate(parts):

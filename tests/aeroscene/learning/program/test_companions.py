@@ -9,7 +9,7 @@ import pytest
 from aeroscene.corpus.curation import curate_layout
 from aeroscene.learning.program import DecodingCfg, decode, encode
 from aeroscene.learning.program.companions import bond_of, measure_companions
-from aeroscene.learning.program.decoding.units import read_unit
+from aeroscene.learning.program.decoding.units.reading import read_unit
 from aeroscene.learning.program.kinds import Kind
 
 AS_DRAWN = DecodingCfg(mends=False, makes_room=False)

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from aeroscene.learning.program import decode, encode
+from aeroscene.learning.program.decoding.draft import Given
 from aeroscene.learning.program.decoding.furnish import furnish
-from aeroscene.learning.program.decoding.making import Given
 from tests.aeroscene.conftest import cached_scene
 from tests.aeroscene.feasibility.scenes import LAWN, garden, thing
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from aeroscene.learning.program.decoding.stacking import Level, stacked, upper_slabs
+from aeroscene.learning.program.decoding.structures.storeys import Level, stacked, upper_slabs
 from aeroscene.partition.cells import cells_of
 from aeroscene.partition.frames import Frame
 from aeroscene.partition.tree import VOID, Leaf, Part, Slice

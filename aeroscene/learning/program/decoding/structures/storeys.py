@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import permutations
 
-from aeroscene.learning.program.decoding.snapping import Cut, aligned, lines_of
+from aeroscene.learning.program.decoding.structures.alignment import Cut, aligned, lines_of
 from aeroscene.partition import BuildingPart
 from aeroscene.partition.cells import Cell, cells_of, merged
 from aeroscene.partition.frames import Bounds, Frame, hull_of

@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from aeroscene.feasibility.roles import SHELLS
-from aeroscene.learning.program.decoding.making import Making
+from aeroscene.learning.program.decoding.draft import Draft
 from aeroscene.relations import Kind, Unit
 from aeroscene.relations.plane import QUARTER, footprint, turned_reach_m
 from aeroscene.scene import OrientedBox
@@ -24,24 +24,24 @@ _SAME_ROW_M = 0.1
 """Distance within which the foremost things of a group stand in one row."""
 
 
-def asks_for_wall(making: Making, unit: Unit, category: str) -> bool:
+def asks_for_wall(draft: Draft, unit: Unit, category: str) -> bool:
     """Whether a unit has its back to an edge of a room, and is what has a wall there."""
     relation = unit.relation
     has_back = relation.kind == Kind.EDGE and relation.quadrant == _BACK
-    is_in_room = making.standing.category(unit.host_id) == "room"
+    is_in_room = draft.standing.category(unit.host_id) == "room"
     return has_back and is_in_room and category not in _FREE_STANDING
 
 
-def has_wall(making: Making, unit: Unit, boxes: Sequence[OrientedBox]) -> bool:
+def has_wall(draft: Draft, unit: Unit, boxes: Sequence[OrientedBox]) -> bool:
     """Whether a group at an edge of a room has a wall at each of those that stand foremost.
 
     Args:
-        making: What stands already.
+        draft: What stands already.
         unit: The group, with the side of the room that it is at.
         boxes: Where the group would stand.
     """
-    walls, shells = (making.neighbours.of(each) for each in ({"wall"}, SHELLS))
-    room, side = making.outline(unit.host_id), unit.relation.side
+    walls, shells = (draft.neighbours.of(each) for each in ({"wall"}, SHELLS))
+    room, side = draft.outline(unit.host_id), unit.relation.side
     outwards_rad = room.place.yaw_rad + side * QUARTER
     c, s = math.cos(outwards_rad), math.sin(outwards_rad)
     ends = []

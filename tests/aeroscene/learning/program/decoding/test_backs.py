@@ -10,9 +10,9 @@ from aeroscene.feasibility.roles import SHELLS
 from aeroscene.learning.program import encode
 from aeroscene.learning.program.decoding.cfg import DecodingCfg
 from aeroscene.learning.program.decoding.decode import decode
-from aeroscene.learning.program.decoding.making import Making
-from aeroscene.learning.program.decoding.neighbours import Neighbours
-from aeroscene.learning.program.decoding.walled import has_wall
+from aeroscene.learning.program.decoding.draft import Draft
+from aeroscene.learning.program.decoding.units.backs import has_wall
+from aeroscene.learning.program.decoding.units.neighbours import Neighbours
 from aeroscene.metrics.places.top_view import TopView
 from aeroscene.relations import Kind, Relation, Unit
 from aeroscene.scene import OrientedBox
@@ -36,17 +36,17 @@ def standing(program):
     """Something in a room of 10 by 8 m that has no walls of its own."""
 
     def stand(*boxes, category="wall"):
-        making = Making(program)
+        draft = Draft(program)
         for name, each in (("room", ROOM), *((category, box) for box in boxes)):
-            making.add(None, name, "indoor", {}, each, parent=None, bearer=None)
-        return making
+            draft.add(None, name, "indoor", {}, each, parent=None, bearer=None)
+        return draft
 
     return stand
 
 
-def at_wall(boxes, side, making):
+def at_wall(boxes, side, draft):
     relation = Relation(kind=Kind.EDGE, side=side, quadrant=2)
-    return has_wall(making, Unit(parent_id=0, host_id=0, relation=relation, members=()), boxes)
+    return has_wall(draft, Unit(parent_id=0, host_id=0, relation=relation, members=()), boxes)
 
 
 ROOM = box(0.0, 0.0, (10.0, 8.0, 3.0), 1.5)
@@ -54,12 +54,12 @@ EAST_WALL = box(5.1, 1.0, (0.2, 6.0, 3.0), 1.5)
 
 
 def test_a_wall_counts_at_the_side_where_it_is(standing):
-    making = standing(EAST_WALL)
-    assert at_wall([box(4.7, 0.0)], EAST, making)
-    assert not at_wall([box(4.7, -3.0)], EAST, making)
-    assert not at_wall([box(0.0, 3.7)], NORTH, making)
-    assert not at_wall([box(4.4, 0.0)], EAST, making)
-    assert not at_wall([box(4.7, 0.0, z_m=5.0)], EAST, making)
+    draft = standing(EAST_WALL)
+    assert at_wall([box(4.7, 0.0)], EAST, draft)
+    assert not at_wall([box(4.7, -3.0)], EAST, draft)
+    assert not at_wall([box(0.0, 3.7)], NORTH, draft)
+    assert not at_wall([box(4.4, 0.0)], EAST, draft)
+    assert not at_wall([box(4.7, 0.0, z_m=5.0)], EAST, draft)
     assert not at_wall([box(4.7, 0.0)], EAST, standing())
 
 

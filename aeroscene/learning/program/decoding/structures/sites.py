@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from aeroscene.learning.program.decoding.buildings import DecodedBuilding
-from aeroscene.learning.program.decoding.making import Making
-from aeroscene.learning.program.decoding.settling import settled
-from aeroscene.learning.program.decoding.yards import laid_about
+from aeroscene.learning.program.decoding.draft import Draft
+from aeroscene.learning.program.decoding.structures.buildings import DecodedBuilding
+from aeroscene.learning.program.decoding.structures.strips import settled
+from aeroscene.learning.program.decoding.structures.yards import laid_about
 from aeroscene.learning.program.kinds import Word
 from aeroscene.learning.program.nesting import cells
 from aeroscene.partition import SitePartition, build_site, from_sequence
@@ -22,9 +22,9 @@ _LEAST_COVER_M = 0.05
 _ON_M = 1e-6
 
 
-def add_site(making: Making, place: int, house: DecodedBuilding | None = None) -> None:
+def add_site(draft: Draft, place: int, house: DecodedBuilding | None = None) -> None:
     """Add the covers of the site whose token is at a place, about the house that stands on it."""
-    grown, widths = making.grower.head(place)
+    grown, widths = draft.trees.head(place)
     tokens = cells(grown)
     plain = from_sequence([*widths, *grown.flat()])
     assert isinstance(plain, SitePartition)
@@ -35,18 +35,18 @@ def add_site(making: Making, place: int, house: DecodedBuilding | None = None) -
         for cover in build_site(replace(plain, tree=tree))
         if cover.kind != VOID and (token := tokens[cover.leaf][0]) is not None
     ]
-    for token, word, box in drawn if house is None else _about(making, house, drawn):
-        parent = making.made[token][-1] if making.made[token] else None
-        if parent is None and not making.program.kinds[token].is_root:
-            parent = _under(making.objects, box, word)
+    for token, word, box in drawn if house is None else _about(draft, house, drawn):
+        parent = draft.made[token][-1] if draft.made[token] else None
+        if parent is None and not draft.program.kinds[token].is_root:
+            parent = _under(draft.objects, box, word)
         attributes = dict(word.attributes)
-        making.add(token, word.category, word.domain, attributes, box, parent=parent, bearer=None)
+        draft.add(token, word.category, word.domain, attributes, box, parent=parent, bearer=None)
 
 
-def _about(making: Making, house: DecodedBuilding, drawn: list[_Cover]) -> list[_Cover]:
+def _about(draft: Draft, house: DecodedBuilding, drawn: list[_Cover]) -> list[_Cover]:
     """The same covers laid anew about a house, where they are one yard that bears nothing."""
     words = {word for _, word, _ in drawn}
-    if len(words) != 1 or any(making.children[token] for token, _, _ in drawn):
+    if len(words) != 1 or any(draft.children[token] for token, _, _ in drawn):
         return drawn
     laid = laid_about(house, [box for _, _, box in drawn])
     return drawn if laid is None else [(*drawn[number][:2], box) for box, number in laid]

@@ -7,9 +7,9 @@ import pytest
 
 from aeroscene.learning.program import encode
 from aeroscene.learning.program.decoding.decode import decode
-from aeroscene.learning.program.decoding.making import Making
-from aeroscene.learning.program.decoding.mending import is_on_any
-from aeroscene.learning.program.decoding.together import back_to_back, backed_by
+from aeroscene.learning.program.decoding.draft import Draft
+from aeroscene.learning.program.decoding.units.groups import back_to_back, backed_by
+from aeroscene.learning.program.decoding.units.supports import is_on_any
 from aeroscene.learning.program.kinds import CATEGORY_IDS
 from aeroscene.learning.program.program import PITCH
 from aeroscene.relations import Array, Kind, Member, Relation, Unit
@@ -51,45 +51,45 @@ def rows(scenes):
     def stand(east_m):
         program = encode(scenes[0]).program
         token = next(i for i, kind in enumerate(program.kinds) if kind.node == "unit")
-        making = Making(program)
-        making.add(None, "room", "indoor", {}, ROOM, parent=None, bearer=None)
+        draft = Draft(program)
+        draft.add(None, "room", "indoor", {}, ROOM, parent=None, bearer=None)
         for x_m in (east_m - PITCH_M, east_m):
             for y_m in (-1.0, 1.0):
-                making.add(token, "shelf", "indoor", {}, shelf(x_m, y_m), parent=0, bearer=0)
-        making.pitches_m[token] = (PITCH_M, 2.0)
-        return making
+                draft.add(token, "shelf", "indoor", {}, shelf(x_m, y_m), parent=0, bearer=0)
+        draft.pitches_m[token] = (PITCH_M, 2.0)
+        return draft
 
     return stand
 
 
-def backs_m(making, boxes):
+def backs_m(draft, boxes):
     """How far each of some boxes is behind the nearest that stands beside it."""
-    stood = [obj.bbox.p for obj in making.objects[1:]]
+    stood = [obj.bbox.p for obj in draft.objects[1:]]
     return [min(abs(box.p[0] - p[0]) for p in stood if abs(p[1] - box.p[1]) < 0.2) for box in boxes]
 
 
 def test_only_what_is_alike_and_turned_away_counts(rows):
-    making = rows(2.0)
-    assert backed_by(making, behind()) == [1, 2, 3, 4]
+    draft = rows(2.0)
+    assert backed_by(draft, behind()) == [1, 2, 3, 4]
     for changes in ({"quadrant": 2}, {"side": 1}, {"gap": Gap.WIDE}, {"kind": Kind.FACING}):
-        assert backed_by(making, behind(**changes)) == []
+        assert backed_by(draft, behind(**changes)) == []
 
 
 @pytest.mark.parametrize("pitch_m", [PITCH_M, PITCH_M - 0.4])
 def test_shelves_stand_back_to_back_though_their_rows_were_drawn_otherwise(rows, pitch_m):
-    making = rows(2.0)
-    found = back_to_back(making, behind(pitch_m), [1, 2, 3, 4], 0)
+    draft = rows(2.0)
+    found = back_to_back(draft, behind(pitch_m), [1, 2, 3, 4], 0)
     assert len(found) == ROWS * COLUMNS
-    assert backs_m(making, found) == pytest.approx([0.53] * 4, abs=0.01)
-    assert making.objects[1].bbox.p[0] == 2.0 - PITCH_M
+    assert backs_m(draft, found) == pytest.approx([0.53] * 4, abs=0.01)
+    assert draft.objects[1].bbox.p[0] == 2.0 - PITCH_M
 
 
 def test_the_first_make_room_for_those_behind_them(rows):
-    making = rows(4.7)
-    found = back_to_back(making, behind(), [1, 2, 3, 4], 0)
-    assert backs_m(making, found) == pytest.approx([0.53] * 4, abs=0.01)
+    draft = rows(4.7)
+    found = back_to_back(draft, behind(), [1, 2, 3, 4], 0)
+    assert backs_m(draft, found) == pytest.approx([0.53] * 4, abs=0.01)
     assert max(box.p[0] + SIZE_M[0] / 2 for box in found) <= 5.0 + 1e-9
-    assert making.objects[1].bbox.p[0] < 4.7 - PITCH_M
+    assert draft.objects[1].bbox.p[0] < 4.7 - PITCH_M
     assert back_to_back(rows(4.7), behind(), [1, 2, 3, 4], 5) is None
 
 

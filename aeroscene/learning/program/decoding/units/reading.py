@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from aeroscene.learning.program.decoding.making import Making
+from aeroscene.learning.program.decoding.draft import Draft
 from aeroscene.learning.program.encoding.units import pitch_base_m, underside_m
 from aeroscene.learning.program.kinds import AS_LAST_AXES, CATEGORY_IDS, OPENINGS, What
 from aeroscene.learning.program.measures import (
@@ -52,28 +52,26 @@ LEAST_RISE_M = 0.15
 """Lowest level above the ground that stairs lead up to."""
 
 
-def read_unit(
-    making: Making, token: int, bearer: int | None, last_m: Vector3 | None = None
-) -> Unit:
+def read_unit(draft: Draft, token: int, bearer: int | None, last_m: Vector3 | None = None) -> Unit:
     """The unit that a token is, on what bears it.
 
     Args:
-        making: The program, and what is made of it already.
+        draft: The program, and what is made of it already.
         token: Place of the unit's token.
         bearer: Id of the object that bears it; None for the bare world.
         last_m: Extents of the last unit that is the same, for what is as large; None without one.
     """
-    program, box_of = making.program, making.box
+    program, box_of = draft.program, draft.box
     kind = program.kinds[token]
-    members = [i for i in making.children[token] if program.kinds[i].node == "member"]
+    members = [i for i in draft.children[token] if program.kinds[i].node == "member"]
     c = np.nan_to_num(program.channels[token]).tolist()
-    relation, host = _related(making, token, bearer)
+    relation, host = _related(draft, token, bearer)
     residual_rad = own_heading_rad(*program.channels[token, [COS, SIN]].tolist())
     turn = 0 if relation.quadrant == ANY_TURN else relation.quadrant
     host_box = box_of(host)
     host_rad = 0.0 if host_box is None else host_box.yaw_rad
     yaw_rad = host_rad + (relation.side + turn) * QUARTER + residual_rad
-    around = Surroundings(box_of(bearer), up_to_level(making.standing.category(host), host_box))
+    around = Surroundings(box_of(bearer), up_to_level(draft.standing.category(host), host_box))
     size_m, base_m = size_and_base(
         around,
         [c[RISE], *c[SIZE]],
@@ -93,7 +91,7 @@ def read_unit(
     own_m = base_m - _low_m(around.bearer)
     made = _members(program, token, members, size_m, own_m, n_members)
     halves_m = [foot_m(member.category_id, member.size_m) for member in made]
-    host_outline = making.outline(host)
+    host_outline = draft.outline(host)
     array = None
     if kind.is_group:
         array = _array(program, token, shape, relation.kind, halves_m, host_outline)
@@ -156,13 +154,13 @@ def openings_of(program: Program, place: int, box: OrientedBox) -> dict[str, Att
     return found
 
 
-def _related(making: Making, token: int, bearer: int | None) -> tuple[Relation, int | None]:
+def _related(draft: Draft, token: int, bearer: int | None) -> tuple[Relation, int | None]:
     """The relation of a unit and its host: of the rank that was drawn, or the last before it.
 
     Of stairs it is the next of those that are higher than what bears them, of all else the nearest
     that such a unit may have.
     """
-    program, standing, box_of = making.program, making.standing, making.box
+    program, standing, box_of = draft.program, draft.standing, draft.box
     kind = program.kinds[token]
     relation = kind.to_relation(0)
     hosts = standing.possible_hosts(relation.kind, CATEGORY_IDS[kind.category], bearer)
@@ -173,7 +171,7 @@ def _related(making: Making, token: int, bearer: int | None) -> tuple[Relation, 
         higher = [i for i, host in enumerate(hosts) if _is_higher(host, bearer, standing, box_of)]
         rank = next((i for i in higher if i >= rank), higher[0] if higher else rank)
     elif len(hosts) > 1:
-        rank = program.companions.nearest(kind, rank, list(map(making.host_key, hosts)))
+        rank = program.companions.nearest(kind, rank, list(map(draft.host_key, hosts)))
     return replace(relation, host=rank), hosts[rank]
 
 

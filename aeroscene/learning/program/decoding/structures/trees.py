@@ -27,7 +27,7 @@ Grown = Nested[int | None]
 """A record with the place of its token; None where a record had to be made up."""
 
 
-class Grower:
+class TreeReader:
     """Reads the partitions of one program."""
 
     def __init__(self, program: Program, children: Sequence[Sequence[int]]) -> None:

@@ -7,11 +7,11 @@ from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import astuple, dataclass, replace
 
-from aeroscene.learning.program.decoding.growing import Grower
-from aeroscene.learning.program.decoding.roofing import roofs_over, with_one_ceiling
-from aeroscene.learning.program.decoding.settling import settled
-from aeroscene.learning.program.decoding.snapping import snapped
-from aeroscene.learning.program.decoding.stacking import Level, stacked, upper_slabs
+from aeroscene.learning.program.decoding.structures.alignment import snapped
+from aeroscene.learning.program.decoding.structures.roofs import roofs_over, with_one_ceiling
+from aeroscene.learning.program.decoding.structures.storeys import Level, stacked, upper_slabs
+from aeroscene.learning.program.decoding.structures.strips import settled
+from aeroscene.learning.program.decoding.structures.trees import TreeReader
 from aeroscene.learning.program.encoding.partitions import first_leaves, owner_of
 from aeroscene.learning.program.nesting import cells
 from aeroscene.learning.program.program import Program
@@ -80,13 +80,13 @@ class DecodedBuilding:
 
 
 def build_building(
-    program: Program, grower: Grower, storeys: Sequence[int], host: Rectangle, base_m: float
+    program: Program, trees: TreeReader, storeys: Sequence[int], host: Rectangle, base_m: float
 ) -> DecodedBuilding:
     """The rooms and walls of a building's storeys.
 
     Args:
         program: The program.
-        grower: Reads its records.
+        trees: Reads its records.
         storeys: Places of the storeys' tokens, from the lowest up.
         host: The building, or the site, seen from above.
         base_m: Its underside.
@@ -95,7 +95,7 @@ def build_building(
     drawn: list[_Storey] = []
     for place in storeys:
         base_m += float(program.channels[place, 7])
-        drawn.append(_Storey(program, grower, place, frame, base_m))
+        drawn.append(_Storey(program, trees, place, frame, base_m))
     levels = [Level(storey.tree, storey.level_m, storey.wall_m) for storey in drawn]
     trees = stacked(levels, frame, max(storey.least_m for storey in drawn))
     parts = build_storeys(
@@ -122,11 +122,11 @@ class _Storey:
     """One storey; it keeps which tokens its leaves and borders are."""
 
     def __init__(
-        self, program: Program, grower: Grower, place: int, frame: Frame, level_m: float
+        self, program: Program, trees: TreeReader, place: int, frame: Frame, level_m: float
     ) -> None:
-        self._program, self._grower = program, grower
+        self._program, self._trees = program, trees
         self.frame, self.level_m = frame, level_m
-        grown, self._widths = grower.head(place)
+        grown, self._widths = trees.head(place)
         wall_m, outer_m, self._drop_m = program.channels[place, 8:11].tolist()
         self.wall_m = max(wall_m, _LEAST_WALL_M)
         self._outer_m = outer_m if outer_m > _LEAST_WALL_M else 0.0
@@ -161,7 +161,7 @@ class _Storey:
 
     def _borders(self, lines: Sequence[Line], rooms: Sequence[int]) -> list[Border]:
         """A border for each line: what was drawn between the two rooms, else what closes rooms."""
-        children = self._grower.children
+        children = self._trees.children
         kinds = self._program.kinds
         known: defaultdict[tuple[int, int, int], list[int]] = defaultdict(list)
         for leaf, token in enumerate(self._leaves):
@@ -198,7 +198,7 @@ class _Storey:
         if kind.category == "open":
             return OPEN
         form = str(dict(kind.attributes).get("form", ""))
-        grown = self._grower.border(place, len(self._widths))
+        grown = self._trees.border(place, len(self._widths))
         if kind.category == "wall" or not grown.children:
             return replace(WALL, form=form)
         return read_border([*self._widths, *grown.flat()])

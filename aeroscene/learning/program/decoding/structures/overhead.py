@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
-from aeroscene.learning.program.decoding.buildings import DecodedBuilding
+from aeroscene.learning.program.decoding.structures.buildings import DecodedBuilding
 from aeroscene.scene import OrientedBox
 
 Drawn = tuple[int, OrientedBox]

@@ -1,4 +1,4 @@
-"""The objects of a program as far as they are made, and the tokens that they stand for."""
+"""A scene in the making: its objects so far, and the tokens that they stand for."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from jaxtyping import Float
 
 from aeroscene.feasibility.doors import air_of
 from aeroscene.learning.program.companions import host_key
-from aeroscene.learning.program.decoding.growing import Grower
-from aeroscene.learning.program.decoding.mending import is_on_any
-from aeroscene.learning.program.decoding.neighbours import Neighbours
+from aeroscene.learning.program.decoding.structures.trees import TreeReader
+from aeroscene.learning.program.decoding.units.neighbours import Neighbours
+from aeroscene.learning.program.decoding.units.supports import is_on_any
 from aeroscene.learning.program.kinds import CATEGORY_IDS
 from aeroscene.learning.program.measures import BARE_SITE, site_rectangle
 from aeroscene.learning.program.program import Program
@@ -35,8 +35,8 @@ class Given:
 
 
 @dataclass(eq=False)
-class Making:
-    """A scene in the making; the id of an object is its place in the order."""
+class Draft:
+    """The objects so far; the id of one is its place in the order."""
 
     program: Program
     objects: list[SceneObject] = field(default_factory=list)
@@ -45,7 +45,7 @@ class Making:
 
     def __post_init__(self) -> None:
         self.children = self.program.children()
-        self.grower = Grower(self.program, self.children)
+        self.trees = TreeReader(self.program, self.children)
         self.made: list[list[int]] = [[] for _ in self.program.kinds]
         """Objects of each token."""
         self._place_of: list[tuple[int | None, int]] = []

@@ -1,4 +1,4 @@
-"""The flight volume of a decoded scene: all that stands there, and air above."""
+"""The flight volume of a made scene, and where flights start in it."""
 
 from __future__ import annotations
 
@@ -23,3 +23,19 @@ def extent_of(objects: Sequence[SceneObject], domain: str) -> tuple[Vector3, Vec
         top_m = max(_OPEN_SKY_M, math.ceil(top_m + HEADROOM_M))
     (x0, y0), (x1, y1) = np.floor(low_m[:2] * 100) / 100, np.ceil(high_m[:2] * 100) / 100
     return (float(x0), float(y0), 0.0), (float(x1), float(y1), round(top_m, 3))
+
+
+def start_pad(objects: Sequence[SceneObject]) -> SceneObject | None:
+    """The pad from which flights start; None where there is none."""
+    return next((obj for obj in objects if obj.attributes.get("is_start")), None)
+
+
+def top_of(obj: SceneObject) -> Vector3:
+    """The middle of an object's upper face."""
+    x, y, z = obj.bbox.p
+    return x, y, round(z + obj.bbox.s[2] / 2, 4)
+
+
+def yaw_inwards(start: Sequence[float]) -> float:
+    """Heading from a place to the origin, rad."""
+    return round(math.atan2(-start[1], -start[0]), 6)

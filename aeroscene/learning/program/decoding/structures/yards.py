@@ -11,8 +11,8 @@ from collections.abc import Sequence
 import shapely
 
 from aeroscene.layouts.ground import cover
-from aeroscene.learning.program.decoding.buildings import DecodedBuilding
-from aeroscene.learning.program.decoding.roofing import ground_plan
+from aeroscene.learning.program.decoding.structures.buildings import DecodedBuilding
+from aeroscene.learning.program.decoding.structures.roofs import ground_plan
 from aeroscene.partition.frames import Bounds, frame_of, hull_of, nearest_quarter
 from aeroscene.scene import OrientedBox
 

@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from aeroscene.learning.program.decoding.making import Making
-from aeroscene.learning.program.decoding.mending import is_on_any
-from aeroscene.learning.program.decoding.neighbours import free_of, free_shift, moved
-from aeroscene.learning.program.decoding.units import member_boxes
+from aeroscene.learning.program.decoding.draft import Draft
+from aeroscene.learning.program.decoding.units.neighbours import free_of, free_shift, moved
+from aeroscene.learning.program.decoding.units.reading import member_boxes
+from aeroscene.learning.program.decoding.units.supports import is_on_any
 from aeroscene.relations import Unit
 from aeroscene.relations.relation import N_SIDES, Gap, Kind
 from aeroscene.scene import OrientedBox
@@ -22,66 +22,66 @@ _SAME_PITCH_M = 0.6
 
 
 def moved_with(
-    making: Making, boxes: Sequence[OrientedBox], others: Sequence[int], n_given: int
+    draft: Draft, boxes: Sequence[OrientedBox], others: Sequence[int], n_given: int
 ) -> list[OrientedBox] | None:
     """Boxes where they have room, other objects moved with them; None where nothing makes it.
 
     Args:
-        making: What stands already; the others go elsewhere in it.
+        draft: What stands already; the others go elsewhere in it.
         boxes: Those that come.
         others: Ids of objects that move as they do, all on the same bearer.
         n_given: How many objects stand as they are, and do not move.
     """
     if min(others) < n_given:
         return None
-    bearer = making.standing.bearer(others[0])
-    own = [making.objects[number].bbox for number in others]
-    within = making.extent(bearer)
-    taken = making.taken(bearer, without=others)
+    bearer = draft.standing.bearer(others[0])
+    own = [draft.objects[number].bbox for number in others]
+    within = draft.extent(bearer)
+    taken = draft.taken(bearer, without=others)
     shift = free_shift([*own, *boxes], taken, within, ways_rad=None)
-    if shift is None or not making.is_borne(bearer, [moved(box, shift) for box in [*own, *boxes]]):
+    if shift is None or not draft.is_borne(bearer, [moved(box, shift) for box in [*own, *boxes]]):
         return None
     for number, box in zip(others, own, strict=True):
-        making.move(number, moved(box, shift))
+        draft.move(number, moved(box, shift))
     return [moved(box, shift) for box in boxes]
 
 
 def drawn_up(
-    making: Making, chairs: Sequence[OrientedBox], table: int, n_given: int
+    draft: Draft, chairs: Sequence[OrientedBox], table: int, n_given: int
 ) -> list[OrientedBox]:
     """Chairs that have room, their table moved with them where that makes it."""
-    boxes = moved_with(making, chairs, [table], n_given)
+    boxes = moved_with(draft, chairs, [table], n_given)
     if boxes is not None:
         return boxes
-    return free_of(making.taken(making.standing.bearer(table), without=[table]), chairs)
+    return free_of(draft.taken(draft.standing.bearer(table), without=[table]), chairs)
 
 
-def backed_by(making: Making, unit: Unit) -> list[int]:
+def backed_by(draft: Draft, unit: Unit) -> list[int]:
     """The group of what a unit of the same kind stands back to back with; empty for all else."""
     relation, host = unit.relation, unit.host_id
     if host is None or relation.kind != Kind.SIDE:
         return []
     is_behind = relation.gap == Gap.TOUCH and relation.side == _BEHIND
     is_turned_away = (relation.side + relation.quadrant) % N_SIDES == _BEHIND
-    is_alike = making.objects[host].category_id == unit.members[0].category_id
-    return making.group_of(host) if is_behind and is_turned_away and is_alike else []
+    is_alike = draft.objects[host].category_id == unit.members[0].category_id
+    return draft.group_of(host) if is_behind and is_turned_away and is_alike else []
 
 
 def back_to_back(
-    making: Making, unit: Unit, others: Sequence[int], n_given: int
+    draft: Draft, unit: Unit, others: Sequence[int], n_given: int
 ) -> list[OrientedBox] | None:
     """The boxes of a unit at the backs of others, which go with it; None without room.
 
     The pitch of a group is that of the other if it is about the same. What is outside of a room
     that is too small for both is left out.
     """
-    drawn = member_boxes(_as_even_as(unit, making.pitch_m(others[0])), making.box)
-    if len(free_of(making.neighbours.rows(others), drawn)) < len(drawn):
+    drawn = member_boxes(_as_even_as(unit, draft.pitch_m(others[0])), draft.box)
+    if len(free_of(draft.neighbours.rows(others), drawn)) < len(drawn):
         return None
-    boxes = moved_with(making, drawn, others, n_given)
+    boxes = moved_with(draft, drawn, others, n_given)
     if boxes is None or unit.parent_id is None:
         return boxes
-    tiles = making.tiles(unit.parent_id)
+    tiles = draft.tiles(unit.parent_id)
     return [box for box in boxes if is_on_any(box, tiles)] or None
 
 

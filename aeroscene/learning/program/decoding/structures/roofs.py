@@ -10,7 +10,7 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 
 from aeroscene.layouts.ground import cover
-from aeroscene.learning.program.decoding.stacking import outline_in
+from aeroscene.learning.program.decoding.structures.storeys import outline_in
 from aeroscene.partition import BuildingPart
 from aeroscene.partition.frames import Frame
 from aeroscene.scene import OrientedBox

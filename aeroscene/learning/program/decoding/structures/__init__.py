@@ -1,0 +1,1 @@
+"""What partitions decode to: the covers of sites, and the storeys of buildings."""

@@ -1,0 +1,1 @@
+"""What stands on covers: where a unit goes, and what of it has room."""
