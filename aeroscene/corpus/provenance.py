@@ -12,7 +12,7 @@ _NO_PART_OF_A_SCENE = (
     "corpus/dataset.py",
     "corpus/provenance.py",
     "corpus/scene_files.py",
-    "corpus/shipped",
+    "corpus/shipped.py",
     "processes.py",
     "sources.py",
     "feasibility",

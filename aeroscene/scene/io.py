@@ -127,8 +127,13 @@ class _Document(_Record, kw_only=True):
     measured: dict[str, AttributeValue] = {}
 
 
-def scene_to_json(scene: Scene) -> bytes:
-    """The scene as JSON text in UTF-8; equal scenes give equal bytes."""
+def scene_to_json(scene: Scene, *, with_corners: bool = True) -> bytes:
+    """The scene as JSON text in UTF-8; equal scenes give equal bytes.
+
+    Args:
+        scene: The scene.
+        with_corners: Write `bbox_corners`, which readers compute themselves if it is missing.
+    """
     head = {
         "format": FORMAT,
         "version": VERSION,
@@ -146,7 +151,7 @@ def scene_to_json(scene: Scene) -> bytes:
         (
             msgspec.json.encode(head)[:-1],
             b',\n"objects":[',
-            _lines([_object_record(obj) for obj in scene.objects]),
+            _lines([_object_record(obj, with_corners) for obj in scene.objects]),
             b'],\n"interaction_areas":[',
             _lines([_area_record(area) for area in scene.interaction_areas]),
             b"]}\n",
@@ -159,15 +164,18 @@ def _lines(records: list[_Object] | list[_Area]) -> bytes:
     return b"\n" * bool(records) + b",\n".join(encoder.encode(record) for record in records)
 
 
-def _object_record(obj: SceneObject) -> _Object:
-    corners = np.round(obj.bbox.corners(), 4) + 0.0
+def _object_record(obj: SceneObject, with_corners: bool) -> _Object:
+    corners: Corners | msgspec.UnsetType = msgspec.UNSET
+    if with_corners:
+        rounded = np.round(obj.bbox.corners(), 4) + 0.0
+        corners = tuple(map(tuple, rounded.tolist()))  # pyright: ignore[reportAssignmentType]
     return _Object(
         id=obj.id,
         scene_id=obj.scene_id,
         parent_id=obj.parent_id,
         category_id=obj.category_id,
         bbox=_Box(obj.bbox.p, obj.bbox.q, obj.bbox.s),
-        bbox_corners=tuple(map(tuple, corners.tolist())),  # pyright: ignore[reportArgumentType]
+        bbox_corners=corners,
         domain=obj.domain,
         attributes=dict(obj.attributes),
     )

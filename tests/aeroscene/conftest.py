@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -10,7 +11,6 @@ import pytest
 from aeroscene.corpus.curation import curate_scene
 from aeroscene.corpus.shipped import Provenance, write_archive
 from aeroscene.scene import Scene
-from tests.aeroscene.corpus.shipped.scenes import renamed
 
 SAMPLE = (7, 42, 45, 49, 311, 1015)
 """Corpus scenes that tests look at closely: outdoor, mixed, mixed, outdoor, indoor, outdoor."""
@@ -42,8 +42,13 @@ def scene_42() -> Scene:
     return cached_scene(42)
 
 
+def renamed(scene: Scene, scene_id: str) -> Scene:
+    """The same scene under another name."""
+    members = tuple(replace(obj, scene_id=scene_id) for obj in scene.objects)
+    return replace(scene, scene_id=scene_id, objects=members)
+
+
 N_ARCHIVED = 19
-"""More than one block of an archive."""
 
 
 @pytest.fixture(scope="session")
@@ -74,6 +79,6 @@ def archive_path(
     provenance: Provenance,
 ) -> Path:
     """An archive of them."""
-    path = tmp_path_factory.mktemp("shipped") / "scenes.aeroscenes"
+    path = tmp_path_factory.mktemp("shipped") / "scenes.zip"
     assert write_archive(path, archived_scenes, provenance) == path.stat().st_size
     return path

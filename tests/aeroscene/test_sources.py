@@ -5,7 +5,7 @@ import json
 import pytest
 
 import aeroscene.corpus.curation
-import aeroscene.corpus.shipped.scenes
+import aeroscene.corpus.shipped
 from aeroscene import sources
 from aeroscene.scene import SceneError
 from aeroscene.scene.io import scene_to_json, write_scene
@@ -47,7 +47,7 @@ def test_a_number_opens_a_scene_of_the_dataset(
     monkeypatch.setattr(sources, "NUMBERS_NAME", "corpus")
     assert open_scene("42") == scene_42
     monkeypatch.setattr(sources, "NUMBERS_NAME", "shipped")
-    monkeypatch.setattr(aeroscene.corpus.shipped.scenes, "SHIPPED", archive_path)
+    monkeypatch.setattr(aeroscene.corpus.shipped, "SHIPPED", archive_path)
     assert open_scene("17") == open_scene("0017") == archived_scenes[17]
     with pytest.raises(SceneError, match=r"scene 42 is not in .*, valid: 0 to 18"):
         open_scene("42")

@@ -5,8 +5,7 @@ from itertools import count, islice
 from aeroscene.corpus.corpus import scene_split
 from aeroscene.corpus.dataset import store_scene, write_manifest
 from aeroscene.metrics.classifier import N_FOLDS
-from tests.aeroscene.conftest import SAMPLE, cached_scene
-from tests.aeroscene.corpus.shipped.scenes import renamed
+from tests.aeroscene.conftest import SAMPLE, cached_scene, renamed
 
 
 def write_corpus(folder, n_train=N_FOLDS, n_test=N_FOLDS):

@@ -17,8 +17,7 @@ from aeroscene.corpus.dataset import open_dataset, store_scene, write_manifest
 from aeroscene.learning.training.config import TrainingError
 from aeroscene.learning.training.presets import preset_sections
 from aeroscene.learning.training.settings import changed
-from tests.aeroscene.conftest import cached_scene
-from tests.aeroscene.corpus.shipped.scenes import renamed
+from tests.aeroscene.conftest import cached_scene, renamed
 
 SMALL = {"width": 16, "blocks": 2, "heads": 2}
 ROW = TrainedRow(

@@ -5,10 +5,10 @@ import re
 
 import pytest
 
-from aeroscene.corpus.shipped import Provenance, scenes, write_archive
+from aeroscene.corpus import shipped
+from aeroscene.corpus.shipped import Provenance, write_archive
 from aeroscene.scene.io import read_scene
-from tests.aeroscene.conftest import cached_scene
-from tests.aeroscene.corpus.shipped.scenes import renamed
+from tests.aeroscene.conftest import cached_scene, renamed
 from tests.scenarios.in_process import in_process
 
 
@@ -22,7 +22,7 @@ def members():
 
 @pytest.fixture(scope="module")
 def archive(tmp_path_factory, members):
-    path = tmp_path_factory.mktemp("shipped") / "scenes.aeroscenes"
+    path = tmp_path_factory.mktemp("shipped") / "scenes.zip"
     provenance = Provenance(
         generator="curation", checkpoint="", code="0", environment={}, attempts={}
     )
@@ -33,7 +33,7 @@ def archive(tmp_path_factory, members):
 @pytest.fixture(autouse=True)
 def package(archive, tmp_path, monkeypatch):
     """The package has that archive; nothing is in the folder where the user is."""
-    monkeypatch.setattr(scenes, "SHIPPED", archive)
+    monkeypatch.setattr(shipped, "SHIPPED", archive)
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
@@ -122,7 +122,7 @@ def test_bad_input_ends_with_status_2_and_one_line(archive, capsys, args, says):
 def test_a_damaged_archive_gives_one_line(archive, package, capsys, monkeypatch, command):
     damaged = package / "damaged"
     damaged.write_bytes(archive.read_bytes()[:-100])
-    monkeypatch.setattr(scenes, "SHIPPED", damaged)
+    monkeypatch.setattr(shipped, "SHIPPED", damaged)
     status, out, err = run(capsys, command, "--jobs", 1)
     assert (status, out) == (2, "")
     (line,) = err.strip().splitlines()
@@ -130,7 +130,7 @@ def test_a_damaged_archive_gives_one_line(archive, package, capsys, monkeypatch,
 
 
 def test_an_archive_that_is_not_there_gives_one_line(package, capsys, monkeypatch):
-    monkeypatch.setattr(scenes, "SHIPPED", package / "absent")
+    monkeypatch.setattr(shipped, "SHIPPED", package / "absent")
     status, _, err = run(capsys, "stats")
     assert status == 2
     assert err.count("\n") == 1

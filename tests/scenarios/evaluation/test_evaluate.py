@@ -19,8 +19,7 @@ from aeroscene.metrics.appearance.frechet import LEAST_PICTURES
 from aeroscene.scene.io import read_scene
 from scenarios.cli.main import main
 from scenarios.evaluation.renders import PIXELS, Camera
-from tests.aeroscene.conftest import cached_scene
-from tests.aeroscene.corpus.shipped.scenes import renamed
+from tests.aeroscene.conftest import cached_scene, renamed
 from tests.aeroscene.layouts.samples import house
 from tests.aeroscene.learning.training.conftest import ten_objects
 
