@@ -107,11 +107,6 @@ def measure(scenes: list[Scene]) -> dict[str, object]:
     }
 
 
-def _percentiles(values: list[float] | list[int]) -> list[float]:
-    """The 50th, 95th and 100th."""
-    return np.percentile(values, (50, 95, 100)).round(3).tolist()
-
-
 def main() -> None:
     """Read the arguments, print the figures."""
     parser = argparse.ArgumentParser(description="how well partition trees fit a corpus")

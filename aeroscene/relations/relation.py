@@ -11,7 +11,6 @@ it leaves open is drawn. Each is decoded exactly, see `aeroscene.relations.placi
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import IntEnum
 from types import MappingProxyType
@@ -89,21 +88,6 @@ OUTSIDE = frozenset({Kind.SEAT, Kind.SIDE, Kind.FACING})
 HEADED = MappingProxyType({Kind.SEAT: 2, Kind.FACING: 2, Kind.LANE: 0})
 """Relations that fix the heading, from u: against it, or along it."""
 
-SYMBOLS: Mapping[str, int] = MappingProxyType(
-    {
-        "kind": len(Kind),
-        "host": MAX_HOSTS,
-        "side": N_SIDES,
-        "gap": len(Gap),
-        "align": len(Align),
-        "slot": N_SLOTS,
-        "quadrant": ANY_TURN + 1,
-        "rows": MAX_ROWS,
-        "columns": MAX_ROWS,
-    }
-)
-"""Number of symbols of each discrete field of a unit; rows and columns begin at 1."""
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Relation:
@@ -126,13 +110,6 @@ class Relation:
         """Whether u, v and the heading are given but for noise."""
         return self.gap != Gap.FREE, self.align != Align.FREE, self.quadrant != ANY_TURN
 
-    @property
-    def second_side(self) -> int | None:
-        """The other side of a corner."""
-        if self.kind in OUTSIDE or self.align not in {Align.LOW, Align.HIGH}:
-            return None
-        return (self.side + (1 if self.align == Align.HIGH else 3)) % N_SIDES
-
 
 @dataclass(frozen=True, slots=True)
 class Residual:
@@ -141,11 +118,6 @@ class Residual:
     u_m: float = 0.0
     v_m: float = 0.0
     yaw_rad: float = 0.0
-
-    def unpinned(self, pinned: tuple[bool, bool, bool]) -> Residual:
-        """The residual without what is noise."""
-        parts = zip((self.u_m, self.v_m, self.yaw_rad), pinned, strict=True)
-        return Residual(*(0.0 if is_pinned else value for value, is_pinned in parts))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -6,7 +6,11 @@ import numpy as np
 from jaxtyping import Bool
 
 from aeroscene.metrics.places.top_view import TopView
-from aeroscene.relations.measures import is_row_of_equals
+from aeroscene.relations import Kind, Unit
+
+_MIN_ROW = 3
+"""Fewer are no row."""
+_EQUAL_M = 0.02
 
 
 def is_pinned(view: TopView) -> Bool[np.ndarray, " k"]:
@@ -19,6 +23,13 @@ def is_pinned(view: TopView) -> Bool[np.ndarray, " k"]:
 def is_in_row(view: TopView) -> Bool[np.ndarray, " k"]:
     """Whether each fine object is in a row or grid of at least three equal ones."""
     return np.repeat(
-        np.array([is_row_of_equals(unit) for unit in view.units], dtype=bool),
+        np.array([_is_row_of_equals(unit) for unit in view.units], dtype=bool),
         [len(unit.members) for unit in view.units],
     )
+
+
+def _is_row_of_equals(unit: Unit) -> bool:
+    if unit.relation.kind == Kind.SEAT or len(unit.members) < _MIN_ROW:
+        return False
+    sizes_m = np.array([member.size_m[:2] for member in unit.members])
+    return bool(np.ptp(sizes_m, axis=0).max() <= _EQUAL_M)

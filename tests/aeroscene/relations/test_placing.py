@@ -1,4 +1,5 @@
 import math
+from dataclasses import replace
 from itertools import pairwise
 
 import pytest
@@ -6,7 +7,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from aeroscene.relations import Align, Gap, Kind, Relation, Residual, place, scene_relations
-from aeroscene.relations.measures import without_noise
 from aeroscene.relations.placing import locate, residual_of
 from aeroscene.relations.plane import Place, Rectangle, hull
 from tests.aeroscene.metrics.scenes import scene_of
@@ -23,6 +23,15 @@ relations = st.builds(
     slot=st.integers(0, 7),
     quadrant=st.integers(0, 4),
 )
+
+
+def without_noise(unit):
+    """A unit with only what its relation leaves open."""
+    names = ("u_m", "v_m", "yaw_rad")
+    pins = zip(names, unit.relation.pinned, strict=True)
+    residual = replace(unit.residual, **{name: 0.0 for name, is_pinned in pins if is_pinned})
+    members = tuple(replace(member, residual=Residual()) for member in unit.members)
+    return replace(unit, members=members, residual=residual)
 
 
 @given(relations, metres, metres, angles, halves, metres, metres, angles, halves)

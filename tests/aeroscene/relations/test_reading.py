@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from aeroscene.relations import Align, Gap, Kind, place, scene_relations
-from aeroscene.relations.relation import LANES, MAX_HOSTS, SYMBOLS
+from aeroscene.relations.relation import LANES, MAX_HOSTS, MAX_ROWS, N_SIDES, N_SLOTS
 from tests.aeroscene.metrics.scenes import box, scene_of
 from tests.aeroscene.relations.rooms import ROOM, dining, office, on_floor, street
 
@@ -68,10 +68,10 @@ def test_hosts_stand_before_what_refers_to_them_and_symbols_are_in_range(scene):
         assert {unit.parent_id, unit.host_id} <= standing
         standing |= {member.id for member in unit.members}
         assert unit.relation.host < MAX_HOSTS
-        symbols = {name: getattr(unit.relation, name) for name in tuple(SYMBOLS)[:-2]}
-        assert all(0 <= symbols[name] < SYMBOLS[name] for name in symbols), symbols
+        assert unit.relation.side in range(N_SIDES)
+        assert unit.relation.slot in range(N_SLOTS)
         if unit.array:
-            assert max(unit.array.rows, unit.array.columns) <= SYMBOLS["rows"]
+            assert max(unit.array.rows, unit.array.columns) <= MAX_ROWS
 
 
 def test_what_relations_pin_is_noise(scene):
@@ -86,6 +86,16 @@ def test_what_relations_pin_is_noise(scene):
 def test_only_boxes_categories_and_parents_are_read(scene):
     bare = tuple(replace(obj, attributes={}) for obj in scene.objects)
     assert scene_relations(replace(scene, objects=bare)) == scene_relations(scene)
+
+
+@pytest.mark.parametrize("fault", [{"turned_deg": 50.0}, {"shift_m": 1.0}])
+def test_chairs_turned_or_moved_off_their_table_are_not_seated(fault):
+    def n_seated(scene):
+        seats = [unit for unit in scene_relations(scene) if unit.relation.kind == Kind.SEAT]
+        return sum(len(unit.members) for unit in seats)
+
+    assert n_seated(dining()) == 4
+    assert n_seated(dining(**fault)) == 2
 
 
 def test_chairs_of_a_table_are_one_group():
@@ -117,7 +127,7 @@ def test_a_corner_has_two_sides():
     unit = unit_of(scene_of(ROOM, on_floor("wardrobe", 5.7, 4.0, (0.54, 1.94, 2), 180)), "wardrobe")
     relation = unit.relation
     assert (relation.kind, relation.gap, relation.quadrant) == (Kind.EDGE, Gap.TOUCH, 2)
-    assert {relation.side, relation.second_side} == {0, 1}
+    assert (relation.side, relation.align) == (0, Align.HIGH)
 
 
 @pytest.mark.parametrize(("heading_deg", "is_right"), [(0.0, True), (180.0, False)])

@@ -6,6 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from aeroscene.relations.plane import footprint, turned_reach_m
+from aeroscene.scene import OrientedBox
 from aeroscene.scene.box import quat_from_yaw
 
 
@@ -66,4 +68,22 @@ def without(scene, chosen):
     objects = tuple(
         replace(obj, parent_id=kept(obj.parent_id)) for obj in scene.objects if obj.id not in chosen
     )
+    return replace(scene, objects=objects, interaction_areas=())
+
+
+def strewn(scene, rng):
+    """Fine objects at random places within their parents, headed as they were."""
+    boxes = {}
+    for obj in scene.objects:
+        box = boxes[obj.id] = obj.bbox
+        if obj.is_coarse or obj.parent_id is None:
+            continue
+        before = footprint(scene.object_by_id[obj.parent_id].bbox)
+        parent = footprint(boxes[obj.parent_id])
+        turn_rad = before.place.local(footprint(box).place)[2]
+        reach_m = turned_reach_m(footprint(box).half_m, turn_rad)
+        play_m = np.maximum(0.0, np.subtract(parent.half_m, reach_m))
+        spot = parent.place.moved(*rng.uniform(-play_m, play_m).tolist())
+        boxes[obj.id] = OrientedBox((spot.x_m, spot.y_m, box.p[2]), box.q, box.s)
+    objects = tuple(replace(obj, bbox=boxes[obj.id]) for obj in scene.objects)
     return replace(scene, objects=objects, interaction_areas=())

@@ -1,6 +1,7 @@
 """The checks on real scenes: hardly a fault, and of what is spoilt by half they find half."""
 
 import math
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -10,7 +11,6 @@ from aeroscene.feasibility.roles import BUILDINGS
 from aeroscene.metrics.places.backs import BACKED
 from aeroscene.metrics.places.checks import CHECKS, place_figures
 from aeroscene.metrics.places.top_view import TopView
-from aeroscene.relations.measures import relation_shares, strewn
 from tests.aeroscene.conftest import cached_scene
 from tests.aeroscene.metrics.places.faults import (
     changed,
@@ -18,10 +18,12 @@ from tests.aeroscene.metrics.places.faults import (
     halves,
     scaled,
     shifted,
+    strewn,
     turned_by,
     without,
 )
 from tests.aeroscene.metrics.scenes import scene_of
+from tests.aeroscene.relations.rooms import office
 
 NUMBERS = (26, 44, 63, 69, 86, 108, 120, 145, 148)
 """Corpus scenes in which every check finds something to judge."""
@@ -139,10 +141,18 @@ def test_objects_anywhere_in_their_parents_have_no_order(real):
         assert BY_KEY[key].figure(views) < real[key] / 4
 
 
-def test_order_is_that_of_the_relations(real):
-    shares = relation_shares(real_scenes())
-    assert real["pinned"] == pytest.approx(100 * shares.pinned)
-    assert real["in_rows"] == pytest.approx(100 * shares.in_rows)
+@pytest.mark.parametrize(
+    ("off_m", "width_steps_m", "in_rows"),
+    [((), 0.0, 100.0), ((0.5, 0.0, -0.3, 0.5, -0.5, 0.6, 0.4, -0.4), 0.0, 0.0), ((), 0.04, 0.0)],
+)
+def test_desks_out_of_line_or_of_other_sizes_are_no_row_of_equals(off_m, width_steps_m, in_rows):
+    scene = office(off_m)
+    desks = [
+        replace(obj, bbox=replace(obj.bbox, s=(0.8, 1.4 + width_steps_m * (index % 2), 0.74)))
+        for index, obj in enumerate(scene.objects[1:])
+    ]
+    view = TopView(replace(scene, objects=(scene.objects[0], *desks)))
+    assert BY_KEY["in_rows"].figure([view]) == in_rows
 
 
 def test_without_anything_to_judge_there_is_no_figure():
