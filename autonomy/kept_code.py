@@ -18,7 +18,6 @@ import platformdirs
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, UserProvidedCacheLocator
 
 _REPORT = logging.getLogger("aeroscene.cache")
-"""Logger of the one line. `aeroscene/jit.py` has the same; whoever is first disables it."""
 
 
 def cache_root() -> Path | None:

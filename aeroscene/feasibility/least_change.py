@@ -20,7 +20,7 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Float, Int
 
-from aeroscene.jit import kernel
+from autonomy.jit import kernel
 
 COMPLIANCE = 2e-4
 _TOLERANCE_M = 5e-5
@@ -38,11 +38,11 @@ def least_change(
     """
     rows, columns = np.nonzero(demands)
     first = np.searchsorted(rows, np.arange(len(demands) + 1))
-    return _ascend(first, columns, demands[rows, columns], bounds, 1.0 / weights, sweeps)
+    return ascend(first, columns, demands[rows, columns], bounds, 1.0 / weights, sweeps)
 
 
 @kernel
-def _ascend(
+def ascend(
     first: Int[np.ndarray, " k1"],
     columns: Int[np.ndarray, " nz"],
     values: Float[np.ndarray, " nz"],

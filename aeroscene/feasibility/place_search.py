@@ -7,7 +7,7 @@ import math
 import numpy as np
 from jaxtyping import Float
 
-from aeroscene.jit import kernel
+from autonomy.jit import kernel
 
 TOUCH_M = 0.001
 """Boxes that overlap by less only touch, as in the corpus."""

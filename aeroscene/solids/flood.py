@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from aeroscene.jit import kernel
+from autonomy.jit import kernel
 
 
 @kernel

@@ -112,7 +112,7 @@ def test_making_a_kernel_leaves_numbas_setting_as_it_was(fresh_tree):
     assert jit.cache_directory("craft") in Path(compiled._cache._cache_path).parents
 
 
-@pytest.mark.parametrize("package", ["autonomy", "flightsim", "scenarios"])
+@pytest.mark.parametrize("package", ["aeroscene", "autonomy", "flightsim", "scenarios"])
 def test_every_kernel_is_kept_under_a_digest_of_its_own(package):
     root = Path(jit.__file__).parents[1] / package
     own = Path(jit.__file__)
