@@ -52,9 +52,10 @@ class EvaluateCfg:
     .png, pictures in TABLE-scenes.png, and what was trained and drawn under methods/.
     """
 
-    table: Literal["synthesis", "ablation", "damage"] = "synthesis"
-    """synthesis has the methods; ablation ours and the paper's with parts taken away; damage real
-    scenes damaged on purpose, which shows what the figures see."""
+    table: Literal["synthesis", "ablation", "choices", "damage"] = "synthesis"
+    """synthesis has the methods; ablation ours and the paper's with parts taken away; choices
+    ours trained and sampled otherwise; damage real scenes damaged on purpose, which shows what the
+    figures see."""
     data: Literal["corpus", "front3d", "procthor", "city"] = "corpus"
     """Scenes to learn from and to be held against."""
     path: Annotated[Path | None, default_hint("./corpus for the corpus")] = None

@@ -17,9 +17,10 @@ from aeroscene.learning.training.config import Preset
 from aeroscene.learning.training.course import Watcher
 from aeroscene.metrics.damage import DAMAGES
 from aeroscene.scene import Scene, SceneDomain
+from scenarios.evaluation.choices import SAMPLED, TRAINED
 from scenarios.evaluation.sources import Data, EvaluationError
 
-TableName = Literal["synthesis", "ablation", "damage"]
+TableName = Literal["synthesis", "ablation", "choices", "damage"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -130,7 +131,29 @@ def _less_encoded(name: str, encoding: EncodingCfg) -> Entrant:
     return Entrant(
         name=method,
         title=f"{METHODS['ours'].title}, {name.replace('_', ' ')}",
-        begin=lambda means: fit_preset("default", means.lessons(method), means.watcher, encoding),
+        begin=lambda means: fit_preset(
+            "default", means.lessons(method), means.watcher, encoding=encoding
+        ),
+    )
+
+
+def _trained_otherwise(name: str) -> Entrant:
+    method, (words, changes) = f"ours_{name}", TRAINED[name]
+    return Entrant(
+        name=method,
+        title=f"{METHODS['ours'].title}, {words}",
+        begin=lambda means: fit_preset(
+            "default", means.lessons(method), means.watcher, changes=changes
+        ),
+    )
+
+
+def _sampled_otherwise(name: str, *, is_shipped: bool) -> Entrant:
+    words, fields = SAMPLED[name]
+    return Entrant(
+        name=f"{_row_name('ours', is_shipped)}_{name}",
+        title=f"ours, {words}",
+        begin=lambda means: _changed("ours", means, is_shipped, {"sampler": fields}, DecodingCfg()),
     )
 
 
@@ -193,6 +216,14 @@ def _others(table: TableName, data: Data) -> list[Entrant]:
     # Of the corpus what ships is taken apart, which nobody has to train first.
     is_shipped = data.is_corpus
     whole = {entrant.name: entrant for entrant in (*map(_trained, METHODS), *_SHIPPED)}
+    sampled = whole[_row_name("ours", is_shipped)]
+    if table == "choices":
+        return [
+            whole["ours"],
+            *map(_trained_otherwise, TRAINED),
+            *([sampled] if is_shipped else []),
+            *(_sampled_otherwise(name, is_shipped=is_shipped) for name in SAMPLED),
+        ]
     guided: list[Entrant] = []
     for method in ("paper", "progressive"):
         guided.append(whole[_row_name(method, is_shipped)])
@@ -200,7 +231,7 @@ def _others(table: TableName, data: Data) -> list[Entrant]:
             guided.append(_less_guided(method, name, weights, is_shipped=is_shipped))
     return [
         *guided,
-        whole[_row_name("ours", is_shipped)],
+        sampled,
         *(_less_decoded(name, is_shipped=is_shipped) for name in _DECODING),
         *([whole["ours"]] if is_shipped else []),
         *(_less_encoded(name, encoding) for name, encoding in _ENCODING.items()),

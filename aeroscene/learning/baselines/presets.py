@@ -6,6 +6,7 @@ import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import torch
@@ -26,6 +27,7 @@ from aeroscene.learning.training.loop import LossFunction
 from aeroscene.learning.training.presets import PARTS, part_budgets, preset_sections
 from aeroscene.learning.training.prior_stage import loss_function
 from aeroscene.learning.training.procedure import CHECKPOINT, Plan, Training
+from aeroscene.learning.training.settings import changed
 from aeroscene.learning.training.state import read_state
 from aeroscene.learning.training.state_head import STATE
 from aeroscene.learning.training.writer_stage import writer_loss
@@ -62,7 +64,12 @@ class FittedPreset:
 
 
 def fit_preset(
-    preset: Preset, lessons: Lessons, watcher: Watcher, encoding: EncodingCfg = WHOLE
+    preset: Preset,
+    lessons: Lessons,
+    watcher: Watcher,
+    *,
+    encoding: EncodingCfg = WHOLE,
+    changes: Mapping[str, Mapping[str, Any]] = MappingProxyType({}),
 ) -> FittedPreset:
     """Train a preset as `aeroscene train` does, its budget told in CPU seconds.
 
@@ -71,6 +78,7 @@ def fit_preset(
         lessons: What it learns, how long, and where it is kept.
         watcher: What is told how far it is.
         encoding: What programs say of scenes; the paper's preset has none.
+        changes: Fields of the preset's configuration by section, set anew.
 
     Raises:
         TrainingError: If the folder holds a training of other data, or too few scenes can be read.
@@ -93,7 +101,9 @@ def fit_preset(
         Plan(
             folder=lessons.folder,
             preset=preset,
-            sections=fitted(_sections(preset, seconds, lessons.seed), data.train.known),
+            sections=fitted(
+                changed(_sections(preset, seconds, lessons.seed), changes), data.train.known
+            ),
             data=data,
             budgets=part_budgets(parts, steps, None if seconds is None else seconds / 60),
             device=torch.device("cpu"),

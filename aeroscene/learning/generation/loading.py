@@ -57,7 +57,8 @@ def load_proposer(
         preset: Which ships.
         device: Where the model computes.
         n_steps: Denoising steps; None are the preset's.
-        changes: Fields of its configuration that sampling reads, by section, set anew.
+        changes: Fields of its configuration that sampling reads, by section, set anew; the section
+            `sampler` is `SamplerCfg`.
         decoding: What is done with programs beyond reading them.
 
     Returns:
@@ -73,9 +74,16 @@ def load_proposer(
             raise CheckpointError(f"preset is {preset!r}, valid: {', '.join(SHIPPED)}")
         checkpoint = SHIPPED[preset]
     checkpoint = Path(checkpoint)
-    sections = changed(read_sections(checkpoint), changes)
+    sections = read_sections(checkpoint)
     found = read_checkpoint(checkpoint)
+    sections = changed({**sections, "sampler": _usual_sampler(found.known)}, changes)
     return _Loader(found, sections, device, n_steps, decoding).proposer(), found.facts.data
+
+
+def _usual_sampler(known: Language | FlatStatistics) -> SamplerCfg:
+    if isinstance(known, FlatStatistics):
+        return paper_sampler(has_regions=bool(known.has_regions))
+    return DEFAULT_SAMPLER
 
 
 class _Loader:
@@ -109,7 +117,7 @@ class _Loader:
                 language,
                 self._denoiser(language),
                 self._schedule,
-                self._sampler(DEFAULT_SAMPLER),
+                self._sampler(),
                 self._device,
                 self._decoding,
             ),
@@ -126,7 +134,7 @@ class _Loader:
                 looks=Looks.from_json(self._checkpoint.facts.vocabulary),
                 statistics=statistics,
                 schedule=self._schedule,
-                sampler=self._sampler(paper_sampler(has_regions=bool(statistics.has_regions))),
+                sampler=self._sampler(),
                 guidance=Objectives(read, self._sections["guidance"], prior, is_hollow),
                 device=self._device,
             )
@@ -140,7 +148,8 @@ class _Loader:
         self._checkpoint.load_into(module, part)
         return module.to(self._device).eval()
 
-    def _sampler(self, cfg: SamplerCfg) -> SamplerCfg:
+    def _sampler(self) -> SamplerCfg:
+        cfg: SamplerCfg = self._sections["sampler"]
         n_steps = cfg.n_steps if self._n_steps is None else self._n_steps
         kind = self._sections["loss"].parameterisation
         return replace(cfg, n_steps=n_steps, parameterisation=kind)

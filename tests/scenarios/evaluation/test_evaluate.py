@@ -13,11 +13,19 @@ from msgspec import structs
 from aeroscene.corpus.dataset import store_scene, write_manifest
 from aeroscene.layouts.flyable import make_flyable
 from aeroscene.layouts.neutral import neutral_layout
+from aeroscene.learning.baselines.presets import without
+from aeroscene.learning.generation import loading
+from aeroscene.learning.generation.denoising import Denoising
+from aeroscene.learning.generation.loading import DEFAULT_SAMPLER
+from aeroscene.learning.program import DecodingCfg
 from aeroscene.learning.training.checkpoint import read_checkpoint
+from aeroscene.learning.training.presets import preset_sections, read_sections
+from aeroscene.learning.training.settings import changed, section_with
 from aeroscene.learning.writer.language import Language
 from aeroscene.metrics.appearance.frechet import LEAST_PICTURES
 from aeroscene.scene.io import read_scene
 from scenarios.cli.main import main
+from scenarios.evaluation.choices import SAMPLED, TRAINED
 from scenarios.evaluation.renders import PIXELS, Camera
 from tests.aeroscene.conftest import cached_scene, renamed
 from tests.aeroscene.layouts.samples import house
@@ -205,16 +213,39 @@ def test_rooms_fill_the_picture_and_not_the_yard_about_them():
     assert scene.extent_max_enu_m[0] > 10.0
 
 
-def test_an_ablation_trains_ours_on_programs_that_say_less(corpus, tmp_path):
-    name = "ours_without_relations"
-    cells = by_cell(evaluate(corpus, tmp_path, "--table", "ablation", "--methods", name))
+@pytest.mark.parametrize(
+    ("table", "name", "n_blocks", "has_relations"),
+    [("ablation", "ours_without_relations", 4, False), ("choices", "ours_blocks_2", 2, True)],
+)
+def test_ours_is_trained_on_programs_that_say_less_and_otherwise(
+    corpus, tmp_path, table, name, n_blocks, has_relations
+):
+    cells = by_cell(evaluate(corpus, tmp_path, "--table", table, "--methods", name))
     # One of each part.
     assert cells[name, "training_steps"]["value"] == 2
     path = tmp_path / "methods" / name / "training" / "checkpoint.safetensors"
+    assert read_sections(path)["model"].blocks == n_blocks
     language = read_checkpoint(path).known
     assert isinstance(language, Language)
     encoding = language.encoding
-    assert (encoding.has_partitions, encoding.has_relations) == (True, False)
+    assert (encoding.has_partitions, encoding.has_relations) == (True, has_relations)
+
+
+def test_every_choice_is_a_change_of_what_ships():
+    default = preset_sections("default")
+    for name, (_, changes) in TRAINED.items():
+        assert changed(default, changes) != default, name
+    for name, (_, fields) in SAMPLED.items():
+        assert section_with(DEFAULT_SAMPLER, fields, "sampler") != DEFAULT_SAMPLER, name
+
+
+def test_a_choice_of_sampling_takes_the_weights_that_ship(monkeypatch):
+    samplers = []
+    monkeypatch.setattr(
+        loading, "Denoising", lambda *args: samplers.append(args[3]) or Denoising(*args)
+    )
+    without(None, "default", {"sampler": SAMPLED["ddim_5"][1]}, DecodingCfg(), None)
+    assert [(each.kind, each.n_steps) for each in samplers] == [("ddim", 5)]
 
 
 def test_layouts_with_unknown_things_are_refused_by_scene_and_object(capsys, tmp_path):
