@@ -109,7 +109,7 @@ def cache_folder(name: str) -> Path | None:
         The folder. None if `AEROSCENE_CACHE=off` says that no file is read or written, or if the
         user has no home folder.
     """
-    from platformdirs import user_cache_dir  # noqa: PLC0415 - only where the cache is used
+    from platformdirs import user_cache_dir
 
     if os.environ.get("AEROSCENE_CACHE", "").lower() == "off":
         return None

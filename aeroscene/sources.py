@@ -85,13 +85,13 @@ def _open_number(source: str, number: int) -> Scene:
     if source == "corpus":
         return _open_corpus_scene(number)
     if source == "shipped":
-        from aeroscene.corpus.shipped import read_shipped  # noqa: PLC0415 - only for these
+        from aeroscene.corpus.shipped import read_shipped
 
         return read_shipped(number)
-    from aeroscene.learning import require_torch  # noqa: PLC0415 - torch only where it runs
+    from aeroscene.learning import require_torch
 
     require_torch()
-    from aeroscene.learning.generation import generate_scene  # noqa: PLC0415
+    from aeroscene.learning.generation import generate_scene
 
     return generate_scene(number)
 
@@ -109,14 +109,14 @@ def _open_file(path: str, scene_id: str | None, *, skip_invalid: bool) -> Scene:
 
 def _derived_areas(scene: Scene) -> tuple[InteractionArea, ...]:
     """Areas of a scene whose file lists none."""
-    from aeroscene.areas.landing import derive_interaction_areas  # noqa: PLC0415 - loads shapely
+    from aeroscene.areas.landing import derive_interaction_areas
 
     return derive_interaction_areas(scene)
 
 
 def _is_layout(path: str) -> bool:
     """Whether a file holds layouts, by its name or by what is in it; a damaged scene is none."""
-    from aeroscene.layouts.text_file import read_bytes  # noqa: PLC0415 - only for files
+    from aeroscene.layouts.text_file import read_bytes
 
     if ".jsonl" in path[-9:]:
         return True
@@ -132,7 +132,7 @@ def _is_layout(path: str) -> bool:
 
 
 def _open_layout(path: str, scene_id: str | None, *, skip_invalid: bool) -> Scene:
-    from aeroscene.layouts import read_layout  # noqa: PLC0415 - loads shapely, only for layouts
+    from aeroscene.layouts import read_layout
 
     scene, report = read_layout(path, scene_id, skip_invalid)
     for reason, count in report.dropped.items():
@@ -149,7 +149,7 @@ def _open_corpus_scene(index: int) -> Scene:
     if path is not None:
         with suppress(SceneError, OSError):
             return read_scene(path)
-    from aeroscene.corpus.curation import curate_scene  # noqa: PLC0415 - heavy, not needed when cached
+    from aeroscene.corpus.curation import curate_scene
 
     scene = curate_scene(index)
     if path is not None:

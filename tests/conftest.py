@@ -36,7 +36,7 @@ def pytest_collection_finish() -> None:
 @contextmanager
 def single_thread() -> Iterator[None]:
     """One thread for torch: two runs of a network on several do not agree to the last bit."""
-    import torch  # noqa: PLC0415 - of the extra `model`
+    import torch
 
     before = torch.get_num_threads()
     torch.set_num_threads(1)

@@ -208,7 +208,7 @@ def make_scene(folder: Path, index: int) -> SceneEntry:
     Raises:
         OSError: If the file cannot be written.
     """
-    from aeroscene.corpus.curation import curate_scene  # noqa: PLC0415 - heavy, and readers never do
+    from aeroscene.corpus.curation import curate_scene
 
     try:
         scene = curate_scene(index)

@@ -102,7 +102,7 @@ def quaternion(value: object, field_name: str) -> Quaternion:
 
 def polygon(value: object, field_name: str) -> tuple[Point2, ...]:
     """A simple outline of at least three corners, made counter-clockwise."""
-    from aeroscene.scene.polygon import is_simple, signed_area  # noqa: PLC0415 - only for outlines
+    from aeroscene.scene.polygon import is_simple, signed_area
 
     corners: list[Point2] = []
     if len(items(value, field_name)) > MOST_POINTS:

@@ -313,7 +313,7 @@ def _outline(floors: list[np.ndarray]) -> tuple[Point2, ...]:
     """The outline of a room's floor, its largest part, without holes; empty where it has none."""
     if not floors:
         return ()
-    import shapely  # noqa: PLC0415 - heavy, only houses need it
+    import shapely
 
     triangles = [shapely.Polygon(corners) for corners in np.concatenate(floors)]
     whole = shapely.union_all([t.buffer(_CLOSE_M, join_style="mitre") for t in triangles if t.area])

@@ -71,7 +71,7 @@ def count_layouts(path: Path) -> int:
 
 
 def _mapped(path: Path, on_scene: Callable[[], None]) -> list[Scene]:
-    from aeroscene.layouts.flyable import make_flyable  # noqa: PLC0415 - loads shapely
+    from aeroscene.layouts.flyable import make_flyable
 
     scenes: list[Scene] = []
     for layout in read_neutral(path):

@@ -164,7 +164,7 @@ def read_layout(
 
     Args and errors as in `pick_layout`; besides, a LayoutError where nothing of it can be used.
     """
-    from aeroscene.layouts.flyable import make_flyable  # noqa: PLC0415 - loads shapely
+    from aeroscene.layouts.flyable import make_flyable
 
     layout = pick_layout(path, scene_id, skip_invalid)
     try:

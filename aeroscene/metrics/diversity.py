@@ -171,7 +171,7 @@ def _quantiles(values: np.ndarray) -> np.ndarray:
 
 
 def _mean_difference(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    from scipy.spatial.distance import cdist  # noqa: PLC0415 - heavy for who only counts
+    from scipy.spatial.distance import cdist
 
     n_values = first[0].size
     flat = first.reshape(len(first), -1), second.reshape(len(second), -1)

@@ -146,7 +146,7 @@ def reachable(
         NoFreeSpaceError: If no cell within 4 m above the start has that much space.
     """
     # Start-up time: floods are rare.
-    from aeroscene.solids.flood import flooded  # noqa: PLC0415
+    from aeroscene.solids.flood import flooded
 
     cell = start_cell(field, start_enu_m, radius_m)
     parts = field.reached.setdefault(radius_m, [])

@@ -114,7 +114,7 @@ class HullFaces:
 @lru_cache(maxsize=4096)
 def hull_faces(vertices_m: tuple[Vector3, ...]) -> HullFaces:
     """Faces of the convex hull of some points, coplanar triangles united."""
-    from scipy.spatial import ConvexHull  # noqa: PLC0415 - slow to load, only hulls need it
+    from scipy.spatial import ConvexHull
 
     hull = ConvexHull(np.asarray(vertices_m))
     _, first, face = np.unique(

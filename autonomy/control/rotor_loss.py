@@ -107,7 +107,7 @@ def _among_many(rest: np.ndarray, _apart_m: np.ndarray) -> tuple[np.ndarray, np.
     Balanced thrusts have no torque of roll and pitch, and of yaw as little as no rotor below zero
     allows.
     """
-    from scipy.optimize import nnls  # noqa: PLC0415 - loads half of scipy
+    from scipy.optimize import nnls
 
     tilt, whole = np.linalg.pinv(rest[:3]), np.linalg.pinv(rest)
     if whole[:, 0].min() * rest.shape[1] > _HELD_SHARE:

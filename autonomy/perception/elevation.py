@@ -95,7 +95,7 @@ class ElevationMap:
 
     def cells_within(self, polygon_enu_m: Sequence[Vector3]) -> Bool[np.ndarray, "n n"]:
         """Whether the centre of each cell lies inside a polygon, seen from above."""
-        import shapely  # noqa: PLC0415 - loads only where something lands
+        import shapely
 
         outline = shapely.Polygon([vertex[:2] for vertex in polygon_enu_m])
         return shapely.contains_xy(outline, *np.meshgrid(*self.cell_centres()))

@@ -165,7 +165,7 @@ def _new_filter(
     mean: Float[np.ndarray, " 6"], covariance: Float[np.ndarray, "6 6"]
 ) -> IMMEstimator:
     # Imported here: half a second that only flights with traffic need.
-    from filterpy.kalman import IMMEstimator, KalmanFilter  # noqa: PLC0415
+    from filterpy.kalman import IMMEstimator, KalmanFilter
 
     modes = []
     for _ in _MODES:

@@ -206,7 +206,7 @@ def extremes_about_planes(
 
 def clearance(is_usable: Bool[np.ndarray, "n n"], resolution_m: float) -> np.ndarray:
     """Distance to the nearest cell that is not usable; the map's border counts as such."""
-    import cv2  # noqa: PLC0415 - loads only where something lands
+    import cv2
 
     padded = np.pad(is_usable.astype(np.uint8), 1)
     return cv2.distanceTransform(padded, cv2.DIST_L2, 5)[1:-1, 1:-1] * resolution_m

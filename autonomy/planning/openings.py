@@ -61,7 +61,7 @@ def find_openings(field: DistanceField, obstacles: Obstacles) -> list[Opening]:
         field: Free space; its cells find openings that are wider than about two of them.
         obstacles: Exact obstacles of the same space, for the measures.
     """
-    from scipy import ndimage  # noqa: PLC0415 - start-up time: loads only on demand
+    from scipy import ndimage
 
     is_free = np.ascontiguousarray(field.distance_m > 0)
     direction = narrow_cells(is_free, field.resolution_m)

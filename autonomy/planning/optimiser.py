@@ -114,7 +114,7 @@ def first_times(corridor: Corridor, bounds: MotionBounds) -> Float[np.ndarray, "
 
 
 def _best_times(solve: Solver, log_times: np.ndarray, options: Mapping[str, float]) -> np.ndarray:
-    from scipy.optimize import minimize  # noqa: PLC0415 - loads half of scipy
+    from scipy.optimize import minimize
 
     low, high = solve.log_times_range
     worst, gradient = solve.cost_and_gradient(log_times)

@@ -73,7 +73,7 @@ class Symbols:
 @functools.cache
 def build(n_pieces: int, n_planes: int) -> Program:
     """Build the QP of a size, once in a process; takes 0.1 to 0.4 s."""
-    import casadi as ca  # noqa: PLC0415 - loads only where something is planned
+    import casadi as ca
 
     s = symbols(n_pieces, n_planes)
     parameters = ca.vertcat(s.log_t, s.fixed)
@@ -114,7 +114,7 @@ def pieces_to_fill(lengths: Float[np.ndarray, " n"], least: int = 1) -> Int[np.n
 
 def symbols(n_pieces: int, n_planes: int) -> Symbols:
     """Cost and constraints of a corridor problem, times included."""
-    import casadi as ca  # noqa: PLC0415 - loads only where something is planned
+    import casadi as ca
 
     n = n_pieces
     log_t, ends = ca.SX.sym("log_t", n), ca.SX.sym("ends", 18)

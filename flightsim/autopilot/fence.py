@@ -122,7 +122,7 @@ class FenceStore:
     def area(self) -> BaseGeometry:
         """Places inside any inclusion and outside all exclusions, ENU m."""
         if self._area is None:
-            import shapely  # noqa: PLC0415 - half a launch; only for a fence
+            import shapely
 
             self._area = _allowed(self.fences)
             shapely.prepare(self._area)
@@ -132,7 +132,7 @@ class FenceStore:
         """Whether the fence allows straight flight between each two positions."""
         if not (self.fences and lines_enu_m):
             return [True] * len(lines_enu_m)
-        import shapely  # noqa: PLC0415 - as above
+        import shapely
 
         if self._line_area is None:
             area = _allowed(self.fences, _FINE_QUADRANT)
@@ -233,7 +233,7 @@ def _allowed(fences: Sequence[PolygonFence | CircleFence], quadrant: int = 16) -
 
     A quadrant of a circle becomes so many sides.
     """
-    import shapely  # noqa: PLC0415 - as above
+    import shapely
 
     shapes = [(_shape(each, quadrant), each.is_inclusion) for each in fences]
     included = [shape for shape, is_inclusion in shapes if is_inclusion]
@@ -243,7 +243,7 @@ def _allowed(fences: Sequence[PolygonFence | CircleFence], quadrant: int = 16) -
 
 
 def _shape(fence: PolygonFence | CircleFence, quadrant: int) -> BaseGeometry:
-    import shapely  # noqa: PLC0415 - as above
+    import shapely
 
     if isinstance(fence, CircleFence):
         return shapely.Point(fence.centre_enu_m).buffer(fence.radius_m, quad_segs=quadrant)

@@ -30,7 +30,7 @@ class FenceRoutes:
         Args:
             area: Allowed places, ENU m.
         """
-        import shapely  # noqa: PLC0415 - half a launch; only for a fence
+        import shapely
 
         self._area = area
         self._half = area.buffer(-_MARGIN_M / 2, join_style="mitre")
@@ -42,7 +42,7 @@ class FenceRoutes:
 
         A start beyond the fence goes straight back to the nearest allowed place first.
         """
-        import shapely  # noqa: PLC0415 - as above
+        import shapely
 
         if not self._area.covers(shapely.Point(goal)):
             return None
@@ -91,7 +91,7 @@ class FenceRoutes:
 
     def _is_free(self, points: list[Point2], to: Point2) -> list[bool]:
         """Whether straight flight from each point is allowed, with room unless an end has none."""
-        import shapely  # noqa: PLC0415 - as above
+        import shapely
 
         if not points:
             return []
@@ -113,7 +113,7 @@ def fence_routes(flight: FlightContext) -> FenceRoutes | None:
         or not (flight.fence.fences or has_circle)
     ):
         return None
-    import shapely  # noqa: PLC0415 - as above
+    import shapely
 
     area = flight.fence.area
     if has_circle and home is not None:
@@ -124,7 +124,7 @@ def fence_routes(flight: FlightContext) -> FenceRoutes | None:
 
 def _corners(area: BaseGeometry) -> list[Point2]:
     """Corners of the area, moved inwards, at most `_MOST_CORNERS`."""
-    import shapely  # noqa: PLC0415 - as above
+    import shapely
 
     inner = area.buffer(-_MARGIN_M, join_style="mitre")
     tolerance_m = 0.1

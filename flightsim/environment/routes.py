@@ -34,7 +34,7 @@ def find_route(
         Points a quarter of a metre apart, or None if the random start leads nowhere.
     """
     # For start-up time: only runs with traffic search routes.
-    from scipy.sparse.csgraph import dijkstra  # noqa: PLC0415
+    from scipy.sparse.csgraph import dijkstra
 
     cells = np.argwhere(free)
     if not len(cells):
@@ -79,7 +79,7 @@ def _resampled(points: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "m 2"]:
 
 def _graph(floor: Floor, free: np.ndarray, cells: Int[np.ndarray, "n 2"]) -> object:
     """Graph of free columns and their eight neighbours, with greater lengths near obstacles."""
-    from scipy.sparse import coo_array  # noqa: PLC0415 - as above
+    from scipy.sparse import coo_array
 
     number = np.full((free.shape[0] + 2, free.shape[1] + 2), -1)
     number[1:-1, 1:-1][free] = np.arange(len(cells))

@@ -56,7 +56,7 @@ def _move_over(stage: Path, folder: Path) -> None:
 
 def write_png(path: Path, rgb: np.ndarray) -> None:
     """Write a picture, uint8 (h, w, 3), top row first."""
-    import cv2  # noqa: PLC0415 - heavy, and only exports with textures need it
+    import cv2
 
     path.parent.mkdir(parents=True, exist_ok=True)
     _, encoded = cv2.imencode(".png", np.ascontiguousarray(rgb[:, :, ::-1]))

@@ -26,7 +26,7 @@ def write_usd(world: World, folder: Path) -> Path:
             "to 'usd' needs usd-core, which is not installed; "
             "valid: mjcf, glb, or usd after pip install usd-core"
         )
-    from flightsim.export.usd_stage import write_stage  # noqa: PLC0415 - needs an extra
+    from flightsim.export.usd_stage import write_stage
 
     name = f"{file_name(world.scene.scene_id)}.usdc"
     with staged(folder) as stage_folder:

@@ -82,7 +82,7 @@ def add_looks(
     mesh = drawn_mesh(scene, primitives, detail)
     if detail.has_light:
         # Load polygons and rays only when someone draws.
-        from flightsim.looks.bake import lit  # noqa: PLC0415
+        from flightsim.looks.bake import lit
 
         mesh = lit(mesh, primitives)
     materials: dict[Paint, str] = {}

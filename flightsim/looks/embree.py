@@ -100,7 +100,7 @@ class TriangleScene:
 def _library() -> ctypes.CDLL:
     """Embree, by what links to it: a look-up there finds its symbols too."""
     # Load it only when someone casts a ray.
-    from embreex.rtcore_scene import EmbreeScene  # noqa: PLC0415
+    from embreex.rtcore_scene import EmbreeScene
 
     library = ctypes.CDLL(inspect.getfile(EmbreeScene))
     pointer, integer, size = ctypes.c_void_p, ctypes.c_uint, ctypes.c_size_t

@@ -44,7 +44,7 @@ def jpeg(photograph: Photograph, rgb: np.ndarray) -> bytes:
         photograph: What is known of the picture.
         rgb: Colours, uint8 (height, width, 3).
     """
-    from PIL import ExifTags, Image  # noqa: PLC0415 - only where pictures are kept
+    from PIL import ExifTags, Image
 
     tags, gps = ExifTags.Base, ExifTags.GPS
     at = _moment(photograph)

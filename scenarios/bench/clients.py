@@ -116,7 +116,7 @@ def count_messages(datagram: bytes) -> int:
 
 def _heartbeat() -> bytes:
     """Heartbeat of a ground station."""
-    from pymavlink.dialects.v20 import common  # noqa: PLC0415 - in the child only
+    from pymavlink.dialects.v20 import common  # in the child only
 
     sender = common.MAVLink(None, srcSystem=255, srcComponent=190)
     message = sender.heartbeat_encode(

@@ -33,7 +33,7 @@ class Band:
 
 def band(n_flights: int) -> Band:
     """95% band of a block's mean NEES over independent flights."""
-    from scipy.stats import chi2  # noqa: PLC0415 - half a second
+    from scipy.stats import chi2
 
     freedom = _DIMENSION * n_flights
     low, high = chi2.ppf((0.025, 0.975), freedom) / n_flights

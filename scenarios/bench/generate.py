@@ -177,7 +177,7 @@ def _stages_of(generator: Generator, cost: _Cost) -> tuple[float, float, float]:
 
 def _gpu_rows(generator: Generator, cfg: GenerateBenchCfg, rest_s: float) -> Iterator[Row]:
     """Generate many scenes at once; the processor's time after sampling is subtracted."""
-    import torch  # noqa: PLC0415 - for a GPU only
+    import torch
 
     requests = [_request(cfg.seed, number) for number in range(_BATCH_SIZE)]
     start_s = time.perf_counter()

@@ -75,7 +75,7 @@ def joint_optimum(
 
 @functools.cache
 def _solver(n: int, planes: int, limits: FlightLimits, quadrotor: QuadrotorParams) -> Any:
-    import casadi as ca  # noqa: PLC0415 - loads only where something is planned
+    import casadi as ca
 
     s = symbols(n, planes)
     rows = [s.rows]

@@ -176,8 +176,8 @@ def _recorded(cfg: SimBenchCfg, scene: Scene, *, camera_hz: int) -> Row:
 
 def _equip(bench: Testbench, stack: ExitStack, camera_hz: int) -> Iterator[Observer]:
     """Observers that record a run to a temporary file."""
-    from scenarios.recording import Recorder, RunInfo  # noqa: PLC0415 - half a second
-    from scenarios.run.watching import shutter  # noqa: PLC0415
+    from scenarios.recording import Recorder, RunInfo
+    from scenarios.run.watching import shutter
 
     folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="aeroscene-")))
     cfg = bench.cfg

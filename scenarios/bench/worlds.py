@@ -121,11 +121,7 @@ def _check_flight(fleet: Fleet) -> None:
 
 
 def _environment_rows(cfg: WorldsBenchCfg) -> Iterator[Row]:
-    from scenarios.environments import (  # noqa: PLC0415 - gymnasium is an extra
-        AeroSceneVectorEnv,
-        EnvironmentCfg,
-        ObservationCfg,
-    )
+    from scenarios.environments import AeroSceneVectorEnv, EnvironmentCfg, ObservationCfg
 
     n_steps = round(cfg.seconds * ADVANCE_HZ)
     width, height = DEPTH_PX

@@ -44,7 +44,7 @@ class Equipment:
         Raises:
             INPUT_ERRORS: If an option is invalid.
         """
-        from flightsim.testbench import TestbenchCfg  # noqa: PLC0415 - the whole simulator
+        from flightsim.testbench import TestbenchCfg
 
         TestbenchCfg(vehicle=vehicle, **asdict(self))
 

@@ -77,15 +77,15 @@ class BenchCfg:
 def run(cfg: BenchCfg) -> int:
     """Run the benchmark and print it; exit status 2 with one line where it cannot be run."""
     # Imported here because it is the whole stack, which `--help` does not need.
-    from aeroscene.scene import SceneError  # noqa: PLC0415
-    from flightsim.vehicles.catalogue import AirframeError  # noqa: PLC0415
-    from scenarios.bench.launch import LaunchError  # noqa: PLC0415
+    from aeroscene.scene import SceneError
+    from flightsim.vehicles.catalogue import AirframeError
+    from scenarios.bench.launch import LaunchError
 
     try:
         with share_bar() as on_progress:
             rows = tuple(_module(cfg.bench).rows(cfg.bench, on_progress))
         if isinstance(cfg.bench, GenerateBenchCfg):
-            from scenarios.cli.dataset.options import mention_shortfall  # noqa: PLC0415
+            from scenarios.cli.dataset.options import mention_shortfall
 
             mention_shortfall(_PROG, cfg.bench.data)
     except (SceneError, AirframeError, BenchError, LaunchError) as error:
@@ -101,11 +101,11 @@ def _module(bench: AnyBenchCfg) -> Any:
     """Module of the benchmark; existing scenes have another one than generation."""
     is_made = isinstance(bench, GenerateBenchCfg) and bench.scenes is not None
     if isinstance(bench, GenerateBenchCfg | MethodBenchCfg) and not is_made:
-        from aeroscene.learning import require_torch  # noqa: PLC0415 - with the scene model
+        from aeroscene.learning import require_torch
 
         require_torch()
         if bench.checkpoint is not None:
-            from aeroscene.learning.training.presets import read_sections  # noqa: PLC0415
+            from aeroscene.learning.training.presets import read_sections
 
             read_sections(bench.checkpoint)
     name = "made" if is_made else _NAMES[type(bench)]

@@ -112,13 +112,13 @@ class CampaignCfg:
 def run(cfg: CampaignCfg) -> int:
     """Fly the campaign; exit status 2 with one line where input or folder do not allow it."""
     # Imported here because it is the whole simulator, which `--help` does not need.
-    from scenarios.baselines.named import PilotError  # noqa: PLC0415
-    from scenarios.campaigns.campaign import CampaignError  # noqa: PLC0415
-    from scenarios.campaigns.engines.crew import WorkerError  # noqa: PLC0415
-    from scenarios.campaigns.external.program import ProgramError  # noqa: PLC0415
-    from scenarios.campaigns.fixed import FixedSuiteError  # noqa: PLC0415
-    from scenarios.campaigns.flight_stack import FlightStackError  # noqa: PLC0415
-    from scenarios.campaigns.store import StoreError  # noqa: PLC0415
+    from scenarios.baselines.named import PilotError
+    from scenarios.campaigns.campaign import CampaignError
+    from scenarios.campaigns.engines.crew import WorkerError
+    from scenarios.campaigns.external.program import ProgramError
+    from scenarios.campaigns.fixed import FixedSuiteError
+    from scenarios.campaigns.flight_stack import FlightStackError
+    from scenarios.campaigns.store import StoreError
 
     # SIGTERM is handled as Ctrl-C is: processes and folder are left in order.
     signal.signal(signal.SIGTERM, interrupt)
@@ -145,7 +145,7 @@ def run(cfg: CampaignCfg) -> int:
 
 def _has_only_mishaps(summary: Mapping[str, Any]) -> bool:
     """Whether every trial ended by an error of the pilot or its process, so that none is scored."""
-    from scenarios.campaigns.flyer import Mishap  # noqa: PLC0415 - see `run`
+    from scenarios.campaigns.flyer import Mishap
 
     mishaps = {Mishap.RAISED.value, Mishap.HUNG.value, Mishap.DIED.value}
     return bool(summary["codes"]) and mishaps.issuperset(summary["codes"])
@@ -153,8 +153,8 @@ def _has_only_mishaps(summary: Mapping[str, Any]) -> bool:
 
 def _fly(cfg: CampaignCfg) -> dict[str, Any]:
     """Fly what is left, and return the summary of all."""
-    from scenarios.campaigns.campaign import open_campaign  # noqa: PLC0415 - see `run`
-    from scenarios.campaigns.store import read_results  # noqa: PLC0415
+    from scenarios.campaigns.campaign import open_campaign
+    from scenarios.campaigns.store import read_results
 
     trials, suite = _trials(cfg), _suite(cfg)
     with open_campaign(cfg.out, suite) as campaign:
@@ -171,9 +171,9 @@ def _fly(cfg: CampaignCfg) -> dict[str, Any]:
 
 def _plan(cfg: CampaignCfg) -> int:
     """Say what would be flown, and how long that would take."""
-    from scenarios.campaigns.campaign import require_same_suite  # noqa: PLC0415 - see `run`
-    from scenarios.campaigns.engines.forecast import forecast, measured_costs  # noqa: PLC0415
-    from scenarios.campaigns.store import JOURNAL, SCHEMA, read_results  # noqa: PLC0415
+    from scenarios.campaigns.campaign import require_same_suite
+    from scenarios.campaigns.engines.forecast import forecast, measured_costs
+    from scenarios.campaigns.store import JOURNAL, SCHEMA, read_results
 
     trials, suite = _trials(cfg), _suite(cfg)
     suite.require_pilot()
@@ -202,8 +202,8 @@ def _plan(cfg: CampaignCfg) -> int:
 
 def _trials(cfg: CampaignCfg) -> list[Trial]:
     """All trials that are asked for; bad input ends the process."""
-    from flightsim.vehicles import airframe_by_name  # noqa: PLC0415 - see `run`
-    from scenarios.campaigns.campaign import all_trials  # noqa: PLC0415
+    from flightsim.vehicles import airframe_by_name
+    from scenarios.campaigns.campaign import all_trials
 
     if cfg.suite is not None:
         return _fixed(cfg, cfg.suite).all_trials()
@@ -218,9 +218,9 @@ def _trials(cfg: CampaignCfg) -> list[Trial]:
 
 
 def _suite(cfg: CampaignCfg) -> Suite:
-    from flightsim.testbench import MAX_INSTANCES  # noqa: PLC0415 - see `run`
-    from scenarios.campaigns.flyer import Suite  # noqa: PLC0415
-    from scenarios.tasks.recipe import Recipe, read_recipe  # noqa: PLC0415
+    from flightsim.testbench import MAX_INSTANCES
+    from scenarios.campaigns.flyer import Suite
+    from scenarios.tasks.recipe import Recipe, read_recipe
 
     if cfg.suite is not None:
         recipe = _fixed(cfg, cfg.suite).recipe
@@ -254,8 +254,8 @@ def _suite(cfg: CampaignCfg) -> Suite:
 
 def _stack(cfg: CampaignCfg) -> FlightStack | None:
     """The flight stack that is asked for; None for ours, bad input ends the process."""
-    from scenarios.campaigns.flight_stack import FlightStack  # noqa: PLC0415 - see `run`
-    from scenarios.campaigns.flyer import EXTERNAL  # noqa: PLC0415
+    from scenarios.campaigns.flight_stack import FlightStack
+    from scenarios.campaigns.flyer import EXTERNAL
 
     name, binary = cfg.autopilot, cfg.autopilot_binary
     if name == "builtin":
@@ -273,7 +273,7 @@ def _stack(cfg: CampaignCfg) -> FlightStack | None:
 
 def _fixed(cfg: CampaignCfg, name: str) -> FixedSuite:
     """The fixed suite of a name; options beside it that it would overrule end the process."""
-    from scenarios.campaigns.fixed import fixed_suite  # noqa: PLC0415 - see `run`
+    from scenarios.campaigns.fixed import fixed_suite
 
     for option in ("scenes", "trials", "vehicles", "recipe"):
         if getattr(cfg, option) != getattr(CampaignCfg, option):
@@ -286,9 +286,9 @@ def _fixed(cfg: CampaignCfg, name: str) -> FixedSuite:
 @contextmanager
 def _engine(cfg: CampaignCfg, suite: Suite) -> Iterator[Engine]:
     """What flies the suite."""
-    from scenarios.campaigns.engines.cluster import ray_engine  # noqa: PLC0415 - see `run`
-    from scenarios.campaigns.engines.local import LocalEngine  # noqa: PLC0415
-    from scenarios.campaigns.external.flight import FIRST_PORT  # noqa: PLC0415
+    from scenarios.campaigns.engines.cluster import ray_engine
+    from scenarios.campaigns.engines.local import LocalEngine
+    from scenarios.campaigns.external.flight import FIRST_PORT
 
     if cfg.engine == "ray":
         with ray_engine(suite, cfg.patience, cfg.workers, cfg.ray_address) as engine:

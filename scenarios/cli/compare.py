@@ -42,10 +42,10 @@ class CompareCfg:
 def run(cfg: CompareCfg) -> int:
     """Print the comparison; exit status 2 with one line where there is nothing to compare."""
     # pyarrow and the simulator: half a second that `--help` does not need.
-    from scenarios.campaigns.campaign import CampaignError  # noqa: PLC0415
-    from scenarios.campaigns.store import StoreError  # noqa: PLC0415
-    from scenarios.reports.page import telling_groups, write_page  # noqa: PLC0415
-    from scenarios.reports.paired import CompareError, compare  # noqa: PLC0415
+    from scenarios.campaigns.campaign import CampaignError
+    from scenarios.campaigns.store import StoreError
+    from scenarios.reports.page import telling_groups, write_page
+    from scenarios.reports.paired import CompareError, compare
 
     try:
         found = compare(cfg.first, cfg.second)

@@ -18,7 +18,7 @@ class CompileCfg:
 
 def run(_: CompileCfg) -> int:
     """Compile all kernels, with a progress bar."""
-    from scenarios.run.kernels import compile_everything  # noqa: PLC0415 - all that compiles
+    from scenarios.run.kernels import compile_everything
 
     with share_bar() as on_progress:
         compile_everything(on_progress)

@@ -100,9 +100,9 @@ class EvaluateCfg:
 
 def run(cfg: EvaluateCfg) -> int:
     """Make the table; exit status 2 with one line where the input does not allow it."""
-    from aeroscene.learning import require_torch  # noqa: PLC0415
-    from aeroscene.metrics.discrepancy import TooFewScenesError  # noqa: PLC0415 - SciPy
-    from aeroscene.scene import SceneError  # noqa: PLC0415
+    from aeroscene.learning import require_torch
+    from aeroscene.metrics.discrepancy import TooFewScenesError
+    from aeroscene.scene import SceneError
 
     try:
         require_torch()
@@ -113,17 +113,13 @@ def run(cfg: EvaluateCfg) -> int:
 
 def _run(cfg: EvaluateCfg) -> int:
     # Imported here because PyTorch takes seconds that no other command should spend.
-    import torch  # noqa: PLC0415
+    import torch
 
-    from aeroscene.learning.baselines.model import BaselineCfg  # noqa: PLC0415
-    from aeroscene.learning.training.config import Budget, require  # noqa: PLC0415
-    from aeroscene.metrics.appearance.features import open_network  # noqa: PLC0415
-    from scenarios.evaluation.entrants import entrants_of  # noqa: PLC0415
-    from scenarios.evaluation.evaluation import (  # noqa: PLC0415
-        Evaluation,
-        EvaluationCfg,
-        StoppedError,
-    )
+    from aeroscene.learning.baselines.model import BaselineCfg
+    from aeroscene.learning.training.config import Budget, require
+    from aeroscene.metrics.appearance.features import open_network
+    from scenarios.evaluation.entrants import entrants_of
+    from scenarios.evaluation.evaluation import Evaluation, EvaluationCfg, StoppedError
 
     # Refuse bad options before reading the scenes.
     require(ok=0 <= cfg.demo <= cfg.scenes, name="demo", value=cfg.demo, valid="0 to --scenes")
@@ -165,7 +161,7 @@ def _run(cfg: EvaluateCfg) -> int:
 
 
 def _read(cfg: EvaluateCfg, room: str | None) -> Data:
-    from scenarios.evaluation.sources import count_scenes, open_data  # noqa: PLC0415 - PyTorch
+    from scenarios.evaluation.sources import count_scenes, open_data
 
     title = "reading scenes" if cfg.data == "corpus" else "mapping layouts"
     with progress_bar(title, count_scenes(cfg.data, cfg.path)) as advance:
@@ -192,10 +188,10 @@ def _tell(
     entrants: Sequence[Entrant],
     rows: Sequence[Row],
 ) -> None:
-    from scenarios.evaluation.drawing import PROJECTED  # noqa: PLC0415 - PyTorch
-    from scenarios.evaluation.gallery import GALLERY, draw_gallery, shown_stage  # noqa: PLC0415
-    from scenarios.evaluation.rows import stage_name  # noqa: PLC0415
-    from scenarios.evaluation.table import to_plain, write_table  # noqa: PLC0415
+    from scenarios.evaluation.drawing import PROJECTED
+    from scenarios.evaluation.gallery import GALLERY, draw_gallery, shown_stage
+    from scenarios.evaluation.rows import stage_name
+    from scenarios.evaluation.table import to_plain, write_table
 
     titles: dict[str, str] = {}
     for entrant in entrants:
@@ -243,7 +239,7 @@ def _leads(
     entrants: Sequence[Entrant], rows: Sequence[Row], metrics: Mapping[str, Metric]
 ) -> dict[str, list[Lead]]:
     """Our own methods, each beside the best of those that are not ours."""
-    from scenarios.evaluation.leads import leads_of  # noqa: PLC0415 - PyTorch
+    from scenarios.evaluation.leads import leads_of
 
     drawn = {row.method for row in rows}
     ours = [each.name for each in entrants if each.name in _OURS and each.name in drawn]

@@ -41,10 +41,10 @@ class ExportCfg:
 def run(cfg: ExportCfg) -> int:
     """Export; exit status 2 with one line where that is not possible."""
     # Imported here because it is the whole simulator, which `--help` does not need.
-    from aeroscene.sources import open_scene  # noqa: PLC0415
-    from flightsim.export.files import ExportError  # noqa: PLC0415
-    from flightsim.vehicles.catalogue import airframe_by_name  # noqa: PLC0415
-    from flightsim.world import build_world  # noqa: PLC0415
+    from aeroscene.sources import open_scene
+    from flightsim.export.files import ExportError
+    from flightsim.vehicles.catalogue import airframe_by_name
+    from flightsim.world import build_world
 
     began_s = time.perf_counter()
     has_vehicle = cfg.vehicle != _NO_VEHICLE

@@ -47,8 +47,8 @@ class ExportTrialCfg:
 def run(cfg: ExportTrialCfg) -> int:
     """Export; exit status 2 with one line where that is not possible."""
     # Imported here because rerun takes time that `--help` should not spend.
-    from scenarios.recording.summary import UnreadableRecordingError  # noqa: PLC0415
-    from scenarios.trial_data.reading import TrialDataError  # noqa: PLC0415
+    from scenarios.recording.summary import UnreadableRecordingError
+    from scenarios.trial_data.reading import TrialDataError
 
     if not cfg.recordings:
         fail(_PROG, "no recording is named; valid: .rrd files, for dataset also folders")
@@ -70,8 +70,8 @@ def run(cfg: ExportTrialCfg) -> int:
 
 
 def _write_one(cfg: ExportTrialCfg) -> dict[str, Any]:
-    from scenarios.trial_data.left_out import left_out  # noqa: PLC0415 - see `run`
-    from scenarios.trial_data.reading import read_trial  # noqa: PLC0415
+    from scenarios.trial_data.left_out import left_out
+    from scenarios.trial_data.reading import read_trial
 
     if len(cfg.recordings) != 1:
         fail(_PROG, f"recordings are {len(cfg.recordings)}; valid: one, or --to dataset")
@@ -83,17 +83,17 @@ def _write_one(cfg: ExportTrialCfg) -> dict[str, Any]:
 
 def _writer(to: str) -> tuple[Callable[[RecordedTrial, Path], Path], Iterable[str]]:
     """What writes a format, and the tables that it holds; only its own library is loaded."""
-    from scenarios.trial_data.tables import TABLES  # noqa: PLC0415 - see `run`
+    from scenarios.trial_data.tables import TABLES
 
     if to == "mcap":
-        from scenarios.trial_data.rosbag import BAG_TABLES, write_bag  # noqa: PLC0415
+        from scenarios.trial_data.rosbag import BAG_TABLES, write_bag
 
         return write_bag, BAG_TABLES
     if to == "ulog":
-        from scenarios.trial_data.ulog import ULOG_TABLES, write_ulog  # noqa: PLC0415
+        from scenarios.trial_data.ulog import ULOG_TABLES, write_ulog
 
         return write_ulog, ULOG_TABLES
-    from scenarios.trial_data.csv_folder import write_csv  # noqa: PLC0415
+    from scenarios.trial_data.csv_folder import write_csv
 
     return write_csv, TABLES
 
@@ -109,10 +109,10 @@ def _require_place(cfg: ExportTrialCfg) -> None:
 
 def _add_all(cfg: ExportTrialCfg) -> dict[str, Any]:
     """Add what is not in the dataset yet; of several recordings, bad ones are told and left out."""
-    from scenarios.recording.summary import UnreadableRecordingError  # noqa: PLC0415 - see `run`
-    from scenarios.trial_data.dataset.write import add_trial, has_trial  # noqa: PLC0415
-    from scenarios.trial_data.left_out import left_out  # noqa: PLC0415
-    from scenarios.trial_data.reading import TrialDataError, read_trial  # noqa: PLC0415
+    from scenarios.recording.summary import UnreadableRecordingError
+    from scenarios.trial_data.dataset.write import add_trial, has_trial
+    from scenarios.trial_data.left_out import left_out
+    from scenarios.trial_data.reading import TrialDataError, read_trial
 
     files = _files(cfg.recordings)
     left = [path for path in files if not has_trial(cfg.out, path.stem)]

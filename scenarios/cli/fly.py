@@ -75,14 +75,14 @@ class FlyCfg:
 def run(cfg: FlyCfg) -> int:
     """Fly the trial; exit status 2 with one line where there is none."""
     # Imported here because it is the whole simulator, which `--help` does not need.
-    from aeroscene.sources import canonical_name  # noqa: PLC0415
-    from flightsim.vehicles import airframe_by_name  # noqa: PLC0415
-    from scenarios.baselines.named import PilotError  # noqa: PLC0415
-    from scenarios.campaigns.campaign import CampaignError, row_of  # noqa: PLC0415
-    from scenarios.campaigns.external.program import ProgramError  # noqa: PLC0415
-    from scenarios.campaigns.flight_stack import FlightStackError  # noqa: PLC0415
-    from scenarios.campaigns.flyer import Flyer, Trial  # noqa: PLC0415
-    from scenarios.campaigns.store import TRACKS, StoreError  # noqa: PLC0415
+    from aeroscene.sources import canonical_name
+    from flightsim.vehicles import airframe_by_name
+    from scenarios.baselines.named import PilotError
+    from scenarios.campaigns.campaign import CampaignError, row_of
+    from scenarios.campaigns.external.program import ProgramError
+    from scenarios.campaigns.flight_stack import FlightStackError
+    from scenarios.campaigns.flyer import Flyer, Trial
+    from scenarios.campaigns.store import TRACKS, StoreError
 
     airframe_by_name(cfg.vehicle)
     trial = Trial(canonical_name(cfg.scene), cfg.vehicle, cfg.trial)
@@ -113,9 +113,9 @@ def run(cfg: FlyCfg) -> int:
 
 def _suite(cfg: FlyCfg) -> tuple[Suite, bool]:
     """What decides the trial, and whether it is what decides the campaign in the folder."""
-    from scenarios.campaigns.campaign import read_suite  # noqa: PLC0415 - see `run`
-    from scenarios.campaigns.flyer import Suite  # noqa: PLC0415
-    from scenarios.tasks.recipe import read_recipe  # noqa: PLC0415
+    from scenarios.campaigns.campaign import read_suite
+    from scenarios.campaigns.flyer import Suite
+    from scenarios.tasks.recipe import read_recipe
 
     campaigns = read_suite(cfg.out)
     suite = campaigns or Suite()

@@ -128,12 +128,12 @@ def _run(cfg: GenerateCfg) -> int:
     requests = _requests(cfg)
     require_torch()
     if cfg.checkpoint is not None:
-        from aeroscene.learning.training.presets import read_sections  # noqa: PLC0415
+        from aeroscene.learning.training.presets import read_sections
 
         read_sections(cfg.checkpoint)
     # Imported here because PyTorch takes seconds that no other command should spend.
-    from aeroscene.learning.generation import Generator  # noqa: PLC0415
-    from scenarios.generation.draws import Tally  # noqa: PLC0415 - SciPy
+    from aeroscene.learning.generation import Generator
+    from scenarios.generation.draws import Tally
 
     pilot = pilot_of(cfg.worst_for, "worst-for") if cfg.worst_for else None
     generator = Generator.load(
@@ -153,13 +153,8 @@ def _run(cfg: GenerateCfg) -> int:
 def _draw(
     cfg: GenerateCfg, generator: Generator, requests: Sequence[Request], tally: Tally
 ) -> None:
-    from aeroscene.learning.generation.generator import MOST_ATTEMPTS  # noqa: PLC0415 - PyTorch
-    from scenarios.generation.draws import (  # noqa: PLC0415 - SciPy
-        AnyScene,
-        OfDifficulty,
-        draw_all,
-        draw_with_pictures,
-    )
+    from aeroscene.learning.generation.generator import MOST_ATTEMPTS
+    from scenarios.generation.draws import AnyScene, OfDifficulty, draw_all, draw_with_pictures
 
     judge = AnyScene(MOST_ATTEMPTS) if cfg.difficulty == "any" else OfDifficulty(cfg.difficulty)
     with progress_bar("generating", len(requests)) as advance:
@@ -174,7 +169,7 @@ def _run_worst(
     cfg: GenerateCfg, generator: Generator, requests: Sequence[Request], pilot: NamedPilot
 ) -> int:
     """Make the scenes and fly them, as far as that is not done, and keep the worst."""
-    from scenarios.generation.draws import Tally  # noqa: PLC0415 - SciPy
+    from scenarios.generation.draws import Tally
 
     left_open = {"seed", "count", "of", "out", "threads", "progress", "json"}
     asked = {name: str(v) for name, v in asdict(cfg).items() if name not in left_open}
@@ -201,7 +196,7 @@ def _run_worst(
 
 
 def _set_threads(cfg: GenerateCfg) -> None:
-    import torch  # noqa: PLC0415
+    import torch
 
     n_threads = 1 if cfg.threads is None and cfg.batch == 1 else cfg.threads
     if n_threads is not None:
@@ -226,13 +221,13 @@ def _check(cfg: GenerateCfg) -> None:
 
 
 def _requests(cfg: GenerateCfg) -> list[Request]:
-    from aeroscene.learning.generation import Redo, Request  # noqa: PLC0415 - SciPy, shapely
+    from aeroscene.learning.generation import Redo, Request
 
     domain: SceneDomain | None = None if cfg.domain == "any" else cfg.domain
     complete: Scene | None = None
     redo: Redo | None = None
     if cfg.complete or cfg.redo:
-        from aeroscene.sources import open_scene  # noqa: PLC0415 - only where it is asked for
+        from aeroscene.sources import open_scene
 
         complete = open_scene(cfg.complete) if cfg.complete else None
         if cfg.redo:

@@ -87,7 +87,7 @@ def _with_progress(cfg: LayoutsCfg, faults: list[str]) -> Iterator[NeutralLayout
 
 def _take(layout: NeutralLayout, cfg: LayoutsCfg, written: dict[str, str]) -> MappingReport:
     # Imported here because shapely is slow to import and a bad command line should fail fast.
-    from aeroscene.layouts.flyable import make_flyable, map_layout  # noqa: PLC0415
+    from aeroscene.layouts.flyable import make_flyable, map_layout
 
     if cfg.out is None:
         return map_layout(layout)

@@ -73,9 +73,9 @@ class ReplayCfg:
 def run(cfg: ReplayCfg) -> int:
     """Replay; exit status 2 with one line where there is nothing to replay or no way to."""
     # Imported here because rerun takes time that `--help` should not spend.
-    from scenarios.recording.program import RerunMissingError  # noqa: PLC0415
-    from scenarios.recording.summary import UnreadableRecordingError, summarise  # noqa: PLC0415
-    from scenarios.recording.viewer import ViewerError  # noqa: PLC0415
+    from scenarios.recording.program import RerunMissingError
+    from scenarios.recording.summary import UnreadableRecordingError, summarise
+    from scenarios.recording.viewer import ViewerError
 
     try:
         if cfg.recording.is_dir():
@@ -95,7 +95,7 @@ def run(cfg: ReplayCfg) -> int:
 
 def _list(cfg: ReplayCfg) -> None:
     """Print a line for each recording of a folder."""
-    from scenarios.recording.listing import recordings_in  # noqa: PLC0415 - see `run`
+    from scenarios.recording.listing import recordings_in
 
     folder = str(cfg.recording)
     if cfg.pictures is not None or cfg.video is not None:
@@ -124,13 +124,13 @@ def _line(listed: Listed) -> str:
 
 
 def _draw(recording: Path, folder: Path, formats: Sequence[PictureFormat]) -> None:
-    from scenarios.pictures.recorded import read_story  # noqa: PLC0415 - the simulator
-    from scenarios.pictures.story import PictureError  # noqa: PLC0415
+    from scenarios.pictures.recorded import read_story
+    from scenarios.pictures.story import PictureError
 
     try:
         story = read_story(recording)
         # Imported here because only pictures need matplotlib.
-        from scenarios.pictures.draw import draw_pictures  # noqa: PLC0415
+        from scenarios.pictures.draw import draw_pictures
 
         for picture in draw_pictures(story, folder, formats):
             print(picture)
@@ -140,9 +140,9 @@ def _draw(recording: Path, folder: Path, formats: Sequence[PictureFormat]) -> No
 
 def _film(recording: Path, video: Path) -> None:
     # Imported here because only films need the renderer and the encoder.
-    from scenarios.cli.progress import share_bar  # noqa: PLC0415
-    from scenarios.pictures import PictureError  # noqa: PLC0415
-    from scenarios.pictures.film import draw_film  # noqa: PLC0415
+    from scenarios.cli.progress import share_bar
+    from scenarios.pictures import PictureError
+    from scenarios.pictures.film import draw_film
 
     try:
         with share_bar() as on_progress:
@@ -153,7 +153,7 @@ def _film(recording: Path, video: Path) -> None:
 
 
 def _show(cfg: ReplayCfg) -> None:
-    from scenarios.recording.summary import readable  # noqa: PLC0415
+    from scenarios.recording.summary import readable
 
     with readable(cfg.recording) as source:
         show(cfg.viewer, source, f"{cfg.recording} plays")
@@ -171,7 +171,7 @@ def show(kind: Literal["auto", "native", "web"], source: Path, what: str) -> Non
         ViewerError: If the viewer cannot be opened.
         RerunMissingError: If rerun's program is not installed.
     """
-    from scenarios.recording.viewer import Viewer, has_display  # noqa: PLC0415
+    from scenarios.recording.viewer import Viewer, has_display
 
     # SIGTERM must end the viewer too.
     signal.signal(signal.SIGTERM, interrupt)

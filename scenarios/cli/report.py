@@ -43,10 +43,10 @@ class ReportCfg:
 def run(cfg: ReportCfg) -> int:
     """Print the report; exit status 2 with one line where the folder has none."""
     # pyarrow and the simulator: half a second that `--help` does not need.
-    from scenarios.campaigns.campaign import CampaignError  # noqa: PLC0415
-    from scenarios.campaigns.store import StoreError  # noqa: PLC0415
-    from scenarios.reports.leaderboard import LeaderboardError, update_leaderboard  # noqa: PLC0415
-    from scenarios.reports.page import PAGE, write_report  # noqa: PLC0415
+    from scenarios.campaigns.campaign import CampaignError
+    from scenarios.campaigns.store import StoreError
+    from scenarios.reports.leaderboard import LeaderboardError, update_leaderboard
+    from scenarios.reports.page import PAGE, write_report
 
     try:
         with share_bar() as on_part:

@@ -98,16 +98,16 @@ class TrainCfg:
 
 def run(cfg: TrainCfg) -> int:
     """Train; exit status 2 with one line where input, device or memory do not allow it."""
-    from aeroscene.learning import require_torch  # noqa: PLC0415
-    from aeroscene.scene import SceneError  # noqa: PLC0415
+    from aeroscene.learning import require_torch
+    from aeroscene.scene import SceneError
 
     try:
         require_torch()
         head = require_usable(cfg)
         # Imported here because PyTorch takes seconds that no other command should spend.
-        from aeroscene.learning.training.procedure import Training  # noqa: PLC0415
-        from aeroscene.learning.training.state import read_state  # noqa: PLC0415
-        from aeroscene.learning.training.state_head import STATE  # noqa: PLC0415
+        from aeroscene.learning.training.procedure import Training
+        from aeroscene.learning.training.state import read_state
+        from aeroscene.learning.training.state_head import STATE
 
         with _asked_to_stop() as stop:
             state = None if head is None else read_state(cfg.out / STATE)
@@ -150,7 +150,7 @@ def _asked_to_stop() -> Iterator[threading.Event]:
 
 
 def _report(cfg: TrainCfg, plan: Plan, training: Training, *, is_done: bool) -> None:
-    from aeroscene.learning.training.procedure import CHECKPOINT  # noqa: PLC0415 - PyTorch
+    from aeroscene.learning.training.procedure import CHECKPOINT
 
     path = plan.folder / CHECKPOINT
     figures = training.figures
@@ -173,7 +173,7 @@ def _report(cfg: TrainCfg, plan: Plan, training: Training, *, is_done: bool) -> 
 
 def _said(part: Part, figures: Mapping[str, Any]) -> str:
     """How long a part was trained, and to which losses."""
-    from aeroscene.learning.training.course import figure_prefix  # noqa: PLC0415 - PyTorch
+    from aeroscene.learning.training.course import figure_prefix
 
     prefix = figure_prefix(part)
     names = [name for name in ("loss", "held_out_loss") if prefix + name in figures]

@@ -32,9 +32,9 @@ def require_usable(cfg: TrainCfg) -> StateHead | None:
     Raises:
         SceneError: If one of them cannot be used.
     """
-    from aeroscene.learning.training.data_named import require_data  # noqa: PLC0415 - SciPy
-    from aeroscene.learning.training.network_sizes import require_trainable  # noqa: PLC0415
-    from aeroscene.learning.training.presets import read_sections  # noqa: PLC0415
+    from aeroscene.learning.training.data_named import require_data
+    from aeroscene.learning.training.network_sizes import require_trainable
+    from aeroscene.learning.training.presets import read_sections
 
     head = _open_head(cfg.out, resumes=cfg.resume)
     _n_workers(cfg)
@@ -49,8 +49,8 @@ def require_usable(cfg: TrainCfg) -> StateHead | None:
 
 
 def _open_head(folder: Path, *, resumes: bool) -> StateHead | None:
-    from aeroscene.learning.training.config import TrainingError  # noqa: PLC0415
-    from aeroscene.learning.training.state_head import STATE, read_head  # noqa: PLC0415
+    from aeroscene.learning.training.config import TrainingError
+    from aeroscene.learning.training.state_head import STATE, read_head
 
     head = read_head(folder / STATE)
     if head is not None and not resumes:
@@ -76,12 +76,12 @@ def training_plan(cfg: TrainCfg, head: StateHead | None) -> Plan:
     Raises:
         SceneError: If options, data or device cannot be used.
     """
-    import torch  # noqa: PLC0415 - seconds that no other command should spend
+    import torch
 
-    from aeroscene.learning.training.devices import choose_device  # noqa: PLC0415
-    from aeroscene.learning.training.fitted import fitted  # noqa: PLC0415
-    from aeroscene.learning.training.presets import part_budgets  # noqa: PLC0415
-    from aeroscene.learning.training.procedure import Plan  # noqa: PLC0415
+    from aeroscene.learning.training.devices import choose_device
+    from aeroscene.learning.training.fitted import fitted
+    from aeroscene.learning.training.presets import part_budgets
+    from aeroscene.learning.training.procedure import Plan
 
     device = choose_device(cfg.device)
     n_workers = _n_workers(cfg)
@@ -115,10 +115,10 @@ def training_plan(cfg: TrainCfg, head: StateHead | None) -> Plan:
 
 def _begun_with(cfg: TrainCfg, preset: str, sections: Mapping[str, Any]) -> Begun | None:
     """The model whose weights the parts begin with; none begin at random."""
-    from aeroscene.learning.generation.loading import SHIPPED  # noqa: PLC0415 - PyTorch
-    from aeroscene.learning.training.carried import read_begun  # noqa: PLC0415
-    from aeroscene.learning.training.config import require  # noqa: PLC0415
-    from aeroscene.learning.training.presets import is_flat  # noqa: PLC0415
+    from aeroscene.learning.generation.loading import SHIPPED
+    from aeroscene.learning.training.carried import read_begun
+    from aeroscene.learning.training.config import require
+    from aeroscene.learning.training.presets import is_flat
 
     if cfg.begin is None:
         valid = "with --begin, whose language it is"
@@ -132,7 +132,7 @@ def _begun_with(cfg: TrainCfg, preset: str, sections: Mapping[str, Any]) -> Begu
 def _first_weights(
     begun: Begun | None, data: TrainingData, sections: Mapping[str, Any]
 ) -> dict[Part, Weights]:
-    from aeroscene.learning.writer.language import Language  # noqa: PLC0415 - PyTorch
+    from aeroscene.learning.writer.language import Language
 
     if begun is None:
         return {}
@@ -145,7 +145,7 @@ def _taken(
     cfg: TrainCfg, parts: Sequence[Part], data: TrainingData, begun: Mapping[Part, Weights]
 ) -> dict[Part, Weights]:
     """The parts that are not trained."""
-    from aeroscene.learning.training.same_data import taken_parts  # noqa: PLC0415 - PyTorch
+    from aeroscene.learning.training.same_data import taken_parts
 
     if cfg.take is not None:
         return taken_parts(cfg.take, data, parts)
@@ -154,8 +154,8 @@ def _taken(
 
 
 def _parts(cfg: TrainCfg, preset: Preset) -> tuple[Part, ...]:
-    from aeroscene.learning.training.config import require  # noqa: PLC0415
-    from aeroscene.learning.training.presets import PARTS  # noqa: PLC0415
+    from aeroscene.learning.training.config import require
+    from aeroscene.learning.training.presets import PARTS
 
     parts = cfg.parts or PARTS[preset]
     strange = [part for part in parts if part not in PARTS[preset]]
@@ -165,7 +165,7 @@ def _parts(cfg: TrainCfg, preset: Preset) -> tuple[Part, ...]:
 
 
 def _n_workers(cfg: TrainCfg) -> int:
-    from aeroscene.learning.training.config import TrainingError  # noqa: PLC0415 - PyTorch
+    from aeroscene.learning.training.config import TrainingError
 
     if cfg.workers is None:
         return max(1, default_jobs() - 1)
@@ -176,11 +176,8 @@ def _n_workers(cfg: TrainCfg) -> int:
 
 def _sections(cfg: TrainCfg, head: StateHead | None) -> tuple[Preset, dict[str, Any]]:
     """Preset and sections of the configuration; on resuming, those of the training so far."""
-    from aeroscene.learning.training.presets import (  # noqa: PLC0415 - PyTorch
-        preset_sections,
-        sections_from_plain,
-    )
-    from aeroscene.learning.training.settings import read_settings  # noqa: PLC0415
+    from aeroscene.learning.training.presets import preset_sections, sections_from_plain
+    from aeroscene.learning.training.settings import read_settings
 
     if head is None:
         preset = cfg.preset or "default"
@@ -194,8 +191,8 @@ def _sections(cfg: TrainCfg, head: StateHead | None) -> tuple[Preset, dict[str, 
 
 
 def _check_unchanged(cfg: TrainCfg, facts: CheckpointFacts, sections: Mapping[str, Any]) -> None:
-    from aeroscene.learning.training.config import TrainingError  # noqa: PLC0415 - PyTorch
-    from aeroscene.learning.training.settings import read_settings  # noqa: PLC0415
+    from aeroscene.learning.training.config import TrainingError
+    from aeroscene.learning.training.settings import read_settings
 
     begun = facts.preset
     if cfg.preset not in {None, begun}:
@@ -217,11 +214,8 @@ def _check_unchanged(cfg: TrainCfg, facts: CheckpointFacts, sections: Mapping[st
 def _read_data(
     path: Path, preset: Preset, *, is_streamed: bool, language: Language | None
 ) -> TrainingData:
-    from aeroscene.learning.training.data import open_training_data  # noqa: PLC0415 - PyTorch
-    from aeroscene.learning.training.data_named import (  # noqa: PLC0415 - SciPy
-        count_scenes,
-        is_layouts,
-    )
+    from aeroscene.learning.training.data import open_training_data
+    from aeroscene.learning.training.data_named import count_scenes, is_layouts
 
     title = "mapping layouts" if is_layouts(path) else "reading scenes"
     with progress_bar(title, count_scenes(path)) as advance:
@@ -236,8 +230,8 @@ def _read_data(
 
 def say_what_lacks(path: Path) -> None:
     """Say on stderr how many scenes a corpus lacks, if it lacks any."""
-    from aeroscene.learning.training.data_named import is_layouts  # noqa: PLC0415 - SciPy
-    from scenarios.cli.dataset.options import mention_shortfall  # noqa: PLC0415 - heavy
+    from aeroscene.learning.training.data_named import is_layouts
+    from scenarios.cli.dataset.options import mention_shortfall
 
     if not is_layouts(path):
         mention_shortfall(_PROG, path)

@@ -126,9 +126,9 @@ def _draw(entries: Sequence[Entry], count: int, rng: np.random.Generator) -> lis
 
 def _drop_in_scene(reader: SceneSet[Entry], task: _Task[Entry]) -> list[Drop]:
     # Import MuJoCo only in processes that drop.
-    from flightsim.vehicles.catalogue import airframe_by_name  # noqa: PLC0415
-    from flightsim.world import WorldError  # noqa: PLC0415
-    from scenarios.dataset.falling import FallingVehicle  # noqa: PLC0415
+    from flightsim.vehicles.catalogue import airframe_by_name
+    from flightsim.world import WorldError
+    from scenarios.dataset.falling import FallingVehicle
 
     scene = reader.read(task.entry)
     try:

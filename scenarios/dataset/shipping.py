@@ -73,7 +73,7 @@ class ModelMaker:
         Raises:
             SceneError: If checkpoint or device cannot be used.
         """
-        from aeroscene.learning.generation import Request  # noqa: PLC0415 - torch
+        from aeroscene.learning.generation import Request
 
         request = Request(seed=number, domain=scene_domain(number))
         return next(_generator(self.path, self.device).generate([request], attempt=attempt)).scene
@@ -82,9 +82,9 @@ class ModelMaker:
 @cache
 def _generator(checkpoint: Path, device: str) -> Generator:
     """Generator of one process, with one thread, since as many processes share the cores."""
-    import torch  # noqa: PLC0415 - only where scenes are generated
+    import torch
 
-    from aeroscene.learning.generation import Generator  # noqa: PLC0415
+    from aeroscene.learning.generation import Generator
 
     torch.set_num_threads(1)
     return Generator.load(checkpoint, device=device)
@@ -99,7 +99,7 @@ class CorpusMaker:
 
     def draw(self, number: int, attempt: int) -> Scene | None:
         """Scene of the corpus; all attempts give the same."""
-        from aeroscene.corpus.curation import curate_scene  # noqa: PLC0415 - heavy
+        from aeroscene.corpus.curation import curate_scene
 
         return curate_scene(number) if attempt == 0 else None
 

@@ -27,7 +27,7 @@ _N_FRAMES = 3
 
 def check_kernels() -> Iterator[Check]:
     """Check whether the flight kernels are compiled; the flight check compiles them if not."""
-    from autonomy.jit import cache_directory  # noqa: PLC0415 - numba takes a quarter of a second
+    from autonomy.jit import cache_directory
 
     directory = cache_directory("flightsim.plant.kernel")
     is_readable = directory is not None and os.access(directory, os.R_OK | os.X_OK)
@@ -41,8 +41,8 @@ def check_kernels() -> Iterator[Check]:
 
 def check_flight() -> Iterator[Check]:
     """Take off for real, without network, and use the cameras."""
-    from aeroscene.sources import open_scene  # noqa: PLC0415 - the whole stack
-    from flightsim.testbench import Testbench, TestbenchCfg  # noqa: PLC0415
+    from aeroscene.sources import open_scene
+    from flightsim.testbench import Testbench, TestbenchCfg
 
     start_s = time.perf_counter()
     cfg = TestbenchCfg(vehicle=_VEHICLE, speed="max")
@@ -75,7 +75,7 @@ def _take_off(bench: Testbench) -> Check:
 
 
 def _check_cameras(bench: Testbench) -> Iterator[Check]:
-    from flightsim.sensors.cameras import open_camera_renderer  # noqa: PLC0415
+    from flightsim.sensors.cameras import open_camera_renderer
 
     camera, best_ms, is_blank = bench.airframe.cameras[0].name, math.inf, False
     with closing(open_camera_renderer(bench.world, _WIDTH_PX, _HEIGHT_PX)) as renderer:

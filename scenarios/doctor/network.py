@@ -31,11 +31,8 @@ def check_ports() -> Iterator[Check]:
 
 def check_viewer() -> Iterator[Check]:
     """Check which of rerun's viewers can open."""
-    from scenarios.recording.program import (  # noqa: PLC0415 - with the check
-        RerunMissingError,
-        rerun_program,
-    )
-    from scenarios.recording.viewer import has_display  # noqa: PLC0415
+    from scenarios.recording.program import RerunMissingError, rerun_program
+    from scenarios.recording.viewer import has_display
 
     try:
         rerun_program()

@@ -158,8 +158,8 @@ class Evaluation:
             drawer.draw(number, seed, fitted.sample, is_real=entrant.is_real)
 
     def _fly(self, drawer: Drawer, draws: Sequence[Draw], tell: OnProgress) -> None:
-        from scenarios.baselines.named import pilot_of  # noqa: PLC0415 - the whole simulator
-        from scenarios.generation.worst import fly  # noqa: PLC0415
+        from scenarios.baselines.named import pilot_of
+        from scenarios.generation.worst import fly
 
         for number, draw in enumerate(draws):
             if self._wants_stop():

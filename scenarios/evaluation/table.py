@@ -115,7 +115,7 @@ def draw_plot(
     Raises:
         OSError: If it cannot be written.
     """
-    from matplotlib.figure import Figure  # noqa: PLC0415 - a second; only where it is drawn
+    from matplotlib.figure import Figure
 
     cells = {
         (row.method, row.metric): row

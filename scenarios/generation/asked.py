@@ -77,7 +77,7 @@ def asked_region(text: str) -> Region:
     Raises:
         SceneError: If the text is none.
     """
-    from aeroscene.feasibility.region import Region  # noqa: PLC0415 - shapely
+    from aeroscene.feasibility.region import Region
 
     try:
         numbers = [float(part) for part in text.split(",")]

@@ -58,9 +58,9 @@ class OfDifficulty:
     def judged(self, scene: Scene) -> tuple[Scene, str | None]:
         """Measure the scene; another class, or no way at all, is another draw."""
         # casadi and the kernels of planning: only where somebody asks.
-        from flightsim.vehicles.catalogue import airframe_by_name  # noqa: PLC0415
-        from scenarios.mission.difficulty import measure_difficulty  # noqa: PLC0415
-        from scenarios.mission.surroundings import MissionError  # noqa: PLC0415
+        from flightsim.vehicles.catalogue import airframe_by_name
+        from scenarios.mission.difficulty import measure_difficulty
+        from scenarios.mission.surroundings import MissionError
 
         seen = self._seen.setdefault(scene.seed, Counter())
         try:
@@ -178,7 +178,7 @@ def draw_with_pictures(
     generator: Generator, request: Request, judge: Judge, tally: Tally, picture: Path
 ) -> None:
     """Draw one request as `draw_all` does, and show how its last draw came about."""
-    from scenarios.pictures.generation.recorder import Recorder  # noqa: PLC0415 - the renderer
+    from scenarios.pictures.generation.recorder import Recorder
 
     for attempt in range(judge.most_draws):
         recorder = Recorder()

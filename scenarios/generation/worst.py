@@ -52,11 +52,11 @@ def fly(scene: Scene, pilot: NamedPilot) -> Flight:
         INPUT_ERRORS: If the machine does not allow the flight: then it says nothing of the pilot.
     """
     # The whole simulator: only where somebody flies.
-    from flightsim.testbench import TestbenchCfg  # noqa: PLC0415
-    from scenarios.mission.surroundings import MissionError  # noqa: PLC0415
-    from scenarios.run.cfg import SitlCfg  # noqa: PLC0415
-    from scenarios.run.input_errors import INPUT_ERRORS  # noqa: PLC0415
-    from scenarios.run.sitl import Sitl  # noqa: PLC0415
+    from flightsim.testbench import TestbenchCfg
+    from scenarios.mission.surroundings import MissionError
+    from scenarios.run.cfg import SitlCfg
+    from scenarios.run.input_errors import INPUT_ERRORS
+    from scenarios.run.sitl import Sitl
 
     cfg = pilot.brief(SitlCfg(bench=TestbenchCfg(vehicle="iris", speed="max")))
     try:

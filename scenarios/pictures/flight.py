@@ -127,7 +127,7 @@ def _top_speed_mps(flown: Track) -> float:
 
 
 def _explain(axes: Axes, story: FlightStory, corner: Corner) -> None:
-    from matplotlib.lines import Line2D  # noqa: PLC0415 - only where pictures are drawn
+    from matplotlib.lines import Line2D
 
     shown = [Line2D([], [], color=style.FLOWN, linewidth=3.0, label="flown, coloured by speed")]
     if story.plans:

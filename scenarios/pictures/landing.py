@@ -149,7 +149,7 @@ def _extent(landing: LandingLayers) -> tuple[float, float, float, float]:
 
 
 def _draw_judgement(axes: Axes, landing: LandingLayers) -> None:
-    from matplotlib.colors import ListedColormap  # noqa: PLC0415 - only where pictures are drawn
+    from matplotlib.colors import ListedColormap
 
     seen = np.isfinite(landing.height_m)
     usable = np.nan_to_num(landing.clearance_m) > 0
@@ -160,8 +160,8 @@ def _draw_judgement(axes: Axes, landing: LandingLayers) -> None:
 
 
 def _explain(figure: Figure, needs: LandingNeeds) -> None:
-    from matplotlib.lines import Line2D  # noqa: PLC0415 - only where pictures are drawn
-    from matplotlib.patches import Patch  # noqa: PLC0415 - only where pictures are drawn
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
 
     handles = [
         Patch(color=colour, label=words) for colour, words in zip(_JUDGED, _WORDS, strict=True)
@@ -193,7 +193,7 @@ def _draw_picture(axes: Axes, story: FlightStory, landing: LandingLayers) -> Non
 
 def _draw_marks(axes: Axes, story: FlightStory, needs: LandingNeeds) -> None:
     """Draw area, touchdown point and the vehicle to scale."""
-    from matplotlib.patches import Circle, Polygon  # noqa: PLC0415 - only where pictures are drawn
+    from matplotlib.patches import Circle, Polygon
 
     if story.area is not None:
         corners = np.array([corner[:2] for corner in story.area.polygon])

@@ -52,7 +52,7 @@ class View:
         width: float,
     ) -> LineCollection:
         """A line coloured by speed, with a dark rim; returns what a colour bar needs."""
-        from matplotlib.colors import Normalize  # noqa: PLC0415 - only where pictures are drawn
+        from matplotlib.colors import Normalize
 
         segments, is_hidden = self._segments(points_enu_m)
         shown = segments[~is_hidden]
@@ -71,7 +71,7 @@ class View:
         return segments, is_hidden[:-1] & is_hidden[1:]
 
     def _add(self, segments: np.ndarray, width: float, **options: object) -> LineCollection:
-        from matplotlib.collections import LineCollection  # noqa: PLC0415 - as above
+        from matplotlib.collections import LineCollection
 
         lines = LineCollection(list(segments), linewidths=width, **options)  # type: ignore[arg-type]
         self.axes.add_collection(lines, autolim=False)
@@ -79,7 +79,7 @@ class View:
 
     def area(self, polygon_enu_m: Sequence[Vector3], colour: str) -> None:
         """A polygon: its outline, and a thin fill."""
-        from matplotlib.patches import Polygon  # noqa: PLC0415 - as above
+        from matplotlib.patches import Polygon
 
         pixels, _ = self._backdrop.pixels(np.array(polygon_enu_m))
         if np.isfinite(pixels).all():

@@ -26,7 +26,7 @@ DPI, VECTOR_DPI = 100, 200
 
 def new_figure(width_in: float, height_in: float) -> Figure:
     """An empty page."""
-    from matplotlib.figure import Figure  # noqa: PLC0415 - a second; only where pictures are drawn
+    from matplotlib.figure import Figure
 
     return Figure(figsize=(width_in, height_in), dpi=DPI, facecolor=PAPER, layout="constrained")
 
@@ -37,7 +37,7 @@ def save(figure: Figure, path: Path) -> None:
     Raises:
         OSError: If it cannot be written.
     """
-    from matplotlib import rc_context  # noqa: PLC0415 - as above
+    from matplotlib import rc_context
 
     data, kind = io.BytesIO(), path.suffix[1:]
     # Without names, versions and dates: the same flight gives the same bytes.

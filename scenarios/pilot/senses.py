@@ -256,14 +256,14 @@ def _turned(quat_wxyz: Quaternion, turn_flu_rad: Float[np.ndarray, " 3"]) -> lis
 
 def _anchor(world: Surroundings) -> MapAnchor:
     # Compiled code of which each kind of map needs a part.
-    from autonomy.perception.map_anchor import MapAnchor  # noqa: PLC0415
+    from autonomy.perception.map_anchor import MapAnchor
 
     if world.is_known:
-        from autonomy.perception.map_match import MapMatcher  # noqa: PLC0415
+        from autonomy.perception.map_match import MapMatcher
 
         return MapAnchor(MapMatcher(world.obstacles))
-    from autonomy.perception.map_anchor_cfg import SEEN_SO_FAR  # noqa: PLC0415
-    from autonomy.perception.surface_match import SurfaceMatcher  # noqa: PLC0415
+    from autonomy.perception.map_anchor_cfg import SEEN_SO_FAR
+    from autonomy.perception.surface_match import SurfaceMatcher
 
     scene = world.scene
     matcher = SurfaceMatcher(scene.extent_min_enu_m, scene.extent_max_enu_m)
@@ -271,7 +271,7 @@ def _anchor(world: Surroundings) -> MapAnchor:
 
 
 def _tracker(world: Surroundings) -> MoverTracker:
-    from autonomy.perception.mover_tracker import MoverTracker, MoverTrackerCfg  # noqa: PLC0415
+    from autonomy.perception.mover_tracker import MoverTracker, MoverTrackerCfg
 
     growing = MoverTrackerCfg(remember_s=0.2, hits_to_confirm=HITS_WHILE_GROWING)
     return MoverTracker(MoverTrackerCfg() if world.is_known else growing)

@@ -46,7 +46,7 @@ class ChaseLog:
         send_pose(self._stream, layout.CHASE, time, np.array(eyes_enu_m), np.array(quats_wxyz))
 
     def _begin(self, world: World, quat_wxyz: np.ndarray) -> ChaseEye:
-        from scenarios.recording.chase import FOV_RAD, ChaseEye  # noqa: PLC0415 - as above
+        from scenarios.recording.chase import FOV_RAD, ChaseEye
 
         self._eye = ChaseEye(world, yaw_from_quat(quat_wxyz))
         self._log_lens(FOV_RAD)

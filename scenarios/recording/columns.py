@@ -75,7 +75,7 @@ def _send_errors(
     stream: EntityStream, rows: np.ndarray, is_aligned: Bool[np.ndarray, " n"]
 ) -> None:
     """Estimate and errors, from the estimator's alignment on."""
-    from scenarios.trials.measures.estimation import rotation_angle_rad  # noqa: PLC0415 - loads the simulator
+    from scenarios.trials.measures.estimation import rotation_angle_rad
 
     if not is_aligned.any():
         return

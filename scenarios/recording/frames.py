@@ -95,7 +95,7 @@ def encode_png(image: Integer[np.ndarray, "h w"]) -> bytes:
     Of all filters, the difference from the pixel above gives depth images the smallest files, and
     encodes in half the time that choosing a filter row by row takes.
     """
-    import cv2  # noqa: PLC0415 - only recordings with cameras need it
+    import cv2
 
     settings = [cv2.IMWRITE_PNG_COMPRESSION, 1, cv2.IMWRITE_PNG_FILTER, cv2.IMWRITE_PNG_FILTER_UP]
     return cv2.imencode(".png", image, settings)[1].tobytes()
@@ -117,22 +117,17 @@ def depth_to_uint16(depth_m: Float[np.ndarray, "h w"]) -> Integer[np.ndarray, "h
 
 def _class_names() -> dict[int, str]:
     """Names of the numbers in images of classes."""
-    from flightsim.sensors.cameras.segmentation import CLASS_NAMES  # noqa: PLC0415 - the simulator
+    from flightsim.sensors.cameras.segmentation import CLASS_NAMES
 
     return dict(CLASS_NAMES)
 
 
 def _instance_names(scene: Scene) -> dict[int, str]:
     """Names of the numbers in images of objects."""
-    from flightsim.environment.movers import MAX_MOVERS  # noqa: PLC0415 - the simulator
-    from flightsim.sensors.cameras.view import NO_OBJECT_ID  # noqa: PLC0415
-    from flightsim.testbench.cfg import MAX_INSTANCES  # noqa: PLC0415
-    from flightsim.world import (  # noqa: PLC0415
-        FIRST_MATE_ID,
-        FIRST_MOVER_ID,
-        GROUND_ID,
-        VEHICLE_ID,
-    )
+    from flightsim.environment.movers import MAX_MOVERS
+    from flightsim.sensors.cameras.view import NO_OBJECT_ID
+    from flightsim.testbench.cfg import MAX_INSTANCES
+    from flightsim.world import FIRST_MATE_ID, FIRST_MOVER_ID, GROUND_ID, VEHICLE_ID
 
     others = {NO_OBJECT_ID: "sky", GROUND_ID: "bare ground", VEHICLE_ID: "own vehicle"}
     others |= {FIRST_MOVER_ID - index: f"mover {index}" for index in range(MAX_MOVERS)}

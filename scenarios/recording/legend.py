@@ -51,7 +51,7 @@ def log_legend(stream: rr.RecordingStream, rows: Sequence[Row]) -> None:
 
 def draw_legend(rows: Sequence[Row]) -> np.ndarray:
     """An image with a swatch and a line of text for each row, uint8 (height, width, 3)."""
-    from PIL import Image, ImageDraw, ImageFont  # noqa: PLC0415 - only where a run is recorded
+    from PIL import Image, ImageDraw, ImageFont
 
     image = Image.new("RGB", (_WIDTH_PX, _ROW_PX * len(rows)), _PAPER_RGB)
     draw, font = ImageDraw.Draw(image), ImageFont.load_default(_LETTERS_PX)

@@ -31,7 +31,7 @@ def log_scan(stream: EntityStream, scan: LidarScan) -> None:
 
 def _colours(range_m: Float[np.ndarray, " n"]) -> UInt8[np.ndarray, "n 3"]:
     """Colours from blue, near, to red, far."""
-    import cv2  # noqa: PLC0415 - only recordings with a lidar or cameras need it
+    import cv2
 
     levels = (255.0 * np.minimum(range_m / _FAR_M, 1.0)).astype(np.uint8)
     if not len(levels):

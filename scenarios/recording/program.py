@@ -16,7 +16,7 @@ def rerun_program() -> Path:
     Raises:
         RerunMissingError: If it is not installed.
     """
-    import rerun_cli  # noqa: PLC0415 - only where it is run
+    import rerun_cli
 
     folder = Path(rerun_cli.__file__).parent
     for program in (folder / "Rerun.app/Contents/MacOS/Rerun", folder / "rerun"):

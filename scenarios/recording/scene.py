@@ -142,7 +142,7 @@ _BATCHES = {"box": _boxes, "cylinder": _cylinders, "ellipsoid": _ellipsoids, "me
 
 def hull_triangles(vertices_m: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "m 3 3"]:
     """Triangles of a convex hull, counter-clockwise seen from outside."""
-    from scipy.spatial import ConvexHull  # noqa: PLC0415 - a third of a second to import
+    from scipy.spatial import ConvexHull
 
     hull = ConvexHull(vertices_m)
     triangles = vertices_m[hull.simplices]
@@ -155,10 +155,10 @@ def hull_triangles(vertices_m: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "m
 def _log_ground(stream: rr.RecordingStream, scene: Scene) -> None:
     """Grass and the fields around, each paint with its texture, a touch below floors and roads."""
     # Textures load where a scene is recorded, not where a recording is read.
-    from flightsim.looks.mesh import MeshBuilder  # noqa: PLC0415
-    from flightsim.looks.skins import skins  # noqa: PLC0415
-    from flightsim.looks.surroundings import add_surroundings  # noqa: PLC0415
-    from flightsim.looks.textures import tile  # noqa: PLC0415
+    from flightsim.looks.mesh import MeshBuilder
+    from flightsim.looks.skins import skins
+    from flightsim.looks.surroundings import add_surroundings
+    from flightsim.looks.textures import tile
 
     builder = MeshBuilder()
     add_surroundings(builder, scene, _GROUND_REACH_M)
@@ -201,7 +201,7 @@ def _log_areas(
 
 def polygon_triangles(polygon_enu_m: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "m 3 3"]:
     """Triangles that fill a simple polygon; each keeps the heights of its corners."""
-    import shapely  # noqa: PLC0415 - only recordings triangulate
+    import shapely
 
     footprint = shapely.Polygon(polygon_enu_m[:, :2])
     pieces = shapely.get_parts(shapely.constrained_delaunay_triangles(footprint))

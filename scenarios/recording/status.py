@@ -36,7 +36,7 @@ _SENSORS_RGB = ((255, 150, 50), (60, 200, 190), (190, 120, 255), (240, 210, 70))
 
 def _sensor_gauges() -> Iterator[_Gauge]:
     """Gauges of the sensors that have something to plot."""
-    from flightsim.plant.sensing import SENSORS  # noqa: PLC0415 - loads the simulator
+    from flightsim.plant.sensing import SENSORS
 
     found = [(sensor, *sensor.gauge) for sensor in SENSORS if sensor.gauge]
     for (sensor, legend, value), rgb in zip(found, cycle(_SENSORS_RGB), strict=False):

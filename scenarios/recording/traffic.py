@@ -49,7 +49,7 @@ class TrafficLog:
             send_pose(self._stream, entity, time, poses[:, index, :3], _turned(poses[:, index, 3]))
 
     def _log_shapes(self, plant: Plant) -> None:
-        from flightsim.environment.movers import mover_name  # noqa: PLC0415 - as above
+        from flightsim.environment.movers import mover_name
 
         obstacles = plant.world.obstacles
         for index, looks in enumerate(plant.world.movers.looks):

@@ -100,7 +100,7 @@ def write_page(path: Path, template: str, **facts: Any) -> None:
 
 @functools.cache
 def _environment() -> jinja2.Environment:
-    import jinja2  # noqa: PLC0415 - only where pages are written
+    import jinja2
 
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("scenarios.reports"),

@@ -168,7 +168,7 @@ def _counts(cells: Int[np.ndarray, 4]) -> dict[str, Any]:
 
 def _p_value(good_a: np.ndarray, good_b: np.ndarray) -> float:
     """Chance of trials that differ as one-sidedly or more, if neither pilot were the better."""
-    from scipy.stats import binomtest  # noqa: PLC0415 - half a second that others do not need
+    from scipy.stats import binomtest
 
     n_differ = int(np.sum(good_a != good_b))
     return float(binomtest(int(np.sum(good_a & ~good_b)), n_differ).pvalue) if n_differ else 1.0
@@ -201,7 +201,7 @@ def _figures(a: pa.Table, b: pa.Table) -> list[dict[str, Any]]:
 
 
 def _medians(figure: Figure, a: pa.Table, b: pa.Table, both: np.ndarray) -> dict[str, Any] | None:
-    from scipy.stats import quantile_test  # noqa: PLC0415 - as above
+    from scipy.stats import quantile_test
 
     first, second = figure.values(a), figure.values(b)
     counts = np.isfinite(first) & np.isfinite(second) & (both | figure.is_of_failures)

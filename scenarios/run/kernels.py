@@ -120,9 +120,9 @@ def arrange_once() -> None:
     Nothing compiles then when a scene is made.
     """
     # A flight imports this module, and makes no scene.
-    from aeroscene.feasibility.least_change import least_change  # noqa: PLC0415
-    from aeroscene.feasibility.place_search import first_free, nearest_free  # noqa: PLC0415
-    from aeroscene.solids.flood import flooded  # noqa: PLC0415
+    from aeroscene.feasibility.least_change import least_change
+    from aeroscene.feasibility.place_search import first_free, nearest_free
+    from aeroscene.solids.flood import flooded
 
     least_change(np.eye(2), np.ones(2), np.ones(2), 1)
     box = np.array([[0.0, 0.0, 0.5, 0.5, 1.0, 0.0, 0.0, 1.0]])

@@ -34,10 +34,10 @@ def plan_missions(
         TestbenchError: If there is none for one of them.
     """
     # casadi and the kernels of planning and perception: only where our pilot flies.
-    from scenarios.mission.mission import plan_mission  # noqa: PLC0415
-    from scenarios.mission.surroundings import MissionError  # noqa: PLC0415
-    from scenarios.pilot.pace import AMONG_MOVERS  # noqa: PLC0415
-    from scenarios.run.kernels import announce_pilot_kernels  # noqa: PLC0415
+    from scenarios.mission.mission import plan_mission
+    from scenarios.mission.surroundings import MissionError
+    from scenarios.pilot.pace import AMONG_MOVERS
+    from scenarios.run.kernels import announce_pilot_kernels
 
     announce_pilot_kernels(cfg.map)
     missions: list[Mission] = []
@@ -69,7 +69,7 @@ def plan_missions(
 
 def new_pilot(bench: Testbench, mission: Mission, frames: Frames) -> Pilot:
     """Our pilot for a vehicle, which looks out where anything else moves."""
-    from scenarios.pilot import Pilot, PilotCfg  # noqa: PLC0415 - as above
+    from scenarios.pilot import Pilot, PilotCfg
 
     brief = PilotCfg(expects_traffic=_meets_movers(bench))
     return Pilot(bench.connect(), mission, frames, brief)

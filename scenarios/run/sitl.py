@@ -114,7 +114,7 @@ class Sitl:
             if (companion := self.companion) is not None:
                 self.bench.observers.append(lambda: companion.update(bench.plant.time_us))
             if cfg.record is not None or cfg.viewer != "off":
-                from scenarios.run.watching import watch  # noqa: PLC0415 - imports rerun
+                from scenarios.run.watching import watch
 
                 self.recorder, self.viewer = watch(self, stack)
             mates = () if among is None else among.mates
@@ -153,7 +153,7 @@ class Sitl:
         return self._cameras
 
     def _aboard(self) -> Aboard:
-        from scenarios.run.companion import Aboard  # noqa: PLC0415 - only where somebody flies
+        from scenarios.run.companion import Aboard
 
         bench = self.bench
         return Aboard(
@@ -168,7 +168,7 @@ class Sitl:
         )
 
     def _open_tape(self, mates: Sequence[Plant]) -> FlightTape:
-        from scenarios.pictures.tape import FlightTape  # noqa: PLC0415 - only for pictures
+        from scenarios.pictures.tape import FlightTape
 
         tape = FlightTape(self.bench.plant, self.bench.stack.reports, self.pilot, mates)
         self.bench.observers.append(tape.on_tick)
@@ -178,7 +178,7 @@ class Sitl:
         """Draw what the tape holds."""
         if self._tape is None or self.cfg.pictures is None or not self._tape.has_any:
             return []
-        from scenarios.pictures import PictureError, draw_pictures  # noqa: PLC0415 - as above
+        from scenarios.pictures import PictureError, draw_pictures
 
         try:
             return draw_pictures(self._tape.story(ending), self.cfg.pictures, self.cfg.formats)
@@ -223,7 +223,7 @@ class Sitl:
 
     def join(self, part: VehicleRecorder) -> None:
         """Record into the recording that another vehicle's run has opened."""
-        from scenarios.run.watching import follow  # noqa: PLC0415 - imports rerun
+        from scenarios.run.watching import follow
 
         self._part = part
         follow(self, part)

@@ -56,7 +56,7 @@ def follow(sitl: Sitl, recorder: VehicleRecorder) -> None:
     if bench.lidar is not None and cfg.record_level == "full":
         bench.lidar.listeners.append(recorder.log_scan)
     if pilot is not None:
-        from scenarios.recording.pilot_log import PilotLog  # noqa: PLC0415 - imports the pilot
+        from scenarios.recording.pilot_log import PilotLog
 
         pilot_log = PilotLog(pilot, recorder)
         bench.observers.append(lambda: pilot_log.on_tick(plant.time_us))

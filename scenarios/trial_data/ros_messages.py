@@ -61,11 +61,7 @@ class RosMessages:
             RosMissingError: If the library is not installed.
         """
         try:
-            from rosbags.typesys import (  # noqa: PLC0415 - an extra
-                Stores,
-                get_types_from_msg,
-                get_typestore,
-            )
+            from rosbags.typesys import Stores, get_types_from_msg, get_typestore
         except ImportError:
             raise RosMissingError(
                 "mcap needs rosbags, which is not installed; valid: pip install 'aeroscene[ros]'"

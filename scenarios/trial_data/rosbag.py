@@ -45,7 +45,7 @@ def write_bag(trial: RecordedTrial, out: Path) -> Path:
         OSError: If it cannot be written; nothing is left.
     """
     ros = RosMessages()
-    from rosbags.rosbag2 import (  # noqa: PLC0415 - an extra, which is there now
+    from rosbags.rosbag2 import (  # an extra, which is there now
         CompressionFormat,
         CompressionMode,
         StoragePlugin,
@@ -259,7 +259,7 @@ class _Topics:
 
 def _qos(topic: str) -> tuple[Any, ...]:
     """Quality of service: who subscribes late still gets what never changes."""
-    from rosbags.interfaces import (  # noqa: PLC0415 - as above
+    from rosbags.interfaces import (
         Qos,
         QosDurability,
         QosHistory,

@@ -187,7 +187,7 @@ def is_over_area(
 
 def is_in_footprint(area: InteractionArea, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
     """Whether each point lies over (or under) an area's polygon."""
-    import shapely  # noqa: PLC0415 - only scored flights need it
+    import shapely
 
     footprint = shapely.Polygon([corner[:2] for corner in area.polygon])
     return shapely.contains_xy(footprint, x_m, y_m)

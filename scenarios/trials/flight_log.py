@@ -169,7 +169,7 @@ class FlightLog:
 
     def _least_clearance_m(self, history: np.ndarray) -> float | None:
         # Loads the planner's obstacles, which a run of a pilot of one's own may not need before.
-        from scenarios.mission.clearance import flown_clearance_m  # noqa: PLC0415
+        from scenarios.mission.clearance import flown_clearance_m
 
         world, n_rows = self._plant.world, len(self._plant.history)
         way_enu_m = history["position_true_enu_m"][n_rows - 1 :: n_rows]

@@ -86,7 +86,7 @@ def test_the_named_folder_keeps_all_kernels(tmp_path):
 
 def test_a_warm_cache_is_read_where_nothing_can_be_written(tmp_path, monkeypatch, spoken, caplog):
     """Such as that of an image whose root is mounted read-only."""
-    from autonomy import jit  # noqa: PLC0415 - with its folder patched
+    from autonomy import jit  # with its folder patched
 
     def refuse(*_args, **_kwargs):
         raise OSError(30, "Read-only file system")
@@ -111,7 +111,7 @@ def test_a_warm_cache_is_read_where_nothing_can_be_written(tmp_path, monkeypatch
 
 
 def _double():
-    from autonomy.jit import kernel  # noqa: PLC0415
+    from autonomy.jit import kernel
 
     @kernel
     def double(x):

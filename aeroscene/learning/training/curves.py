@@ -44,7 +44,7 @@ def draw_curves(folder: Path) -> bool:
     Raises:
         OSError: If the picture cannot be written.
     """
-    from PIL import Image  # noqa: PLC0415 - only where curves are drawn
+    from PIL import Image
 
     stages = _curves_by_stage(folder)
     if not stages:
@@ -116,7 +116,7 @@ class _Axes:
 
 
 def _draw_panel(picture, top_px: int, stage: str, curves: Mapping[str, Points]) -> None:
-    from PIL import ImageDraw  # noqa: PLC0415 - only where curves are drawn
+    from PIL import ImageDraw
 
     draw = ImageDraw.Draw(picture)
     axes = _Axes(curves, top_px)
@@ -169,6 +169,6 @@ def _scaled(x: float, y: float, width: float, height: float) -> tuple[float, flo
 def _write(
     draw: ImageDraw.ImageDraw, x: float, y: float, text: str, size: int, colour: str
 ) -> None:
-    from PIL import ImageFont  # noqa: PLC0415 - only where curves are drawn
+    from PIL import ImageFont
 
     draw.text((_OVER * x, _OVER * y), text, fill=colour, font=ImageFont.load_default(_OVER * size))

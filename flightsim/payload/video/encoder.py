@@ -44,7 +44,7 @@ class Encoder:
 
     def __init__(self, size_px: tuple[int, int]) -> None:
         """Open an encoder for frames of a width and height; PyAV must be installed."""
-        import av  # noqa: PLC0415 - an extra, which is there now
+        import av  # an extra, which is there now
 
         context = av.CodecContext.create(CODEC, "w")
         context.width, context.height = size_px
@@ -64,7 +64,7 @@ class Encoder:
         Args:
             rgb: Colours, uint8 (height, width, 3).
         """
-        import av  # noqa: PLC0415 - as above
+        import av
 
         frame = av.VideoFrame.from_ndarray(rgb, format="rgb24")
         frame.pts = self._n_frames

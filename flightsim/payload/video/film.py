@@ -19,7 +19,7 @@ class Film:
         Raises:
             OSError: If it cannot be written.
         """
-        import av  # noqa: PLC0415 - an extra, where somebody films
+        import av  # an extra, where somebody films
 
         self._path = path
         self._part = path.with_name(f".{path.name}.part")
@@ -37,7 +37,7 @@ class Film:
 
     def add(self, rgb: np.ndarray) -> None:
         """Add a frame, uint8 (height, width, 3)."""
-        import av  # noqa: PLC0415 - as above
+        import av
 
         frame = av.VideoFrame.from_ndarray(rgb, format="rgb24")
         frame.pts, frame.time_base = self._n_frames, Fraction(1, RATE_HZ)

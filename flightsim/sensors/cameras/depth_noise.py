@@ -154,7 +154,7 @@ def _alike(
     rng: np.random.Generator, shape: tuple[int, ...], window: int
 ) -> Float[np.ndarray, "height width"]:
     """Normal numbers of unit variance, correlated over a square window."""
-    import cv2  # noqa: PLC0415 - loads only where somebody looks through a depth camera
+    import cv2
 
     height, width = shape
     margin = window // 2

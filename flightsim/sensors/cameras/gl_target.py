@@ -23,9 +23,9 @@ def new_gl_context(width: int, height: int) -> Any:
     """
     try:
         if platform.system() == "Darwin":
-            from mujoco.cgl import GLContext  # noqa: PLC0415 - loads the GL library
+            from mujoco.cgl import GLContext
         else:
-            from mujoco.egl import GLContext  # noqa: PLC0415 - loads the GL library
+            from mujoco.egl import GLContext
         context = GLContext(width, height)
         context.make_current()
     except Exception as error:  # loaders and drivers raise anything

@@ -132,6 +132,6 @@ class Lidar:
 
 def _rotations(quat_wxyz: Float[np.ndarray, "n 4"]) -> Float[np.ndarray, "n 3 3"]:
     """Rotation matrices of unit quaternions."""
-    from scipy.spatial.transform import Rotation  # noqa: PLC0415 - only where a lidar is carried
+    from scipy.spatial.transform import Rotation
 
     return Rotation.from_quat(quat_wxyz, scalar_first=True).as_matrix()

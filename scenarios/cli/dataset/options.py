@@ -42,7 +42,7 @@ def open_scenes(data: str, scenes: str) -> SceneSet[Any]:
         SceneError: If there is no dataset, or a scene that is named is not in it.
     """
     if _is_shipped(data):
-        from aeroscene.corpus.shipped import open_shipped  # noqa: PLC0415 - only for these
+        from aeroscene.corpus.shipped import open_shipped
 
         return _select(open_shipped(), scenes)
     dataset = _select(open_folder(data or _USUAL_FOLDER), scenes)

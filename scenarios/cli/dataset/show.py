@@ -53,7 +53,7 @@ def run(cfg: ShowCfg) -> int:
     if cfg.viewer != "off":
         return _view(dataset, cfg.viewer)
     _check(cfg, dataset)
-    from scenarios.dataset.sheet import draw_sheet  # noqa: PLC0415 - OpenCV
+    from scenarios.dataset.sheet import draw_sheet
 
     with progress_bar("drawing", len(dataset.entries)) as advance:
         draw_sheet(dataset, cfg.out, cfg.columns, cfg.width, cfg.jobs, advance)
@@ -81,9 +81,9 @@ def _check(cfg: ShowCfg, dataset: SceneSet[Any]) -> None:
 
 def _view(dataset: SceneSet[Any], viewer: Literal["auto", "native", "web"]) -> int:
     # Imported here because only this option needs rerun.
-    from scenarios.recording.program import RerunMissingError  # noqa: PLC0415
-    from scenarios.recording.scene_file import write_scene_recording  # noqa: PLC0415
-    from scenarios.recording.viewer import ViewerError  # noqa: PLC0415
+    from scenarios.recording.program import RerunMissingError
+    from scenarios.recording.scene_file import write_scene_recording
+    from scenarios.recording.viewer import ViewerError
 
     scene = dataset.read(dataset.entries[0])
     with tempfile.TemporaryDirectory(prefix="aeroscene-") as folder:

@@ -33,7 +33,7 @@ def write_video(pictures: Iterator[Picture], fps: float, out: Path) -> None:
     """
     # Otherwise FFmpeg prints what it thinks of a film that a full disk has cut short.
     os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
-    import cv2  # noqa: PLC0415 - heavy, and only films need its encoder
+    import cv2
 
     # OpenCV says the same of each picture that does not get there.
     cv2.utils.logging.setLogLevel(_ERRORS_ALONE)
@@ -60,7 +60,7 @@ def _require_whole(video: Path, n_pictures: int) -> None:
     Raises:
         OSError: If some are missing.
     """
-    import cv2  # noqa: PLC0415 - as above
+    import cv2
 
     capture = cv2.VideoCapture(str(video))
     n_found = 0

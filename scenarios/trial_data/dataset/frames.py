@@ -83,7 +83,7 @@ class FrameDataset:
         return len(self.table)
 
     def __getitem__(self, index: int) -> Frame:
-        import torch  # noqa: PLC0415 - the model's extra, needed only here
+        import torch
 
         if not -len(self) <= index < len(self):
             raise IndexError(f"frame {index} is not among {len(self)}")

@@ -17,7 +17,7 @@ def decoded(data: bytes, where: str) -> np.ndarray:
     Raises:
         TrialDataError: If it is damaged.
     """
-    import cv2  # noqa: PLC0415 - only where there are images
+    import cv2
 
     image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED) if data else None
     if image is None:

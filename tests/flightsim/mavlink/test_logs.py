@@ -139,7 +139,7 @@ def test_px4s_tools_open_it(flight, tmp_path):
 
 
 def opened(path):
-    from pyulog import ULog  # noqa: PLC0415 - only if it is there
+    from pyulog import ULog  # only if it is there
 
     return ULog(str(path))
 

@@ -284,7 +284,7 @@ def test_the_banner_and_the_filters_status_are_ardupilots_own(copter):
     for _ in range(60):
         copter.simulator.step()
         raw += copter.link.client.recv()
-    from pymavlink.dialects.v20 import ardupilotmega  # noqa: PLC0415 - large
+    from pymavlink.dialects.v20 import ardupilotmega
 
     decoder = ardupilotmega.MAVLink(None)
     heard = [m for m in decoder.parse_buffer(raw) or () if m.get_type() == "EKF_STATUS_REPORT"]
@@ -292,7 +292,7 @@ def test_the_banner_and_the_filters_status_are_ardupilots_own(copter):
 
 
 def test_ground_truth_is_told_as_by_ardupilots_simulator(copter):
-    from pymavlink.dialects.v20 import ardupilotmega  # noqa: PLC0415 - large
+    from pymavlink.dialects.v20 import ardupilotmega
 
     copter.send("COMMAND_LONG", 1, 1, mav.MAV_CMD_REQUEST_MESSAGE, 0, 164, *(0.0,) * 6)
     copter.simulator.step()

@@ -187,7 +187,7 @@ def test_a_build_that_was_killed_goes_on(built, tmp_path, capsys):
 
 
 def test_two_builds_in_one_folder_do_not_mix(corpus, capsys):
-    import fcntl  # noqa: PLC0415
+    import fcntl
 
     with (corpus / JOURNAL).open("ab") as journal:
         fcntl.flock(journal, fcntl.LOCK_EX)

@@ -289,7 +289,7 @@ def test_pictures_change_no_episode():
 
 def test_gymnasiums_recorder_gets_every_frame(tmp_path):
     """`RecordVideo` itself needs moviepy, which wants an older Pillow than ours."""
-    from gymnasium.wrappers import RenderCollection  # noqa: PLC0415 - with gymnasium
+    from gymnasium.wrappers import RenderCollection
 
     env = RenderCollection(gymnasium.make("AeroScene/Hover-v0", render_mode="rgb_array"))
     env.reset(seed=0)

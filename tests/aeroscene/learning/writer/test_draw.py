@@ -105,7 +105,7 @@ def test_what_is_kept_comes_first_and_is_furnished(corpus, language, writer, rng
 
 
 def test_a_domain_that_was_never_seen_is_refused(corpus, writer, rng):
-    from aeroscene.learning.writer.language import learn_language  # noqa: PLC0415
+    from aeroscene.learning.writer.language import learn_language
 
     one = learn_language(corpus[0][:1])
     strange = next(each for each in corpus[1] if each.domain != corpus[1][0].domain)

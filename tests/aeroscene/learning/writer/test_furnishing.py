@@ -59,7 +59,7 @@ def test_larger_things_come_before_what_is_given_and_smaller_ones_after_it(
     corpus, language, writer
 ):
     """Below one bearer a drawn thing never follows a given one that is usually smaller."""
-    from aeroscene.learning.writer.furnishing import _usual_m2  # noqa: PLC0415
+    from aeroscene.learning.writer.furnishing import _usual_m2
 
     program, wish = corpus[0][3].program, corpus[1][3]
     before = 0
@@ -84,7 +84,7 @@ def test_larger_things_come_before_what_is_given_and_smaller_ones_after_it(
 
 
 def test_chairs_come_last():
-    from aeroscene.learning.writer.furnishing import _usual_m2  # noqa: PLC0415
+    from aeroscene.learning.writer.furnishing import _usual_m2
 
     assert {_usual_m2(category) for category in SEATS} == {0.0}
     assert 0.0 < _usual_m2("cup") < _usual_m2("table") < _usual_m2("bus")

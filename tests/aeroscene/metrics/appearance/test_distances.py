@@ -77,7 +77,7 @@ def test_intervals_hold_the_value_and_shrink_with_more_pictures(figure_of):
 
 
 def test_a_resampled_set_has_the_distance_of_its_pictures_taken_so_often():
-    from aeroscene.metrics.appearance.frechet import _Pair  # noqa: PLC0415
+    from aeroscene.metrics.appearance.frechet import _Pair
 
     first, second = pair(n=12)
     times = np.array([0, 3, 1, 1, 2, 0, 1, 1, 0, 1, 1, 1])
