@@ -46,6 +46,11 @@ class Range:
             return None
         return f"{name} {value} is out of range; valid: {self}"
 
+    def require(self, name: str, value: float, error: Callable[[str], Exception]) -> None:
+        """Raise what `error` makes of the line of `fault`, unless the number is in the range."""
+        if fault := self.fault(name, value):
+            raise error(fault)
+
 
 SEEDS = Range(0, 2**63 - 1)
 """Seeds; recordings and tables keep them as signed 64-bit integers."""
@@ -66,33 +71,39 @@ def ranges_of(options: type) -> dict[str, Range]:
     }
 
 
-def out_of_range(options: Any) -> Iterator[str]:
+def out_of_range(options: Any, section: str | None = None) -> Iterator[str]:
     """Yield a line for each number out of its range, in a dataclass and in those within it.
 
-    Values that are no numbers, such as None or `max`, pass.
+    Values that are no numbers, such as None or `max`, pass. The arguments are `require_ranges`'.
     """
     ranges = ranges_of(type(options))
     for field in fields(options):
         value = getattr(options, field.name)
         if is_dataclass(value) and not isinstance(value, type):
-            yield from out_of_range(value)
+            yield from out_of_range(value, section)
         elif field.name in ranges and isinstance(value, (int, float)):
-            fault = ranges[field.name].fault(field.name.replace("_", "-"), value)
+            is_option = section is None
+            name = field.name.replace("_", "-") if is_option else f"{section}{field.name}"
+            fault = ranges[field.name].fault(name, value)
             if fault is not None:
                 yield fault
 
 
-def require_ranges(options: Any, error: Callable[[str], Exception]) -> None:
+def require_ranges(
+    options: Any, error: Callable[[str], Exception], section: str | None = None
+) -> None:
     """Refuse a dataclass with a number out of its range.
 
     Args:
         options: The dataclass.
         error: Makes the exception of a line.
+        section: What stands before the fields' names in a configuration file, such as `sampler.`;
+            None if they are options of the command line, which have dashes.
 
     Raises:
         Exception: What `error` makes of the first such number.
     """
-    for fault in out_of_range(options):
+    for fault in out_of_range(options, section):
         raise error(fault)
 
 

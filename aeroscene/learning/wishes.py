@@ -53,21 +53,11 @@ class AreaCounts:
 
     def __post_init__(self) -> None:
         for name, count in self.named.items():
-            require_within(f"areas {name}", count, _AREAS_OF_CLASS)
+            _AREAS_OF_CLASS.require(f"areas {name}", count, RequestError)
         if len(self.named) == len(fields(self)):
-            require_within("areas in all", sum(self.named.values()), _AREAS_OF_CLASSES)
+            _AREAS_OF_CLASSES.require("areas in all", sum(self.named.values()), RequestError)
 
     @property
     def named(self) -> dict[str, int]:
         """Counts that are not left open."""
         return {name: count for name, count in asdict(self).items() if count is not None}
-
-
-def require_within(name: str, value: float, valid: Range) -> None:
-    """Refuse a number out of its range.
-
-    Raises:
-        RequestError: If it is.
-    """
-    if fault := valid.fault(name, value):
-        raise RequestError(fault)

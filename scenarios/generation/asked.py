@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from aeroscene.bounds import MOST_JSON_BYTES, excess
 from aeroscene.files import read_bounded
-from aeroscene.learning.wishes import AREAS, OUTLINE_M, AreaCounts, require_within
+from aeroscene.learning.wishes import AREAS, OUTLINE_M, AreaCounts, RequestError
 from aeroscene.scene import SceneError
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ def asked_areas(text: str) -> int | AreaCounts:
         SceneError: If the text is neither, or a number is out of its range.
     """
     if text.strip().lstrip("+-").isdecimal():
-        require_within("areas", int(text), AREAS)
+        AREAS.require("areas", int(text), RequestError)
         return int(text)
     counts: dict[str, int] = {}
     for part in text.split(","):
@@ -64,7 +64,7 @@ def outline_sides_m(text: str) -> tuple[float, float]:
     if len(sides) != 2 or not all(math.isfinite(side) and side > 0 for side in sides):
         raise GenerateError(f"outline is {text!r}, valid: {valid}")
     for side in sides:
-        require_within("outline", side, OUTLINE_M)
+        OUTLINE_M.require("outline", side, RequestError)
     return sides[0], sides[1]
 
 

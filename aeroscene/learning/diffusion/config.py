@@ -3,22 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal, get_args
+from typing import Annotated, Any, Literal, get_args
+
+from aeroscene.ranges import Range, require_ranges
 
 ScheduleKind = Literal["linear", "cosine", "log_snr"]
 
 
 class DiffusionError(ValueError):
     """A setting of the diffusion out of range; one line with field, value and what is valid."""
-
-
-def require_within(section: str, cfg: object, limits: tuple[float, float], *names: str) -> None:
-    """Raise a `DiffusionError` unless fields are within limits, which are valid themselves."""
-    low, high = limits
-    for name in names:
-        value = getattr(cfg, name)
-        if not low <= value <= high:
-            raise DiffusionError(f"{section}.{name} is {value:g}, valid: {low:g} to {high:g}")
 
 
 def require_choice(section: str, cfg: object, **choices: Any) -> None:
@@ -37,7 +30,7 @@ class ScheduleCfg:
     """`linear`: variances of Ho et al. 2020. `cosine`: Nichol and Dhariwal 2021. `log_snr`: even
     steps of the logarithm of alpha_bar / (1 - alpha_bar), so that as many steps work on centimetres
     as on rooms."""
-    n_steps: int = 1000
+    n_steps: Annotated[int, Range(2, 10_000)] = 1000
     """Training steps T."""
     beta_first: float = 1e-4
     """First beta of `linear` for T = 1000; scaled by 1000/T, so any T ends in the same noise."""
@@ -50,7 +43,7 @@ class ScheduleCfg:
 
     def __post_init__(self) -> None:
         require_choice("schedule", self, kind=ScheduleKind)
-        require_within("schedule", self, (2, 10_000), "n_steps")
+        require_ranges(self, DiffusionError, "schedule.")
         top = self.beta_last * 1000 / self.n_steps
         if self.kind == "linear" and not (0 < self.beta_first <= self.beta_last and top < 1):
             raise DiffusionError(
@@ -70,7 +63,7 @@ class LossCfg:
 
     parameterisation: Parameterisation = "v"
     """Quantity that the network predicts; the paper: eps."""
-    min_snr_gamma: float | None = None
+    min_snr_gamma: Annotated[float | None, Range(0.0, is_above=True)] = None
     """Cap of min-SNR weighting; None weighs all times alike, as the paper."""
     weighting: Literal["even", "velocity"] = "even"
     """Weights of the times: `even` as the paper's; `velocity` weights an error of eps by
@@ -78,7 +71,7 @@ class LossCfg:
     where there is much noise, such as which wall stands on which side, counts next to nothing."""
     is_stratified: bool = True
     """Whether a batch's times are spread evenly; the paper draws each on its own."""
-    small_noise_share: float = 0.0
+    small_noise_share: Annotated[float, Range(0.0, 1.0)] = 0.0
     """Share of the times at which log sigma is uniform, see `Schedule.draw_time`: a place is
     learned to centimetres where there is little noise, of which uniform times have little; the
     paper: 0."""
@@ -86,38 +79,25 @@ class LossCfg:
     """Mean of the log signal-to-noise ratio of a normal distribution that times are drawn by; None
     draws them evenly. Where the noise is below a tenth of a spread nearly all of it cannot be told
     from the layout, so that such times teach nothing; those of a uniform log SNR are 40%."""
-    log_snr_spread: float = 2.0
+    log_snr_spread: Annotated[float, Range(0.0, is_above=True)] = 2.0
     """Spread of that distribution."""
-    log_snr_even_share: float = 0.0
+    log_snr_even_share: Annotated[float, Range(0.0, 1.0)] = 0.0
     """Share of the times that is even over the log ratio instead: without any, no network is
     trained where sampling begins and ends, and it is worse there than a formula."""
-    coarse_weight: float = 1.0
+    coarse_weight: Annotated[float, Range(0.0)] = 1.0
     """How many times more than a fine token's a coarse token's error counts: everything stands on
     or in coarse objects, so their errors move all that they carry."""
-    guide_weight: float = 0.0
+    guide_weight: Annotated[float, Range(0.0)] = 0.0
     """The paper's lambda_guide, which it leaves open."""
-    guide_scenes: int | None = None
+    guide_scenes: Annotated[int | None, Range(1)] = None
     """Scenes of a batch on which L_guide is evaluated; None takes all. Times and scenes of a batch
     are random, so that its first scenes are a sample of it."""
-    gate_weight: float = 0.0
+    gate_weight: Annotated[float, Range(0.0)] = 0.0
     """Weight of the cross-entropy of tau with the known level. The paper has no such term: its hard
     threshold gives the gate no gradient."""
 
     def __post_init__(self) -> None:
-        for name in ("coarse_weight", "guide_weight", "gate_weight"):
-            if not 0 <= getattr(self, name) < float("inf"):
-                raise DiffusionError(f"{name} is {getattr(self, name):g}, valid: from 0")
-        for name in ("small_noise_share", "log_snr_even_share"):
-            if not 0 <= getattr(self, name) <= 1:
-                raise DiffusionError(f"{name} is {getattr(self, name):g}, valid: from 0 to 1")
-        if self.min_snr_gamma is not None and not self.min_snr_gamma > 0:
-            raise DiffusionError(
-                f"min_snr_gamma is {self.min_snr_gamma:g}, valid: above 0, or left out"
-            )
-        if self.log_snr_spread <= 0:
-            raise DiffusionError(f"log_snr_spread is {self.log_snr_spread:g}, valid: above 0")
-        if self.guide_scenes is not None and self.guide_scenes < 1:
-            raise DiffusionError(f"guide_scenes is {self.guide_scenes}, valid: from 1, or left out")
+        require_ranges(self, DiffusionError, "")
 
 
 SamplerKind = Literal["ddpm", "ddim", "dpm-solver++"]
@@ -131,13 +111,13 @@ class SamplerCfg:
 
     kind: SamplerKind = "ddim"
     """`ddpm` is the paper's; `ddim` and `dpm-solver++` need fewer steps."""
-    n_steps: int = 30
+    n_steps: Annotated[int, Range(1, 1000)] = 30
     """Calls of the network; the paper: 100."""
     parameterisation: Parameterisation = "v"
     """Quantity that the network predicts, as in its training."""
     spacing: Spacing = "time"
     """Steps of equal time, or of equal log signal-to-noise ratio and a last one to 0."""
-    eta: float = 0.0
+    eta: Annotated[float, Range(0.0, 1.0)] = 0.0
     """Noise of `ddim`: 0 is deterministic but for the first noise, 1 is ancestral."""
     variance: Variance = "small"
     """Variance of `ddpm`."""
@@ -145,5 +125,4 @@ class SamplerCfg:
     def __post_init__(self) -> None:
         require_choice("sampler", self, kind=SamplerKind, parameterisation=Parameterisation)
         require_choice("sampler", self, spacing=Spacing, variance=Variance)
-        require_within("sampler", self, (1, 1000), "n_steps")
-        require_within("sampler", self, (0, 1), "eta")
+        require_ranges(self, DiffusionError, "sampler.")

@@ -26,7 +26,6 @@ from aeroscene.learning.wishes import (
     AreaCounts,
     RequestError,
     Wish,
-    require_within,
 )
 from aeroscene.ranges import SEEDS
 from aeroscene.scene import DOMAINS, AttributeValue, Scene, SceneDomain
@@ -66,25 +65,25 @@ class Request:
     """Least clear width of doors and corridors, m."""
 
     def __post_init__(self) -> None:
-        require_within("seed", self.seed, SEEDS)
+        SEEDS.require("seed", self.seed, RequestError)
         if self.n_objects is not None:
-            require_within("objects", self.n_objects, OBJECTS)
+            OBJECTS.require("objects", self.n_objects, RequestError)
         if isinstance(self.n_areas, int):
-            require_within("areas", self.n_areas, AREAS)
+            AREAS.require("areas", self.n_areas, RequestError)
         for name, value, limits in (
             ("density", self.density, DENSITY),
             ("clutter", self.clutter, CLUTTER),
             ("min-passage", self.min_passage_m, PASSAGE_M),
         ):
             if value is not None:
-                require_within(name, value, limits)
+                limits.require(name, value, RequestError)
         if self.density is not None and self.n_objects is not None:
             raise RequestError(
                 f"density is {self.density:g} beside objects {self.n_objects}, "
                 "valid: one of the two; both say how many objects there are"
             )
         for side in self.outline_m or ():
-            require_within("outline", side, OUTLINE_M)
+            OUTLINE_M.require("outline", side, RequestError)
         self._check_given()
 
     def _check_given(self) -> None:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Annotated, Literal
+
+from aeroscene.ranges import Range, require_ranges
 
 N_GEOMETRY = 10
 """Channels of the paper's layout: p (3), q (4) and s (3)."""
@@ -15,20 +17,9 @@ _CHOICES = {
     "coarse_branch": ("cnn", "attention"),
     "fine_branch": ("radius_gnn", "siblings"),
 }
-_RANGES = {
-    "channels": (8, 4096),
-    "n_kinds": (1, 65536),
-    "n_categories": (0, 4086),
-    "n_domains": (1, 64),
-    "width": (1, 4096),
-    "blocks": (1, 64),
-    "heads": (1, 64),
-    "ffn_ratio": (1, 16),
-    "fourier_bands": (0, 16),
-    "place_width": (2, 256),
-    "max_depth": (1, 64),
-    "grid_channels": (1, 1024),
-}
+
+
+_VOXELS = Range(2, 64)
 
 
 class ModelCfgError(ValueError):
@@ -51,41 +42,41 @@ class ModelCfg:
     """The paper's 3D CNN over a voxel grid; or attention among coarse tokens."""
     fine_branch: Literal["radius_gnn", "siblings"] = "siblings"
     """The paper's GNN over the radius graph; or attention among siblings."""
-    channels: int = 19
+    channels: Annotated[int, Range(8, 4096)] = 19
     """Channels of a token."""
-    n_kinds: int = 256
+    n_kinds: Annotated[int, Range(1, 65536)] = 256
     """Kinds of the vocabulary; not read where the category is among the channels."""
-    n_categories: int = 0
+    n_categories: Annotated[int, Range(0, 4086)] = 0
     """Number C of categories that the paper's network is given; 0 is the default preset's, which is
     given kinds."""
-    n_domains: int = 3
+    n_domains: Annotated[int, Range(1, 64)] = 3
     """Mixed, outdoor, indoor."""
-    width: int = 128
+    width: Annotated[int, Range(1, 4096)] = 128
     """Token width, the paper's d_m, which it leaves open."""
-    blocks: int = 4
+    blocks: Annotated[int, Range(1, 64)] = 4
     """Cross-scale blocks, the paper's L, which it leaves open: even top-down, odd bottom-up."""
-    heads: int = 4
+    heads: Annotated[int, Range(1, 64)] = 4
     """Attention heads, even."""
     has_narrow_heads: bool = True
     """Whether half of the default's heads see close kin alone (`relations`)."""
-    ffn_ratio: int = 2
+    ffn_ratio: Annotated[int, Range(1, 16)] = 2
     """Hidden width of the default's FFN by `width`."""
-    fourier_bands: int = 6
+    fourier_bands: Annotated[int, Range(0, 16)] = 6
     """Octaves of the Fourier features of a position, or of the faces of a box (paper); 0 leaves
     them out."""
-    place_width: int = 16
+    place_width: Annotated[int, Range(2, 256)] = 16
     """Width of the encoding of a place among siblings."""
-    max_depth: int = 16
+    max_depth: Annotated[int, Range(1, 64)] = 16
     """Depths that the default tells apart."""
     unet_widths: tuple[int, ...] = (128, 192, 256)
     """Width of each level of the UNet."""
     grid_shape: tuple[int, int, int] = (16, 16, 8)
     """Voxels of the coarse branch along x, y and z."""
-    grid_channels: int = 32
+    grid_channels: Annotated[int, Range(1, 1024)] = 32
     """Width of the features on the grid."""
-    grid_reach: float = 2.25
+    grid_reach: Annotated[float, Range(0.0, is_above=True)] = 2.25
     """Half the extent of the grid, in half extents of the site."""
-    graph_radius: float = 0.25
+    graph_radius: Annotated[float, Range(0.0, is_above=True)] = 0.25
     """The paper's delta_f, which it leaves open, m."""
 
     def __post_init__(self) -> None:
@@ -93,13 +84,9 @@ class ModelCfg:
             if getattr(self, name) not in choices:
                 valid = ", ".join(map(repr, choices))
                 raise ModelCfgError(f"{name} is {getattr(self, name)!r}, valid: {valid}")
-        for name, (low, high) in _RANGES.items():
-            _check(name, getattr(self, name), low, high)
+        require_ranges(self, ModelCfgError, "")
         for voxels in self.grid_shape:
-            _check("grid_shape", voxels, 2, 64)
-        for name in ("grid_reach", "graph_radius"):
-            if getattr(self, name) <= 0:
-                raise ModelCfgError(f"{name} is {getattr(self, name)}, valid: above 0")
+            _VOXELS.require("grid_shape", voxels, ModelCfgError)
         self._check_widths()
         if self.denoiser == "tokens":
             self._check_tokens()
@@ -132,8 +119,3 @@ class ModelCfg:
                 f"routing, coarse_branch, fine_branch are {parts} with denoiser tokens, valid: "
                 "('given', 'attention', 'siblings'); the other parts need denoiser unet"
             )
-
-
-def _check(name: str, value: int, low: int, high: int) -> None:
-    if not low <= value <= high:
-        raise ModelCfgError(f"{name} is {value}, valid: {low} to {high}")

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Annotated, Literal
 
 from aeroscene.learning.training.rates import RateSchedule
+from aeroscene.ranges import Range, require_ranges
 from aeroscene.scene import SceneError
 
 Preset = Literal["default", "paper", "progressive"]
@@ -21,60 +22,50 @@ def require(*, ok: bool, name: str, value: object, valid: str) -> None:
         raise TrainingError(f"{name} is {value!r}, valid: {valid}")
 
 
+_MOST = 2**31 - 1
+
+
 @dataclass(frozen=True, kw_only=True)
 class TrainCfg:
     """Training of a network."""
 
-    batch_size: int = 16
+    batch_size: Annotated[int, Range(1, _MOST)] = 16
     """Scenes a step."""
     optimiser: Literal["adam", "adamw"] = "adamw"
     """AdamW decays weights apart from the gradient."""
-    learning_rate: float = 1.5e-3
+    learning_rate: Annotated[float, Range(0.0, 1.0, is_above=True)] = 1.5e-3
     """At its highest."""
-    weight_decay: float = 0.01
+    weight_decay: Annotated[float, Range(0.0, 1.0)] = 0.01
     """Weight decay of AdamW, in units of the learning rate a step."""
     second_decay: float = 0.999
     """Decay of the mean squares of the gradients (beta_2)."""
     schedule: RateSchedule = "cooldown"
     """Course of the learning rate over the training."""
-    warmup_steps: int = 200
+    warmup_steps: Annotated[int, Range(0, _MOST)] = 200
     """Steps over which the learning rate grows from nothing."""
-    cooldown_share: float = 0.5
+    cooldown_share: Annotated[float, Range(0.0, 1.0)] = 0.5
     """Share of the training at its end in which the rate of `cooldown` falls."""
-    clip_norm: float = 1.0
+    clip_norm: Annotated[float, Range(0.0, 1e6)] = 1.0
     """Longest gradient; 0 leaves gradients as they are."""
     average_decay: float = 0.999
     """Decay of the moving average that generates; 0 generates with the last weights."""
-    prior_steps: int = 400
+    prior_steps: Annotated[int, Range(1, _MOST)] = 400
     """Steps of the semantic prior, where it is trained."""
     precision: Literal["auto", "single", "mixed"] = "auto"
     """`mixed` multiplies matrices in bfloat16; `auto` does so on a GPU only, since processors
     without units for it take longer."""
     keep: Literal["best", "last"] = "best"
     """Weights that the checkpoint has: those with the least held-out loss, or the last."""
-    look_steps: int = 250
+    look_steps: Annotated[int, Range(1, _MOST)] = 250
     """Steps between two looks at held-out scenes; a look takes as long as a step or two."""
-    scene_uses: int = 32
+    scene_uses: Annotated[int, Range(1, _MOST)] = 32
     """How often a scene of the stream is used, on average, before another takes its place. A
     batch of 16 asks for a new scene every two steps then; a worker makes two a second."""
-    seed: int = 0
+    seed: Annotated[int, Range(0, _MOST)] = 0
     """Decides initial weights, batches, times and noise."""
 
     def __post_init__(self) -> None:
-        least_by_name = {"batch_size": 1, "warmup_steps": 0, "prior_steps": 1, "seed": 0}
-        least_by_name |= {"look_steps": 1, "scene_uses": 1}
-        for name, least in least_by_name.items():
-            value = getattr(self, name)
-            ok = least <= value < 2**31
-            require(ok=ok, name=name, value=value, valid=f"an integer from {least}")
-        rate = self.learning_rate
-        require(ok=0 < rate <= 1, name="learning_rate", value=rate, valid="above 0, at most 1")
-        shares = (
-            ("cooldown_share", self.cooldown_share, 1.0),
-            ("weight_decay", self.weight_decay, 1.0),
-        )
-        for name, value, most in (*shares, ("clip_norm", self.clip_norm, 1e6)):
-            require(ok=0 <= value <= most, name=name, value=value, valid=f"0 to {most:g}")
+        require_ranges(self, TrainingError, "")
         for name in ("average_decay", "second_decay"):
             value = getattr(self, name)
             require(ok=0 <= value < 1, name=name, value=value, valid="0 to below 1")

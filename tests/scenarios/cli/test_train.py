@@ -370,7 +370,7 @@ def test_what_cannot_be_done_is_said_before_anything_is_written(
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("[training]\nbatch_size = -4", "batch_size is -4, valid: an integer from 1"),
+        ("[training]\nbatch_size = -4", "batch_size -4 is out of range; valid: 1 to 2147483647"),
         ("[loss]\nparameterisation = 'y'", "parameterisation: Invalid enum value 'y'"),
         ("[model]\ndepth = 3", "model.depth is unknown, valid: denoiser"),
         ("[model", "is no TOML"),

@@ -129,7 +129,7 @@ def test_guidance_on_some_scenes_is_its_mean_over_them():
     ],
 )
 def test_what_is_minimised_stays_in_range(field, value):
-    with pytest.raises(DiffusionError, match=rf"{field} is .*, valid: "):
+    with pytest.raises(DiffusionError, match=rf"{field} .* is out of range; valid: "):
         LossCfg(**{field: value})
 
 

@@ -157,8 +157,8 @@ def test_equal_log_snr_is_equal():
     ("setting", "message"),
     [
         ({"kind": "euler"}, "sampler.kind is 'euler', valid: ddpm, ddim, dpm-solver++"),
-        ({"n_steps": 0}, "sampler.n_steps is 0, valid: 1 to 1000"),
-        ({"eta": 1.5}, "sampler.eta is 1.5, valid: 0 to 1"),
+        ({"n_steps": 0}, "sampler.n_steps 0 is out of range; valid: 1 to 1000"),
+        ({"eta": 1.5}, "sampler.eta 1.5 is out of range; valid: 0 to 1"),
     ],
 )
 def test_settings_out_of_range_say_what_is_valid(setting, message):

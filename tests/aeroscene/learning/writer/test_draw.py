@@ -75,7 +75,7 @@ def test_what_is_too_rare_is_never_drawn(language, writer, wish, rng, least_shar
 
 
 def test_a_share_out_of_range_is_refused():
-    with pytest.raises(WriterError, match=r"least_share is 1\.5, valid: 0 to 1"):
+    with pytest.raises(WriterError, match=r"least_share 1\.5 is out of range; valid: 0 to 1"):
         WriterCfg(least_share=1.5)
 
 
