@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 from jaxtyping import Int
@@ -13,13 +12,11 @@ from autonomy.mapping.agenda import Errand
 from autonomy.mapping.distances import slices
 from autonomy.mapping.gestures import NOD_RAD, nod, turn
 from autonomy.mapping.rays import FREE_AT, OCCUPIED_AT
+from autonomy.mapping.seen_map import SeenMap
 from autonomy.mapping.task import Task, in_words
 from autonomy.mapping.views import Sight, best_viewpoint, visible
 from autonomy.planning.errors import PlanningError
 from autonomy.planning.trajectory import Trajectory
-
-if TYPE_CHECKING:
-    from autonomy.mapping.seen_map import SeenMap
 
 LOOK_IMAGES = 4
 """Number of images after which cells that are still unknown are given up."""
@@ -74,7 +71,7 @@ def set_out(task: Task, ahead: Int[np.ndarray, "n 3"]) -> None:
     shown = needed[is_visible]
     wanted = targets[visible(place, targets - block[0], part, _sight(seen, NOD_RAD))]
     is_level = visible(place, wanted - block[0], part, _sight(seen, 0.0))
-    seen.agenda.errand = Errand(
+    task.agenda.errand = Errand(
         path=back[::-1] + block[0], targets=shown, needs_nod=not bool(is_level.all())
     )
 
@@ -91,14 +88,14 @@ def pursue(task: Task, errand: Errand) -> Trajectory | None:
     place = task.point(errand.path[-1])
     is_there = task.away_m(place) < 2 * seen.cfg.resolution_m
     if len(targets) == 0 and not (is_there and errand.needs_nod and not errand.nods):
-        seen.agenda.errand = None
+        task.agenda.errand = None
         return None
     _require_rest(task)
     if len(errand.path) > 1 and task.away_m(place) > 1.5 * seen.cfg.resolution_m:
         try:
             return task.fly(np.concatenate([task.start_cell[None], errand.path]), place)
         except PlanningError:
-            return _give_up(seen, targets)
+            return _give_up(task, targets)
     way = seen.centres(errand.targets).mean(axis=0) - task.start.position_enu_m
     to_turn = math.remainder(math.atan2(way[1], way[0]) - task.start.yaw_rad, math.tau)
     if abs(to_turn) > _FACING_RAD and not errand.nods:
@@ -115,22 +112,22 @@ def _look(task: Task, errand: Errand, targets: np.ndarray) -> Trajectory | None:
         try:
             gesture = nod(task, backwards_first=is_first)
         except PlanningError:
-            seen.agenda.errand = dataclasses.replace(at_place, needs_nod=False)
+            task.agenda.errand = dataclasses.replace(at_place, needs_nod=False)
         else:
-            seen.agenda.errand = at_place
+            task.agenda.errand = at_place
             return gesture
-    errand = errand if seen.agenda.errand is None else seen.agenda.errand
+    errand = errand if task.agenda.errand is None else task.agenda.errand
     since = seen.n_images if errand.facing_since is None else errand.facing_since
     if errand.needs_nod or seen.n_images - since >= LOOK_IMAGES:
-        return _give_up(seen, targets)
-    seen.agenda.errand = dataclasses.replace(errand, facing_since=since)
+        return _give_up(task, targets)
+    task.agenda.errand = dataclasses.replace(errand, facing_since=since)
     return turn(task, 0.0)
 
 
-def _give_up(seen: SeenMap, targets: np.ndarray) -> None:
-    seen.agenda.errand = None
+def _give_up(task: Task, targets: np.ndarray) -> None:
+    task.agenda.errand = None
     if len(targets):
-        seen.give_up(targets)
+        task.seen.give_up(targets)
 
 
 def _require_rest(task: Task) -> None:

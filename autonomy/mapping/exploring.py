@@ -15,13 +15,14 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 from jaxtyping import Int
 
+from autonomy.mapping.agenda import Agenda
 from autonomy.mapping.errands import pursue, set_out
 from autonomy.mapping.rays import HIT
+from autonomy.mapping.seen_map import SeenMap
 from autonomy.mapping.task import Task, in_words
 from autonomy.planning.craft import Craft
 from autonomy.planning.errors import BlockedError, PlanningError, UnreachableError
@@ -29,9 +30,6 @@ from autonomy.planning.legs import plan_leg
 from autonomy.planning.search import shortest_path
 from autonomy.planning.trajectory import Trajectory
 from autonomy.types import FlatReference, Vector3
-
-if TYPE_CHECKING:
-    from autonomy.mapping.seen_map import SeenMap
 
 WORTHWHILE_M = 0.5
 """Length below which a way is not flown: the vehicle rather looks where the way goes on."""
@@ -46,12 +44,13 @@ _CLIMB_PRICE = 2.0
 
 
 def plan_towards(
-    seen: SeenMap, start: FlatReference, goal_enu_m: Vector3, craft: Craft
+    seen: SeenMap, agenda: Agenda, start: FlatReference, goal_enu_m: Vector3, craft: Craft
 ) -> Trajectory:
     """Plan a certified trajectory within seen free space: to the goal, towards it, or for a look.
 
     Args:
         seen: Map so far; cells that stay unseen though looked at become occupied in it.
+        agenda: What the vehicle remembers from plan to plan, changed by each.
         start: State of the vehicle.
         goal_enu_m: Position to go to.
         craft: Vehicle that flies.
@@ -66,17 +65,17 @@ def plan_towards(
     """
     comfortable_m = seen.cfg.cap_m - craft.cfg.vehicle_radius_m
     cfg = dataclasses.replace(craft.cfg, comfortable_m=comfortable_m)
-    task = Task(seen, start, goal_enu_m, dataclasses.replace(craft, cfg=cfg))
+    task = Task(seen, agenda, start, goal_enu_m, dataclasses.replace(craft, cfg=cfg))
     _require_place(task)
     plan = _next_plan(task)
-    seen.agenda.plan = plan
+    agenda.plan = plan
     return plan
 
 
 def _next_plan(task: Task) -> Trajectory:
     seen = task.seen
     for _ in range(_MOST_GIVEN_UP):
-        look = None if seen.agenda.errand is None else pursue(task, seen.agenda.errand)
+        look = None if task.agenda.errand is None else pursue(task, task.agenda.errand)
         if look is not None:
             return look
         _require_news(task)
@@ -107,7 +106,7 @@ def _next_plan(task: Task) -> Trajectory:
 
 def _has_plan(task: Task) -> bool:
     """Whether the vehicle flies a plan that is still free by all that is known."""
-    plan = task.seen.agenda.plan
+    plan = task.agenda.plan
     if not task.is_moving or plan is None:
         return False
     points = plan.positions(np.linspace(0.0, plan.duration_s, _N_SAMPLES))
@@ -118,13 +117,13 @@ def _has_plan(task: Task) -> bool:
 def _require_news(task: Task) -> None:
     """Refuse a new search with every image while there is a plan to fly."""
     seen = task.seen
-    n_new = seen.n_images - seen.agenda.searched_at
+    n_new = seen.n_images - task.agenda.searched_at
     if n_new < SEARCH_IMAGES and _has_plan(task):
         raise PlanningError(
             f"{n_new} images were taken since the last search; valid: fly the plan on and plan "
             f"again after {SEARCH_IMAGES}"
         )
-    seen.agenda.searched_at = seen.n_images
+    task.agenda.searched_at = seen.n_images
 
 
 def _require_place(task: Task) -> None:
@@ -178,7 +177,7 @@ def _n_open(task: Task, path: np.ndarray) -> int:
 def _fly_some(task: Task, path: Int[np.ndarray, "n 3"]) -> Trajectory:
     """Plan as far along a way as can be proved."""
     end = task.point(path[-1])
-    plan = task.seen.agenda.plan
+    plan = task.agenda.plan
     if plan is not None and _has_plan(task):
         last = plan.sample(plan.duration_s).position_enu_m
         if math.dist(end, last) < FURTHER_M:

@@ -10,13 +10,10 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from autonomy.perception.depth_image import DepthImage
-from autonomy.planning.craft import Craft
 from autonomy.planning.field import DistanceField
 from autonomy.planning.obstacles import Obstacles
 from autonomy.planning.openings import Opening, find_openings
-from autonomy.planning.planner import plan_trajectory
-from autonomy.planning.trajectory import Trajectory
-from autonomy.types import FlatReference, Vector3
+from autonomy.types import Vector3
 
 
 class Map(Protocol):
@@ -69,14 +66,6 @@ class Map(Protocol):
         """Whether free cells may join a point of the field to the start."""
         ...
 
-    def plan(self, start: FlatReference, goal_enu_m: Vector3, craft: Craft) -> Trajectory:
-        """A certified trajectory to a goal, or towards it as far as is known.
-
-        Raises:
-            PlanningError: Saying why there is none.
-        """
-        ...
-
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class GivenMap:
@@ -109,11 +98,3 @@ class GivenMap:
     def may_be_reached(self, point_enu_m: Vector3) -> bool:
         """Whether free cells join a point to the start."""
         return bool(self.is_reachable[tuple(self.field.cells(np.array(point_enu_m)))])
-
-    def plan(self, start: FlatReference, goal_enu_m: Vector3, craft: Craft) -> Trajectory:
-        """A certified trajectory to a goal.
-
-        Raises:
-            PlanningError: Saying why there is none.
-        """
-        return plan_trajectory(start, goal_enu_m, self.field, self.obstacles, craft)

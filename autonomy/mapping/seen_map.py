@@ -11,7 +11,6 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from autonomy.mapping.agenda import Agenda
 from autonomy.mapping.distances import (
     boxes_about,
     distance_to_border,
@@ -19,7 +18,6 @@ from autonomy.mapping.distances import (
     distance_to_marked,
     slices,
 )
-from autonomy.mapping.exploring import plan_towards
 from autonomy.mapping.rays import (
     FREE_AT,
     HIT,
@@ -31,12 +29,10 @@ from autonomy.mapping.rays import (
 )
 from autonomy.mapping.seen_map_cfg import SeenMapCfg
 from autonomy.perception.depth_image import DepthImage
-from autonomy.planning.craft import Craft
 from autonomy.planning.field import DistanceField
 from autonomy.planning.obstacles import Obstacles
 from autonomy.planning.openings import Opening
-from autonomy.planning.trajectory import Trajectory
-from autonomy.types import FlatReference, Vector3
+from autonomy.types import Vector3
 
 UNSEEN_LACK = 0.25
 """Share of comfortable less needed distance that cells without seen room lack for the search."""
@@ -51,7 +47,6 @@ class SeenMap:
         evidence: Of each cell: free up to `FREE_AT`, occupied from `OCCUPIED_AT` on, else unknown.
         n_images: Images taken in so far.
         is_given: False: the map grows with what is seen.
-        agenda: Agenda of the vehicle that explores it.
         eye_enu_m: Camera position of the last image; the start before the first one.
     """
 
@@ -67,7 +62,6 @@ class SeenMap:
         shape = np.maximum(np.floor(size + 1e-6), 1).astype(np.int64)
         self.evidence = np.zeros(shape, dtype=np.int8)
         self.n_images = 0
-        self.agenda = Agenda()
         x, y, z = ((np.array(low_enu_m) + high_enu_m) / 2).tolist()
         self.eye_enu_m: Vector3 = (x, y, z)
         self._seen_in = np.zeros(shape, dtype=np.int8)
@@ -186,10 +180,6 @@ class SeenMap:
         """Always true: unseen cells may be free."""
         del point_enu_m
         return True
-
-    def plan(self, start: FlatReference, goal_enu_m: Vector3, craft: Craft) -> Trajectory:
-        """See `plan_towards`."""
-        return plan_towards(self, start, goal_enu_m, craft)
 
     @property
     def field(self) -> DistanceField:

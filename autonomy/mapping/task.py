@@ -4,20 +4,18 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 from jaxtyping import Float, Int
 
+from autonomy.mapping.agenda import Agenda
+from autonomy.mapping.seen_map import SeenMap
 from autonomy.planning.craft import Craft
 from autonomy.planning.errors import CertificateError
 from autonomy.planning.limits import MIN_ACCELERATION_MPS2, FlightLimits
 from autonomy.planning.planner import plan_trajectory
 from autonomy.planning.trajectory import Trajectory
 from autonomy.types import FlatReference, Vector3
-
-if TYPE_CHECKING:
-    from autonomy.mapping.seen_map import SeenMap
 
 _AROUND_M = 2.0
 """Margin about the way to fly that the plan may use."""
@@ -29,9 +27,10 @@ _AT_REST_RADPS = 0.2
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class Task:
-    """State, goal and map of a vehicle for one plan."""
+    """State, goal, map and agenda of a vehicle for one plan."""
 
     seen: SeenMap
+    agenda: Agenda
     start: FlatReference
     goal_enu_m: Vector3
     craft: Craft

@@ -44,7 +44,7 @@ from flightsim.mavlink.service import (
 )
 from flightsim.mavlink.shell import ShellService
 from flightsim.mavlink.signing import Signing
-from flightsim.mavlink.signing.setup import SigningSetup
+from flightsim.mavlink.signing_setup import SigningSetup
 from flightsim.mavlink.statustext import StatustextSender
 from flightsim.mavlink.streaming import Told
 from flightsim.mavlink.telemetry import Producer, TelemetryService

@@ -8,19 +8,16 @@ import threading
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Any
 
-from aeroscene.ranges import THREADS, Range
 from scenarios.cli.command_line import (
     EXIT_DONE,
     EXIT_INTERRUPTED,
-    default_hint,
     fail,
     handling_signals,
     print_json,
 )
-from scenarios.cli.outputs import OutFolder
+from scenarios.cli.train_options import TrainCfg
 from scenarios.cli.training_bar import TrainingBar, training_bar
 from scenarios.cli.training_plan import require_usable, say_what_lacks, training_plan
 
@@ -29,71 +26,6 @@ if TYPE_CHECKING:
     from aeroscene.learning.training.procedure import Plan, Training
 
 _PROG = "aeroscene train"
-_MOST_STEPS = 1_000_000_000
-
-
-@dataclass(frozen=True, kw_only=True)
-class TrainCfg:
-    """Train a model that generates scenes: first what writes them, then what places it.
-
-    Ctrl-C saves and leaves; the same command with --resume goes on from there. The folder then
-    holds checkpoint.safetensors for `aeroscene generate`, state.safetensors to go on from,
-    log.jsonl and curves.png.
-    """
-
-    preset: Annotated[
-        Literal["default", "paper", "progressive"] | None, default_hint("default")
-    ] = None
-    """Model and training: default is ours, paper follows the paper to the letter."""
-    config: Annotated[Path | None, default_hint("none")] = None
-    """TOML file that changes fields of the preset; see docs/model.md."""
-    data: Path = Path("corpus")
-    """Folder that `aeroscene dataset build` has made, or a file of neutral layouts."""
-    stream: bool = False
-    """Go on beyond the folder's last scene: processes make scene after scene while the network
-    learns. The folder's training scenes fix vocabulary and statistics, its test scenes are held
-    out."""
-    workers: Annotated[
-        int | None, Range(1, 512), default_hint("cores less one with --stream, at least 1")
-    ] = None
-    """Number of processes that make scenes for --stream; the weights do not depend on it."""
-    out: Annotated[Path, OutFolder()] = Path("training")
-    """Folder to write to; it is made where there is none."""
-    steps: Annotated[int | None, Range(1, _MOST_STEPS), default_hint("no limit")] = None
-    """Training steps of writer and denoiser each; the weights do not depend on whether the training
-    was resumed."""
-    minutes: Annotated[
-        float | None, Range(0.0, unit="minutes", is_above=True), default_hint("60 without --steps")
-    ] = None
-    """Minutes of training, half for the writer and half for the denoiser, or all for the one
-    that is trained; it ends at steps or minutes, whichever comes first."""
-    resume: bool = False
-    """Continue the training in the folder."""
-    device: str = "auto"
-    """auto takes a GPU where there is one; or cpu, cuda, cuda:1, mps."""
-    threads: Annotated[int | None, THREADS, default_hint("all cores")] = None
-    """Number of CPU threads."""
-    parts: Annotated[
-        tuple[Literal["writer", "prior", "denoiser"], ...] | None,
-        default_hint("all of these", metavar="{writer,prior,denoiser} ..."),
-    ] = None
-    """Parts of the model to train. The default preset has writer and denoiser, paper has prior (a
-    minute) and denoiser."""
-    take: Annotated[Path | None, default_hint("none")] = None
-    """Checkpoint from which the parts that are not trained are copied; it must be of the same
-    data."""
-    begin: Annotated[str | None, default_hint("random weights")] = None
-    """Checkpoint with whose weights the parts begin that are trained, or `shipped` for the one that
-    ships: a model of other scenes learns these in less time."""
-    keep_language: bool = False
-    """Keep the kinds and statistics of --begin, rather than learn them from the data: its model
-    goes on with more scenes of one grammar. Parts that are not trained stay as they are there, and
-    scenes of a kind that it does not know are left out."""
-    save_minutes: Annotated[float, Range(0.0, unit="minutes", is_above=True)] = 5.0
-    """Minutes between two saves."""
-    json: bool = False
-    """Print one JSON object: folder, checkpoint, preset, device, done, and figures of the
-    training."""
 
 
 def run(cfg: TrainCfg) -> int:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 from aeroscene.processes import default_jobs
 from scenarios.cli.progress import progress_bar
+from scenarios.cli.train_options import TrainCfg
 
 if TYPE_CHECKING:
     from aeroscene.learning.training.carried import Begun
@@ -18,7 +19,6 @@ if TYPE_CHECKING:
     from aeroscene.learning.training.procedure import Plan
     from aeroscene.learning.training.state_head import StateHead
     from aeroscene.learning.writer.language import Language
-    from scenarios.cli.train import TrainCfg
 
 _PROG = "aeroscene train"
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
 
 from aeroscene.scene import InteractionArea, Scene
 from aeroscene.solids.freespace import NoFreeSpaceError
-from autonomy.mapping import Map
+from autonomy.mapping import Agenda, Map, plan_within
 from autonomy.perception.depth_image import DepthImage
 from autonomy.planning import (
     NOTHING_MOVES,
@@ -57,6 +57,8 @@ class Surroundings:
     limits: FlightLimits
     method: Method = "optimise"
     """What makes a trajectory of the way that the search found."""
+    agenda: Agenda = field(default_factory=Agenda)
+    """What planning remembers from plan to plan where the map grows."""
 
     @property
     def is_known(self) -> bool:
@@ -124,7 +126,7 @@ class Surroundings:
         Raises:
             PlanningError: If there is none, with the reason.
         """
-        return self.map.plan(start, goal_enu_m, self.craft)
+        return plan_within(self.map, self.agenda, start, goal_enu_m, self.craft)
 
     def replan(
         self,

@@ -9,7 +9,7 @@ import numpy as np
 
 from aeroscene.sources import open_scene
 from autonomy.jit import announce_if_cold
-from autonomy.mapping import SeenMap, plan_towards
+from autonomy.mapping import Agenda, SeenMap, plan_towards
 from autonomy.perception import MapAnchor, MapMatcher, MoverTracker, SurfaceMatcher
 from autonomy.planning import Craft, FlightLimits, PlannerCfg
 from autonomy.planning.obstacles import Obstacles
@@ -97,10 +97,12 @@ def explore_once() -> None:
     anchor.update(0.2, image)
     seen.distance_to_seen_m(np.array([telemetry.position_enu_m]))
     cfg = PlannerCfg(vehicle_radius_m=airframe.collision_radius_m)
+    agenda = Agenda()
     # Ahead is free; above nothing was seen, so there it looks for a place to look from.
     for height_m, goal_enu_m in ((2.0, (3.0, 0.0, 2.0)), (2.7, (0.0, 0.0, 6.5))):
         start = FlatReference(position_enu_m=(0.0, 0.0, height_m))
-        plan_towards(seen, start, goal_enu_m, Craft(FlightLimits(), airframe.quadrotor, cfg))
+        craft = Craft(FlightLimits(), airframe.quadrotor, cfg)
+        plan_towards(seen, agenda, start, goal_enu_m, craft)
 
 
 def measure_once() -> None:

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from autonomy.mapping import SeenMap, plan_towards
+from autonomy.mapping import Agenda, SeenMap, plan_towards
 from autonomy.planning import (
     BlockedError,
     CertificateError,
@@ -47,8 +47,9 @@ def look(at, boxes):
     return look_down(at.position_enu_m, quat, pitch_down=PITCH_DOWN, boxes=boxes, shape=(120, 160))
 
 
-def plan(seen, start, goal):
-    return plan_towards(seen, start, goal, Craft(LIMITS, quadrotor(), CFG))
+def plan(seen, start, goal, agenda=None):
+    craft = Craft(LIMITS, quadrotor(), CFG)
+    return plan_towards(seen, agenda or Agenda(), start, goal, craft)
 
 
 def fly(boxes, goal, seconds=60.0):
@@ -56,7 +57,7 @@ def fly(boxes, goal, seconds=60.0):
     seen = SeenMap(LOW, HIGH)
     seen.assume_free_column((0.0, 0.0, 0.0))
     seen.observe(look(START, boxes))
-    way, at = None, 0.0
+    agenda, way, at = Agenda(), None, 0.0
     positions = []
     for _ in range(round(seconds / FRAME_S)):
         here = START if way is None else way.sample(at)
@@ -66,7 +67,7 @@ def fly(boxes, goal, seconds=60.0):
         seen.observe(look(here, boxes))
         if way is None or at > 0.6:
             try:
-                new = plan(seen, here, goal)
+                new = plan(seen, here, goal, agenda)
             except UnreachableError:
                 if way is None or at > way.duration_s:
                     raise

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from autonomy.mapping import SeenMap
+from autonomy.mapping import Agenda, SeenMap
 from autonomy.mapping.gestures import NOD_RAD, nod, turn
 from autonomy.mapping.task import Task
 from autonomy.planning import CertificateError, Craft, FlightLimits, PlannerCfg
@@ -20,7 +20,7 @@ def task(yaw=0.0, rate=0.0, radius=4.0):
     seen = SeenMap((-6.0, -6.0, 0.0), (6.0, 6.0, 5.0))
     seen.assume_free_column((0.0, 0.0, 0.0), radius_m=radius, height_m=4.0)
     start = FlatReference(position_enu_m=(0.0, 0.0, 2.0), yaw_rad=yaw, yaw_rate_radps=rate)
-    return Task(seen, start, (5.0, 0.0, 2.0), Craft(LIMITS, quadrotor(), CFG))
+    return Task(seen, Agenda(), start, (5.0, 0.0, 2.0), Craft(LIMITS, quadrotor(), CFG))
 
 
 @pytest.mark.parametrize("angle", [-3.1, -0.3, 0.0, 0.2, 3.1])
