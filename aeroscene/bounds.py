@@ -33,7 +33,7 @@ def count_values(data: bytes) -> int:
 def excess(data: bytes, most_bytes: int = MOST_JSON_BYTES) -> str | None:
     """What of a JSON text is beyond the bounds, and what would be valid; None if nothing is."""
     if len(data) > most_bytes:
-        return f"holds more than {most_bytes >> 20} MiB of JSON, valid: at most that"
+        return f"holds more than {most_bytes >> 20} MiB of JSON; valid: at most that"
     if (count := count_values(data)) > MOST_VALUES:
-        return f"holds up to {count} values, valid: at most {MOST_VALUES}"
+        return f"holds up to {count} values; valid: at most {MOST_VALUES}"
     return None

@@ -48,11 +48,11 @@ def pieces(path: Path, most_bytes: int) -> Iterator[bytes]:
             while piece := file.read(_PIECE_BYTES):
                 n_bytes += len(piece)
                 if n_bytes > most_bytes:
-                    raise UnpackError(f"holds more than {_size(most_bytes)}, valid: at most that")
+                    raise UnpackError(f"holds more than {_size(most_bytes)}; valid: at most that")
                 yield piece
         except (EOFError, zlib.error, gzip.BadGzipFile) as error:
             raise UnpackError(
-                f"gzip is damaged or cut short ({error}), valid: a whole gzip file"
+                f"gzip is damaged or cut short ({error}); valid: a whole gzip file"
             ) from None
 
 

@@ -63,7 +63,7 @@ def open_scene(spec: str, *, skip_invalid: bool = False) -> Scene:
     named = _NUMBER.fullmatch(canonical_name(spec))
     if named is None or (named["source"] is None and int(named["number"]) >= CORPUS_SIZE):
         raise UnknownSceneError(
-            f"scene {spec!r} is unknown, valid: a number from 0 to {CORPUS_SIZE - 1}, corpus:N, "
+            f"scene {spec!r} is unknown; valid: a number from 0 to {CORPUS_SIZE - 1}, corpus:N, "
             "gen:SEED, field, FILE.json or FILE.jsonl#ID, also with .gz"
         )
     return _open_number(named["source"] or NUMBERS_NAME, int(named["number"]))
@@ -102,7 +102,7 @@ def _open_file(path: str, scene_id: str | None, *, skip_invalid: bool) -> Scene:
     scene = read_scene(path, _derived_areas)
     if scene_id not in {None, "0", scene.scene_id}:
         raise UnknownSceneError(
-            f"scene file {path!r} has no scene {scene_id!r}, valid: {scene.scene_id!r}"
+            f"scene file {path!r} has no scene {scene_id!r}; valid: {scene.scene_id!r}"
         )
     return scene
 

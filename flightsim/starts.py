@@ -195,7 +195,7 @@ def settle(
         if drift_m > _MAX_DRIFT_M or tilt_rad > _MAX_TILT_RAD:
             raise WorldError(
                 f"start_position_enu_m {vehicle.stand_enu_m} is no place to stand (the vehicle "
-                f"moved {drift_m:.2f} m and tilted {math.degrees(tilt_rad):.0f} degrees), "
+                f"moved {drift_m:.2f} m and tilted {math.degrees(tilt_rad):.0f} degrees); "
                 "valid: a point on a flat surface"
             )
     return data.qpos.copy()

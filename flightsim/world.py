@@ -238,7 +238,7 @@ def _compile(
         if (geom := inside_of(model, body)) is not None:
             raise WorldError(
                 f"start_position_enu_m {vehicle.stand_enu_m} puts the vehicle inside "
-                f"{_describe(scene, int(ids[geom]))}, valid: a free point on a surface"
+                f"{_describe(scene, int(ids[geom]))}; valid: a free point on a surface"
             )
     rest_qpos = settle(model, vehicles, bodies) if vehicles else model.qpos0.copy()
     world = World(

@@ -82,7 +82,7 @@ def draw(cfg: GalleryCfg) -> None:
     n_bytes = sum((cfg.out / file).stat().st_size for file in files)
     console.print(f"{len(files)} pictures, {n_bytes / 1e6:.2f} MB")
     if n_bytes > _MOST_BYTES:
-        raise SystemExit(f"the pictures are {n_bytes} bytes, valid: at most {_MOST_BYTES}")
+        raise SystemExit(f"the pictures are {n_bytes} bytes; valid: at most {_MOST_BYTES}")
     if not cfg.only:
         write_page(cfg.page, cfg.out, shown)
 

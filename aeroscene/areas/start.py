@@ -32,7 +32,7 @@ AWAY_M = 2.0
 """Landing nearer to the start than this is no flight."""
 ENOUGH_AREAS = 3
 """Landing areas away from a start, for more than a small drone, that make it a good one."""
-NO_START = "no free place to start from, valid: a disc of 0.5 m radius with nothing on or above it"
+NO_START = "no free place to start from; valid: a disc of 0.5 m radius with nothing on or above it"
 """What a scene has that `with_start` finds no start in."""
 _FLAT_M = 0.06
 """Height above the ground up to which an object is part of it."""

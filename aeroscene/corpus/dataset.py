@@ -100,7 +100,7 @@ class Dataset:
         if _sha256(path) != entry.sha256:
             raise DatasetError(
                 f"scene file {str(path)!r} is not the one that the manifest lists (another "
-                "sha256), valid: the file as it was made; aeroscene dataset build makes it again"
+                "sha256); valid: the file as it was made; aeroscene dataset build makes it again"
             )
         return scene
 
@@ -123,7 +123,7 @@ def open_dataset(folder: str | Path) -> Dataset:
     entries = read_entries(folder)
     if not entries:
         raise DatasetError(
-            f"folder {str(folder)!r} holds no dataset ({MANIFEST} is missing), "
+            f"folder {str(folder)!r} holds no dataset ({MANIFEST} is missing); "
             "valid: a folder that aeroscene dataset build has made, or one of scene files"
         )
     return Dataset(folder, entries)
@@ -161,18 +161,18 @@ def _read_manifest(folder: Path) -> tuple[SceneEntry, ...]:
     except FileNotFoundError:
         return ()
     except NotADirectoryError:
-        raise DatasetError(f"folder {str(folder)!r} is a file, valid: a folder") from None
+        raise DatasetError(f"folder {str(folder)!r} is a file; valid: a folder") from None
     except OSError as error:
         reason = (error.strerror or type(error).__name__).lower()
         raise DatasetError(f"manifest {str(path)!r} cannot be read ({reason})") from None
     except (msgspec.DecodeError, UnicodeDecodeError, RecursionError, UnpackError) as error:
         raise DatasetError(
-            f"manifest {str(path)!r} is damaged ({error}), valid: as it was made; "
+            f"manifest {str(path)!r} is damaged ({error}); valid: as it was made; "
             "delete it, and aeroscene dataset build makes it again"
         ) from None
     if (manifest.format, manifest.version) != (FORMAT, VERSION):
         raise DatasetError(
-            f"manifest {str(path)!r}: format is {manifest.format!r} version {manifest.version}, "
+            f"manifest {str(path)!r}: format is {manifest.format!r} version {manifest.version}; "
             f"valid: {FORMAT!r} version {VERSION}"
         )
     return manifest.scenes

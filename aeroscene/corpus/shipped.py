@@ -161,7 +161,7 @@ def _read_scene(path: Path, number: int) -> Scene:
         text = _member(path, f"scenes/{number:04d}.json")
     except KeyError:
         last = len(open_shipped(path).entries) - 1
-        raise ArchiveError(f"scene {number} is not in {str(path)!r}, valid: 0 to {last}") from None
+        raise ArchiveError(f"scene {number} is not in {str(path)!r}; valid: 0 to {last}") from None
     return scene_from_json(text, f"scene {number} of {str(path)!r}")
 
 
@@ -177,7 +177,7 @@ def _member(path: Path, name: str) -> bytes:
         _damaged(path)
     except OSError as error:
         reason = (error.strerror or type(error).__name__).lower()
-        raise ArchiveError(f"archive {str(path)!r} cannot be read ({reason}), {_WAY_OUT}") from None
+        raise ArchiveError(f"archive {str(path)!r} cannot be read ({reason}); {_WAY_OUT}") from None
 
 
 # Reading the table of contents takes 4 ms.
@@ -192,5 +192,5 @@ os.register_at_fork(after_in_child=_opened.cache_clear)
 
 def _damaged(path: Path) -> NoReturn:
     raise ArchiveError(
-        f"archive {str(path)!r} is damaged (cut short or changed), {_WAY_OUT}"
+        f"archive {str(path)!r} is damaged (cut short or changed); {_WAY_OUT}"
     ) from None

@@ -52,7 +52,7 @@ def insert(scene: Scene, given: Scene, region: Region) -> Feasible:
         _drop_unsound(layout, region)
         found, rejection = _with_areas(_assembled(layout), given, region)
         if layout.is_pinned[layout.is_left].all():
-            rejection = f"nothing new has a place in the region {region}, valid: a larger region"
+            rejection = f"nothing new has a place in the region {region}; valid: a larger region"
     except (SceneError, ShapelyError) as error:
         found, rejection = scene, str(error)
     return Feasible(found, report_of(layout, rejection))
@@ -148,7 +148,7 @@ def _rejection(scene: Scene, given: Scene, findings: Sequence[Finding]) -> str |
     x, y, _ = scene.start_position_enu_m
     places = [area.centroid for area in scene.landing_areas]
     if not any(hypot(place[0] - x, place[1] - y) >= AWAY_M for place in places):
-        return "no landing area away from the start is left, valid: one"
+        return "no landing area away from the start is left; valid: one"
     stuck = [f for f in findings if f.kind == "unreachable" and f.area_id is None]
     if stuck and not any(f.area_id is None for f in unreachable(given, scene_primitives(given))):
         return stuck[0].detail

@@ -102,15 +102,15 @@ def _rejection(
     """Reason why a scene cannot be used, None if it can."""
     n_dropped, n = len(began.objects) - len(found.objects), len(began.objects)
     if n_dropped > cfg.most_dropped_share * n:
-        return f"{n_dropped} of {n} objects have no place, valid: {cfg.most_dropped_share:.0%}"
+        return f"{n_dropped} of {n} objects have no place; valid: {cfg.most_dropped_share:.0%}"
     if _has_home(began) and not _has_home(found):
-        return "the home pad has no place, valid: open ground of 7 m to a side"
+        return "the home pad has no place; valid: open ground of 7 m to a side"
     x, y, _ = found.start_position_enu_m
     places = [area.centroid for area in found.landing_areas]
     n_away = sum(hypot(place[0] - x, place[1] - y) >= AWAY_M for place in places)
     if n_away < cfg.least_landing_areas:
         return (
-            f"{n_away} landing areas away from the start can be reached, "
+            f"{n_away} landing areas away from the start can be reached; "
             f"valid: from {cfg.least_landing_areas}"
         )
     narrow = too_narrow(found, cfg.least_passage_m) if cfg.least_passage_m > 0 else None

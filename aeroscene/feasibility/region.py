@@ -23,7 +23,7 @@ class Region:
             is_finite = axis == "z" or (math.isfinite(low) and math.isfinite(high))
             if not (is_finite and low < high):
                 raise SceneError(
-                    f"region goes from {low:g} to {high:g} along {axis}, valid: finite metres, the "
+                    f"region goes from {low:g} to {high:g} along {axis}; valid: finite metres, the "
                     "lower one first"
                 )
 

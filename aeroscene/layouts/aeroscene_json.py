@@ -83,7 +83,7 @@ def _layout(scene_id: str, record: Mapping[str, Any], *, skip_invalid: bool) -> 
     entries = fields.items(fields.need(record, "outdoor_scene"), "outdoor_scene")
     things = _things(entries, "outdoor_scene", faults)
     if not things:
-        raise LayoutError("outdoor_scene has no object that can be used, valid: at least one")
+        raise LayoutError("outdoor_scene has no object that can be used; valid: at least one")
     to_layout = _Conversion(things)
     objects: list[LayoutObject] = []
     for thing in things:

@@ -93,4 +93,4 @@ class NeutralLayout:
         _make_visible(self, "scene_id")
         for name, most in (("objects", MOST_OBJECTS), ("rooms", _MOST_ROOMS)):
             if (count := len(getattr(self, name))) > most:
-                raise LayoutError(f"{name} are {count}, valid: at most {most}")
+                raise LayoutError(f"{name} are {count}; valid: at most {most}")

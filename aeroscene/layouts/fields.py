@@ -25,7 +25,7 @@ def shown(value: object) -> str:
 
 def refuse(field_name: str, value: object, valid: str) -> LayoutError:
     """The error for a field."""
-    return LayoutError(f"{field_name} is {shown(value)}, valid: {valid}")
+    return LayoutError(f"{field_name} is {shown(value)}; valid: {valid}")
 
 
 def mapping(value: object, field_name: str) -> Mapping[str, Any]:
@@ -39,7 +39,7 @@ def need(record: Mapping[str, Any], key: str, prefix: str = "") -> Any:
     """The value under a key that must be there."""
     if key not in record:
         keys = ", ".join(map(str, list(record)[:8])) or "nothing"
-        raise LayoutError(f"{prefix}{key} is missing, valid: an object with {key} (it has {keys})")
+        raise LayoutError(f"{prefix}{key} is missing; valid: an object with {key} (it has {keys})")
     return record[key]
 
 

@@ -167,7 +167,7 @@ class _House:
                 record = fields.mapping(entry, where)
                 uid = fields.text(fields.need(record, "uid"), "uid")
                 if uid in found:
-                    raise LayoutError(f"uid {uid!r} is used twice, valid: a uid of its own")
+                    raise LayoutError(f"uid {uid!r} is used twice; valid: a uid of its own")
                 found[uid] = record
         return found
 
@@ -195,7 +195,7 @@ class _House:
         triangles = _triangles(child, mesh)
         self._n_triangles += len(triangles)
         if self._n_triangles > _MOST_TRIANGLES:
-            raise LayoutError(f"floors have more than {_MOST_TRIANGLES} triangles, valid: fewer")
+            raise LayoutError(f"floors have more than {_MOST_TRIANGLES} triangles; valid: fewer")
         return triangles
 
     def _piece(self, child: Mapping[str, Any], piece: Mapping[str, Any]) -> LayoutObject:
@@ -286,7 +286,7 @@ def _triangles(child: Mapping[str, Any], mesh: Mapping[str, Any]) -> np.ndarray:
         corners = vertices[faces]
     except (KeyError, ValueError, TypeError, IndexError, OverflowError):
         raise LayoutError(
-            f"xyz and faces of mesh {mesh.get('uid')!r} are no triangles, valid: flat lists of "
+            f"xyz and faces of mesh {mesh.get('uid')!r} are no triangles; valid: flat lists of "
             "numbers, three a vertex, and of vertex numbers, three a face"
         ) from None
     if not np.isfinite(corners).all() or np.abs(corners).max(initial=0) > fields.MAX_POSITION_M:
@@ -331,7 +331,7 @@ def _outline(floors: list[np.ndarray]) -> tuple[Point2, ...]:
 
 def _corners_about(objects: Sequence[LayoutObject]) -> list[Point2]:
     if not objects:
-        raise LayoutError("scene.room has neither floors nor furniture, valid: one or the other")
+        raise LayoutError("scene.room has neither floors nor furniture; valid: one or the other")
     reach = max(max(obj.s) for obj in objects) / 2 + _MARGIN_M
     return [(obj.p[0] + d, obj.p[1] + d) for obj in objects for d in (-reach, reach)]
 

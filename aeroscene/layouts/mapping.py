@@ -174,7 +174,7 @@ class MappingReport:
 
 def unknown_category(name: str) -> str:
     """Fault of a category that did not map, in one line."""
-    return f"category is {name!r}, valid: one that docs/layouts.md lists or a word of ours in it"
+    return f"category is {name!r}; valid: one that docs/layouts.md lists or a word of ours in it"
 
 
 def _sum(first: Mapping[Any, int], second: Mapping[Any, int]) -> dict[Any, int]:

@@ -95,7 +95,7 @@ def _of_line(record: object, path: Path, number: int, *, skip_invalid: bool) -> 
 
 def _check_new(scene_id: str, seen: set[str]) -> None:
     if scene_id in seen:
-        raise LayoutError(f"scene {scene_id!r}: scene_id is used twice, valid: an id of its own")
+        raise LayoutError(f"scene {scene_id!r}: scene_id is used twice; valid: an id of its own")
 
 
 def neutral_layout(value: object, *, skip_invalid: bool = False) -> NeutralLayout:

@@ -79,7 +79,7 @@ def _read_one(path: Path, *, skip_invalid: bool) -> NeutralLayout:
     except LayoutError as error:
         raise error.within(where) from None
     except RecursionError:
-        raise LayoutError(f"{where}: JSON is nested too deeply, valid: a scene") from None
+        raise LayoutError(f"{where}: JSON is nested too deeply; valid: a scene") from None
 
 
 def dialect_of(value: Any) -> Dialect:
@@ -94,7 +94,7 @@ def dialect_of(value: Any) -> Dialect:
             return dialect
     forms = "; ".join(f"{name} ({', '.join(sorted(keys))})" for keys, name in DIALECTS.values())
     found = ", ".join(map(str, list(keys)[:6])) if keys else "none"
-    raise LayoutError(f"JSON of an unknown form (its keys: {found}), valid: {forms}")
+    raise LayoutError(f"JSON of an unknown form (its keys: {found}); valid: {forms}")
 
 
 def pick_layout(
@@ -133,9 +133,9 @@ def pick_layout(
         raise fault
     where = source_name(path)
     if not first:
-        raise LayoutError(f"{where} has no scene, valid: at least one")
+        raise LayoutError(f"{where} has no scene; valid: at least one")
     raise LayoutError(
-        f"{where} has no scene {scene_id!r}, valid: a number from 0 to {count - 1} or an id "
+        f"{where} has no scene {scene_id!r}; valid: a number from 0 to {count - 1} or an id "
         f"such as {first!r}"
     )
 

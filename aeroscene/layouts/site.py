@@ -171,7 +171,7 @@ def _bounds(layout: NeutralLayout) -> Rectangle:
         longest_m = max(high - low for low, high in sides)
         if longest_m > MAX_SIDE_M:
             raise LayoutError(
-                f"floor is {longest_m:.1f} m long, valid: at most {MAX_SIDE_M:g} m for rooms"
+                f"floor is {longest_m:.1f} m long; valid: at most {MAX_SIDE_M:g} m for rooms"
             )
         (x0, x1), (y0, y1) = sides
     else:
@@ -181,7 +181,7 @@ def _bounds(layout: NeutralLayout) -> Rectangle:
 
 def _about_objects(layout: NeutralLayout) -> list[Point2]:
     if not layout.objects:
-        raise LayoutError("objects is empty and there is no floor, valid: one or the other")
+        raise LayoutError("objects is empty and there is no floor; valid: one or the other")
     corners = [our_box(obj, layout.front, 0.0).corners()[:, :2] for obj in layout.objects]
     stacked = np.concatenate(corners)
     low, high = stacked.min(axis=0) - _MARGIN_M, stacked.max(axis=0) + _MARGIN_M

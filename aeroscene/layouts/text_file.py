@@ -38,7 +38,7 @@ def read_bytes(path: Path) -> bytes:
     content.writelines(_pieces(path, MOST_BYTES))
     data = content.getvalue()
     if not data.strip():
-        raise LayoutError(f"{source_name(path)} is empty, valid: a scene in JSON")
+        raise LayoutError(f"{source_name(path)} is empty; valid: a scene in JSON")
     return data
 
 
@@ -51,7 +51,7 @@ def _pieces(path: Path, most_bytes: int) -> Iterator[bytes]:
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error) or type(error).__name__
         raise LayoutError(
-            f"{where} cannot be read ({reason.lower()}), valid: a JSON file"
+            f"{where} cannot be read ({reason.lower()}); valid: a JSON file"
         ) from None
 
 
@@ -66,7 +66,7 @@ def decode_text(data: bytes, where: str, first_line: int = 1) -> str:
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + first_line
         raise LayoutError(
-            f"{where} line {line}: byte {error.start} is no UTF-8, valid: JSON in UTF-8"
+            f"{where} line {line}: byte {error.start} is no UTF-8; valid: JSON in UTF-8"
         ) from None
 
 
@@ -87,13 +87,13 @@ def parse_json(data: bytes, where: str, first_line: int = 1) -> Any:
         is_cut = error.pos >= len(text.rstrip())
         fault = "cut short" if is_cut or "Unterminated" in error.msg else "malformed"
         raise LayoutError(
-            f"{where} line {line}: JSON is {fault} ({error.msg.lower()} at column {error.colno}), "
+            f"{where} line {line}: JSON is {fault} ({error.msg.lower()} at column {error.colno}); "
             "valid: a whole JSON text"
         ) from None
     except RecursionError:
-        raise LayoutError(f"{where}: JSON is nested too deeply, valid: a scene") from None
+        raise LayoutError(f"{where}: JSON is nested too deeply; valid: a scene") from None
     except ValueError as error:  # Integers of thousands of digits.
-        raise LayoutError(f"{where}: a number is too long ({error}), valid: a scene") from None
+        raise LayoutError(f"{where}: a number is too long ({error}); valid: a scene") from None
 
 
 def text_lines(path: Path) -> Iterator[tuple[int, bytes, LayoutError | None]]:
@@ -108,13 +108,13 @@ def text_lines(path: Path) -> Iterator[tuple[int, bytes, LayoutError | None]]:
     for piece in _pieces(path, MOST_LINES_BYTES):
         is_empty = is_empty and not piece.strip()
     if is_empty:
-        raise LayoutError(f"{where} is empty, valid: a scene in JSON")
+        raise LayoutError(f"{where} is empty; valid: a scene in JSON")
     for number, line in enumerate(_lines(path), 1):
         if number > MOST_LINES:
-            raise LayoutError(f"{where} has more than {MOST_LINES} lines, valid: at most that")
+            raise LayoutError(f"{where} has more than {MOST_LINES} lines; valid: at most that")
         if len(line) > MOST_JSON_BYTES:
             most = MOST_JSON_BYTES >> 20
-            message = f"{where} line {number} holds more than {most} MiB, valid: at most that"
+            message = f"{where} line {number} holds more than {most} MiB; valid: at most that"
             yield number, b"", LayoutError(message)
         elif line.strip():
             yield number, line, None

@@ -118,7 +118,7 @@ class _House:
     def layout(self, scene_id: str, record: Mapping[str, Any]) -> NeutralLayout:
         rooms = _rooms(record)
         if not rooms:
-            raise LayoutError("rooms is empty, valid: at least one with a floorPolygon")
+            raise LayoutError("rooms is empty; valid: at least one with a floorPolygon")
         east, north = _middle(rooms)
         self._shift = (east, north)
         entries = fields.items(fields.need(record, "objects"), "objects")
@@ -137,7 +137,7 @@ class _House:
     def _read(self, entries: Any, where: str, parent: int | None, depth: int) -> None:
         """Read a list of objects and, after each, its children."""
         if depth > _MOST_NESTED:
-            raise LayoutError(f"{where} is too deep, valid: {_MOST_NESTED} levels of children")
+            raise LayoutError(f"{where} is too deep; valid: {_MOST_NESTED} levels of children")
         for number, entry in enumerate(entries):
             here = f"{where}[{number}]"
             host = parent

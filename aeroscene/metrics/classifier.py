@@ -31,7 +31,7 @@ def classifier_accuracy(
     """
     for points in (scenes, reference):
         if len(points) < N_FOLDS:
-            raise TooFewScenesError(f"a set of {len(points)} scenes, valid: {N_FOLDS} or more")
+            raise TooFewScenesError(f"a set of {len(points)} scenes; valid: {N_FOLDS} or more")
     points = np.concatenate([scenes, reference])
     is_set = np.arange(len(points)) < len(scenes)
     fold = np.concatenate([_folds(len(scenes), rng), _folds(len(reference), rng)])

@@ -72,7 +72,7 @@ def discrepancy(
 
 def _enough(points: np.ndarray) -> int:
     if len(points) < 2:
-        raise TooFewScenesError(f"a set of {len(points)} scenes, valid: two or more")
+        raise TooFewScenesError(f"a set of {len(points)} scenes; valid: two or more")
     return len(points)
 
 

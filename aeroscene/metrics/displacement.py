@@ -67,7 +67,7 @@ def _pairs(
     for obj in after.objects:
         if obj.id not in known or known[obj.id].category_id != obj.category_id:
             raise UnlikeScenesError(
-                f"scene {after.scene_id!r}: object {obj.id} is a {obj.category}, "
+                f"scene {after.scene_id!r}: object {obj.id} is a {obj.category}; "
                 f"valid: an object that scene {before.scene_id!r} has"
             )
     boxes = [[known[obj.id].bbox, obj.bbox] for obj in after.objects]

@@ -142,7 +142,7 @@ def layout_figures(
 
 def _check_enough(scenes: Sequence[Scene], what: str) -> None:
     if len(scenes) < LEAST_SCENES:
-        raise TooFewScenesError(f"{what} of {len(scenes)} scenes, valid: {LEAST_SCENES} or more")
+        raise TooFewScenesError(f"{what} of {len(scenes)} scenes; valid: {LEAST_SCENES} or more")
 
 
 def _scene_figures(

@@ -136,13 +136,13 @@ class NeighbourFrequencies:
                 cells, found = file["cells"], file["counts"]
         except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
             raise NeighbourFrequenciesError(
-                f"neighbour frequencies {str(path)!r} cannot be read ({error}), "
+                f"neighbour frequencies {str(path)!r} cannot be read ({error}); "
                 "valid: a file that NeighbourFrequencies.save has written"
             ) from None
         if (version, shape) != (_VERSION, _SHAPE):
             raise NeighbourFrequenciesError(
                 f"neighbour frequencies {str(path)!r}: version and shape are {version} and "
-                f"{shape}, valid: {_VERSION} and {_SHAPE}; fit it again"
+                f"{shape}; valid: {_VERSION} and {_SHAPE}; fit it again"
             )
         counts = np.zeros(_SHAPE, dtype=np.int32)
         counts.flat[cells] = found

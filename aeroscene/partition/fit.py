@@ -108,7 +108,7 @@ class _Fitter:
         for index, (i0, i1, j0, j1) in enumerate(self.ranges):
             if (self.owners[i0:i1, j0:j1] != _VOID).any():
                 raise PartitionError(
-                    f"piece {pieces[index].key} overlaps another, valid: none does"
+                    f"piece {pieces[index].key} overlaps another; valid: none does"
                 )
             self.owners[i0:i1, j0:j1] = index
 
@@ -154,7 +154,7 @@ class _Fitter:
         if isinstance(piece.node, Leaf):
             return replace(piece.node, merge=piece.key)
         if self.ranges[owner] != window:
-            raise PartitionError(f"piece {piece.key} carries others, valid: one cell for it")
+            raise PartitionError(f"piece {piece.key} carries others; valid: one cell for it")
         return replace(piece.node, base=replace(piece.node.base, merge=piece.key))
 
     def _shared_cuts(self, window: _Window, axis: Axis, cuts: list[int]) -> list[int]:

@@ -47,7 +47,7 @@ class Leaf:
 
     def __post_init__(self) -> None:
         if self.quarter not in range(4):
-            raise PartitionError(f"leaf.quarter is {self.quarter!r}, valid: 0 to 3")
+            raise PartitionError(f"leaf.quarter is {self.quarter!r}; valid: 0 to 3")
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,7 +94,7 @@ class Pinwheel:
     def __post_init__(self) -> None:
         west, east, south, north = self.cuts
         if not (0 < west < east < 1 and 0 < south < north < 1):
-            raise PartitionError(f"pinwheel.cuts is {self.cuts}, valid: 0 < low < high < 1")
+            raise PartitionError(f"pinwheel.cuts is {self.cuts}; valid: 0 < low < high < 1")
 
 
 @dataclass(frozen=True, slots=True)
@@ -213,7 +213,7 @@ def with_children(node: Node, nodes: tuple[Node, ...]) -> Node:
             base, *trees = nodes
             items = zip(node.items, trees, strict=True)
             if not isinstance(base, Leaf):
-                raise PartitionError(f"overlay.base is {base}, valid: a leaf")
+                raise PartitionError(f"overlay.base is {base}; valid: a leaf")
             return Overlay(base, tuple(replace(item, tree=tree) for item, tree in items))
         case Bend():
             trees = iter(nodes)
@@ -236,7 +236,7 @@ def part_lengths(parts: tuple[Part, ...], length_m: float) -> list[float]:
     """
     fixed = sum(part.value for part in parts if part.is_width)
     if fixed >= length_m:
-        raise PartitionError(f"strips are {fixed:.3f} m wide, valid: below {length_m:.3f} m")
+        raise PartitionError(f"strips are {fixed:.3f} m wide; valid: below {length_m:.3f} m")
     return [part.value if part.is_width else part.value * (length_m - fixed) for part in parts]
 
 
@@ -253,11 +253,11 @@ def parts_of(lengths_m: Sequence[float], is_width: Sequence[bool]) -> tuple[Part
 def _check_parts(name: str, parts: tuple[Part, ...]) -> None:
     shares = [part.value for part in parts if not part.is_width]
     if min((part.value for part in parts), default=0.0) <= 0.0:
-        raise PartitionError(f"{name} is {parts}, valid: values above 0")
+        raise PartitionError(f"{name} is {parts}; valid: values above 0")
     if not math.isclose(sum(shares), 1.0, abs_tol=SHARES_TOLERANCE):
-        raise PartitionError(f"{name} has shares {shares}, valid: shares that sum to 1")
+        raise PartitionError(f"{name} has shares {shares}; valid: shares that sum to 1")
 
 
 def _check_count(name: str, values: tuple[object, ...], count: int) -> None:
     if len(values) != count:
-        raise PartitionError(f"{name} has {len(values)} entries, valid: {count}")
+        raise PartitionError(f"{name} has {len(values)} entries; valid: {count}")

@@ -21,7 +21,7 @@ class SceneError(ValueError):
 def require(*, ok: bool, field_name: str, value: object, valid: str) -> None:
     """Raise `SceneError` that names field, value and what would be valid, unless `ok`."""
     if not ok:
-        raise SceneError(f"{field_name} is {shown(value)}, valid: {valid}")
+        raise SceneError(f"{field_name} is {shown(value)}; valid: {valid}")
 
 
 def shown(value: object, most: int = _SHOWN) -> str:

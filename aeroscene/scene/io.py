@@ -228,7 +228,7 @@ def _decode(data: bytes) -> _Document:
 def _require_ours(head: _Head | _Document) -> None:
     if (head.format, head.version) != (FORMAT, VERSION):
         raise SceneFileError(
-            f"format is {shown(head.format)} version {shown(head.version)}, "
+            f"format is {shown(head.format)} version {shown(head.version)}; "
             f"valid: {FORMAT!r} version {VERSION}"
         )
 
@@ -259,7 +259,7 @@ def _build(document: _Document, source: str, derive: DeriveAreas | None) -> Scen
     scene_id, listed = document.scene_id, document.interaction_areas
     if listed is msgspec.UNSET and derive is None:
         raise SceneFileError(
-            "interaction_areas is missing, valid: a list, also empty; open_scene() derives it"
+            "interaction_areas is missing; valid: a list, also empty; open_scene() derives it"
         )
     records = () if listed is msgspec.UNSET else listed
     try:
@@ -346,7 +346,7 @@ def read_scene(path: str | Path, derive: DeriveAreas | None = None) -> Scene:
         raise SceneFileError(f"{source}: {error}") from None
     except (OSError, ValueError) as error:
         reason = (getattr(error, "strerror", None) or str(error) or type(error).__name__).lower()
-        message = f"{source} cannot be read ({reason}), valid: a scene in JSON"
+        message = f"{source} cannot be read ({reason}); valid: a scene in JSON"
         raise SceneFileError(message) from None
     return scene_from_json(data, source, derive)
 

@@ -251,23 +251,23 @@ class Scene:
 
     def _validate_hierarchy(self) -> None:
         if (count := len(self.objects)) > MOST_OBJECTS:
-            raise SceneError(f"objects are {count}, valid: at most {MOST_OBJECTS}")
+            raise SceneError(f"objects are {count}; valid: at most {MOST_OBJECTS}")
         seen: set[int] = set()
         for obj in self.objects:
             if obj.id in seen:
-                raise SceneError(f"object {obj.id}: id is used twice, valid: an id of its own")
+                raise SceneError(f"object {obj.id}: id is used twice; valid: an id of its own")
             if obj.parent_id is not None and obj.parent_id not in seen:
                 raise SceneError(
-                    f"object {obj.id}: parent_id is {obj.parent_id}, valid: null or the id of an "
+                    f"object {obj.id}: parent_id is {obj.parent_id}; valid: null or the id of an "
                     "object that comes before it"
                 )
             if obj.scene_id != self.scene_id:
                 raise SceneError(
-                    f"object {obj.id}: scene_id is {obj.scene_id!r}, valid: {self.scene_id!r}"
+                    f"object {obj.id}: scene_id is {obj.scene_id!r}; valid: {self.scene_id!r}"
                 )
             if not self._is_near(obj.bbox.p):
                 raise SceneError(
-                    f"object {obj.id}: bbox.p is {obj.bbox.p}, valid: at most {MAX_EXTENT_M:g} m "
+                    f"object {obj.id}: bbox.p is {obj.bbox.p}; valid: at most {MAX_EXTENT_M:g} m "
                     "outside the extent"
                 )
             seen.add(obj.id)
@@ -282,10 +282,10 @@ class Scene:
         for area in self.interaction_areas:
             where = f"interaction area {area.id}"
             if area.id in seen:
-                raise SceneError(f"{where}: id is used twice, valid: an id of its own")
+                raise SceneError(f"{where}: id is used twice; valid: an id of its own")
             if area.object_id is not None and area.object_id not in ids:
                 raise SceneError(
-                    f"{where}: object_id is {area.object_id}, valid: null or the id of an object"
+                    f"{where}: object_id is {area.object_id}; valid: null or the id of an object"
                 )
             seen.add(area.id)
 

@@ -172,7 +172,7 @@ def start_cell(field: VoxelField, start_enu_m: Vector3, radius_m: float) -> tupl
             return (i, j, k + int(free[0]))
     raise NoFreeSpaceError(
         f"start {start_enu_m} has no free ball of radius {radius_m} m within {_START_SEARCH_M} m "
-        "above it, valid: a point inside the grid under open space"
+        "above it; valid: a point inside the grid under open space"
     )
 
 

@@ -33,7 +33,7 @@ def overlaps(scene: Scene) -> Iterator[Finding]:
             scene_id=scene.scene_id,
             object_id=b.id,
             detail=f"{b.category} {b.id} and {a.category} {a.id} overlap with an IoU of "
-            f"{shares[row]:.3f}, valid: at most {MAX_IOU}",
+            f"{shares[row]:.3f}; valid: at most {MAX_IOU}",
         )
 
 
@@ -81,7 +81,7 @@ def outside(scene: Scene) -> Iterator[Finding]:
                 scene_id=scene.scene_id,
                 object_id=obj.id,
                 detail=f"{obj.category} {obj.id} reaches {by[axis]:.3f} m beyond the extent along "
-                f"{'xyz'[axis]}, valid: at most {OUTSIDE_TOLERANCE_M} m",
+                f"{'xyz'[axis]}; valid: at most {OUTSIDE_TOLERANCE_M} m",
             )
 
 

@@ -99,7 +99,7 @@ class _Claim:
         off_m = np.abs(plane.height_m(self._polygon[:, :2]) - self._polygon[:, 2]).max()
         if off_m > HEIGHT_TOLERANCE_M:
             yield (
-                f"its polygon lies {off_m:.3f} m off a plane through the centroid, "
+                f"its polygon lies {off_m:.3f} m off a plane through the centroid; "
                 f"valid: {HEIGHT_TOLERANCE_M} m"
             )
         if abs(plane.slope_rad - area.slope_rad) > SLOPE_TOLERANCE_RAD:
@@ -107,11 +107,11 @@ class _Claim:
                 f"slope_rad is {area.slope_rad:.4f}, its polygon leans by {plane.slope_rad:.4f} rad"
             )
         if area.slope_rad > MAX_SLOPE_RAD + SLOPE_TOLERANCE_RAD:
-            yield f"slope_rad is {area.slope_rad:.4f}, valid: at most {MAX_SLOPE_RAD:.4f}"
+            yield f"slope_rad is {area.slope_rad:.4f}; valid: at most {MAX_SLOPE_RAD:.4f}"
         if area.radius < self._needs.surface_radius_m - 1e-6:
-            yield f"radius is {area.radius} m, valid: from {self._needs.surface_radius_m} m"
+            yield f"radius is {area.radius} m; valid: from {self._needs.surface_radius_m} m"
         if area.clearance_m < self._needs.clearance_m:
-            yield f"clearance_m is {area.clearance_m}, valid: from {self._needs.clearance_m}"
+            yield f"clearance_m is {area.clearance_m}; valid: from {self._needs.clearance_m}"
 
     def _surface(self) -> Iterator[str]:
         """Whether the bearer has a face in the area's plane all over circle and polygon."""
@@ -154,7 +154,7 @@ class _Claim:
             if found.distance_m > area.radius - EDGE_M:
                 name = self._name(int(self._solids.object_id[found.index]))
                 yield (
-                    f"{name} stands {found.distance_m:.2f} m from the middle, "
+                    f"{name} stands {found.distance_m:.2f} m from the middle; "
                     f"valid: from {reach_m:.2f} m"
                 )
         above = self._obstacles(near, low_m, area.radius, area.clearance_m)

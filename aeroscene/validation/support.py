@@ -150,12 +150,12 @@ class _Stand:
         borne = [self._bearing(i, feet) for i in self._bearers]
         base = shapely.convex_hull(shapely.union_all(borne)) if borne else shapely.Point()
         if base.is_empty:
-            return f"{self._gap_m(feet):.2f} m above what is below, valid: at most {GAP_M} m"
+            return f"{self._gap_m(feet):.2f} m above what is below; valid: at most {GAP_M} m"
         off_m = base.distance(feet.centroid)
         if off_m <= _MIDDLE_M:
             return None
         return (
-            f"with their middle {off_m:.2f} m beside what bears them, valid: at most {_MIDDLE_M} m"
+            f"with their middle {off_m:.2f} m beside what bears them; valid: at most {_MIDDLE_M} m"
         )
 
     def _is_balanced(self) -> bool:

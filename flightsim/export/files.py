@@ -42,7 +42,7 @@ def staged(folder: Path) -> Iterator[Path]:
 def _unwritable(folder: Path, error: OSError) -> ExportError:
     reason = error.strerror or str(error)
     return ExportError(
-        f"out {str(folder)!r} cannot be written ({reason.lower()}), "
+        f"out {str(folder)!r} cannot be written ({reason.lower()}); "
         "valid: a folder that you may write to, with room"
     )
 

@@ -43,7 +43,7 @@ def hull_faces(corners_m: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
     tolerance_m = 10 * _RELATIVE_TOLERANCE * size_m
     is_below, is_above = (height <= tolerance_m).all(axis=1), (height >= -tolerance_m).all(axis=1)
     if not len(normals) or (is_below & is_above).any():
-        raise HullError(f"{len(corners)} vertices lie in one plane, valid: vertices of a solid")
+        raise HullError(f"{len(corners)} vertices lie in one plane; valid: vertices of a solid")
     is_face = is_below | is_above
     outward = np.where(is_below[:, None], normals, -normals)[is_face]
     touches = np.abs(height[is_face]) <= tolerance_m

@@ -62,7 +62,7 @@ def pilot_of(text: str, option: str = "pilot") -> NamedPilot:
     valid = f"valid: {names}, or MODULE:CLASS such as my_pilot:Pilot, see docs/python.md"
     module, _, name = BASELINES.get(text, text).partition(":")
     if not module or not name.isidentifier():
-        raise PilotError(f"{option} is {text!r}, {valid}")
+        raise PilotError(f"{option} is {text!r}; {valid}")
     # Only for a module of the user's own: what lies beside a shared folder is not ours to import.
     if text not in BASELINES and (here := str(Path.cwd())) not in sys.path:
         sys.path.insert(0, here)

@@ -52,7 +52,7 @@ def _read(cfg: GenerateBenchCfg, on_progress: OnProgress) -> list[Scene]:
     wanted = len(readers) if cfg.count is None else cfg.count
     if not N_FOLDS <= wanted <= len(readers):
         raise DatasetError(
-            f"{wanted} scenes of {cfg.scenes!r} are asked for, which has {len(readers)}, "
+            f"{wanted} scenes of {cfg.scenes!r} are asked for, which has {len(readers)}; "
             f"valid: from {N_FOLDS} to as many as there are"
         )
     scenes = []

@@ -70,7 +70,7 @@ def small_scenes(scenes: Sequence[Scene]) -> list[Scene]:
     ][:N_SCENES]
     if len(found) < N_SCENES:
         raise BenchError(
-            f"data have {len(found)} indoor scenes of {least} to {most} objects, valid: "
+            f"data have {len(found)} indoor scenes of {least} to {most} objects; valid: "
             f"{N_SCENES} or more; --cpu-seconds 0 leaves memorising out"
         )
     return found

@@ -39,7 +39,7 @@ def open_corpus(folder: Path) -> Dataset:
         count = len(corpus.of_split(split).entries)
         if count < N_FOLDS:
             raise DatasetError(
-                f"folder {str(folder)!r} has {count} scenes of the {split} split, valid: "
+                f"folder {str(folder)!r} has {count} scenes of the {split} split; valid: "
                 f"{N_FOLDS} or more; aeroscene dataset build makes all"
             )
     return corpus

@@ -17,7 +17,7 @@ def fault(scene: Scene) -> str | None:
     free, every landing area can be reached and is as stated, and there is at least one.
     """
     if not scene.landing_areas:
-        return f"scene {scene.scene_id!r} has no landing area, valid: one at least"
+        return f"scene {scene.scene_id!r} has no landing area; valid: one at least"
     findings = validate(scene)
     if findings:
         return f"scene {scene.scene_id!r}: {findings[0].detail}"

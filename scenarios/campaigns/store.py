@@ -144,7 +144,7 @@ def open_store(folder: Path) -> Iterator[Store]:
             fcntl.flock(journal, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
             raise StoreError(
-                f"out {str(folder)!r}: another campaign is running there, "
+                f"out {str(folder)!r}: another campaign is running there; "
                 "valid: wait for its end, or another folder"
             ) from None
         for unfinished in (folder / TABLES).glob(".*.parquet.*"):

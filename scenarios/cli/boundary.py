@@ -63,7 +63,7 @@ def of_file(error: OSError) -> str:
     else:
         return reason
     said = f"file {str(error.filename)!r}: {reason}" if error.filename else reason
-    return f"{said}, valid: {valid}"
+    return f"{said}; valid: {valid}"
 
 
 def _library_errors() -> tuple[type[Exception], ...]:

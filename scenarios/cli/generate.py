@@ -205,18 +205,18 @@ def _set_threads(cfg: GenerateCfg) -> None:
 
 def _check(cfg: GenerateCfg) -> None:
     if cfg.of is not None and cfg.of < cfg.count:
-        raise GenerateError(f"of is {cfg.of} beside count {cfg.count}, valid: {cfg.count} or more")
+        raise GenerateError(f"of is {cfg.of} beside count {cfg.count}; valid: {cfg.count} or more")
     if cfg.of is not None and not cfg.worst_for:
-        raise GenerateError(f"of is {cfg.of} without --worst-for, valid: --worst-for demo")
+        raise GenerateError(f"of is {cfg.of} without --worst-for; valid: --worst-for demo")
     if bool(cfg.redo) != bool(cfg.region):
         given, missing = ("redo", "region") if cfg.redo else ("region", "redo")
         raise GenerateError(
-            f"{given} is {getattr(cfg, given)!r} without --{missing}, valid: the two together, "
+            f"{given} is {getattr(cfg, given)!r} without --{missing}; valid: the two together, "
             "such as --redo 42 --region -10,0,5,12.5"
         )
     if cfg.worst_for and cfg.progress is not None:
         raise GenerateError(
-            f"progress is {str(cfg.progress)!r} beside --worst-for, valid: one of the two"
+            f"progress is {str(cfg.progress)!r} beside --worst-for; valid: one of the two"
         )
 
 

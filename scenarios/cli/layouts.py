@@ -121,7 +121,7 @@ def _named_failures(path: Path) -> Iterator[None]:
     except OSError as error:
         reason = (error.strerror or type(error).__name__).lower()
         raise LayoutError(
-            f"out {str(path)!r} cannot be written ({reason}), valid: a folder to write to"
+            f"out {str(path)!r} cannot be written ({reason}); valid: a folder to write to"
         ) from None
 
 

@@ -25,7 +25,7 @@ def scene_numbers(text: str) -> tuple[int, ...]:
         first, end = (int(match[1]), int(match[2] or int(match[1]) + 1)) if match else (0, 0)
         if not first < end <= _MOST:
             raise SceneNumbersError(
-                f"scenes {part!r} is no range of scenes, valid: A:B, A up to and without B, or "
+                f"scenes {part!r} is no range of scenes; valid: A:B, A up to and without B, or "
                 f"single numbers, from 0 to {_MOST - 1}, joined by commas"
             )
         numbers.update(range(first, end))

@@ -55,12 +55,12 @@ def _open_head(folder: Path, *, resumes: bool) -> StateHead | None:
     head = read_head(folder / STATE)
     if head is not None and not resumes:
         raise TrainingError(
-            f"out {str(folder)!r} holds a training already ({head.steps:,} steps in all), "
+            f"out {str(folder)!r} holds a training already ({head.steps:,} steps in all); "
             "valid: --resume to go on with it, or another folder"
         )
     if head is None and resumes:
         raise TrainingError(
-            f"out {str(folder)!r} holds no training to resume ({STATE} is missing), "
+            f"out {str(folder)!r} holds no training to resume ({STATE} is missing); "
             "valid: a folder that aeroscene train has written to"
         )
     return head
@@ -170,7 +170,7 @@ def _n_workers(cfg: TrainCfg) -> int:
     if cfg.workers is None:
         return max(1, default_jobs() - 1)
     if not (cfg.stream or cfg.resume):
-        raise TrainingError(f"workers is {cfg.workers} without --stream, valid: with it, or none")
+        raise TrainingError(f"workers is {cfg.workers} without --stream; valid: with it, or none")
     return cfg.workers
 
 
@@ -197,7 +197,7 @@ def _check_unchanged(cfg: TrainCfg, facts: CheckpointFacts, sections: Mapping[st
     begun = facts.preset
     if cfg.preset not in {None, begun}:
         raise TrainingError(
-            f"preset is {cfg.preset!r}, valid: {begun!r}, with which the training in "
+            f"preset is {cfg.preset!r}; valid: {begun!r}, with which the training in "
             f"{str(cfg.out)!r} was begun; or another folder"
         )
     if cfg.config is None:
@@ -207,7 +207,7 @@ def _check_unchanged(cfg: TrainCfg, facts: CheckpointFacts, sections: Mapping[st
     if different:
         raise TrainingError(
             f"config {str(cfg.config)!r} is not what the training in {str(cfg.out)!r} was begun "
-            f"with ([{different[0]}] differs), valid: the same, none, or another folder"
+            f"with ([{different[0]}] differs); valid: the same, none, or another folder"
         )
 
 

@@ -121,7 +121,7 @@ def _journal(folder: Path) -> Iterator[BinaryIO]:
             fcntl.flock(journal, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
             raise DatasetError(
-                f"folder {str(folder)!r} is being built by another process, "
+                f"folder {str(folder)!r} is being built by another process; "
                 "valid: wait for its end, or another folder"
             ) from None
         _remove_unfinished(folder)

@@ -174,7 +174,7 @@ def pack_shipped(
     if ready != set(range(CORPUS_SIZE)):
         raise DatasetError(
             f"{CORPUS_SIZE - len(ready)} scenes are missing in {str(dataset.place)!r} or were made "
-            "by something else, valid: all of them from one checkpoint"
+            "by something else; valid: all of them from one checkpoint"
         )
     provenance = Provenance(
         generator=maker.name,

@@ -203,7 +203,7 @@ def entrants_of(table: TableName, data: Data, names: Sequence[str]) -> list[Entr
     for name in names:
         if name not in known:
             raise EvaluationError(
-                f"methods {name!r} is no row of table {table}, valid: {', '.join(known)}"
+                f"methods {name!r} is no row of table {table}; valid: {', '.join(known)}"
             )
     return [entrant for entrant in found if entrant.name in names]
 

@@ -80,7 +80,7 @@ class Evaluation:
         path, text = folder / _ASKED, msgspec.json.format(msgspec.json.encode(cfg), indent=1)
         if path.exists() and path.read_bytes() != text:
             raise EvaluationError(
-                f"out {str(folder)!r} holds a table of other data, seed, budget or sizes, valid: "
+                f"out {str(folder)!r} holds a table of other data, seed, budget or sizes; valid: "
                 f"those in {str(path)!r}, or another folder"
             )
         with replacing(path) as file:
@@ -103,7 +103,7 @@ class Evaluation:
             OSError: If a file cannot be written.
         """
         if count < LEAST_PICTURES:
-            raise EvaluationError(f"scenes is {count}, valid: {LEAST_PICTURES} or more")
+            raise EvaluationError(f"scenes is {count}; valid: {LEAST_PICTURES} or more")
         rows: list[Row] = []
         for number, entrant in enumerate(entrants):
 
@@ -181,7 +181,7 @@ class Evaluation:
                 continue
             if n_there < LEAST_PICTURES:
                 raise EvaluationError(
-                    f"method {entrant.name} has drawn {n_there} scenes, valid: {LEAST_PICTURES} or "
+                    f"method {entrant.name} has drawn {n_there} scenes; valid: {LEAST_PICTURES} or "
                     "more; a larger --scenes, or a longer training"
                 )
             kept = self._place(entrant) / f"rows-{stage}.json"

@@ -83,14 +83,14 @@ def open_data(
         if room is not None:
             if room not in rooms:
                 known = ", ".join(sorted({repr(each) for each in rooms if each})) or "no --room"
-                raise EvaluationError(f"room {room!r} is none of {str(where)!r}, valid: {known}")
+                raise EvaluationError(f"room {room!r} is none of {str(where)!r}; valid: {known}")
             scenes = [scene for scene, own in zip(scenes, rooms, strict=True) if own == room]
         test = scenes[_TEST_EVERY - 1 :: _TEST_EVERY]
         train = [scene for i, scene in enumerate(scenes) if (i + 1) % _TEST_EVERY]
     for split, found in (("train", train), ("test", test)):
         if len(found) < LEAST_PICTURES:
             raise EvaluationError(
-                f"data {name} in {str(where)!r} has {len(found)} scenes of the {split} split, "
+                f"data {name} in {str(where)!r} has {len(found)} scenes of the {split} split; "
                 f"valid: {LEAST_PICTURES} or more"
             )
     digest = hashlib.sha256()
@@ -121,6 +121,6 @@ def _place(name: DataName, path: Path | None) -> Path:
     if name == "corpus":
         return Path("corpus")
     raise EvaluationError(
-        f"data {name} has no path, valid: --path FILE with neutral layouts of it "
+        f"data {name} has no path; valid: --path FILE with neutral layouts of it "
         "(docs/layouts.md); we ship none of them"
     )

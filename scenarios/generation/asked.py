@@ -39,7 +39,7 @@ def asked_areas(text: str) -> int | AreaCounts:
         name, _, count = (side.strip() for side in part.partition("="))
         if name not in _CLASSES or name in counts or not count.isdecimal():
             raise GenerateError(
-                f"areas is {text!r}, valid: a number, or counts of classes, each once, such as "
+                f"areas is {text!r}; valid: a number, or counts of classes, each once, such as "
                 "small=20,medium=5,large=2"
             )
         counts[name] = int(count)
@@ -62,7 +62,7 @@ def outline_sides_m(text: str) -> tuple[float, float]:
     except ValueError:
         sides = _bounding_sides_m(Path(text), valid)
     if len(sides) != 2 or not all(math.isfinite(side) and side > 0 for side in sides):
-        raise GenerateError(f"outline is {text!r}, valid: {valid}")
+        raise GenerateError(f"outline is {text!r}; valid: {valid}")
     for side in sides:
         OUTLINE_M.require("outline", side, RequestError)
     return sides[0], sides[1]
@@ -85,7 +85,7 @@ def asked_region(text: str) -> Region:
         numbers = []
     if len(numbers) not in {4, 6}:
         raise GenerateError(
-            f"region is {text!r}, valid: X0,Y0,X1,Y1 in metres such as -10,0,5,12.5, with Z0,Z1 "
+            f"region is {text!r}; valid: X0,Y0,X1,Y1 in metres such as -10,0,5,12.5, with Z0,Z1 "
             "behind that where it ends at a height"
         )
     x0, y0, x1, y1, z0, z1 = (*numbers, -math.inf, math.inf)[:6]
@@ -99,11 +99,11 @@ def _bounding_sides_m(path: Path, valid: str) -> list[float]:
     except OSError as error:
         reason = (error.strerror or type(error).__name__).lower()
         raise GenerateError(
-            f"outline {str(path)!r} cannot be read ({reason}), valid: {valid}"
+            f"outline {str(path)!r} cannot be read ({reason}); valid: {valid}"
         ) from None
     except (ValueError, TypeError, RecursionError, OverflowError) as error:
         raise GenerateError(
-            f"outline {str(path)!r} is no list of corners ({error}), valid: {valid}"
+            f"outline {str(path)!r} is no list of corners ({error}); valid: {valid}"
         ) from None
     return [max(column) - min(column) for column in columns]
 

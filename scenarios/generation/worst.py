@@ -110,7 +110,7 @@ class Tries:
         text = msgspec.json.encode(asked)
         if path.exists() and path.read_bytes() != text:
             raise GenerateError(
-                f"out {str(folder.parent)!r} holds tries of other wishes, valid: another folder, "
+                f"out {str(folder.parent)!r} holds tries of other wishes; valid: another folder, "
                 f"or the options in {str(path)!r}"
             )
         folder.mkdir(parents=True, exist_ok=True)

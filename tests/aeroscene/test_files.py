@@ -57,7 +57,7 @@ def test_a_file_that_holds_too_much_is_refused_in_one_line(tmp_path, monkeypatch
     content = bytes((1 << 20) + 1)
     path.write_bytes(gzip.compress(content) if is_packed else content)
     with pytest.raises(
-        SceneError, match=r"bomb\.json.*: holds more than 1 MiB, valid: at most"
+        SceneError, match=r"bomb\.json.*: holds more than 1 MiB; valid: at most"
     ) as e:
         open_scene(str(path))
     assert "\n" not in str(e.value)
@@ -94,6 +94,6 @@ def test_a_pipe_is_refused_and_not_waited_for(tmp_path, name):
     path = tmp_path / name
     os.mkfifo(path)
     with pytest.raises(
-        SceneError, match=r"pipe\.json.*cannot be read \(no regular file\), valid: a"
+        SceneError, match=r"pipe\.json.*cannot be read \(no regular file\); valid: a"
     ):
         open_scene(str(path))

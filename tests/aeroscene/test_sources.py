@@ -49,7 +49,7 @@ def test_a_number_opens_a_scene_of_the_dataset(
     monkeypatch.setattr(sources, "NUMBERS_NAME", "shipped")
     monkeypatch.setattr(aeroscene.corpus.shipped, "SHIPPED", archive_path)
     assert open_scene("17") == open_scene("0017") == archived_scenes[17]
-    with pytest.raises(SceneError, match=r"scene 42 is not in .*, valid: 0 to 18"):
+    with pytest.raises(SceneError, match=r"scene 42 is not in .*; valid: 0 to 18"):
         open_scene("42")
 
 
@@ -118,7 +118,7 @@ def test_an_unknown_scene_gives_one_line_with_what_is_valid(spec):
     with pytest.raises(SceneError) as caught:
         open_scene(spec)
     assert str(caught.value) == (
-        f"scene {spec!r} is unknown, valid: a number from 0 to 1015, corpus:N, gen:SEED, field, "
+        f"scene {spec!r} is unknown; valid: a number from 0 to 1015, corpus:N, gen:SEED, field, "
         "FILE.json or FILE.jsonl#ID, also with .gz"
     )
 
@@ -139,7 +139,7 @@ def test_a_file_of_ours_holds_one_scene(tmp_path, scene_42):
     path = tmp_path / "mine.json"
     write_scene(scene_42, path)
     assert open_scene(f"{path}#0") == open_scene(f"{path}#corpus-0042") == scene_42
-    with pytest.raises(SceneError, match=r"has no scene '1', valid: 'corpus-0042'"):
+    with pytest.raises(SceneError, match=r"has no scene '1'; valid: 'corpus-0042'"):
         open_scene(f"{path}#1")
 
 
@@ -169,7 +169,7 @@ def test_what_a_layout_loses_is_said(tmp_path, caplog):
     record["objects"][1]["category"] = "Xyzzy"
     record["objects"][2]["s"] = [0, 1, 1]
     path = write_lines(tmp_path / "a.jsonl", record)
-    with pytest.raises(SceneError, match=r"object 2 \(Bed\): s is \[0, 1, 1\], valid"):
+    with pytest.raises(SceneError, match=r"object 2 \(Bed\): s is \[0, 1, 1\]; valid"):
         open_scene(str(path))
     open_scene(str(path), skip_invalid=True)
     said = [entry.getMessage() for entry in caplog.records]

@@ -95,7 +95,7 @@ def test_start_inside_an_obstacle_is_named():
     with pytest.raises(WorldError) as caught:
         build_world(scene, IRIS, extra=(block,))
     assert str(caught.value) == (
-        "start_position_enu_m (1.0, 2.0, 0.0) puts the vehicle inside object 12 (unknown), "
+        "start_position_enu_m (1.0, 2.0, 0.0) puts the vehicle inside object 12 (unknown); "
         "valid: a free point on a surface"
     )
 
@@ -112,7 +112,7 @@ def test_start_in_the_ground_is_named():
     sunk = dataclasses.replace(
         empty_scene(), extent_min_enu_m=(-40.0, -40.0, -5.0), start_position_enu_m=(0.0, 0.0, -1.0)
     )
-    with pytest.raises(WorldError, match="puts the vehicle inside the ground, valid:"):
+    with pytest.raises(WorldError, match="puts the vehicle inside the ground; valid:"):
         build_world(sunk, IRIS)
 
 

@@ -64,7 +64,7 @@ def too_narrow(scene: Scene, least_m: float) -> str | None:
     if found is None or found.width_m >= least_m - _TOLERANCE_M:
         return None
     return (
-        f"the {found.what} of object {found.object_id} is {found.width_m:.2f} m wide, "
+        f"the {found.what} of object {found.object_id} is {found.width_m:.2f} m wide; "
         f"valid: at least {least_m:g} m"
     )
 

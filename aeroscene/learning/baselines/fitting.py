@@ -84,7 +84,7 @@ class FittedBaseline:
         """
         if domain not in self.domains:
             valid = ", ".join(sorted(self.domains))
-            raise TrainingError(f"domain is {domain!r}, valid: {valid}; no other was trained on")
+            raise TrainingError(f"domain is {domain!r}; valid: {valid}; no other was trained on")
         device = next(self.model.parameters()).device
         number = int(np.random.SeedSequence(seed).generate_state(1, np.uint64)[0])
         generator = torch.Generator(device).manual_seed(number >> (64 - _NOISE_BITS))
@@ -155,7 +155,7 @@ def _restore(
     if (state.facts.preset, state.facts.configs) != (facts.preset, facts.configs):
         raise TrainingError(
             f"out {str(folder)!r} holds a training of {state.facts.preset} with another "
-            "configuration, valid: the one that it was begun with, or another folder"
+            "configuration; valid: the one that it was begun with, or another folder"
         )
     state.restore("denoiser", training)
     forget_after(folder, "denoiser", training.step)

@@ -35,7 +35,7 @@ class Marginals:
         """
         if domain not in self._layouts:
             valid = ", ".join(sorted(self._layouts))
-            raise TrainingError(f"domain is {domain!r}, valid: {valid}; no other was trained on")
+            raise TrainingError(f"domain is {domain!r}; valid: {valid}; no other was trained on")
         rng = np.random.default_rng(seed)
         layouts = self._layouts[domain]
         count = len(layouts[int(rng.integers(len(layouts)))])

@@ -152,5 +152,5 @@ def fit(name: str, lessons: Lessons, watcher: Watcher, cfg: BaselineCfg | None =
         OSError: If a file cannot be written.
     """
     if name not in METHODS:
-        raise TrainingError(f"method is {name!r}, valid: {', '.join(METHODS)}")
+        raise TrainingError(f"method is {name!r}; valid: {', '.join(METHODS)}")
     return METHODS[name].fit(lessons, cfg or BaselineCfg(), watcher)

@@ -19,7 +19,7 @@ def require_choice(section: str, cfg: object, **choices: Any) -> None:
     for name, choice in choices.items():
         if getattr(cfg, name) not in get_args(choice):
             valid = ", ".join(get_args(choice))
-            raise DiffusionError(f"{section}.{name} is {getattr(cfg, name)!r}, valid: {valid}")
+            raise DiffusionError(f"{section}.{name} is {getattr(cfg, name)!r}; valid: {valid}")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,7 +48,7 @@ class ScheduleCfg:
         if self.kind == "linear" and not (0 < self.beta_first <= self.beta_last and top < 1):
             raise DiffusionError(
                 f"schedule.beta_first and beta_last are {self.beta_first:g} and "
-                f"{self.beta_last:g}, valid: 0 < first <= last < {self.n_steps / 1000:g}"
+                f"{self.beta_last:g}; valid: 0 < first <= last < {self.n_steps / 1000:g}"
             )
 
 

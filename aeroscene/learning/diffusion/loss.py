@@ -76,7 +76,7 @@ def diffusion_loss(
     Source: the paper's algorithm 1, L = L_rec + lambda_guide L_guide.
     """
     if batch.x0 is None:
-        raise ValueError("batch.x0 is None, valid: the clean layouts to be learned")
+        raise ValueError("batch.x0 is None; valid: the clean layouts to be learned")
     weight = channel_weight(batch)
     is_free = weight > 0
     x0 = batch.x0 * is_free
@@ -133,7 +133,7 @@ def channel_weight(batch: TokenBatch) -> Float[Tensor, "batch n channels"]:
         ValueError: If it has none.
     """
     if batch.weight is None:
-        raise ValueError("batch.weight is None, valid: a weight for every channel of every token")
+        raise ValueError("batch.weight is None; valid: a weight for every channel of every token")
     return batch.weight
 
 

@@ -53,7 +53,7 @@ class GivenPart:
             known = sorted({kind.category for kind in language.vocabulary.kinds if kind.category})
             raise RequestError(
                 f"scene {kept.scene_id!r} has an object of category {strange!r}, which the "
-                f"model never saw, valid: {', '.join(known)}"
+                f"model never saw; valid: {', '.join(known)}"
             ) from None
         program = with_references(encoded, language.statistics.references)
         return GivenPart(kept, program, encoded.object_ids, example)

@@ -92,7 +92,7 @@ class FlatProposer:
         for request in requests:
             if request.given is not None or request.outline_m is not None:
                 raise RequestError(
-                    "an outline or a scene is given with the paper's preset, valid: neither; "
+                    "an outline or a scene is given with the paper's preset; valid: neither; "
                     "--preset default takes them"
                 )
         model = self._model

@@ -71,7 +71,7 @@ def load_proposer(
     """
     if checkpoint is None:
         if preset not in SHIPPED:
-            raise CheckpointError(f"preset is {preset!r}, valid: {', '.join(SHIPPED)}")
+            raise CheckpointError(f"preset is {preset!r}; valid: {', '.join(SHIPPED)}")
         checkpoint = SHIPPED[preset]
     checkpoint = Path(checkpoint)
     sections = read_sections(checkpoint)

@@ -35,7 +35,7 @@ class Redo:
                 f"{x} {a:g} to {b:g}" for x, a, b in zip("xyz", low, high, strict=True)
             )
             raise RequestError(
-                f"region {self.region} lies outside of scene {self.scene.scene_id!r}, valid: some "
+                f"region {self.region} lies outside of scene {self.scene.scene_id!r}; valid: some "
                 f"of {spans}"
             )
 

@@ -79,7 +79,7 @@ class Request:
                 limits.require(name, value, RequestError)
         if self.density is not None and self.n_objects is not None:
             raise RequestError(
-                f"density is {self.density:g} beside objects {self.n_objects}, "
+                f"density is {self.density:g} beside objects {self.n_objects}; "
                 "valid: one of the two; both say how many objects there are"
             )
         for side in self.outline_m or ():
@@ -108,7 +108,7 @@ class Request:
         for name, (value, reason) in beside.items():
             if value is not None:
                 raise RequestError(
-                    f"{name} is {value!r} beside a scene {what}, valid: one of the two; {reason}"
+                    f"{name} is {value!r} beside a scene {what}; valid: one of the two; {reason}"
                 )
 
     @property
@@ -244,7 +244,7 @@ class Request:
             where = "" if domain is None else f" for domain {domain!r}"
             known = sorted({theme for each in asked for theme in themes.get(each, ())})
             valid = ", ".join(known) or "no theme; the model knows none, --preset default does"
-            raise RequestError(f"theme is {self.theme!r}{where}, valid: {valid}")
+            raise RequestError(f"theme is {self.theme!r}{where}; valid: {valid}")
         return found
 
     def alike(self, seen: Sequence[Wish], themes: Themes = NO_THEMES) -> list[Wish]:
@@ -261,7 +261,7 @@ class Request:
         if seen and not found:
             valid = ", ".join(sorted({wish.domain for wish in seen}))
             raise RequestError(
-                f"domain is {' or '.join(domains)!r}, valid: {valid}; "
+                f"domain is {' or '.join(domains)!r}; valid: {valid}; "
                 "the model was trained on no other"
             )
         return [wish for wish in found if wish.theme == self.theme] or found

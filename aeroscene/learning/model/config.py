@@ -83,7 +83,7 @@ class ModelCfg:
         for name, choices in _CHOICES.items():
             if getattr(self, name) not in choices:
                 valid = ", ".join(map(repr, choices))
-                raise ModelCfgError(f"{name} is {getattr(self, name)!r}, valid: {valid}")
+                raise ModelCfgError(f"{name} is {getattr(self, name)!r}; valid: {valid}")
         require_ranges(self, ModelCfgError, "")
         for voxels in self.grid_shape:
             _VOXELS.require("grid_shape", voxels, ModelCfgError)
@@ -94,21 +94,21 @@ class ModelCfg:
     def _check_widths(self) -> None:
         if self.heads % 2 or self.width % (2 * self.heads):
             raise ModelCfgError(
-                f"heads is {self.heads} with width {self.width}, valid: an even number of which "
+                f"heads is {self.heads} with width {self.width}; valid: an even number of which "
                 "twice divides the width"
             )
         if self.place_width % 2:
-            raise ModelCfgError(f"place_width is {self.place_width}, valid: even numbers, 2 to 256")
+            raise ModelCfgError(f"place_width is {self.place_width}; valid: even numbers, 2 to 256")
         if not self.unet_widths:
-            raise ModelCfgError("unet_widths is (), valid: one width or more")
+            raise ModelCfgError("unet_widths is (); valid: one width or more")
         for width in self.unet_widths:
             if width < 1 or width % self.heads:
                 raise ModelCfgError(
-                    f"unet_widths is {width}, valid: multiples of heads, {self.heads}"
+                    f"unet_widths is {width}; valid: multiples of heads, {self.heads}"
                 )
         if self.n_categories and self.channels != N_GEOMETRY:
             raise ModelCfgError(
-                f"channels is {self.channels} with n_categories {self.n_categories}, valid: "
+                f"channels is {self.channels} with n_categories {self.n_categories}; valid: "
                 f"{N_GEOMETRY}"
             )
 
@@ -116,6 +116,6 @@ class ModelCfg:
         parts = (self.routing, self.coarse_branch, self.fine_branch)
         if parts != ("given", "attention", "siblings"):
             raise ModelCfgError(
-                f"routing, coarse_branch, fine_branch are {parts} with denoiser tokens, valid: "
+                f"routing, coarse_branch, fine_branch are {parts} with denoiser tokens; valid: "
                 "('given', 'attention', 'siblings'); the other parts need denoiser unet"
             )

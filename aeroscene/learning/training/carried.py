@@ -50,7 +50,7 @@ class Begun:
             own, other = (_sizes_of(each[name]) for each in (sections, self.sections))
             if own != other:
                 raise CheckpointError(
-                    f"checkpoint {str(self.path)!r} has a network of other sizes than [{name}], "
+                    f"checkpoint {str(self.path)!r} has a network of other sizes than [{name}]; "
                     f"valid: {other}"
                 )
             parts[part] = carried(part, weights, self.language.vocabulary, language.vocabulary)
@@ -66,7 +66,7 @@ def read_begun(path: Path) -> Begun:
     found = read_checkpoint(path)
     if not isinstance(found.known, Language):
         raise CheckpointError(
-            f"checkpoint {str(path)!r} is of preset {found.facts.preset!r}, valid: 'default'"
+            f"checkpoint {str(path)!r} is of preset {found.facts.preset!r}; valid: 'default'"
         )
     return Begun(path, found.known, found.parts, sections_from_plain(found.facts.configs))
 

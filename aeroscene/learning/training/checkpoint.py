@@ -62,7 +62,7 @@ class Checkpoint:
         """
         if part not in self.parts:
             raise CheckpointError(
-                f"checkpoint has no {part}, only {', '.join(self.parts) or 'nothing'}, valid: a "
+                f"checkpoint has no {part}, only {', '.join(self.parts) or 'nothing'}; valid: a "
                 "training run to its end; aeroscene train --resume goes on with it"
             )
         return self.parts[part]
@@ -79,7 +79,7 @@ class Checkpoint:
         except RuntimeError as error:
             detail = str(error).splitlines()[-1].strip()
             raise CheckpointError(
-                f"checkpoint's {part} does not fit the configuration stored with it ({detail}), "
+                f"checkpoint's {part} does not fit the configuration stored with it ({detail}); "
                 "valid: weights and configuration of one training"
             ) from None
 
@@ -151,7 +151,7 @@ def _known(path: Path, facts: CheckpointFacts, tensors: Weights) -> Known:
         return Language.restored(facts.vocabulary, arrays)
     except (TypeError, KeyError, msgspec.DecodeError):
         raise CheckpointError(
-            f"checkpoint {str(path)!r} lacks the statistics of its channels, "
+            f"checkpoint {str(path)!r} lacks the statistics of its channels; "
             "valid: the file as aeroscene train has written it"
         ) from None
 

@@ -115,17 +115,17 @@ def read_facts(path: Path) -> CheckpointFacts:
     except OSError as error:
         reason = (error.strerror or type(error).__name__).lower()
         raise CheckpointError(
-            f"checkpoint {str(path)!r} cannot be read ({reason}), "
+            f"checkpoint {str(path)!r} cannot be read ({reason}); "
             "valid: a .safetensors file that aeroscene train has written"
         ) from None
     except (SafetensorError, msgspec.DecodeError) as error:
         raise CheckpointError(
-            f"checkpoint {str(path)!r} is truncated or no checkpoint ({error}), valid: a "
+            f"checkpoint {str(path)!r} is truncated or no checkpoint ({error}); valid: a "
             ".safetensors file as aeroscene train has written it; copy it again"
         ) from None
     if facts.digest != digest:
         raise CheckpointError(
-            f"checkpoint {str(path)!r} is damaged (its weights are not those that were written), "
+            f"checkpoint {str(path)!r} is damaged (its weights are not those that were written); "
             "valid: the file as it was made; copy it again"
         )
     return facts
@@ -210,19 +210,19 @@ def _facts(path: Path, text: str) -> CheckpointFacts:
     if head.get("format") != FORMAT:
         raise CheckpointError(
             f"checkpoint {str(path)!r} holds weights of another program (format is "
-            f"{head.get('format')!r}), valid: {FORMAT!r}, as aeroscene train writes it"
+            f"{head.get('format')!r}); valid: {FORMAT!r}, as aeroscene train writes it"
         )
     valid = version_of(head.get("preset"))
     if head.get("version") != valid:
         raise CheckpointError(
-            f"checkpoint {str(path)!r} is of version {head.get('version')!r}, valid: {valid}; "
+            f"checkpoint {str(path)!r} is of version {head.get('version')!r}; valid: {valid}; "
             f"it was made by AeroScene {head.get('code')}: use that, or train anew"
         )
     try:
         facts = msgspec.json.decode(text, type=CheckpointFacts)
     except msgspec.DecodeError as error:
         raise CheckpointError(
-            f"checkpoint {str(path)!r} is damaged ({error}), valid: the file as it was made"
+            f"checkpoint {str(path)!r} is damaged ({error}); valid: the file as it was made"
         ) from None
     _check_categories(path, facts)
     return facts
@@ -244,5 +244,5 @@ def _check_categories(path: Path, facts: CheckpointFacts) -> None:
     example = f"it has {strange[0]!r}" if strange else "they are others, or in another order"
     raise CheckpointError(
         f"checkpoint {str(path)!r} was trained with {len(facts.categories)} other categories "
-        f"({example}), valid: the {len(known)} of this catalogue; train anew with aeroscene train"
+        f"({example}); valid: the {len(known)} of this catalogue; train anew with aeroscene train"
     )

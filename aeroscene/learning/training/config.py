@@ -19,7 +19,7 @@ class TrainingError(SceneError):
 def require(*, ok: bool, name: str, value: object, valid: str) -> None:
     """Raise a `TrainingError` about a field of a configuration unless it is `ok`."""
     if not ok:
-        raise TrainingError(f"{name} is {value!r}, valid: {valid}")
+        raise TrainingError(f"{name} is {value!r}; valid: {valid}")
 
 
 _MOST = 2**31 - 1
@@ -80,7 +80,7 @@ class Budget:
 
     def __post_init__(self) -> None:
         if self.steps is None and self.seconds is None:
-            raise TrainingError("training has no end, valid: a number of steps or of minutes")
+            raise TrainingError("training has no end; valid: a number of steps or of minutes")
         if self.steps is not None:
             require(ok=self.steps >= 1, name="steps", value=self.steps, valid="1 or more")
         if self.seconds is not None:

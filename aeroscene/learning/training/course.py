@@ -132,7 +132,7 @@ def check_finite(training: PartTraining) -> None:
     for name, value in training.average.weights.items():
         if not torch.isfinite(value).all():
             raise TrainingError(
-                f"weights {name} are not finite after step {training.step}, valid: a lower "
+                f"weights {name} are not finite after step {training.step}; valid: a lower "
                 "learning_rate; the last save is as it was"
             )
 

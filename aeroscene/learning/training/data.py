@@ -75,7 +75,7 @@ def open_training_data(
     train, held_out = training_scenes(path, on_scene)
     if len(train) < _LEAST_SCENES:
         raise TrainingError(
-            f"data {str(path)!r} has {len(train)} scenes to train on, "
+            f"data {str(path)!r} has {len(train)} scenes to train on; "
             f"valid: {_LEAST_SCENES} or more"
         )
     is_corpus = not is_layouts(path)
@@ -125,7 +125,7 @@ def prepared(
     )
     if len(known.examples) < _LEAST_SCENES:
         raise TrainingError(
-            f"data {name!r} has {len(known.examples)} scenes that have a program, "
+            f"data {name!r} has {len(known.examples)} scenes that have a program; "
             f"valid: {_LEAST_SCENES} or more"
         )
     examples = _encoded(held_out, known.encoder)
@@ -161,7 +161,7 @@ def _program_set(
     encoded, wishes = encodable(scenes, encoding)
     if not encoded:
         raise TrainingError(
-            "none of the scenes has a program, valid: scenes whose floors, walls "
+            "none of the scenes has a program; valid: scenes whose floors, walls "
             "and covers do not overlap"
         )
     language = learn_language(encoded, encoding)

@@ -67,4 +67,4 @@ def naming_memory(device: torch.device, way_out: str) -> Iterator[None]:
 
 
 def _out_of_memory(device: torch.device, way_out: str) -> str:
-    return f"device {str(device)!r} is out of memory, valid: {way_out}"
+    return f"device {str(device)!r} is out of memory; valid: {way_out}"

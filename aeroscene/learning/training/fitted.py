@@ -23,7 +23,7 @@ def fitted(sections: Sections, known: Known) -> dict[str, Any]:
     model = sections["model"]
     if model.denoiser != "tokens" or model.channels != N_CHANNELS:
         raise TrainingError(
-            f"model.denoiser is {model.denoiser!r} with {model.channels} channels, valid: 'tokens' "
+            f"model.denoiser is {model.denoiser!r} with {model.channels} channels; valid: 'tokens' "
             f"with {N_CHANNELS}; the paper's network needs --preset paper"
         )
     return {**sections, "model": replace(model, n_kinds=len(known.vocabulary.kinds))}

@@ -128,7 +128,7 @@ class PartTraining:
         if not math.isfinite(float(norm)):
             raise TrainingError(
                 f"gradient is {float(norm)} in step {self.step + 1} at a learning rate of "
-                f"{rate:.3g}, valid: finite; lower learning_rate or clip_norm, then --resume"
+                f"{rate:.3g}; valid: finite; lower learning_rate or clip_norm, then --resume"
             )
 
 

@@ -48,7 +48,7 @@ def require_trainable(sections: Mapping[str, Any]) -> None:
     for part, name in _SECTIONS.items():
         if name in sections and (count := least_numbers(part, sections[name])) > MOST_NUMBERS:
             raise TrainingError(
-                f"[{name}] describes a network of {count:,} numbers or more, valid: at most "
+                f"[{name}] describes a network of {count:,} numbers or more; valid: at most "
                 f"{MOST_NUMBERS:,}; take less width, or fewer layers"
             )
 
@@ -64,7 +64,7 @@ def require_filled(path: Path, sections: Mapping[str, Any]) -> None:
         found = sum(math.prod(s) for key, s in shapes.items() if key.startswith(f"{part}."))
         if found and name in sections and least_numbers(part, sections[name]) > found:
             raise CheckpointError(
-                f"checkpoint {str(path)!r} has {found:,} numbers of the {part}, valid: "
+                f"checkpoint {str(path)!r} has {found:,} numbers of the {part}; valid: "
                 f"{least_numbers(part, sections[name]):,} or more for the network that it "
                 "describes; copy it again"
             )

@@ -52,7 +52,7 @@ def preset_sections(preset: Preset) -> dict[str, Any]:
         TrainingError: If there is no such preset.
     """
     if preset not in get_args(Preset):
-        raise TrainingError(f"preset is {preset!r}, valid: {', '.join(get_args(Preset))}")
+        raise TrainingError(f"preset is {preset!r}; valid: {', '.join(get_args(Preset))}")
     return dict(_SECTIONS[preset])
 
 
@@ -96,10 +96,10 @@ def sections_from_plain(plain: Mapping[str, Mapping[str, Any]]) -> dict[str, Any
     """
     unknown = [name for name in plain if name not in _KINDS]
     if unknown:
-        raise TrainingError(f"section [{unknown[0]}] is unknown, valid: {', '.join(_KINDS)}")
+        raise TrainingError(f"section [{unknown[0]}] is unknown; valid: {', '.join(_KINDS)}")
     missing = [name for name in _SHARED if name not in plain]
     if missing:
-        raise TrainingError(f"section [{missing[0]}] is missing, valid: {', '.join(_KINDS)}")
+        raise TrainingError(f"section [{missing[0]}] is missing; valid: {', '.join(_KINDS)}")
     return {name: section_from_plain(_KINDS[name], values, name) for name, values in plain.items()}
 
 

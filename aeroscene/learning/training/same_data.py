@@ -25,7 +25,7 @@ def taken_parts(path: Path, data: TrainingData, trained: Collection[Part]) -> di
     if theirs.digest != ours.digest:
         raise TrainingError(
             f"checkpoint {str(path)!r} is of other data: {theirs.name!r} ({theirs.n_scenes} "
-            f"scenes), not {ours.name!r} ({ours.n_scenes}), valid: one that was trained on the same"
+            f"scenes), not {ours.name!r} ({ours.n_scenes}); valid: one that was trained on the same"
         )
     return {part: checkpoint.parts[part] for part in checkpoint.parts if part not in trained}
 
@@ -41,10 +41,10 @@ def check_same_data(folder: Path, facts: CheckpointFacts, now: DataSource) -> No
         raise TrainingError(
             f"data {now.name!r} ({now.n_scenes} scenes, digest {now.digest}) is not what the "
             f"training in {str(folder)!r} was begun on ({begun.n_scenes} scenes, digest "
-            f"{begun.digest}), valid: the same data, or another folder"
+            f"{begun.digest}); valid: the same data, or another folder"
         )
     if begun.stream != now.stream:
         raise TrainingError(
-            f"stream is {now.stream or 'none'}, valid: {begun.stream or 'none'}, with which the "
+            f"stream is {now.stream or 'none'}; valid: {begun.stream or 'none'}, with which the "
             f"training in {str(folder)!r} was begun; or another folder"
         )

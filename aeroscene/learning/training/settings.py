@@ -48,9 +48,9 @@ def changed(sections: Mapping[str, Any], document: Mapping[str, Any]) -> dict[st
     result = dict(sections)
     for name, values in document.items():
         if name not in sections:
-            raise TrainingError(f"section [{name}] is unknown, valid: {', '.join(sections)}")
+            raise TrainingError(f"section [{name}] is unknown; valid: {', '.join(sections)}")
         if not isinstance(values, dict):
-            raise TrainingError(f"{name} is {values!r}, valid: a section [{name}] with fields")
+            raise TrainingError(f"{name} is {values!r}; valid: a section [{name}] with fields")
         result[name] = section_with(sections[name], values, name)
     return result
 
@@ -64,7 +64,7 @@ def section_with(section: Section, values: Mapping[str, Any], name: str) -> Sect
     plain = section_to_plain(section)
     for key in values:
         if key not in plain:
-            raise TrainingError(f"{name}.{key} is unknown, valid: {', '.join(plain)}")
+            raise TrainingError(f"{name}.{key} is unknown; valid: {', '.join(plain)}")
     return section_from_plain(type(section), plain | dict(values), name)
 
 

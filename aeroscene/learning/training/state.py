@@ -55,7 +55,7 @@ class TrainingState:
         except (RuntimeError, KeyError) as error:
             detail = str(error).splitlines()[-1].strip()
             raise CheckpointError(
-                f"state {str(self.path)!r} is of another model ({detail}), "
+                f"state {str(self.path)!r} is of another model ({detail}); "
                 "valid: the configuration that it was begun with, or another folder"
             ) from None
         moments = under(tensors, _MOMENTS)

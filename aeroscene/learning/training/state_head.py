@@ -64,9 +64,9 @@ def read_head(path: Path) -> StateHead | None:
             return msgspec.json.decode(text, type=StateHead)
     except (OSError, SafetensorError, msgspec.DecodeError, RecursionError) as error:
         raise CheckpointError(
-            f"state {str(path)!r} is truncated or no state of a training ({error}), "
+            f"state {str(path)!r} is truncated or no state of a training ({error}); "
             "valid: as aeroscene train has written it; delete it to train anew"
         ) from None
     raise CheckpointError(
-        f"state {str(path)!r} is of version {version}, valid: {VERSION}; delete it to train anew"
+        f"state {str(path)!r} is of version {version}; valid: {VERSION}; delete it to train anew"
     )

@@ -39,6 +39,6 @@ class WriterCfg:
         require_ranges(self, WriterError, "")
         if self.heads % 2 or self.width % self.heads:
             raise WriterError(
-                f"heads is {self.heads} with width {self.width}, valid: an even number that "
+                f"heads is {self.heads} with width {self.width}; valid: an even number that "
                 "divides the width"
             )

@@ -60,7 +60,7 @@ def _scene_kind(syntax: Syntax, wish: Wish, theme: str | None, rng: np.random.Ge
     if not fitting:
         known = sorted({vocabulary.kinds[i].domain for i in roots})
         raise WriterError(
-            f"domain is {wish.domain!r}, which the model never saw, valid: {', '.join(known)}"
+            f"domain is {wish.domain!r}, which the model never saw; valid: {', '.join(known)}"
         )
     if theme is not None:
         themes = {theme_of(vocabulary.kinds[i]): i for i in fitting}
@@ -68,7 +68,7 @@ def _scene_kind(syntax: Syntax, wish: Wish, theme: str | None, rng: np.random.Ge
             valid = (
                 ", ".join(sorted(filter(None, themes))) or "none, since the model knows no themes"
             )
-            raise WriterError(f"theme is {theme!r} for domain {wish.domain!r}, valid: {valid}")
+            raise WriterError(f"theme is {theme!r} for domain {wish.domain!r}; valid: {valid}")
         return themes[theme]
     counts = np.array([vocabulary.counts[i] for i in fitting], dtype=float)
     return fitting[int(rng.choice(len(fitting), p=counts / counts.sum()))]

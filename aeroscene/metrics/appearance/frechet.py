@@ -66,10 +66,10 @@ def check_features(first: np.ndarray, second: np.ndarray, least: int) -> None:
     """
     for features in (first, second):
         if len(features) < least:
-            raise TooFewScenesError(f"a set of {len(features)} pictures, valid: {least} or more")
+            raise TooFewScenesError(f"a set of {len(features)} pictures; valid: {least} or more")
     if first.shape[1] != second.shape[1]:
         raise ValueError(
-            f"features are of {first.shape[1]} and {second.shape[1]} numbers, of two networks, "
+            f"features are of {first.shape[1]} and {second.shape[1]} numbers, of two networks; "
             "valid: both of one"
         )
 

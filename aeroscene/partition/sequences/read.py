@@ -57,7 +57,7 @@ class _Reader:
         if found is None or (nodes and found.node not in nodes):
             name = "ends" if found is None else f"has {found.node!r}"
             valid = ", ".join(nodes) or "a node"
-            raise PartitionError(f"sequence {name} at record {self.at}, valid: {valid}")
+            raise PartitionError(f"sequence {name} at record {self.at}; valid: {valid}")
         self.at += 1
         return found
 
@@ -67,7 +67,7 @@ class _Reader:
         frame, tree = Frame(*values[:5]), self.node(self.take())
         if head.node == "site":
             if self.at < len(self.records):
-                raise PartitionError("sequence goes on behind its site, valid: one partition")
+                raise PartitionError("sequence goes on behind its site; valid: one partition")
             return SitePartition(frame=frame, tree=tree, base_m=last)
         borders: list[Border] = []
         while self.at < len(self.records):
@@ -122,7 +122,7 @@ class _Reader:
                 return self.bend(r)
             case _:
                 raise PartitionError(
-                    f"sequence has {r.node!r} at record {self.at - 1}, valid: a node"
+                    f"sequence has {r.node!r} at record {self.at - 1}; valid: a node"
                 )
 
     def item(self) -> Item:

@@ -79,7 +79,7 @@ def _headings(roads: list[SceneObject]) -> list[float]:
         headings.append(last)
     turns = [b - a for a, b in pairwise(headings)]
     if max(map(abs, turns)) > 1.2 or min(map(abs, turns)) < _SAME_RAD:
-        raise PartitionError(f"a bend turns by {turns} rad, valid: {_SAME_RAD} to 1.2")
+        raise PartitionError(f"a bend turns by {turns} rad; valid: {_SAME_RAD} to 1.2")
     return headings
 
 
@@ -176,7 +176,7 @@ def _with_banks(
         bounds = frame.bounds_of(frame_of(obj.bbox))
         side = 0 if bounds[3] <= SAME_M else 1
         if side and bounds[1] < frame.width_m - SAME_M:
-            raise PartitionError(f"object {obj.id} lies across a bend, valid: beside its lanes")
+            raise PartitionError(f"object {obj.id} lies across a bend; valid: beside its lanes")
         banks[2 * number + side].append((obj, bounds))
     found = [
         _bank(group, frames[index // 2], index % 2, node, widths) if group else None
@@ -190,7 +190,7 @@ def _with_banks(
 def _nearest(obj: SceneObject, frames: list[Frame]) -> tuple[int, Frame]:
     aligned = [(i, frame) for i, frame in enumerate(frames) if _is_aligned(obj, frame)]
     if not aligned:
-        raise PartitionError(f"object {obj.id} is turned against a bend, valid: along a piece")
+        raise PartitionError(f"object {obj.id} is turned against a bend; valid: along a piece")
     x, y = obj.bbox.p[:2]
     return min(aligned, key=lambda each: math.dist((each[1].x_enu_m, each[1].y_enu_m), (x, y)))
 

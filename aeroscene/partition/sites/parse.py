@@ -122,7 +122,7 @@ class _Reader:
         for obj in bodies:
             _, rest = nearest_quarter(obj.bbox.yaw_rad - plane.yaw_rad)
             if abs(rest) > ALIGNED_RAD:
-                raise PartitionError(f"object {obj.id} is turned by {rest:.3f} rad, valid: aligned")
+                raise PartitionError(f"object {obj.id} is turned by {rest:.3f} rad; valid: aligned")
             node = self.node(obj, carried, plane.yaw_rad)
             pieces.append(Piece(plane.bounds_of(frame_of(obj.bbox)), node, obj.id + 1))
         hull: Bounds = hull_of(piece.bounds for piece in pieces)
@@ -169,7 +169,7 @@ class _Reader:
             return None
         inside = all(_is_within(frame.bounds_of(frame_of(child.bbox)), frame) for child in bodies)
         if not inside:
-            raise PartitionError(f"a child of object {host.id} reaches over it, valid: none does")
+            raise PartitionError(f"a child of object {host.id} reaches over it; valid: none does")
         return self.tree(bodies, carried, frame.yaw_rad, frame)[1]
 
 

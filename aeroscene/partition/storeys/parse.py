@@ -111,7 +111,7 @@ def storey_partitions(scene: Scene, host_id: int | None, word: Word = room_word)
 
 def _room(obj: SceneObject, plane: Frame) -> _Room:
     if abs(nearest_quarter(obj.bbox.yaw_rad - plane.yaw_rad)[1]) > _ALIGNED_RAD:
-        raise PartitionError(f"room {obj.id} is turned against its building, valid: aligned")
+        raise PartitionError(f"room {obj.id} is turned against its building; valid: aligned")
     half = obj.bbox.s[2] / 2
     return _Room(
         obj, plane.bounds_of(frame_of(obj.bbox)), obj.bbox.p[2] - half, obj.bbox.p[2] + half

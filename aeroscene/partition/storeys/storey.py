@@ -66,7 +66,7 @@ class StoreyPartition:
     def __post_init__(self) -> None:
         count = len(storey_lines(self))
         if count != len(self.borders):
-            raise PartitionError(f"storey.borders has {len(self.borders)} entries, valid: {count}")
+            raise PartitionError(f"storey.borders has {len(self.borders)} entries; valid: {count}")
 
 
 @dataclass(frozen=True, slots=True)

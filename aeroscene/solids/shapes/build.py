@@ -180,6 +180,6 @@ def scene_primitives(scene: Scene) -> tuple[Primitive, ...]:
         if len(primitives) > MOST_PRIMITIVES:
             raise SceneError(
                 f"scene {scene.scene_id!r}: object {obj.id}: the objects so far have more than "
-                f"{MOST_PRIMITIVES} parts, valid: fewer or smaller objects"
+                f"{MOST_PRIMITIVES} parts; valid: fewer or smaller objects"
             )
     return tuple(primitives)

@@ -40,7 +40,7 @@ def geom_triangles(model: mujoco.MjModel, geom_id: int) -> Triangles:
     if kind == mujoco.mjtGeom.mjGEOM_MESH:
         return _mesh(model, int(model.geom_dataid[geom_id]))
     raise ShapeError(
-        f"geom {geom_id} is a {kind.name}, valid: plane, box, ellipsoid, cylinder, capsule, mesh"
+        f"geom {geom_id} is a {kind.name}; valid: plane, box, ellipsoid, cylinder, capsule, mesh"
     )
 
 

@@ -85,7 +85,7 @@ def open_camera_renderer(
     """
     for name, value in (("width", width), ("height", height)):
         if not 1 <= value <= MAX_EDGE_PIXELS:
-            raise CameraError(f"{name} {value} is not valid, valid: 1 to {MAX_EDGE_PIXELS} pixels")
+            raise CameraError(f"{name} {value} is not valid; valid: 1 to {MAX_EDGE_PIXELS} pixels")
     if backend not in ("auto", "gl", "raycast"):
         raise CameraError(f"backend {backend!r} is unknown; valid: auto, gl, raycast")
     if backend == "raycast":

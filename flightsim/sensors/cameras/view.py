@@ -153,7 +153,7 @@ def look_at(eye_enu_m: Vector3, target_enu_m: Vector3, vertical_fov_rad: float) 
     forward = np.array(target_enu_m, dtype=float) - eye
     distance_m = float(np.linalg.norm(forward))
     if not distance_m > 0:
-        raise CameraError(f"target_enu_m {target_enu_m} is the eye itself, valid: another point")
+        raise CameraError(f"target_enu_m {target_enu_m} is the eye itself; valid: another point")
     forward /= distance_m
     right = np.array([forward[1], -forward[0], 0.0])
     sideways = float(np.linalg.norm(right))

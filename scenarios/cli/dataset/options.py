@@ -65,7 +65,7 @@ def _select(dataset: SceneSet[Any], scenes: str) -> SceneSet[Any]:
         )
         raise DatasetError(
             f"scene {missing[0]} is not in {str(dataset.place)!r} ({len(missing)} of those asked "
-            f"for are not), valid: {way_out}"
+            f"for are not); valid: {way_out}"
         )
     return dataset.select(frozenset(wanted))
 

@@ -74,7 +74,7 @@ def _choose(cfg: ShowCfg) -> SceneSet[Any]:
 def _check(cfg: ShowCfg, dataset: SceneSet[Any]) -> None:
     if len(dataset.entries) > _LARGEST_SHEET:
         raise DatasetError(
-            f"scenes {cfg.scenes!r} are {len(dataset.entries)} scenes, "
+            f"scenes {cfg.scenes!r} are {len(dataset.entries)} scenes; "
             f"valid: at most {_LARGEST_SHEET} on a sheet"
         )
 

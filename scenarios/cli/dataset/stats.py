@@ -75,7 +75,7 @@ def _read_layouts(path: Path) -> Sequence[Layout]:
         for found in read_neutral(path)
     ]
     if not layouts:
-        raise DatasetError(f"layout file {str(path)!r} holds no layout, valid: one a line")
+        raise DatasetError(f"layout file {str(path)!r} holds no layout; valid: one a line")
     return layouts
 
 

@@ -82,7 +82,7 @@ def test_a_forked_process_opens_the_file_itself(archive_path):
 @pytest.mark.parametrize("number", [-1, 19, 1016])
 def test_a_number_that_is_none_of_the_archives_is_named(archive_path, number, monkeypatch):
     monkeypatch.setattr(shipped, "SHIPPED", archive_path)
-    with pytest.raises(ArchiveError, match=rf"scene {number} is not in .*, valid: 0 to 18"):
+    with pytest.raises(ArchiveError, match=rf"scene {number} is not in .*; valid: 0 to 18"):
         read_shipped(number)
 
 
@@ -117,7 +117,7 @@ def test_a_file_that_is_cut_short_is_damaged(archive_path, tmp_path, share):
     path = tmp_path / "cut"
     path.write_bytes(content[: int(share * len(content))])
     with pytest.raises(
-        ArchiveError, match=r"'.*cut' is damaged \(cut short .*\), valid: the file that comes with"
+        ArchiveError, match=r"'.*cut' is damaged \(cut short .*\); valid: the file that comes with"
     ):
         read_all(path)
 
@@ -135,7 +135,7 @@ def test_an_archive_that_is_not_there_says_how_to_get_it(tmp_path, monkeypatch, 
     monkeypatch.setattr(shipped, "SHIPPED", tmp_path / name)
     for read in (open_shipped, lambda: read_shipped(42)):
         with pytest.raises(
-            ArchiveError, match=r"(no such file or|is a) directory\), .* installing it again"
+            ArchiveError, match=r"(no such file or|is a) directory\); .* installing it again"
         ):
             read()
 

@@ -87,7 +87,7 @@ def test_the_start_stays_free_where_there_is_no_pad(given):
 def test_nothing_new_is_a_rejection(given):
     for new in ((), (box(CRATE, 3.0, 0.0),)):
         made = inserted(given, *new)
-        reason = "nothing new has a place in the region -20,-20,0,20, valid: a larger region"
+        reason = "nothing new has a place in the region -20,-20,0,20; valid: a larger region"
         assert made.report.rejection == reason
         assert made.scene.objects == given.objects
 

@@ -57,7 +57,7 @@ def test_text_is_what_a_user_writes():
 @pytest.mark.parametrize(
     ("low", "high", "message"),
     [
-        ((5.0, 0.0, 0.0), (-5.0, 1.0, 1.0), "from 5 to -5 along x, valid: finite metres, the low"),
+        ((5.0, 0.0, 0.0), (-5.0, 1.0, 1.0), "from 5 to -5 along x; valid: finite metres, the low"),
         ((0.0, 1.0, 0.0), (5.0, 1.0, 1.0), "from 1 to 1 along y"),
         ((0.0, 0.0, 4.0), (5.0, 1.0, 1.0), "from 4 to 1 along z"),
         ((-math.inf, 0.0, 0.0), (5.0, 1.0, 1.0), "from -inf to 5 along x"),

@@ -104,10 +104,10 @@ def test_a_furnished_building_can_be_entered(tmp_path):
 
 
 BAD = {
-    "translation": ([1, 2], "translation is [1, 2], valid: 3 finite numbers"),
-    "rotation": ([1, 2], "rotation is [1, 2], valid: three angles or a quaternion"),
-    "scale": ([1, 0, 1], "scale is [1, 0, 1], valid: three numbers above 0"),
-    "indoor": ("none", "indoor is 'none', valid: a list"),
+    "translation": ([1, 2], "translation is [1, 2]; valid: 3 finite numbers"),
+    "rotation": ([1, 2], "rotation is [1, 2]; valid: three angles or a quaternion"),
+    "scale": ([1, 0, 1], "scale is [1, 0, 1]; valid: three numbers above 0"),
+    "indoor": ("none", "indoor is 'none'; valid: a list"),
 }
 
 
@@ -140,5 +140,5 @@ def test_faults_of_contents_are_named_with_their_building():
 def test_a_scene_without_objects_is_refused():
     with pytest.raises(LayoutError, match="outdoor_scene has no object"):
         aeroscene_layout({"id": "x", "outdoor_scene": []})
-    with pytest.raises(LayoutError, match="outdoor_scene is None, valid: a list"):
+    with pytest.raises(LayoutError, match="outdoor_scene is None; valid: a list"):
         aeroscene_layout({"id": "x", "outdoor_scene": None})

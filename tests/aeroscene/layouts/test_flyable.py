@@ -160,7 +160,7 @@ def test_nothing_mapped_is_an_error_naming_scene_object_and_field():
     with pytest.raises(LayoutError) as caught:
         map_layout(neutral_layout(record))
     assert "scene 'made-up/house-1': " in str(caught.value)
-    assert "object 0: category is 'Xyzzy', valid: " in str(caught.value)
+    assert "object 0: category is 'Xyzzy'; valid: " in str(caught.value)
 
 
 def test_a_layout_without_objects_is_an_empty_place():
@@ -202,7 +202,7 @@ def test_a_large_field_is_cropped_about_its_objects():
 def test_a_house_larger_than_can_be_searched_is_refused():
     record = house()
     record["floor"] = [[-400, -3], [400, -3], [400, 3], [-400, 3]]
-    with pytest.raises(LayoutError, match=r"floor is 800\.0 m long, valid: at most 160 m"):
+    with pytest.raises(LayoutError, match=r"floor is 800\.0 m long; valid: at most 160 m"):
         fly(record)
 
 

@@ -129,7 +129,7 @@ def test_bad_records_are_named():
         front3d_layout(house)
     house = front3d_house()
     del house["furniture"][0]["size"]
-    with pytest.raises(LayoutError, match=r"children\[2\]: size is None, valid: 3 finite numbers"):
+    with pytest.raises(LayoutError, match=r"children\[2\]: size is None; valid: 3 finite numbers"):
         front3d_layout(house)
     house = front3d_house()
     house["mesh"][0]["faces"] = [0, 1, 99]

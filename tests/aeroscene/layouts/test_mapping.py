@@ -93,7 +93,7 @@ def test_reports_add_up():
     assert total.by_category == {"box": 3, "bed": 1}
     assert total.by_fit == {"same": 1, "stand-in": 3}
     assert total.unmapped == {"Scarf": 2}
-    assert total.unmapped_lines[0].startswith("scene 'a': object 3: category is 'Scarf', valid: ")
+    assert total.unmapped_lines[0].startswith("scene 'a': object 3: category is 'Scarf'; valid: ")
     plain = total.to_plain()
     assert plain["mapped_by_name"]["Egg"] == {
         "count": 3,

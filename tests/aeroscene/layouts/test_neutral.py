@@ -78,7 +78,7 @@ def test_a_bad_object_is_named_by_line_scene_object_and_field(tmp_path, name):
         f"layout file {str(path)!r} line 2: scene 'made-up/house-1': object 1"
     )
     assert fault in message
-    assert ", valid: " in message
+    assert "; valid: " in message
     assert "\n" not in message
     assert isinstance(caught.value, SceneError)
 
@@ -87,19 +87,19 @@ def test_a_bad_object_is_named_by_line_scene_object_and_field(tmp_path, name):
 def test_a_missing_key_of_an_object_is_named(tmp_path, key):
     record = house()
     del record["objects"][1][key]
-    with pytest.raises(LayoutError, match=rf"'made-up/house-1': object 1.*{key} is missing, valid"):
+    with pytest.raises(LayoutError, match=rf"'made-up/house-1': object 1.*{key} is missing; valid"):
         list(read_neutral(write_lines(tmp_path / "a.jsonl", record)))
 
 
 @pytest.mark.parametrize(
     ("key", "value", "fault"),
     [
-        ("domain", "underwater", "domain is 'underwater', valid: indoor, outdoor"),
+        ("domain", "underwater", "domain is 'underwater'; valid: indoor, outdoor"),
         ("floor", [[0, 0], [1, 0]], "at least 3 corners"),
         ("floor", [[0, 0], [1, 1], [1, 0], [0, 1]], "does not cross itself"),
         ("floor", [[0, 0], [1, 0], [2, 0]], "holds an area"),
         ("floor", [[0, 0], [1, "x"], [2, 0]], "floor[1] is [1, 'x']"),
-        ("objects", {}, "objects is {}, valid: a list"),
+        ("objects", {}, "objects is {}; valid: a list"),
         (
             "attributes",
             {"rooms": [{"room_type": "Bath"}]},
@@ -117,7 +117,7 @@ def test_a_bad_field_of_a_scene_is_named(tmp_path, key, value, fault):
 def test_json_cut_short_is_named_by_its_line(tmp_path):
     path = write_lines(tmp_path / "a.jsonl", block(), house())
     path.write_bytes(path.read_bytes()[:-100])
-    with pytest.raises(LayoutError, match=r"line 2: JSON is cut short \(.* at column \d+\), valid"):
+    with pytest.raises(LayoutError, match=r"line 2: JSON is cut short \(.* at column \d+\); valid"):
         list(read_neutral(path))
 
 

@@ -132,7 +132,7 @@ def test_procthors_lines_open_by_their_number(tmp_path):
     [
         ({"rooms": []}, "rooms is empty"),
         ({"rooms": [{"id": "a"}]}, r"rooms\[0\].floorPolygon is missing"),
-        ({"objects": 3}, "objects is 3, valid: a list"),
+        ({"objects": 3}, "objects is 3; valid: a list"),
         ({"objects": [{"assetId": "Bed_1"}]}, r"object objects\[0\]: position is missing"),
         (
             {"objects": [{"assetId": "Bed_1", "position": {"x": 0, "y": 1e9, "z": 0}}]},
@@ -153,7 +153,7 @@ def test_children_too_deep_are_refused(tmp_path):
     for _ in range(20):
         nested = {**entry, "children": [nested]}
     record["objects"] = [nested]
-    with pytest.raises(LayoutError, match="too deep, valid: 8 levels"):
+    with pytest.raises(LayoutError, match="too deep; valid: 8 levels"):
         list(read_layouts(write_json(tmp_path / "a.json", record)))
 
 

@@ -92,5 +92,5 @@ def test_scenes_of_one_object_are_not_judged_best():
 
 
 def test_too_few_scenes_are_refused_with_the_number_that_would_do():
-    with pytest.raises(TooFewScenesError, match="4 scenes, valid: 5 or more"):
+    with pytest.raises(TooFewScenesError, match="4 scenes; valid: 5 or more"):
         Yardstick.of(sampled_scenes()[:4])

@@ -131,12 +131,12 @@ def test_wrong_trees_are_refused_by_name():
     good = Slice("x", fit([piece(0, 0, 1, 1, 1), piece(1, 0, 2, 1, 2)]).parts, (leaf,) * 2)
     with pytest.raises(PartitionError, match="shares that sum to 1"):
         Slice("x", good.parts[:1], (leaf,))
-    with pytest.raises(PartitionError, match=r"slice.children has 1 entries, valid: 2"):
+    with pytest.raises(PartitionError, match=r"slice.children has 1 entries; valid: 2"):
         Slice("x", good.parts, (leaf,))
     with pytest.raises(PartitionError, match=r"valid: 0 < low < high < 1"):
         Pinwheel(False, (0.6, 0.4, 0.2, 0.8), (leaf,) * 4, leaf)
     with pytest.raises(PartitionError, match="thinner"):
         fit([piece(0, 0, 0.001, 5, 1)])
     road = fit([piece(0, 0, 9, 6, 1, "road"), piece(0, 6, 9, 20, 2)], Widths(frozenset(("road",))))
-    with pytest.raises(PartitionError, match=r"strips are 6.000 m wide, valid: below 5.000 m"):
+    with pytest.raises(PartitionError, match=r"strips are 6.000 m wide; valid: below 5.000 m"):
         part_lengths(road.parts, 5.0)

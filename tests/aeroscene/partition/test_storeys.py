@@ -210,7 +210,7 @@ def test_a_wall_off_every_border_is_named_free():
 def test_rooms_that_overlap_and_a_missing_border_are_refused():
     tree = Slice("x", (Part(0.4), Part(0.6)), (Leaf("hall", 3.0), Leaf("office", 3.0)))
     storey = storey_of(tree, lambda _: WALL)
-    with pytest.raises(PartitionError, match=r"storey.borders has 0 entries, valid: 1"):
+    with pytest.raises(PartitionError, match=r"storey.borders has 0 entries; valid: 1"):
         replace(storey, borders=())
     scene = storey_scene(storey)
     room = scene.objects[1]

@@ -182,11 +182,11 @@ def _drop(*path):
     [
         (
             _set("version", 2),
-            "format is 'aeroscene-scene' version 2, valid: 'aeroscene-scene' version 1",
+            "format is 'aeroscene-scene' version 2; valid: 'aeroscene-scene' version 1",
         ),
         (
             _set("format", "glTF"),
-            "format is 'glTF' version 1, valid: 'aeroscene-scene' version 1",
+            "format is 'glTF' version 1; valid: 'aeroscene-scene' version 1",
         ),
         (_drop("format"), "Object missing required field `format`"),
         (_drop("objects"), "Object missing required field `objects`"),
@@ -204,17 +204,17 @@ def _drop(*path):
         (
             _set("objects", 5, "parent_id", 99999),
             (
-                "scene 'corpus-0042': object 5: parent_id is 99999, valid: null or the id of an "
+                "scene 'corpus-0042': object 5: parent_id is 99999; valid: null or the id of an "
                 "object that comes before it"
             ),
         ),
         (
             _set("objects", 5, "category_id", 0),
-            "scene 'corpus-0042': object 5: category_id is 0, valid: 1 to 70",
+            "scene 'corpus-0042': object 5: category_id is 0; valid: 1 to 70",
         ),
         (
             _set("interaction_areas", 2, "radius", -1.0),
-            "scene 'corpus-0042': interaction area 2: radius is -1.0, valid: above 0 m",
+            "scene 'corpus-0042': interaction area 2: radius is -1.0; valid: above 0 m",
         ),
         (
             _set("interaction_areas", 2, "polygon", 7),
@@ -266,7 +266,7 @@ def test_what_follows_from_the_rest_may_be_left_out_by_people_who_may_comment(sc
 
 def test_areas_are_derived_only_where_the_file_lists_none_and_somebody_can(scene_42):
     without = _edited(scene_42, _drop("interaction_areas"))
-    with pytest.raises(SceneError, match=r"^scene JSON: interaction_areas is missing, valid: "):
+    with pytest.raises(SceneError, match=r"^scene JSON: interaction_areas is missing; valid: "):
         scene_from_json(without)
     areas = scene_42.interaction_areas[:2]
     assert scene_from_json(without, derive=lambda _: areas).interaction_areas == areas
@@ -290,7 +290,7 @@ def test_missing_file_is_named(tmp_path):
     with pytest.raises(SceneError) as caught:
         read_scene(path)
     assert str(caught.value) == (
-        f"scene file {str(path)!r} cannot be read (no such file or directory), "
+        f"scene file {str(path)!r} cannot be read (no such file or directory); "
         "valid: a scene in JSON"
     )
 

@@ -70,30 +70,30 @@ _SEEDS = f"valid: an integer from 0 to {2**63 - 1}"
         (
             make_box,
             {"q": (2.0, 0.0, 0.0, 0.0)},
-            "bbox.q is (2.0, 0.0, 0.0, 0.0), valid: a quaternion wxyz of norm 1 (this one has 2)",
+            "bbox.q is (2.0, 0.0, 0.0, 0.0); valid: a quaternion wxyz of norm 1 (this one has 2)",
         ),
         (
             make_box,
             {"s": (1.0, 0.0, 1.0)},
-            "bbox.s is (1.0, 0.0, 1.0), valid: three extents from 0.001 to 1000 m",
+            "bbox.s is (1.0, 0.0, 1.0); valid: three extents from 0.001 to 1000 m",
         ),
         (
             make_box,
             {"p": (math.nan, 0.0, 0.0)},
-            "bbox.p is (nan, 0.0, 0.0), valid: 3 finite numbers",
+            "bbox.p is (nan, 0.0, 0.0); valid: 3 finite numbers",
         ),
-        (make_object, {"category_id": 71}, "object 0: category_id is 71, valid: 1 to 70"),
-        (make_object, {"domain": "space"}, "object 0: domain is 'space', valid: indoor, outdoor"),
+        (make_object, {"category_id": 71}, "object 0: category_id is 71; valid: 1 to 70"),
+        (make_object, {"domain": "space"}, "object 0: domain is 'space'; valid: indoor, outdoor"),
         (
             make_object,
             {"attributes": {"storeys": math.inf}},
-            "object 0: attributes.storeys is inf, valid: a number from -1e+09 to 1e+09",
+            "object 0: attributes.storeys is inf; valid: a number from -1e+09 to 1e+09",
         ),
         (
             make_area,
             {"polygon": SQUARE[::-1]},
             (
-                f"interaction area 0: polygon is {SQUARE[::-1]}, valid: a simple polygon, "
+                f"interaction area 0: polygon is {SQUARE[::-1]}; valid: a simple polygon, "
                 "counter-clockwise seen from above"
             ),
         ),
@@ -101,43 +101,43 @@ _SEEDS = f"valid: an integer from 0 to {2**63 - 1}"
             make_area,
             {"radius": 0.6},
             (
-                "interaction area 0: radius is 0.6, valid: at most 0.500 m, the distance from the "
+                "interaction area 0: radius is 0.6; valid: at most 0.500 m, the distance from the "
                 "centroid to the border"
             ),
         ),
         (
             make_area,
             {"centroid": (3.0, 0.5, 1.0)},
-            "interaction area 0: centroid is (3.0, 0.5, 1.0), valid: a point inside the polygon",
+            "interaction area 0: centroid is (3.0, 0.5, 1.0); valid: a point inside the polygon",
         ),
         (
             make_area,
             {"drone_class": "huge"},
-            "interaction area 0: drone_class is 'huge', valid: small, medium, large",
+            "interaction area 0: drone_class is 'huge'; valid: small, medium, large",
         ),
         (
             make_scene,
             {"objects": (make_object(), make_object())},
-            "scene 'here': object 0: id is used twice, valid: an id of its own",
+            "scene 'here': object 0: id is used twice; valid: an id of its own",
         ),
         (
             make_scene,
             {"objects": (make_object(parent_id=1), make_object(id=1))},
             (
-                "scene 'here': object 0: parent_id is 1, valid: null or the id of an object that "
+                "scene 'here': object 0: parent_id is 1; valid: null or the id of an object that "
                 "comes before it"
             ),
         ),
         (
             make_scene,
             {"objects": (make_object(scene_id="there"),)},
-            "scene 'here': object 0: scene_id is 'there', valid: 'here'",
+            "scene 'here': object 0: scene_id is 'there'; valid: 'here'",
         ),
         (
             make_scene,
             {"objects": (make_object(bbox=make_box(p=(5000.0, 0.0, 0.0))),)},
             (
-                "scene 'here': object 0: bbox.p is (5000.0, 0.0, 0.0), valid: at most 1000 m "
+                "scene 'here': object 0: bbox.p is (5000.0, 0.0, 0.0); valid: at most 1000 m "
                 "outside the extent"
             ),
         ),
@@ -145,37 +145,37 @@ _SEEDS = f"valid: an integer from 0 to {2**63 - 1}"
             make_scene,
             {"start_position_enu_m": (10.0, 0.0, 0.0)},
             (
-                "scene 'here': start.position is (10.0, 0.0, 0.0), valid: a point inside the "
+                "scene 'here': start.position is (10.0, 0.0, 0.0); valid: a point inside the "
                 "extent, (-9.0, -9.0, 0.0) to (9.0, 9.0, 9.0)"
             ),
         ),
         (
             make_scene,
             {"interaction_areas": (make_area(object_id=7),)},
-            "scene 'here': interaction area 0: object_id is 7, valid: null or the id of an object",
+            "scene 'here': interaction area 0: object_id is 7; valid: null or the id of an object",
         ),
         (
             make_scene,
             {"latitude_deg": 91.0},
-            "scene 'here': latitude_deg is 91.0, valid: -90 to 90",
+            "scene 'here': latitude_deg is 91.0; valid: -90 to 90",
         ),
-        (make_scene, {"seed": -1}, f"scene 'here': seed is -1, {_SEEDS}"),
-        (make_scene, {"seed": 10**30}, f"scene 'here': seed is {10**30}, {_SEEDS}"),
+        (make_scene, {"seed": -1}, f"scene 'here': seed is -1; {_SEEDS}"),
+        (make_scene, {"seed": 10**30}, f"scene 'here': seed is {10**30}; {_SEEDS}"),
         (
             make_scene,
             {"altitude_m": 1e300},
-            "scene 'here': altitude_m is 1e+300, valid: -1000 to 10000 m",
+            "scene 'here': altitude_m is 1e+300; valid: -1000 to 10000 m",
         ),
         (
             make_scene,
             {"start_yaw_rad": 1e300},
-            "scene 'here': start.yaw is 1e+300, valid: a number from -6.28319 to 6.28319",
+            "scene 'here': start.yaw is 1e+300; valid: a number from -6.28319 to 6.28319",
         ),
         (
             make_scene,
             {"theme": "\u202epark\x1b[2J"},
             (
-                "scene 'here': theme is '\\u202epark\\x1b[2J', valid: 0 to 200 characters, no "
+                "scene 'here': theme is '\\u202epark\\x1b[2J'; valid: 0 to 200 characters, no "
                 "control characters"
             ),
         ),
@@ -224,5 +224,5 @@ def test_areas_to_land_and_to_perch_on_are_told_apart():
 
 
 def test_another_kind_of_area_is_refused():
-    with pytest.raises(SceneError, match="kind is 'hovering', valid: landing, perching"):
+    with pytest.raises(SceneError, match="kind is 'hovering'; valid: landing, perching"):
         make_area(kind="hovering")

@@ -128,7 +128,7 @@ def test_what_a_parent_holds_is_no_overlap():
 def test_a_lifted_chair_floats(sound, lift_m):
     (detail,) = details(with_box(sound, CHAIR, (5.5, 0.0, 0.55 + lift_m)), "floating")
     assert detail == (
-        f"chair 2 has its feet at {0.1 + lift_m:.2f} m, {lift_m:.2f} m above what is below, "
+        f"chair 2 has its feet at {0.1 + lift_m:.2f} m, {lift_m:.2f} m above what is below; "
         "valid: at most 0.02 m"
     )
 
@@ -219,7 +219,7 @@ def test_a_post_beside_a_small_area_leaves_no_room_for_the_body(sound):
     x, y, _ = area.centroid
     post = thing(30, "wall", (x + 0.55, y, 1.1), (0.08, 1.0, 2.0), LAWN)
     found = details(replace(sound, objects=(*sound.objects, post)), "unlandable")
-    assert any("wall 30 stands 0.51 m from the middle, valid: from 0.60 m" in d for d in found)
+    assert any("wall 30 stands 0.51 m from the middle; valid: from 0.60 m" in d for d in found)
 
 
 def test_a_roof_over_an_area_refutes_its_clearance(sound):
@@ -234,11 +234,11 @@ def test_a_roof_over_an_area_refutes_its_clearance(sound):
     ("changes", "expected"),
     [
         ({"slope_rad": 0.1}, "slope_rad is 0.1000, its polygon leans by 0.0000 rad"),
-        ({"slope_rad": 0.3}, "slope_rad is 0.3000, valid: at most 0.1745"),
+        ({"slope_rad": 0.3}, "slope_rad is 0.3000; valid: at most 0.1745"),
         ({"drone_class": "large"}, "valid: from 2.6 m"),
         ({"object_id": CAR}, "car 3 has no face there at"),
         ({"object_id": None}, "the ground has no face there at"),
-        ({"clearance_m": 1.2}, "clearance_m is 1.2, valid: from 1.5"),
+        ({"clearance_m": 1.2}, "clearance_m is 1.2; valid: from 1.5"),
     ],
 )
 def test_a_claim_that_is_changed_is_refuted(sound, changes, expected):

@@ -63,6 +63,6 @@ def test_a_disk_that_fills_up_on_the_way_is_one_line_and_leaves_nothing(tmp_path
             (stage / "half.glb").write_bytes(b"half")
             raise OSError(errno.ENOSPC, "No space left on device")
 
-    with pytest.raises(ExportError, match=r"cannot be written \(no space left on device\), valid"):
+    with pytest.raises(ExportError, match=r"cannot be written \(no space left on device\); valid"):
         write()
     assert list((tmp_path / "out").iterdir()) == []

@@ -32,7 +32,7 @@ def test_corner_inside_a_face_and_point_inside_the_solid_change_nothing():
 
 def test_flat_corners_are_named():
     flat = BOX * (1.0, 1.0, 0.0)
-    with pytest.raises(HullError, match=r"8 vertices lie in one plane, valid: vertices of a solid"):
+    with pytest.raises(HullError, match=r"8 vertices lie in one plane; valid: vertices of a solid"):
         hull_faces(flat)
 
 

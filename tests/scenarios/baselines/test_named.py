@@ -22,7 +22,7 @@ def test_pilots_are_named_by_module_and_class(tmp_path, monkeypatch):
     for text, reason in (
         (
             "stay_pilot_of_test",
-            "'stay_pilot_of_test', valid: demo, mueller, potential, straight, or MODULE:CLASS",
+            "'stay_pilot_of_test'; valid: demo, mueller, potential, straight, or MODULE:CLASS",
         ),
         ("stay_pilot_of_test:Go", "has no attribute 'Go'; valid: demo"),
         ("stay_pilot_of_test:number", "is no class"),

@@ -57,6 +57,6 @@ def test_two_scenes_are_timed_stage_by_stage_and_judged(tmp_path):
 def test_a_corpus_with_too_few_scenes_of_a_split_is_refused_before_the_work(tmp_path):
     said = []
     corpus = write_corpus(tmp_path / "corpus", n_test=4)
-    with pytest.raises(DatasetError, match="4 scenes of the test split, valid: 5 or more"):
+    with pytest.raises(DatasetError, match="4 scenes of the test split; valid: 5 or more"):
         next(iter(rows(config(corpus, 2), lambda *words: said.append(words))))
     assert said == []

@@ -71,7 +71,7 @@ def test_draws_are_held_against_the_scene_that_they_are_most_like():
 
 
 def test_few_small_scenes_are_refused(scenes):
-    with pytest.raises(BenchError, match="indoor scenes of 12 to 30 objects, valid: 8 or more"):
+    with pytest.raises(BenchError, match="indoor scenes of 12 to 30 objects; valid: 8 or more"):
         list(memorising_rows("paper", scenes, 1.0))
 
 

@@ -123,7 +123,7 @@ def test_fly_repeats_a_trial_with_a_recording_and_report_tells_of_it(campaign, c
         (("--scenes", "5:5"), "scenes '5:5' is no range of scenes"),
         (("--scenes", "2000"), "scenes '2000' has no scene 2000; valid: 0:1016"),
         (("--vehicles", "iris,boat"), "'boat'"),
-        (("--pilot", "nobody"), "pilot is 'nobody', valid: demo, mueller, potential, straight"),
+        (("--pilot", "nobody"), "pilot is 'nobody'; valid: demo, mueller, potential, straight"),
         (("--pilot", "mavlink", "--program", "nobody"), "program 'nobody' is not there; valid: "),
         (("--program", "python x.py"), "program 'python x.py' needs --pilot mavlink"),
         (("--pilot", "mavlink", "--engine", "ray"), "waits on loopback; valid: --engine local"),

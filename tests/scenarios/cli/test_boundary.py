@@ -37,10 +37,10 @@ def test_an_error_that_names_the_fault_is_said_as_it_is(kind):
     [
         (
             OSError(errno.ENOSPC, os.strerror(errno.ENOSPC)),
-            "no space left on device, valid: a disk",
+            "no space left on device; valid: a disk",
         ),
-        (OSError(errno.EFBIG, "File too large", "a"), "file 'a': file too large, valid: a disk"),
-        (PermissionError(errno.EACCES, "Permission denied", "a"), "permission denied, valid: a pa"),
+        (OSError(errno.EFBIG, "File too large", "a"), "file 'a': file too large; valid: a disk"),
+        (PermissionError(errno.EACCES, "Permission denied", "a"), "permission denied; valid: a pa"),
         (RecursionError(), "nested too deeply; valid: "),
         (MemoryError(), "not enough memory; valid: "),
         (tomllib.TOMLDecodeError("line 1"), "damaged: line 1; valid: "),

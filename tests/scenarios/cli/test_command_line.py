@@ -24,11 +24,11 @@ def fails_with(capsys, *args):
         ),
         (
             ["--scene", "1016"],
-            "scene '1016' is unknown, valid: a number from 0 to 1015, corpus:N, gen:SEED, field, ",
+            "scene '1016' is unknown; valid: a number from 0 to 1015, corpus:N, gen:SEED, field, ",
         ),
         (
             ["--scene", "absent.json"],
-            "scene file 'absent.json' cannot be read (no such file or directory), valid: ",
+            "scene file 'absent.json' cannot be read (no such file or directory); valid: ",
         ),
         (["--speed", "0"], "speed 0.0 is out of range; valid: above 0, or max"),
         (["--speed", "nan"], "speed nan is out of range; valid: above 0, or max"),
@@ -51,7 +51,7 @@ def fails_with(capsys, *args):
         (["--headless-seconds", "x"], "headless-seconds 'x' is not valid; valid: a number;"),
         (["--sceen", "4"], "--sceen is unknown; perhaps --scene; see aeroscene-sitl --help"),
         (["41", "--scene", "42"], "scene '42' is a second one beside '41'; valid: one"),
-        (["1016"], "scene '1016' is unknown, valid: a number from 0 to 1015"),
+        (["1016"], "scene '1016' is unknown; valid: a number from 0 to 1015"),
         (["--record", "a/b/c.rrd"], "record: 'a' is not there; valid: a folder that exists"),
         (["--pictures", "pyproject.toml"], "pictures: 'pyproject.toml' is a file; valid: a folder"),
         (["--captures", "a/b"], "captures: 'a' is not there; valid: a folder that exists"),

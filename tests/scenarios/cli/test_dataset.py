@@ -199,7 +199,7 @@ def test_two_builds_in_one_folder_do_not_mix(corpus, capsys):
 @pytest.mark.parametrize(
     ("args", "says"),
     [
-        (["build", "--scenes", "5:2"], "scenes '5:2' is no range of scenes, valid: A:B"),
+        (["build", "--scenes", "5:2"], "scenes '5:2' is no range of scenes; valid: A:B"),
         (["build", "--scenes", "0:1000001"], "from 0 to 999999"),
         (["build", "--scenes", "one"], "scenes 'one'"),
         (["build", "--jobs", "0"], "jobs 0 is out of range; valid: 1 to 512"),

@@ -56,7 +56,7 @@ def test_a_new_file_runs_by_the_command_in_its_head(kind, file, said, tmp_path, 
         (("boat", "x"), "kind 'boat' is not valid; valid: pilot, vehicle, scene, recipe; see "),
         (("pilot",), "NAME is missing; see aeroscene new --help"),
         (("vehicle", "there"), "file 'there.toml' is there already; valid: another name"),
-        (("recipe", "x", "--out", "no"), "file 'no/x.toml': no such file or directory, valid: "),
+        (("recipe", "x", "--out", "no"), "file 'no/x.toml': no such file or directory; valid: "),
     ],
 )
 def test_a_name_that_cannot_be_is_refused_in_one_line(args, line, tmp_path, monkeypatch, capsys):

@@ -164,12 +164,12 @@ def test_an_output_that_cannot_be_written_is_one_line_before_any_work(
     [
         (["--objects", "600"], "objects 600 is out of range; valid: 20 to 250"),
         (["--outline", "300,300"], "outline 300.0 is out of range; valid: 15 to 150 m"),
-        (["--outline", "20,nan"], "outline is '20,nan', valid: EAST,NORTH in metres"),
+        (["--outline", "20,nan"], "outline is '20,nan'; valid: EAST,NORTH in metres"),
         (["--areas", "900"], "areas 900 is out of range; valid: 1 to 200"),
         (["--areas", "small=900"], "areas small 900 is out of range; valid: 0 to 200"),
         (["--of", "2", "--count", "3", "--worst-for", "demo"], "of is 2 beside count 3"),
-        (["--density", "1", "--objects", "30"], "density is 1 beside objects 30, valid: one"),
-        (["--redo", "42", "--region", "1,2"], "region is '1,2', valid: X0,Y0,X1,Y1"),
+        (["--density", "1", "--objects", "30"], "density is 1 beside objects 30; valid: one"),
+        (["--redo", "42", "--region", "1,2"], "region is '1,2'; valid: X0,Y0,X1,Y1"),
         (["--out", "pyproject.toml"], "out 'pyproject.toml' is a file; valid: a folder"),
     ],
 )

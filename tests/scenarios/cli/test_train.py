@@ -174,7 +174,7 @@ def test_a_model_that_keeps_its_language_keeps_what_is_not_trained(
 @pytest.mark.parametrize(
     ("more", "said"),
     [
-        (("--keep-language",), "keep_language is True, valid: with --begin"),
+        (("--keep-language",), "keep_language is True; valid: with --begin"),
         (("--begin", "shipped"), "network of other sizes than"),
         (("--begin", "nowhere.safetensors"), "'nowhere.safetensors'"),
     ],
@@ -316,7 +316,7 @@ def test_stream_that_cannot_be_is_refused(corpus, streaming, trained, tmp_path, 
     def says(data, *more):
         return refused(capsys, command(data, streaming, tmp_path / "out", "--steps", 2, *more))
 
-    assert "workers is 2 without --stream, valid: with it" in says(corpus, "--workers", 2)
+    assert "workers is 2 without --stream; valid: with it" in says(corpus, "--workers", 2)
     assert "workers 0 is out of range; valid: 1 to 512" in says(corpus, "--stream", "--workers", 0)
     rooms = layouts(tmp_path / "rooms.jsonl.gz", 2)
     assert "is a file of layouts, of which no grammar makes more" in says(rooms, "--stream")
@@ -355,7 +355,7 @@ def refused(capsys, args):
         (("--save-minutes", 0), "save-minutes 0.0 is out of range; valid: above 0 minutes"),
         (("--resume",), "holds no training to resume (state.safetensors is missing)"),
         (("--preset", "best"), "preset 'best' is not valid; valid: "),
-        (("--parts", "prior"), "parts is 'prior', valid: writer, denoiser with preset default"),
+        (("--parts", "prior"), "parts is 'prior'; valid: writer, denoiser with preset default"),
         (("--take", "none.safetensors"), "checkpoint 'none.safetensors' cannot be read"),
     ],
 )
@@ -372,7 +372,7 @@ def test_what_cannot_be_done_is_said_before_anything_is_written(
     [
         ("[training]\nbatch_size = -4", "batch_size -4 is out of range; valid: 1 to 2147483647"),
         ("[loss]\nparameterisation = 'y'", "parameterisation: Invalid enum value 'y'"),
-        ("[model]\ndepth = 3", "model.depth is unknown, valid: denoiser"),
+        ("[model]\ndepth = 3", "model.depth is unknown; valid: denoiser"),
         ("[model", "is no TOML"),
     ],
 )
@@ -393,7 +393,7 @@ def test_training_that_is_there_is_not_overwritten(trained, corpus, config, tmp_
     out = copied(trained, tmp_path / "out")
     before = {path.name: path.read_bytes() for path in out.iterdir()}
     errors = refused(capsys, command(corpus, config, out, "--steps", 9))
-    assert "holds a training already (8 steps in all), valid: --resume" in errors
+    assert "holds a training already (8 steps in all); valid: --resume" in errors
     assert {path.name: path.read_bytes() for path in out.iterdir()} == before
 
 
@@ -406,7 +406,7 @@ def test_resume_with_another_configuration_or_preset_is_refused(trained, corpus,
     same = tmp_path / "same.toml"
     same.write_text(TINY)
     errors = refused(capsys, command(corpus, same, out, *more, "--preset", "paper"))
-    assert "preset is 'paper', valid: 'default'" in errors
+    assert "preset is 'paper'; valid: 'default'" in errors
 
 
 def test_truncated_state_says_what_to_do(trained, corpus, config, tmp_path, capsys):

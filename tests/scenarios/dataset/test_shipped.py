@@ -126,7 +126,7 @@ def test_a_damaged_archive_gives_one_line(archive, package, capsys, monkeypatch,
     status, out, err = run(capsys, command, "--jobs", 1)
     assert (status, out) == (2, "")
     (line,) = err.strip().splitlines()
-    assert f"archive '{damaged}' is damaged (cut short or changed), valid:" in line
+    assert f"archive '{damaged}' is damaged (cut short or changed); valid:" in line
 
 
 def test_an_archive_that_is_not_there_gives_one_line(package, capsys, monkeypatch):

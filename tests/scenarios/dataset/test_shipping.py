@@ -70,7 +70,7 @@ def test_a_scene_is_drawn_until_nothing_is_wrong_with_it(tmp_path):
 
 def test_a_number_that_is_never_sound_is_named_with_the_reason(tmp_path):
     with pytest.raises(
-        DatasetError, match=r"scene 3: none of 20 draws .* no landing area, .* valid: a be"
+        DatasetError, match=r"scene 3: none of 20 draws .* no landing area; .* valid: a be"
     ):
         made(tmp_path, (3,), HopelessMaker())
 
@@ -117,7 +117,7 @@ def test_scenes_of_another_checkpoint_are_not_packed(tmp_path, monkeypatch):
     monkeypatch.setattr(shipping, "CORPUS_SIZE", 1)
     entry = store_scene_in(tmp_path, cached_scene(7))
     write_manifest(tmp_path, [entry])
-    with pytest.raises(DatasetError, match="made by something else, valid: all of them from one"):
+    with pytest.raises(DatasetError, match="made by something else; valid: all of them from one"):
         pack_shipped(open_dataset(tmp_path), tmp_path / "a", PickyMaker(), "cpu", lambda: None)
 
 

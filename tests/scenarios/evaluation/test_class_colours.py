@@ -81,7 +81,7 @@ def test_the_protocol_is_of_rooms(capsys, tmp_path):
     with pytest.raises(SystemExit) as stop:
         main(["evaluate", "--protocol", "diffuscene", "--out", str(tmp_path / "out")])
     assert stop.value.code == 2
-    assert "data is 'corpus', valid: front3d or procthor" in capsys.readouterr().err
+    assert "data is 'corpus'; valid: front3d or procthor" in capsys.readouterr().err
 
 
 def test_pictures_of_one_kind_are_a_guess_and_others_give_themselves_away():

@@ -138,10 +138,10 @@ def test_what_is_done_is_not_done_again_and_what_is_missing_is(corpus, made):
     ("args", "says"),
     [
         (("--scenes", "7"), "scenes 7 is out of range; valid: 8 to 1000000"),
-        (("--methods", "gan"), "'gan' is no row of table synthesis, valid: ground_truth, random"),
+        (("--methods", "gan"), "'gan' is no row of table synthesis; valid: ground_truth, random"),
         (("--data", "front3d", "--path", "no.jsonl.gz"), "no.jsonl.gz"),
-        (("--demo", "9"), "demo is 9, valid: 0 to --scenes"),
-        (("--width", "17"), "width is 17, valid: a multiple of 16"),
+        (("--demo", "9"), "demo is 9; valid: 0 to --scenes"),
+        (("--width", "17"), "width is 17; valid: a multiple of 16"),
         (("--cpu-minutes", "0"), "cpu-minutes 0.0 is out of range; valid: above 0 minutes"),
         (("--inception", "none.pt"), "valid: inception-2015-12-05.pt"),
         (("--seed", "1"), "holds a table of other data, seed, budget or sizes"),
@@ -159,7 +159,7 @@ def test_layouts_without_a_file_are_refused(capsys, tmp_path):
     with pytest.raises(SystemExit) as stop:
         main(["evaluate", "--data", "front3d", "--out", str(tmp_path / "out")])
     assert stop.value.code == 2
-    assert "data front3d has no path, valid: --path FILE" in capsys.readouterr().err
+    assert "data front3d has no path; valid: --path FILE" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
 
 
@@ -170,7 +170,7 @@ def test_too_few_scenes_of_a_split_are_refused_with_the_number_that_would_do(cap
     write_manifest(folder, [store_scene(folder, scene, 1)])
     with pytest.raises(SystemExit):
         main(["evaluate", "--path", str(folder), "--out", str(tmp_path / "out")])
-    assert "has 1 scenes of the train split, valid: 8 or more" in capsys.readouterr().err
+    assert "has 1 scenes of the train split; valid: 8 or more" in capsys.readouterr().err
 
 
 def test_pictures_are_the_same_every_time_and_show_what_changes():
@@ -263,5 +263,5 @@ def test_layouts_with_unknown_things_are_refused_by_scene_and_object(capsys, tmp
     with pytest.raises(SystemExit) as stop:
         main(["evaluate", "--data", "front3d", "--path", str(path), "--out", str(tmp_path / "out")])
     assert stop.value.code == 2
-    assert "scene 'odd': object 0: category is 'Zeppelin', valid: " in capsys.readouterr().err
+    assert "scene 'odd': object 0: category is 'Zeppelin'; valid: " in capsys.readouterr().err
     assert not (tmp_path / "out").exists()

@@ -126,7 +126,7 @@ def test_what_was_flown_is_not_flown_again_and_the_document_tells_of_it(tmp_path
     assert kept.measured["flight_success"] is False
     assert kept.measured["flight_reason"] == "never left the ground"
     assert kept.objects == field().objects
-    with pytest.raises(GenerateError, match="holds tries of other wishes, valid: another folder"):
+    with pytest.raises(GenerateError, match="holds tries of other wishes; valid: another folder"):
         Tries(tmp_path / "tried", asked | {"density": "2.0"})
     assert json.loads((tmp_path / "tried" / "asked.json").read_text()) == asked
 

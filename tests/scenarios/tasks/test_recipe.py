@@ -35,7 +35,7 @@ def test_what_a_file_does_not_name_keeps_its_default(tmp_path):
         (f"seed = {10**30}", f"recipe: seed {10**30} is out of range; valid: 0 to {2**63 - 1}"),
         (f"seed = {'9' * 5000}", "it is no TOML: Exceeds the limit"),
         (f"draws = {'[' * 50_000}", "it is nested too deeply"),
-        ("#" * 300_000, "holds more than 256 KiB, valid: at most that"),
+        ("#" * 300_000, "holds more than 256 KiB; valid: at most that"),
     ],
 )
 def test_a_recipe_that_is_wrong_is_refused_in_one_line(tmp_path, text, says):

@@ -139,7 +139,7 @@ def _lay_fitting_site(builder: Builder, rng: np.random.Generator, theme: Theme) 
         if all(any(_suits(row, parcel) for parcel in draft.parcels) for row in theme.always):
             return lay_out_site(builder, np.random.default_rng(seed), plan)
     raise NoGroundError(
-        f"{builder.scene_id}: no site in {_TRIES} has ground for {list(theme.always)}, "
+        f"{builder.scene_id}: no site in {_TRIES} has ground for {list(theme.always)}; "
         f"valid: a theme whose plans {list(theme.plans)} leave parcels large enough"
     )
 

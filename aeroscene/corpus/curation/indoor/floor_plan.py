@@ -51,6 +51,6 @@ def sure(placed: Placed | None) -> Placed:
     """
     if placed is None:
         raise OverlapError(
-            "a floor plan overlaps itself, valid: zones side by side inside the walls"
+            "a floor plan overlaps itself; valid: zones side by side inside the walls"
         )
     return placed

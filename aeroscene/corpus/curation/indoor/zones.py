@@ -173,7 +173,7 @@ def choose_doors(zones: Sequence[Zone], borders: Sequence[Border]) -> dict[int, 
                 best = rank
         if best is None:
             lost = sorted(set(range(len(zones))) - reached)
-            raise PlanError(f"zones {lost} have no door, valid: each meets a zone that has one")
+            raise PlanError(f"zones {lost} have no door; valid: each meets a zone that has one")
         doors[best[3]] = best[4]
         reached = _flow(zones, borders, reached | {best[5]})
     return doors

@@ -62,7 +62,7 @@ def find_boxes(boxes: Sequence[OrientedBox], objects: Sequence[SceneObject]) -> 
     """
     if len(boxes) != len(objects):
         raise ProgramError(
-            f"partition builds {len(boxes)} boxes of {len(objects)}, valid: one for each object"
+            f"partition builds {len(boxes)} boxes of {len(objects)}; valid: one for each object"
         )
     if not boxes:
         return []
@@ -77,10 +77,10 @@ def find_boxes(boxes: Sequence[OrientedBox], objects: Sequence[SceneObject]) -> 
         if far[index, place] > most_m:
             raise ProgramError(
                 f"object {objects[place].id} is {far[index, place]:.3f} m off the box that its "
-                f"partition builds, valid: at most {most_m:g} m"
+                f"partition builds; valid: at most {most_m:g} m"
             )
     if len(set(nearest.tolist())) < len(objects):
-        raise ProgramError("partition builds a box twice, valid: one for each object")
+        raise ProgramError("partition builds a box twice; valid: one for each object")
     return [objects[place] for place in nearest.tolist()]
 
 

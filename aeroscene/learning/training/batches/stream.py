@@ -142,7 +142,7 @@ class StreamedBatches:
 
     def _move_to(self, step: int) -> None:
         if step < self._step:
-            raise ValueError(f"step is {step}, valid: from {self._step} on, the pool has gone by")
+            raise ValueError(f"step is {step}; valid: from {self._step} on, the pool has gone by")
         end = self._place(step) + self._size
         while self._end < end:
             self._take(step)
@@ -161,7 +161,7 @@ class StreamedBatches:
             fresh = next(self._fresh)
         except WorkerDiedError:
             raise TrainingError(
-                "a process that makes scenes was ended from outside (too little memory?), "
+                "a process that makes scenes was ended from outside (too little memory?); "
                 "valid: fewer --workers; --resume goes on from the last save"
             ) from None
         self._waited_s += time.perf_counter() - before_s
@@ -184,7 +184,7 @@ class StreamedBatches:
             reasons = {each.reason for each in self._pool if each.example is None}
             raise TrainingError(
                 f"stream has {len(found)} scenes of known kinds among {self._size} ({min(reasons)}"
-                "), valid: a first stretch of more scenes, aeroscene dataset build --scenes 0:N"
+                "); valid: a first stretch of more scenes, aeroscene dataset build --scenes 0:N"
             )
         return found
 

@@ -76,7 +76,7 @@ def test_other_rooms_and_walls_without_doors_are_no_passages():
 def test_a_narrow_door_is_named_and_widened():
     scene = hall(part(7, "wall", (0.0, 0.0, 1.5), (0.2, 5.0, 3.0), door_m=0.9))
     assert too_narrow(scene, 0.9) is None
-    reason = "the door of object 7 is 0.90 m wide, valid: at least 1.8 m"
+    reason = "the door of object 7 is 0.90 m wide; valid: at least 1.8 m"
     assert too_narrow(scene, 1.8) == reason
     wide = widened(scene, 1.8)
     assert wide.objects[0].attributes["door_m"] == 1.8
@@ -97,6 +97,6 @@ def test_a_door_that_its_wall_is_too_short_for_takes_the_scene_away():
     is_possible = short_m >= least_m + 0.3
     assert (wide.report.rejection is None) == is_possible
     narrow = make_feasible(scene, FeasibilityCfg(least_passage_m=least_m))
-    assert f"m wide, valid: at least {least_m:g} m" in str(narrow.report.rejection)
+    assert f"m wide; valid: at least {least_m:g} m" in str(narrow.report.rejection)
     assert make_feasible(scene, FeasibilityCfg(least_passage_m=0.5)).report.rejection is None
     assert dataclasses.asdict(FeasibilityCfg())["least_passage_m"] == 0.0

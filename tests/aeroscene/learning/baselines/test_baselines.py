@@ -117,13 +117,13 @@ def test_other_data_and_other_sizes_are_refused_on_resuming(tmp_path):
 
 
 def test_unknown_methods_domains_and_sizes_are_refused_with_those_that_would_do(tmp_path):
-    with pytest.raises(TrainingError, match=f"method is 'gan', valid: {', '.join(METHODS)}"):
+    with pytest.raises(TrainingError, match=f"method is 'gan'; valid: {', '.join(METHODS)}"):
         fit("gan", lessons(tmp_path, 2), Patience(), TINY)
     indoor = [scene for scene in some_scenes() if scene.domain == "indoor"] * 2
     fitted = fit("atiss", lessons(tmp_path, 1, indoor), Patience(), TINY)
-    with pytest.raises(TrainingError, match="domain is 'outdoor', valid: indoor"):
+    with pytest.raises(TrainingError, match="domain is 'outdoor'; valid: indoor"):
         fitted.sample(0, "outdoor")
-    with pytest.raises(TrainingError, match="width is 20, valid: a multiple of 16"):
+    with pytest.raises(TrainingError, match="width is 20; valid: a multiple of 16"):
         BaselineCfg(width=20)
 
 

@@ -112,7 +112,7 @@ def test_marginals_keep_what_there_is_and_break_what_goes_together():
     known = np.array(sorted(sizes))
     for obj in made.objects:
         assert np.abs(known - obj.bbox.s).max(axis=1).min() < 2e-3
-    with pytest.raises(TrainingError, match="domain is 'indoor', valid: outdoor"):
+    with pytest.raises(TrainingError, match="domain is 'indoor'; valid: outdoor"):
         Marginals(outdoor).sample(0, "indoor")
 
 

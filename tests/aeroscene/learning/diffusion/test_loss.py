@@ -176,7 +176,7 @@ def test_same_seed_same_loss():
 
 
 def test_a_batch_without_layouts_cannot_be_learned():
-    with pytest.raises(ValueError, match=r"batch\.x0 is None, valid: the clean layouts"):
+    with pytest.raises(ValueError, match=r"batch\.x0 is None; valid: the clean layouts"):
         diffusion_loss(
             lambda *_: Prediction(torch.zeros(1)),
             blank_batch(1, 2, 3),

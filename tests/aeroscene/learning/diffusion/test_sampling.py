@@ -156,7 +156,7 @@ def test_equal_log_snr_is_equal():
 @pytest.mark.parametrize(
     ("setting", "message"),
     [
-        ({"kind": "euler"}, "sampler.kind is 'euler', valid: ddpm, ddim, dpm-solver++"),
+        ({"kind": "euler"}, "sampler.kind is 'euler'; valid: ddpm, ddim, dpm-solver++"),
         ({"n_steps": 0}, "sampler.n_steps 0 is out of range; valid: 1 to 1000"),
         ({"eta": 1.5}, "sampler.eta 1.5 is out of range; valid: 0 to 1"),
     ],

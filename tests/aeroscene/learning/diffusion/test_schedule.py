@@ -111,11 +111,11 @@ def test_small_noise_is_drawn_from_equal_parts_too():
 @pytest.mark.parametrize(
     ("setting", "message"),
     [
-        ({"kind": "square"}, "schedule.kind is 'square', valid: linear, cosine, log_snr"),
+        ({"kind": "square"}, "schedule.kind is 'square'; valid: linear, cosine, log_snr"),
         ({"n_steps": 1}, "schedule.n_steps 1 is out of range; valid: 2 to 10000"),
         (
             {"kind": "linear", "beta_first": 0.03},
-            "schedule.beta_first and beta_last are 0.03 and 0.02, valid: 0 < first <= last < 1",
+            "schedule.beta_first and beta_last are 0.03 and 0.02; valid: 0 < first <= last < 1",
         ),
     ],
 )

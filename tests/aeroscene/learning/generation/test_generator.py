@@ -143,14 +143,14 @@ def test_the_papers_models_lay_out_about_as_many_objects_within_their_training(p
     assert scene_to_json(again.raw) == scene_to_json(made.raw)
     with pytest.raises(RequestError, match="an outline or a scene is given"):
         next(paper.generate([Request(seed=1, outline_m=(50.0, 50.0))]))
-    with pytest.raises(RequestError, match="theme is 'park', valid: no theme; the model knows"):
+    with pytest.raises(RequestError, match="theme is 'park'; valid: no theme; the model knows"):
         next(paper.generate([Request(seed=1, theme="park")]))
 
 
 def test_missing_checkpoint_or_device_or_preset_says_what_is_valid() -> None:
     with pytest.raises(CheckpointError, match="cannot be read"):
         Generator.load("nowhere.safetensors", device="cpu")
-    with pytest.raises(CheckpointError, match="preset is 'better', valid: default, paper"):
+    with pytest.raises(CheckpointError, match="preset is 'better'; valid: default, paper"):
         Generator.load(preset="better", device="cpu")
     with pytest.raises(DeviceError, match="device 'cuda:9' is not there"):
         Generator.load(device="cuda:9")

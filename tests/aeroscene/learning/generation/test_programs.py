@@ -111,7 +111,7 @@ def test_completion_of_strange_objects_is_refused_in_plain_words(corpus):
     indoors = [pair for pair in zip(*corpus, strict=True) if pair[1].domain == "indoor"]
     generator = small_generator(learn_language([each for each, _ in indoors]), ())
     request = Request(seed=6, complete=cached_scene(42))
-    message = "scene '.*' has an object of category '.*', which the model never saw, valid: .*roof"
+    message = "scene '.*' has an object of category '.*', which the model never saw; valid: .*roof"
     with pytest.raises(RequestError, match=message):
         raw(generator, request)
 

@@ -197,7 +197,7 @@ def test_a_region_beside_the_scene_is_refused():
         ((30.0, 0.0, 0.0), (40.0, 5.0, 3.0)),
         ((0.0, 0.0, 50.0), (5.0, 5.0, 60.0)),
     ):
-        with pytest.raises(RequestError, match="lies outside of scene 'garden', valid: some of x"):
+        with pytest.raises(RequestError, match="lies outside of scene 'garden'; valid: some of x"):
             Redo(scene=garden(), region=Region(low_enu_m=low, high_enu_m=high))
 
 

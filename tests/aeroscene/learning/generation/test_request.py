@@ -152,7 +152,7 @@ def test_what_is_asked_for_stands_in_the_place_of_what_was_seen():
 
 
 def test_a_domain_that_was_never_seen_is_refused():
-    with pytest.raises(RequestError, match="'outdoor', valid: indoor, mixed; the model was"):
+    with pytest.raises(RequestError, match="'outdoor'; valid: indoor, mixed; the model was"):
         Request(seed=0, domain="outdoor").drawn(np.random.default_rng(0), SEEN)
 
 
@@ -171,16 +171,16 @@ def test_an_open_domain_is_one_that_has_the_theme():
 @pytest.mark.parametrize(
     ("asked", "themes", "message"),
     [
-        ({"theme": "sea"}, THEMES, "^theme is 'sea', valid: hillside, park, waterfront$"),
+        ({"theme": "sea"}, THEMES, "^theme is 'sea'; valid: hillside, park, waterfront$"),
         (
             {"theme": "park", "domain": "mixed"},
             THEMES,
-            "^theme is 'park' for domain 'mixed', valid: hillside, waterfront$",
+            "^theme is 'park' for domain 'mixed'; valid: hillside, waterfront$",
         ),
         (
             {"theme": "park"},
             {},
-            "^theme is 'park', valid: no theme; the model knows none, --preset",
+            "^theme is 'park'; valid: no theme; the model knows none, --preset",
         ),
     ],
 )

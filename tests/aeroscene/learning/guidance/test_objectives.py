@@ -145,10 +145,10 @@ def test_rooms_do_not_collide_with_what_they_hold():
 @pytest.mark.parametrize(
     ("setting", "message"),
     [
-        ({"iou": "hard"}, "guidance.iou is 'hard', valid: exact, soft, depth"),
+        ({"iou": "hard"}, "guidance.iou is 'hard'; valid: exact, soft, depth"),
         (
             {"region_distance": "edge"},
-            "guidance.region_distance is 'edge', valid: centroid, border",
+            "guidance.region_distance is 'edge'; valid: centroid, border",
         ),
         ({"step_size": -1.0}, "guidance.step_size is -1, valid: from 0"),
         ({"iou_tolerance": 1.0}, "guidance.iou_tolerance is 1, valid: 0 to below 1"),

@@ -91,10 +91,10 @@ def test_the_model_that_ships_is_begun_with_by_the_usual_networks(data):
 
 
 def test_networks_of_another_size_are_refused_in_a_line(data):
-    with pytest.raises(CheckpointError, match=r"network of other sizes than \[\w+\], valid: "):
+    with pytest.raises(CheckpointError, match=r"network of other sizes than \[\w+\]; valid: "):
         read_begun(SHIPPED["default"]).parts_for(data.train.known, small_sections(data))
 
 
 def test_the_papers_model_is_refused_in_a_line(data):
-    with pytest.raises(CheckpointError, match="is of preset 'paper', valid: 'default'"):
+    with pytest.raises(CheckpointError, match="is of preset 'paper'; valid: 'default'"):
         read_begun(SHIPPED["paper"]).parts_for(data.train.known, small_sections(data))

@@ -130,16 +130,16 @@ def test_flipped_bit_in_a_weight_is_noticed(path):
 def test_other_version_names_the_one_that_made_it(path):
     with_facts(path, version=7, code="3.2.1+fff")
     message = refusal(path)
-    assert "is of version 7, valid: 2" in message
+    assert "is of version 7; valid: 2" in message
     assert "3.2.1+fff" in message
 
 
 @pytest.mark.parametrize("preset", ["paper", "progressive"])
 def test_older_files_are_refused_and_what_ships_of_the_papers_is_read(path, preset):
     with_facts(path, version=1, code="0.9.0+abc")
-    assert "is of version 1, valid: 2" in refusal(path)
+    assert "is of version 1; valid: 2" in refusal(path)
     with_facts(path, version=2, preset=preset)
-    assert "is of version 2, valid: 4" in refusal(path)
+    assert "is of version 2; valid: 4" in refusal(path)
     found = read_checkpoint(SHIPPED[preset])
     assert isinstance(found.known, FlatStatistics)
     assert found.known.has_regions == (preset == "progressive")
@@ -148,7 +148,7 @@ def test_older_files_are_refused_and_what_ships_of_the_papers_is_read(path, pres
 
 def test_other_categories_are_refused_and_one_is_named(path):
     with_facts(path, categories=("building", "dragon"))
-    assert "2 other categories (it has 'dragon'), valid: the 70" in refusal(path)
+    assert "2 other categories (it has 'dragon'); valid: the 70" in refusal(path)
     with_facts(path, categories=tuple(reversed(category_names())))
     assert "70 other categories (they are others, or in another order)" in refusal(path)
 
@@ -160,7 +160,7 @@ def test_missing_field_is_named(path):
 
 def test_part_that_is_missing_or_does_not_fit_is_named(path):
     checkpoint = read_checkpoint(path)
-    with pytest.raises(CheckpointError, match="has no writer, only denoiser, valid: a training"):
+    with pytest.raises(CheckpointError, match="has no writer, only denoiser; valid: a training"):
         checkpoint.load_into(nn.Linear(3, 5), "writer")
     with pytest.raises(CheckpointError, match="denoiser does not fit the configuration"):
         checkpoint.load_into(nn.Linear(3, 5), "denoiser")

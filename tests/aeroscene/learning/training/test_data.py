@@ -132,5 +132,5 @@ def test_data_that_cannot_be_trained_on_is_named(tmp_path):
         open_training_data(tmp_path)
     with pytest.raises(LayoutError, match=r"none\.jsonl"):
         open_training_data(tmp_path / "none.jsonl")
-    with pytest.raises(TrainingError, match="has 1 scenes to train on, valid: 2 or more"):
+    with pytest.raises(TrainingError, match="has 1 scenes to train on; valid: 2 or more"):
         open_training_data(layouts(tmp_path / "one.jsonl.gz", 1))

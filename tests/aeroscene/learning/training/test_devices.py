@@ -23,7 +23,7 @@ def test_device_that_is_not_there_is_named_beside_those_that_are(name):
 
 def test_real_lack_of_memory_says_what_needs_less():
     with (
-        pytest.raises(DeviceError, match="'cpu' is out of memory, valid: a smaller batch"),
+        pytest.raises(DeviceError, match="'cpu' is out of memory; valid: a smaller batch"),
         naming_memory(CPU, "a smaller batch"),
     ):
         torch.empty(2**52, dtype=torch.uint8)

@@ -46,8 +46,8 @@ def test_file_changes_what_it_names_and_nothing_else(tmp_path):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("[trainign]\nsteps = 1", r"section \[trainign\] is unknown, valid: model, schedule"),
-        ("[training]\nbatches = 1", r"training.batches is unknown, valid: batch_size"),
+        ("[trainign]\nsteps = 1", r"section \[trainign\] is unknown; valid: model, schedule"),
+        ("[training]\nbatches = 1", r"training.batches is unknown; valid: batch_size"),
         ("[training]\nbatch_size = 0", "batch_size 0 is out of range; valid: 1 to 2147483647"),
         ("[training]\nbatch_size = 'many'", "batch_size: Expected `int`, got `str`"),
         (
@@ -58,12 +58,12 @@ def test_file_changes_what_it_names_and_nothing_else(tmp_path):
             "[training]\nlearning_rate = 7",
             "learning_rate 7.0 is out of range; valid: above 0, at most 1",
         ),
-        ("[training]\naverage_decay = 1.0", "average_decay is 1.0, valid: 0 to below 1"),
+        ("[training]\naverage_decay = 1.0", "average_decay is 1.0; valid: 0 to below 1"),
         ("[training]\noptimiser = 'sgd'", "optimiser: Invalid enum value 'sgd'"),
         ("[schedule]\nn_steps = 0", "n_steps 0 is out of range; valid: 2 to"),
         ("[model]\nwidth = -1", "width -1 is out of range; valid:"),
         ("[writer]\nlayers = 99", "layers 99 is out of range; valid: 1 to 16"),
-        ("training = 3", r"training is 3, valid: a section \[training\]"),
+        ("training = 3", r"training is 3; valid: a section \[training\]"),
         ("[training", "is no TOML"),
     ],
 )
@@ -80,7 +80,7 @@ def test_file_that_cannot_be_read_is_named(tmp_path):
 
 
 def test_unknown_preset_is_refused():
-    with pytest.raises(TrainingError, match="preset is 'fast', valid: default, paper"):
+    with pytest.raises(TrainingError, match="preset is 'fast'; valid: default, paper"):
         preset_sections("fast")
 
 

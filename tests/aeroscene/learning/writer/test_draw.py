@@ -109,5 +109,5 @@ def test_a_domain_that_was_never_seen_is_refused(corpus, writer, rng):
 
     one = learn_language(corpus[0][:1])
     strange = next(each for each in corpus[1] if each.domain != corpus[1][0].domain)
-    with pytest.raises(WriterError, match=r"which the model never saw, valid: \w+$"):
+    with pytest.raises(WriterError, match=r"which the model never saw; valid: \w+$"):
         draw_program(StepwiseWriter(writer), one.syntax, replace(strange), rng)

@@ -88,7 +88,7 @@ def test_a_resampled_set_has_the_distance_of_its_pictures_taken_so_often():
 
 def test_too_few_pictures_are_refused_with_the_number_that_would_do():
     first, second = pair(n=LEAST_PICTURES - 1)
-    with pytest.raises(TooFewScenesError, match=f"7 pictures, valid: {LEAST_PICTURES} or more"):
+    with pytest.raises(TooFewScenesError, match=f"7 pictures; valid: {LEAST_PICTURES} or more"):
         frechet_figure(first, second, np.random.default_rng(0))
 
 

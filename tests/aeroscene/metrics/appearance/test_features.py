@@ -72,7 +72,7 @@ def test_a_users_inception_gives_what_is_called_fid(tmp_path):
 def test_another_network_than_inception_is_refused(tmp_path):
     path = tmp_path / "other.pt"
     torch.jit.script(Like(512)).save(str(path))
-    with pytest.raises(NetworkError, match=r"shape \(1, 512\), valid: \(1, 2048\)"):
+    with pytest.raises(NetworkError, match=r"shape \(1, 512\); valid: \(1, 2048\)"):
         open_network(path)
 
 

@@ -377,8 +377,8 @@ def test_block_has_texture_nearly_everywhere(block):
 @pytest.mark.parametrize(
     ("size", "backend", "message"),
     [
-        ((0, 240), "auto", "width 0 is not valid, valid: 1 to 4096 pixels"),
-        ((320, 5000), "auto", "height 5000 is not valid, valid: 1 to 4096 pixels"),
+        ((0, 240), "auto", "width 0 is not valid; valid: 1 to 4096 pixels"),
+        ((320, 5000), "auto", "height 5000 is not valid; valid: 1 to 4096 pixels"),
         ((320, 240), "vulkan", "backend 'vulkan' is unknown; valid: auto, gl, raycast"),
     ],
 )
