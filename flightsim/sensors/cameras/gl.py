@@ -15,7 +15,7 @@ import numpy as np
 from autonomy.types import Vector3
 from flightsim.looks.geom_groups import GeomGroup
 from flightsim.looks.sky import sky_rgb
-from flightsim.looks.surfaces import FAST, FINE
+from flightsim.looks.surfaces import BARE, FAST, FINE
 from flightsim.sensors.cameras.fine_picture import SAMPLES, FineLight, vehicle_triangles
 from flightsim.sensors.cameras.gl_target import GlTarget, GlUnavailableError, new_gl_context
 from flightsim.sensors.cameras.mates import MateShapes
@@ -146,11 +146,10 @@ def _drawn_model(world: World, kind: _Kind) -> mujoco.MjModel:
     """Model for a kind of picture."""
     if kind == "ids":
         return world.as_seen()
-    if kind in ("fast", "depth"):
-        model = world.new_looks(FAST)
-        if kind == "depth":
-            model.mat_texid[:] = -1
-        return model
+    if kind == "depth":
+        return world.new_looks(BARE)
+    if kind == "fast":
+        return world.new_looks(FAST)
     model = world.new_looks(FINE)
     # Plain colours: rays light them.
     model.vis.headlight.ambient[:] = 1.0

@@ -48,7 +48,7 @@ class Demo:
         self.mission = dataclasses.replace(mission, alternates=tuple(alternates))
         client = MavlinkClient(self.bench.pilot_link.client, self.bench.frame)
         brief = PilotCfg(expects_traffic=looks_out)
-        self.see = self.cameras.render
+        self.see = self.cameras.render_depth
         self.pilot = Pilot(client, self.mission, self._frame, brief)
         self.log = FlightLog(self.bench.plant)
         self.gap_m = np.inf
