@@ -72,8 +72,7 @@ class GlCameraRenderer:
         stage = self._stage("depth")
         stage.poses.update(data)
         view = stage.poses.viewpoint(camera_name)
-        _, depth_m = stage.draw(view, has_vehicle=False)
-        return view.depth_frame(time_us, depth_m)
+        return view.depth_frame(time_us, stage.draw_depth(view))
 
     def render_ids(self, data: mujoco.MjData, camera_name: str) -> np.ndarray:
         """See `CameraRenderer`; drawn from the solids of the physics, each one object's."""
@@ -192,6 +191,17 @@ class _Stage:
 
     def draw(self, view: Viewpoint, *, has_vehicle: bool) -> tuple[np.ndarray, np.ndarray]:
         """Colour (h, w, 3) and depth in m (h, w), inf in the sky."""
+        self._arrange(view, has_vehicle=has_vehicle)
+        rgb, buffer = self.target.read(self._scene)
+        return rgb, self._depth_m(buffer)
+
+    def draw_depth(self, view: Viewpoint) -> np.ndarray:
+        """Depth of `draw` without the vehicle."""
+        self._arrange(view, has_vehicle=False)
+        return self._depth_m(self.target.read_depth(self._scene))
+
+    def _arrange(self, view: Viewpoint, *, has_vehicle: bool) -> None:
+        """Fill MuJoCo's scene with what the view shows."""
         self._aim(view)
         groups = self._option.geomgroup
         groups[:] = 0
@@ -201,11 +211,13 @@ class _Stage:
         # MuJoCo resets these flags after each picture.
         for flag in _ID_FLAGS:
             self._scene.flags[flag] = self._is_ids
-        rgb, buffer = self.target.read(self._scene)
+
+    def _depth_m(self, buffer: np.ndarray) -> np.ndarray:
+        """Depth of a depth buffer."""
         near, far = self._near_m, self._far_m
         depth_m = near * far / (near + buffer * np.float32(far - near))
         depth_m[buffer <= 0] = np.inf
-        return rgb, depth_m
+        return depth_m
 
     def vehicles_enu_m(self) -> np.ndarray:
         """Triangles of all vehicles in their poses."""
