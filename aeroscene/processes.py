@@ -1,22 +1,25 @@
 """Parallel work on scenes in a number of processes, results in order.
 
-Processes are spawned, which behaves alike on Linux and macOS and shares no state; each costs about
-half a second of imports. They ignore Ctrl-C and SIGTERM, which are the parent's to handle, and end
-with the parent however it ends.
+Processes share no state with the parent, on Linux as on macOS; see `fresh_processes` for how they
+start. They ignore Ctrl-C and SIGTERM, which are the parent's to handle, and end with the parent
+however it ends.
 """
 
 from __future__ import annotations
 
 import contextlib
+import functools
 import multiprocessing
 import os
 import signal
+import sys
 import threading
 from collections import deque
-from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
+from multiprocessing.context import ForkServerContext, SpawnContext
 from types import TracebackType
 from typing import Any, Generic, Self, TypeVar
 
@@ -84,7 +87,10 @@ class Workers(Generic[_T, _R]):
         # The function goes with the process, not with each item: a queue of large items cannot be
         # closed once nobody reads it.
         self._executor = ProcessPoolExecutor(
-            jobs, multiprocessing.get_context("spawn"), initializer=_begin, initargs=(function,)
+            jobs,
+            fresh_processes(_module_of(function)),
+            initializer=_begin,
+            initargs=(function, dict(os.environ)),
         )
         self._results: Any = self._executor._result_queue
         self._pending: deque[Future[_R]] = deque()
@@ -152,6 +158,38 @@ class Workers(Generic[_T, _R]):
             return
 
 
+def fresh_processes(*modules: str) -> SpawnContext | ForkServerContext:
+    """How to start processes that have nothing of this one's state.
+
+    On Linux a server, itself a fresh interpreter, imports the modules once and is copied for each
+    process. Elsewhere each process is a fresh interpreter that imports them itself, because the
+    libraries of macOS do not survive being copied.
+
+    The first call in a process decides what its server imports. A process has the environment that
+    the server began with: give it what has changed, as `become` takes it.
+
+    Args:
+        modules: Modules that all processes use.
+    """
+    if sys.platform != "linux":
+        return multiprocessing.get_context("spawn")
+    context = multiprocessing.get_context("forkserver")
+    context.set_forkserver_preload(list(modules))
+    return context
+
+
+def become(environment: Mapping[str, str]) -> None:
+    """Take over the parent's present environment in a process that it has started."""
+    os.environ.clear()
+    os.environ.update(environment)
+
+
+def _module_of(function: Callable[..., Any]) -> str:
+    while isinstance(function, functools.partial):
+        function = function.func
+    return function.__module__
+
+
 @contextmanager
 def without_interrupts() -> Iterator[None]:
     """Block Ctrl-C and SIGTERM; processes started meanwhile inherit that."""
@@ -166,9 +204,10 @@ _function: Callable[[Any], Any]
 """Function of this worker process."""
 
 
-def _begin(function: Callable[[Any], Any]) -> None:
+def _begin(function: Callable[[Any], Any], environment: Mapping[str, str]) -> None:
     global _function  # noqa: PLW0603 - a process has no other place for it
     _function = function
+    become(environment)
     end_with_parent()
 
 

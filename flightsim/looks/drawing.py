@@ -77,7 +77,7 @@ def add_looks(
         spec: Model to add to.
         scene: Scene of the solids, with their categories and the ground.
         primitives: Solids to draw.
-        detail: Detail of round shapes, and whether the skins are lit.
+        detail: Detail of round shapes, and whether the skins are lit and have textures.
     """
     mesh = drawn_mesh(scene, primitives, detail)
     if detail.has_light:
@@ -89,7 +89,7 @@ def add_looks(
     for index, skin in enumerate(skins(mesh)):
         if skin.paint not in materials:
             materials[skin.paint] = f"paint{len(materials)}"
-            _add_material(spec, materials[skin.paint], skin.paint)
+            _add_material(spec, materials[skin.paint], skin.paint, detail)
         _add_skin(spec, f"skin{index}", skin, materials[skin.paint])
 
 
@@ -107,10 +107,10 @@ def _half_diagonal_m(scene: Scene) -> float:
     return float(np.linalg.norm(span)) / 2
 
 
-def _add_material(spec: mujoco.MjSpec, name: str, paint: Paint) -> None:
+def _add_material(spec: mujoco.MjSpec, name: str, paint: Paint, detail: Detail) -> None:
     # Highlights need true normals, which lit skins lack.
     surface = spec.add_material(name=name, rgba=(*paint.rgb, 1.0), specular=0.0, reflectance=0.0)
-    if paint.texture is None:
+    if paint.texture is None or not detail.has_textures:
         return
     picture = tile(paint.texture, paint.rgb)
     texture = spec.add_texture(

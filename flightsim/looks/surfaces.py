@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
@@ -21,10 +21,14 @@ class Detail:
     """Number of their bands from pole to pole."""
     has_light: bool = False
     """Whether the skins contain light and shadows, for renderers that compute none."""
+    has_textures: bool = True
+    """Whether the skins have their textures; without them every surface has one colour."""
 
 
 FAST = Detail(slices=14, stacks=8, has_light=True)
 """Detail that software rendering at camera rate affords."""
+BARE = replace(FAST, has_textures=False)
+"""The same surfaces for images of depth alone, without the cost of drawing textures."""
 FINE = Detail(slices=40, stacks=24)
 """Detail of pictures, which are lit pixel by pixel."""
 

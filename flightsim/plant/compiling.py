@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+
 import numpy as np
 
 from autonomy.estimation.error_state import FILTER_DTYPE
@@ -14,8 +16,13 @@ _COMPILE_SECONDS = 12.0
 _OUTSIDE_SECONDS = 3.0
 
 
+@functools.cache
 def compile_kernels() -> None:
-    """Compile the flight kernels now, or load them from the cache; says so if it takes long."""
+    """Compile the flight kernels now, or load them from the cache; says so if it takes long.
+
+    Only the first call does anything: finding the types of the arguments takes as long as building
+    a small world.
+    """
     compile_ahead(advance, example_arguments(), "flight kernels", _COMPILE_SECONDS)
     # Positions from outside come between the steps, straight to the filter.
     kept, vector = np.zeros(1, FILTER_DTYPE)[0], np.zeros(3)

@@ -17,8 +17,9 @@ from aeroscene.scene import InteractionArea
 from autonomy.perception import LandingSite
 from autonomy.types import Vector3, vector3
 from flightsim.mavlink.client.telemetry import Telemetry
-from flightsim.sensors.cameras import RgbdFrame, open_camera_renderer
+from flightsim.sensors.cameras import open_camera_renderer
 from flightsim.sensors.cameras.depth_noise import DepthNoiseCfg, measured_depth
+from flightsim.sensors.cameras.view import PosedDepth
 from flightsim.world import World
 from scenarios.mission.surroundings import Surroundings
 from scenarios.pilot.eyes import camera_mount, posed_image
@@ -95,10 +96,10 @@ class LookRig:
 
     def frame(
         self, position_enu_m: np.ndarray, quat_wxyz: np.ndarray, rng: np.random.Generator
-    ) -> RgbdFrame:
+    ) -> PosedDepth:
         """Camera frame from a given pose."""
         self._data.qpos[:7] = (*position_enu_m, *quat_wxyz)
-        frame = self._renderer.render(self._data, CAMERA, 0)
+        frame = self._renderer.render_depth(self._data, CAMERA, 0)
         if self._camera is not None:
             frame.depth_m[:] = measured_depth(frame.depth_m, frame.fx, self._camera, rng)
         return frame

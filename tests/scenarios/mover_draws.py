@@ -92,7 +92,7 @@ def draw(kind, camera, seed, *, gazes=False):
             data.qpos[3:7] = (math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2))
             data.mocap_pos[0] = m["position_enu_m"]
             data.mocap_quat[0] = (math.cos(m["yaw_rad"] / 2), 0, 0, math.sin(m["yaw_rad"] / 2))
-            frame = renderer.render(data, "forward", round(time_s * 1e6))
+            frame = renderer.render_depth(data, "forward", round(time_s * 1e6))
             frame = frame if noise is None else noise.frame(frame)
             off_m = keep * off_m + math.sqrt(1 - keep**2) * POSE_SIGMA_M * rng.normal(size=3)
             off_rad = keep * off_rad + math.sqrt(1 - keep**2) * POSE_SIGMA_RAD * rng.normal(size=3)

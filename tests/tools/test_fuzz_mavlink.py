@@ -14,7 +14,7 @@ from flightsim.mavlink.dialect import LAYOUTS, dialect
 from flightsim.mavlink.faults import Faults
 from flightsim.mavlink.server import MavlinkServer
 
-FRAMES = {"in-process": 30_000, "udp": 4_000, "tcp": 4_000, "serial": 4_000, "signed": 4_000}
+FRAMES = {"in-process": 30_000, "udp": 1_500, "tcp": 1_500, "serial": 1_500, "signed": 1_500}
 """What frames do is seen without a network; the other links are to carry them."""
 
 

@@ -156,8 +156,10 @@ def _restored_shapes(
 def _restored_atoms(kinds: Sequence[Kind], rows: Float[np.ndarray, "k 4"]) -> Atoms:
     """The atoms that `Language.to_arrays` has put in rows."""
     found: defaultdict[Hashable, dict[int, Reaches]] = defaultdict(dict)
-    for number, channel in np.unique(rows[:, :2].astype(int), axis=0).tolist():
-        own = rows[(rows[:, 0] == number) & (rows[:, 1] == channel)].astype(np.float64)
+    ordered = rows[np.lexsort((rows[:, 1], rows[:, 0]))].astype(np.float64)
+    is_next = (np.diff(ordered[:, :2], axis=0) != 0).any(axis=1)
+    for own in np.split(ordered, np.flatnonzero(is_next) + 1) if len(rows) else ():
+        number, channel = own[0, :2].astype(int).tolist()
         # Single precision is enough for where they are, not for how long a metre is.
         found[group_of(kinds[number])][channel] = own[:, 2].round(6), own[:, 3]
     return Atoms(found)

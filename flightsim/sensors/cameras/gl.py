@@ -15,7 +15,7 @@ import numpy as np
 from autonomy.types import Vector3
 from flightsim.looks.geom_groups import GeomGroup
 from flightsim.looks.sky import sky_rgb
-from flightsim.looks.surfaces import FAST, FINE
+from flightsim.looks.surfaces import BARE, FAST, FINE
 from flightsim.sensors.cameras.fine_picture import SAMPLES, FineLight, vehicle_triangles
 from flightsim.sensors.cameras.gl_target import GlTarget, GlUnavailableError, new_gl_context
 from flightsim.sensors.cameras.mates import MateShapes
@@ -72,8 +72,7 @@ class GlCameraRenderer:
         stage = self._stage("depth")
         stage.poses.update(data)
         view = stage.poses.viewpoint(camera_name)
-        _, depth_m = stage.draw(view, has_vehicle=False)
-        return view.depth_frame(time_us, depth_m)
+        return view.depth_frame(time_us, stage.draw_depth(view))
 
     def render_ids(self, data: mujoco.MjData, camera_name: str) -> np.ndarray:
         """See `CameraRenderer`; drawn from the solids of the physics, each one object's."""
@@ -146,11 +145,10 @@ def _drawn_model(world: World, kind: _Kind) -> mujoco.MjModel:
     """Model for a kind of picture."""
     if kind == "ids":
         return world.as_seen()
-    if kind in ("fast", "depth"):
-        model = world.new_looks(FAST)
-        if kind == "depth":
-            model.mat_texid[:] = -1
-        return model
+    if kind == "depth":
+        return world.new_looks(BARE)
+    if kind == "fast":
+        return world.new_looks(FAST)
     model = world.new_looks(FINE)
     # Plain colours: rays light them.
     model.vis.headlight.ambient[:] = 1.0
@@ -193,6 +191,17 @@ class _Stage:
 
     def draw(self, view: Viewpoint, *, has_vehicle: bool) -> tuple[np.ndarray, np.ndarray]:
         """Colour (h, w, 3) and depth in m (h, w), inf in the sky."""
+        self._arrange(view, has_vehicle=has_vehicle)
+        rgb, buffer = self.target.read(self._scene)
+        return rgb, self._depth_m(buffer)
+
+    def draw_depth(self, view: Viewpoint) -> np.ndarray:
+        """Depth of `draw` without the vehicle."""
+        self._arrange(view, has_vehicle=False)
+        return self._depth_m(self.target.read_depth(self._scene))
+
+    def _arrange(self, view: Viewpoint, *, has_vehicle: bool) -> None:
+        """Fill MuJoCo's scene with what the view shows."""
         self._aim(view)
         groups = self._option.geomgroup
         groups[:] = 0
@@ -202,11 +211,13 @@ class _Stage:
         # MuJoCo resets these flags after each picture.
         for flag in _ID_FLAGS:
             self._scene.flags[flag] = self._is_ids
-        rgb, buffer = self.target.read(self._scene)
+
+    def _depth_m(self, buffer: np.ndarray) -> np.ndarray:
+        """Depth of a depth buffer."""
         near, far = self._near_m, self._far_m
         depth_m = near * far / (near + buffer * np.float32(far - near))
         depth_m[buffer <= 0] = np.inf
-        return rgb, depth_m
+        return depth_m
 
     def vehicles_enu_m(self) -> np.ndarray:
         """Triangles of all vehicles in their poses."""

@@ -48,13 +48,21 @@ class GlTarget:
     def read(self, scene: mujoco.MjvScene) -> tuple[np.ndarray, np.ndarray]:
         """Draw and read back rgb (h, w, 3) and the depth buffer (h, w), 1 near to 0 far."""
         rgb = np.empty((*self._shape, 3), dtype=np.uint8)
+        depth = self._drawn(scene, rgb)
+        return np.ascontiguousarray(rgb[::-1]), depth
+
+    def read_depth(self, scene: mujoco.MjvScene) -> np.ndarray:
+        """Draw and read back the depth buffer of `read` alone."""
+        return self._drawn(scene, None)
+
+    def _drawn(self, scene: mujoco.MjvScene, rgb: np.ndarray | None) -> np.ndarray:
         depth = np.empty(self._shape, dtype=np.float32)
         # Another target of the same GL context may have been drawn since.
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._context)
         mujoco.mjr_render(self._rect, scene, self._context)
         mujoco.mjr_readPixels(rgb, depth, self._rect, self._context)
         # OpenGL's first row is the bottom one.
-        return np.ascontiguousarray(rgb[::-1]), np.ascontiguousarray(depth[::-1])
+        return np.ascontiguousarray(depth[::-1])
 
     def free(self) -> None:
         """Release its buffers; its GL context must be current."""

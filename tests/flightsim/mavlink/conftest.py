@@ -19,7 +19,7 @@ from flightsim.plant import Plant, PlantCfg
 from flightsim.simulator import Simulator
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import World, build_world
-from tests.flightsim.mavlink.wire import Wire, named
+from tests.flightsim.mavlink.wire import Heard, Wire, named
 
 START_ENU_M = (12.0, -7.0, 0.0)
 
@@ -55,7 +55,16 @@ class Flight:
         )
         self.simulator = Simulator(self.plant, self.autopilot, self.server, speed="max")
         self.wire = Wire()
-        self.heard: list[Any] = []
+        self._heard: list[Any] = []
+        self._latest: list[Heard] = []
+
+    @property
+    def heard(self) -> list[Any]:
+        """All messages received."""
+        for came in self._latest:
+            self._heard += came
+        self._latest.clear()
+        return self._heard
 
     def close(self) -> None:
         self.server.close()
@@ -65,13 +74,14 @@ class Flight:
     def send(self, name: str, *values: Any, **named_values: Any) -> None:
         self.link.client.send(self.wire.encode(name, *values, **named_values))
 
-    def step(self, count: int = 1) -> list[Any]:
+    def step(self, count: int = 1) -> Heard:
         """Run some ticks and return the messages received."""
-        came = []
+        data = bytearray()
         for _ in range(count):
             self.simulator.step()
-            came += self.wire.decode(self.link.client.recv())
-        self.heard += came
+            data += self.link.client.recv()
+        came = Heard(self.wire, bytes(data))
+        self._latest.append(came)
         return came
 
     def skip(self, seconds: float) -> None:
@@ -80,7 +90,7 @@ class Flight:
             self.simulator.step()
             self.link.client.recv()
 
-    def run(self, seconds: float) -> list[Any]:
+    def run(self, seconds: float) -> Heard:
         return self.step(round(50 * seconds))
 
     def run_until(self, is_reached: Callable[[], bool], limit_s: float = 60.0) -> None:

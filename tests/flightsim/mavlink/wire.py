@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from functools import cached_property
 from typing import Any
 
 from flightsim.mavlink.channel import Channel
@@ -38,6 +39,23 @@ class Wire:
     def decode(self, data: bytes) -> list[Any]:
         """All messages in the bytes."""
         return self._decoder.parse_buffer(data) or []
+
+
+class Heard(Sequence[Any]):
+    """Messages of some ticks. Most are never looked at, and decoding costs more than the flight."""
+
+    def __init__(self, wire: Wire, data: bytes):
+        self._wire, self._data = wire, data
+
+    @cached_property
+    def _messages(self) -> list[Any]:
+        return self._wire.decode(self._data)
+
+    def __len__(self) -> int:
+        return len(self._messages)
+
+    def __getitem__(self, index: Any) -> Any:
+        return self._messages[index]
 
 
 class Loop:

@@ -45,12 +45,12 @@ def results(folder):
 
 
 @pytest.mark.timeout(600)
-def test_a_campaign_that_is_killed_goes_on_as_if_nothing_had_been(tmp_path):
+def test_a_campaign_that_is_killed_goes_on_as_if_nothing_had_been(tmp_path, capsys):
     whole, killed = tmp_path / "whole", tmp_path / "killed"
-    done = subprocess.run(
-        command(whole, "--trials", "6", "--json"), capture_output=True, text=True, check=True
-    )
-    summary = json.loads(done.stdout)
+    alone = command(whole, "--trials", "6", "--json", "--workers", "1")[3:]
+    status, out, err = in_process(capsys, *alone)
+    assert status == 0, err
+    summary = json.loads(out)
     assert summary["trials"] == 6
     assert summary["codes"] == {"never_flew": 6}
     assert json.loads((whole / "summary.json").read_text())["codes"] == summary["codes"]

@@ -2,6 +2,7 @@
 
 import multiprocessing
 import sys
+from multiprocessing import forkserver
 
 import pytest
 
@@ -19,6 +20,14 @@ def rows_of(pilot, trials=TWO, n_workers=1, patience_s=500.0):
     engine = LocalEngine(Suite(pilot=f"{STUBS}:{pilot}"), patience_s)
     with Crew(engine, n_workers, patience_s) as crew:
         return {row["trial_id"]: row for row in crew.fly(trials)}
+
+
+@pytest.fixture
+def output(capfd):
+    """What processes print; those of a server that began before this test would print elsewhere."""
+    forkserver._forkserver._stop()
+    yield lambda: capfd.readouterr().out
+    forkserver._forkserver._stop()
 
 
 def test_two_processes_fly_what_one_flies():
@@ -42,12 +51,12 @@ def test_a_pilot_that_leaves_politely_has_failed_too():
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="no bound on memory there")
-def test_a_pilot_that_floods_memory_or_output_harms_nobody(capfd):
+def test_a_pilot_that_floods_memory_or_output_harms_nobody(output):
     rows = rows_of("Troubled", TWO_VEHICLES)
     assert [row["code"] for row in rows.values()] == ["raised", "raised"]
     assert "MemoryError" in rows["49/iris/0"]["reason"]
     assert rows["49/hummingbird/0"]["reason"] == "SystemExit: enough"
-    assert "blah" not in capfd.readouterr().out
+    assert "blah" not in output()
 
 
 def test_a_process_that_ends_once_costs_nothing(tmp_path, monkeypatch):

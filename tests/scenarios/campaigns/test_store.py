@@ -5,6 +5,7 @@ import random
 import signal
 import time
 
+import pyarrow as pa
 import pyarrow.compute as pc
 import pyarrow.parquet as pq
 import pytest
@@ -165,6 +166,22 @@ def test_a_damaged_table_is_named_and_its_trials_are_to_fly_again(tmp_path, capl
         assert results.done == {"7/iris/1"}
     assert "00000.parquet is damaged and set aside" in caplog.text
     assert ids(tmp_path) == ["7/iris/1"]
+
+
+@pytest.mark.parametrize(
+    ("columns", "says"),
+    [
+        ({"name": ["a", "b", "c"]}, "it has no column 'trial_id'; valid: remove it"),
+        ({"trial_id": ["7/iris/0", None]}, "it has rows without 'trial_id'; valid: remove it"),
+    ],
+)
+def test_a_table_of_something_else_is_named_and_its_rows_are_no_trials(tmp_path, columns, says):
+    with open_store(tmp_path):
+        pass
+    (tmp_path / TABLES).mkdir(exist_ok=True)
+    pq.write_table(pa.table(columns), tmp_path / TABLES / "00000.parquet")
+    with pytest.raises(StoreError, match=f"table .*00000.parquet' is damaged: {says}"):
+        read_results(tmp_path)
 
 
 def test_only_one_process_at_a_time_adds_rows(tmp_path):

@@ -75,6 +75,7 @@ sys.exit(main(sys.argv[1:]))
         (500, ["campaign", "--out", "{out}", "--scenes", "7", "--trials", "1", "--workers", "1"]),
         (1000, ["layouts", "{out}/l.jsonl", "--out", "{out}/scenes"]),
         (1000, ["export", "--scene", "field", "--to", "mjcf", "--out", "{out}"]),
+        (1000, ["export", "--scene", "field", "--to", "glb", "--out", "{out}"]),
     ],
 )
 def test_a_full_disk_is_one_line_and_leaves_nothing_half_written(tmp_path, limit, words):

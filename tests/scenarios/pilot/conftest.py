@@ -1,6 +1,7 @@
 """Pilot in the whole stack, ready to fly."""
 
 import dataclasses
+import functools
 
 import numpy as np
 import pytest
@@ -14,6 +15,9 @@ from scenarios.pilot.pace import AMONG_MOVERS
 from scenarios.trials.flight_log import FlightLog
 from scenarios.trials.score import Goal
 from tests.scenarios.landing_scenes import ON_CONTAINER
+
+# Most flights are to one area of one yard.
+planned = functools.lru_cache(maxsize=8)(plan_mission)
 
 
 class Demo:
@@ -44,11 +48,11 @@ class Demo:
         self.cameras = Cameras(self.bench.plant)
         looks_out = bool(traffic) if expects_traffic is None else expects_traffic
         limits = AMONG_MOVERS.limits if looks_out else None
-        mission = plan_mission(known or scene, self.bench.airframe, area=area, limits=limits)
+        mission = planned(known or scene, self.bench.airframe, area=area, limits=limits)
         self.mission = dataclasses.replace(mission, alternates=tuple(alternates))
         client = MavlinkClient(self.bench.pilot_link.client, self.bench.frame)
         brief = PilotCfg(expects_traffic=looks_out)
-        self.see = self.cameras.render
+        self.see = self.cameras.render_depth
         self.pilot = Pilot(client, self.mission, self._frame, brief)
         self.log = FlightLog(self.bench.plant)
         self.gap_m = np.inf

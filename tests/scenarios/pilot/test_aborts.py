@@ -48,10 +48,10 @@ def also_stands(pilot, center_enu_m, size_m):
 def test_without_depth_at_the_area_it_waits_and_lands_when_it_sees_again(demo):
     demo = demo(yard())
     demo.fly_to(Phase.SEARCH)
-    demo.see = blind(demo.cameras.render)
+    demo.see = blind(demo.cameras.render_depth)
     pilot = demo.fly_to(Phase.HOLD)
     assert pilot.transitions[-1].reason == "camera down measured nothing in 5 images"
-    demo.see = demo.cameras.render
+    demo.see = demo.cameras.render_depth
     demo.fly()
     assert pilot.verdict.success, pilot.verdict.reason
     assert demo.targets().count(Phase.SEARCH) == 2
@@ -59,7 +59,7 @@ def test_without_depth_at_the_area_it_waits_and_lands_when_it_sees_again(demo):
 
 def test_a_camera_that_stays_blind_ends_in_a_landing_at_home(demo):
     demo = demo(yard())
-    demo.see = blind(demo.cameras.render)
+    demo.see = blind(demo.cameras.render_depth)
     pilot = demo.fly()
     assert not pilot.verdict.success
     assert demo.targets()[-4:] == [Phase.RETURN, Phase.LAND_HOME, Phase.DISARM, Phase.FAILED]
@@ -183,14 +183,14 @@ def test_a_place_that_does_not_let_it_come_to_rest_is_left_and_looked_at_again(d
 
     def too_near(camera):
         """The ground is farther down than it looks: it is not there when the vehicle arrives."""
-        frame = demo.cameras.render(camera)
+        frame = demo.cameras.render_depth(camera)
         return dataclasses.replace(frame, depth_m=frame.depth_m - np.float32(0.8))
 
     demo.see = too_near
     pilot = demo.fly_to(Phase.CLIMB)
     assert pilot.transitions[-1].source is Phase.TOUCHDOWN
     assert pilot.transitions[-1].reason == "phase touch down took more than 20 s"
-    demo.see = demo.cameras.render
+    demo.see = demo.cameras.render_depth
     demo.fly()
     assert pilot.verdict.success, pilot.verdict.reason
     assert demo.targets().count(Phase.SEARCH) == 2

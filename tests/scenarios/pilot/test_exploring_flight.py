@@ -33,7 +33,7 @@ def fly(cfg, prepare=None, *, expects_traffic=False):
         assert world.field.distance_m[tuple(hover)] == 0.0
         client = MavlinkClient(bench.pilot_link.client, bench.frame)
         brief = PilotCfg(expects_traffic=expects_traffic)
-        pilot = Pilot(client, mission, cameras.render, brief)
+        pilot = Pilot(client, mission, cameras.render_depth, brief)
         if prepare is not None:
             prepare(pilot)
         log = FlightLog(bench.plant)

@@ -37,7 +37,7 @@ def test_a_mover_of_the_simulator_is_where_the_tracker_has_it(mover, camera):
             hovering.mocap_pos[:] = plant.data.mocap_pos
             hovering.mocap_quat[:] = plant.data.mocap_quat
             frame, time_s = (
-                renderer.render(hovering, "forward", plant.time_us),
+                renderer.render_depth(hovering, "forward", plant.time_us),
                 plant.time_us * 1e-6,
             )
             image = posed(frame if noise is None else noise.frame(frame))

@@ -96,7 +96,7 @@ def test_it_starts_again_from_the_top_when_the_place_turns_bad_on_the_way_down(d
     demo = demo(yard())
     pilot = demo.fly_to(Phase.DESCEND)
     # For a while the camera sees a step of half a metre in what was level before.
-    render = demo.cameras.render
+    render = demo.cameras.render_depth
 
     def with_a_step(camera):
         frame = render(camera)
@@ -142,7 +142,7 @@ def test_a_link_without_a_vehicle_is_given_up_in_time(demo):
 
     demo = demo(yard())
     client = MavlinkClient(SilentPipe(), demo.bench.frame)
-    pilot = Pilot(client, demo.mission, demo.cameras.render)
+    pilot = Pilot(client, demo.mission, demo.cameras.render_depth)
     for tick in range(600):
         pilot.update(tick * 20_000)
     assert pilot.phase is Phase.FAILED

@@ -34,10 +34,14 @@ def sitl(*args, **options):
     )
 
 
+def here(capsys, *args):
+    """Status and output of the command, run in this process."""
+    return in_process(capsys, "sitl", "--instance", own_instance(), *args)
+
+
 def demo(capsys, *args):
     """What the demo prints, flown in this process."""
-    command = ("sitl", "--instance", own_instance(), "--demo", "--speed", "max", "--json")
-    status, out, err = in_process(capsys, *command, *args)
+    status, out, err = here(capsys, "--demo", "--speed", "max", "--json", *args)
     assert status in {0, 1}, out + err
     return json.loads(out)
 
@@ -200,10 +204,11 @@ def test_interrupting_closes_the_recording_and_gives_the_ports_back(tmp_path):
         probe.bind(("127.0.0.1", port))
 
 
-def test_a_demo_ends_when_its_time_is_up():
-    done = sitl("--demo", "--speed", "max", "--json", "--headless-seconds", "2")
-    result = json.loads(done.stdout)
-    assert done.returncode == 1
+def test_a_demo_ends_when_its_time_is_up(capsys):
+    args = ("--demo", "--speed", "max", "--json", "--headless-seconds", "2")
+    status, out, _ = here(capsys, *args)
+    result = json.loads(out)
+    assert status == 1
     assert result["sim_seconds"] == 2.0
     assert result["code"] == "time_up"
     assert "not finished, still in " in result["reason"]
@@ -275,47 +280,32 @@ def test_a_run_that_is_stopped_before_its_first_step_ends_like_any_other():
     assert result.position_rmse_m is None
 
 
-def test_a_port_in_use_is_named_with_the_way_out():
+def test_a_port_in_use_is_named_with_the_way_out(capsys):
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as taken:
         taken.bind(("127.0.0.1", 18570 + own_instance()))
-        done = sitl()
-    assert done.returncode == 2
-    assert f"UDP port {18570 + own_instance()}" in done.stderr
-    assert "--instance" in done.stderr
-    assert done.stderr.count("\n") == 1
+        status, _, err = here(capsys)
+    assert status == 2
+    assert f"UDP port {18570 + own_instance()}" in err
+    assert "--instance" in err
+    assert err.count("\n") == 1
 
 
-def test_a_recording_that_cannot_be_written_is_refused_before_anything_flies(tmp_path):
+def test_a_recording_that_cannot_be_written_is_refused_before_anything_flies(tmp_path, capsys):
     (tmp_path / "file").touch()
-    done = sitl("--record", str(tmp_path / "file" / "flight.rrd"))
-    assert done.returncode == 2
-    assert done.stderr.count("\n") == 1
+    status, out, err = here(capsys, "--record", tmp_path / "file" / "flight.rrd")
+    assert (status, out) == (2, "")
+    assert err.count("\n") == 1
 
 
-def test_a_folder_that_is_missing_is_made_and_told(tmp_path):
-    done = sitl("--record", str(tmp_path / "new" / "flight.rrd"), "--headless-seconds", "0.1")
-    assert done.returncode == 0
-    assert f"Folder {tmp_path / 'new'} was missing and is made." in done.stderr
-    assert summarise(tmp_path / "new" / "flight.rrd").is_complete
+def test_a_folder_that_is_missing_is_made_and_told(tmp_path, capsys):
+    path = tmp_path / "new" / "flight.rrd"
+    status, _, err = here(capsys, "--record", path, "--headless-seconds", "0.1")
+    assert status == 0
+    assert f"Folder {tmp_path / 'new'} was missing and is made." in err
+    assert summarise(path).is_complete
 
 
-def test_nothing_listens_beyond_loopback():
-    process = subprocess.Popen(
-        [*COMMAND, "--instance", str(own_instance())],
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-    )
-    try:
-        wait_for(5760 + 10 * own_instance())
-        for connection in psutil.Process(process.pid).net_connections():
-            assert connection.laddr.ip == "127.0.0.1"
-    finally:
-        process.send_signal(signal.SIGTERM)
-        # Its ports are open a moment before it runs.
-        assert process.wait() in {0, 130}
-
-
-def test_the_first_heartbeat_comes_unasked():
+def test_the_first_heartbeat_comes_unasked_and_nothing_listens_beyond_loopback():
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as station:
         station.bind(("127.0.0.1", 14550 + own_instance()))
         station.settimeout(30.0)
@@ -326,17 +316,11 @@ def test_the_first_heartbeat_comes_unasked():
         )
         try:
             messages = mavlink.MAVLink(None).parse_buffer(station.recv(2048))
+            opened = [each.laddr for each in psutil.Process(process.pid).net_connections()]
         finally:
-            process.send_signal(signal.SIGINT)
-            process.wait()
+            process.send_signal(signal.SIGTERM)
+            # Its ports are open a moment before it runs.
+            assert process.wait() in {0, 130}
     assert any(message.get_type() == "HEARTBEAT" for message in messages)
-
-
-def wait_for(port):
-    deadline = time.monotonic() + 60.0
-    while time.monotonic() < deadline:
-        with socket.socket() as probe:
-            if probe.connect_ex(("127.0.0.1", port)) == 0:
-                return
-        time.sleep(0.05)
-    raise AssertionError(f"nothing opened port {port}")
+    assert {address.ip for address in opened} == {"127.0.0.1"}
+    assert 5760 + 10 * own_instance() in {address.port for address in opened}
