@@ -80,13 +80,13 @@ class DecodedBuilding:
 
 
 def build_building(
-    program: Program, trees: TreeReader, storeys: Sequence[int], host: Rectangle, base_m: float
+    program: Program, reader: TreeReader, storeys: Sequence[int], host: Rectangle, base_m: float
 ) -> DecodedBuilding:
     """The rooms and walls of a building's storeys.
 
     Args:
         program: The program.
-        trees: Reads its records.
+        reader: Reads its records.
         storeys: Places of the storeys' tokens, from the lowest up.
         host: The building, or the site, seen from above.
         base_m: Its underside.
@@ -95,7 +95,7 @@ def build_building(
     drawn: list[_Storey] = []
     for place in storeys:
         base_m += float(program.channels[place, 7])
-        drawn.append(_Storey(program, trees, place, frame, base_m))
+        drawn.append(_Storey(program, reader, place, frame, base_m))
     levels = [Level(storey.tree, storey.level_m, storey.wall_m) for storey in drawn]
     trees = stacked(levels, frame, max(storey.least_m for storey in drawn))
     parts = build_storeys(
