@@ -103,11 +103,11 @@ _PRESETS: Mapping[str, Preset] = {
     "progressive": "progressive",
     "ours": "default",
 }
-_GUIDANCE = {
-    "without_collision": ("collision_weight",),
-    "without_coarse_to_fine": ("coarse_to_fine_weight",),
-    "without_semantic": ("semantic_weight",),
-    "without_all": ("collision_weight", "coarse_to_fine_weight", "semantic_weight"),
+_GUIDANCE: Mapping[str, Mapping[str, float]] = {
+    "without_collision": {"collision_weight": 0.0},
+    "without_coarse_to_fine": {"coarse_to_fine_weight": 0.0},
+    "with_semantic": {"semantic_step_weight": 0.1},
+    "without_all": {"collision_weight": 0.0, "coarse_to_fine_weight": 0.0},
 }
 _DECODING = {
     "without_collision": ("without making room", DecodingCfg(makes_room=False)),
@@ -157,8 +157,10 @@ def _sampled_otherwise(name: str, *, is_shipped: bool) -> Entrant:
     )
 
 
-def _less_guided(method: str, name: str, weights: Sequence[str], *, is_shipped: bool) -> Entrant:
-    changes: Mapping[str, Any] = {"guidance": dict.fromkeys(weights, 0.0)}
+def _less_guided(
+    method: str, name: str, weights: Mapping[str, float], *, is_shipped: bool
+) -> Entrant:
+    changes = {"guidance": weights}
     return Entrant(
         name=f"{_row_name(method, is_shipped)}_{name}",
         title=f"{METHODS[method].title}, {name.replace('_', ' ')} guidance",
