@@ -57,12 +57,16 @@ def log_document(stream: rr.RecordingStream, scene: Scene) -> None:
 
 
 def log_verdict(stream: rr.RecordingStream, info: RunInfo, verdict: Mapping[str, Any]) -> None:
-    """Write the result of the run: `success`, `code`, `reason`, and all figures as JSON."""
+    """Write the result of the run: `success`, `code`, `reason`, and all figures as JSON.
+
+    `success` is absent where nothing was to be judged. rerun would write None as an empty list in a
+    process that has written a truth value under that name before.
+    """
+    success = verdict.get("success")
     stream.send_property(
         layout.VERDICT_PROPERTY,
         rr.AnyValues(
-            # Absent where nothing was to be judged.
-            success=verdict.get("success"),
+            **({} if success is None else {"success": success}),
             code=str(verdict.get("code", "")),
             reason=str(verdict.get("reason", "")),
             figures=json.dumps(verdict, sort_keys=True),

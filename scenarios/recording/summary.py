@@ -194,6 +194,7 @@ def _latest_ns(chunk: Chunk) -> int:
 
 
 def first_row(chunk: Chunk) -> dict[str, Any]:
-    """Components of a property, unpacked from their one-element lists."""
+    """Components of a property, unpacked from their one-element lists; empty ones are absent."""
     columns = chunk.to_record_batch().to_pydict()
-    return {name: values[0][0] for name, values in columns.items() if isinstance(values[0], list)}
+    first = {name: values[0] for name, values in columns.items()}
+    return {name: value[0] for name, value in first.items() if isinstance(value, list) and value}

@@ -3,8 +3,16 @@ import sys
 from pathlib import Path
 
 import pytest
+import rerun as rr
 
-from scenarios.recording.summary import UnreadableRecordingError, readable, summarise
+from scenarios.recording.metadata import RunInfo, log_verdict
+from scenarios.recording.summary import (
+    UnreadableRecordingError,
+    chunks,
+    first_row,
+    readable,
+    summarise,
+)
 from tests.scenarios.recording.conftest import LIMITS, VERDICT
 
 SCRIPT = Path(__file__).with_name("record_until_killed.py")
@@ -44,6 +52,22 @@ def test_summary_says_which_run_what_is_in_it_and_how_it_ended(flight):
     assert summary.entities["/world/vehicle/camera_down/rgb"] == 7
     assert summary.size_bytes == flight.path.stat().st_size
     assert summary.static_entities > 50
+
+
+def test_a_flight_that_nothing_was_judged_of_reads_the_same_after_one_that_was_judged(tmp_path):
+    info = RunInfo(scene="42", vehicle="iris", seed=0)
+    found = []
+    for number, success in enumerate((True, None)):
+        path = tmp_path / f"{number}.rrd"
+        with rr.RecordingStream(f"test-{number}") as stream:
+            stream.save(path)
+            log_verdict(stream, info, {"success": success})
+            # rerun writes an empty list where it knows the type of None.
+            stream.send_property("run", rr.AnyValues(scene="42", vehicle="iris", success=success))
+        assert (summarise(path).scene, summarise(path).verdict) == ("42", {"success": success})
+        (row,) = [first_row(c) for c in chunks(path) if c.entity_path == "/__properties/verdict"]
+        found.append(row.get("success"))
+    assert found == [True, None]
 
 
 def test_killed_run_leaves_all_but_its_last_second(tmp_path):
