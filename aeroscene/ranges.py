@@ -74,7 +74,8 @@ def ranges_of(options: type) -> dict[str, Range]:
 def out_of_range(options: Any, section: str | None = None) -> Iterator[str]:
     """Yield a line for each number out of its range, in a dataclass and in those within it.
 
-    Values that are no numbers, such as None or `max`, pass. The arguments are `require_ranges`'.
+    Values that are no numbers, such as None or `max`, pass. `require_ranges` says what the
+    arguments are.
     """
     ranges = ranges_of(type(options))
     for field in fields(options):

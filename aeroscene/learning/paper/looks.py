@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from typing import Annotated
 
 import msgspec
 import numpy as np
@@ -26,7 +27,7 @@ class Look(msgspec.Struct, frozen=True):
 
     domain: ObjectDomain
     attributes: dict[str, AttributeValue]
-    count: int
+    count: Annotated[int, msgspec.Meta(ge=1)]
 
     @property
     def is_shared(self) -> bool:
@@ -61,8 +62,12 @@ class Looks:
 
         Raises:
             msgspec.DecodeError: If it is not that.
+            ValueError: If no category has a look.
         """
-        return cls(msgspec.json.decode(text, type=dict[str, tuple[Look, ...]]))
+        looks = cls(msgspec.json.decode(text, type=dict[str, tuple[Look, ...]]))
+        if not looks.is_known.any():
+            raise ValueError("no category has a look")
+        return looks
 
     @property
     def is_known(self) -> Bool[np.ndarray, " categories"]:

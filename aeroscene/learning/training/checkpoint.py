@@ -26,6 +26,7 @@ from torch import Tensor, nn
 
 from aeroscene.files import replacing
 from aeroscene.learning.paper.channels import FlatStatistics
+from aeroscene.learning.paper.looks import Looks
 from aeroscene.learning.training.checkpoint_facts import (
     FLAT_PRESETS,
     KEY,
@@ -147,12 +148,13 @@ def _known(path: Path, facts: CheckpointFacts, tensors: Weights) -> Known:
     arrays: dict[str, Any] = {k: v.numpy() for k, v in under(tensors, _KNOWN).items()}
     try:
         if facts.preset in FLAT_PRESETS:
+            Looks.from_json(facts.vocabulary)
             return FlatStatistics(**arrays)
         return Language.restored(facts.vocabulary, arrays)
-    except (TypeError, KeyError, msgspec.DecodeError):
+    except (TypeError, KeyError, ValueError, msgspec.DecodeError):
         raise CheckpointError(
-            f"checkpoint {str(path)!r} lacks the statistics of its channels; "
-            "valid: the file as aeroscene train has written it"
+            f"checkpoint {str(path)!r} lacks the statistics of its channels or the "
+            "looks of its categories; valid: the file as aeroscene train has written it"
         ) from None
 
 

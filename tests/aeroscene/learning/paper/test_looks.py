@@ -18,6 +18,8 @@ def test_looks_survive_their_text_and_the_order_of_scenes(scenes: list[Scene]) -
     assert Looks.of(scenes[1:]).to_json() != looks.to_json()
     with pytest.raises(msgspec.DecodeError):
         Looks.from_json('{"Chair": 3}')
+    with pytest.raises(ValueError, match="no category has a look"):
+        Looks.from_json('{"Chair": []}')
 
 
 def test_every_object_without_an_opening_is_counted(scenes: list[Scene]) -> None:

@@ -1,4 +1,5 @@
 import re
+import shutil
 
 import msgspec
 import numpy as np
@@ -144,6 +145,17 @@ def test_older_files_are_refused_and_what_ships_of_the_papers_is_read(path, pres
     assert isinstance(found.known, FlatStatistics)
     assert found.known.has_regions == (preset == "progressive")
     assert set(found.parts) == {"contents", "prior", "denoiser"}
+
+
+@pytest.mark.parametrize(
+    "looks",
+    ["[", "{}", '{"bed": [{"domain": "indoor", "attributes": {}, "count": 0}]}', '{"kinds": [3]}'],
+)
+def test_looks_that_are_none_are_refused(tmp_path, looks):
+    path = tmp_path / "paper.safetensors"
+    shutil.copy(SHIPPED["paper"], path)
+    with_facts(path, vocabulary=looks)
+    assert "or the looks of its categories; valid: the file as" in refusal(path)
 
 
 def test_other_categories_are_refused_and_one_is_named(path):
