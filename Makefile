@@ -1,6 +1,7 @@
 # make demo   creates .venv, installs, flies scene 42
 # make test   the same environment with the scene model and the test tools, then every test
 # make check  lint, types, import rules, unused dependencies
+# make wheel  the package as it is released, into dist/, checked
 # make docs   the site, with a reference of the Python API, into site/
 
 SHELL := /usr/bin/env bash
@@ -25,7 +26,7 @@ SLIM = cd "$$($(BIN)/python -c 'import sysconfig; print(sysconfig.get_path("pure
 	rm -rf casadi/include casadi/*.a pyarrow/include && \
 	find matplotlib numba numpy pyarrow scipy -type d -name tests -prune -exec rm -rf {} +
 
-.PHONY: demo test check docs clean
+.PHONY: demo test check wheel docs clean
 
 $(VENV)/bin/python:
 	@test -n "$(PYTHON)" || { echo "AeroScene needs Python 3.11, 3.12 or 3.13 on the path; or name one: make PYTHON=/path/to/python3.12" >&2; exit 2; }
@@ -67,6 +68,12 @@ check: $(VENV)/.installed-dev
 	$(BIN)/pyright
 	$(BIN)/lint-imports
 	$(BIN)/deptry .
+
+# What a release uploads: the wheel, and whether the package index would take it.
+wheel: $(VENV)/.installed-dev
+	rm -rf dist
+	$(BIN)/python -m pip wheel --quiet --no-deps --wheel-dir dist .
+	$(BIN)/twine check --strict dist/*.whl
 
 docs: $(VENV)/.installed-docs
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict

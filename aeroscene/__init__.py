@@ -1,6 +1,7 @@
-"""What a scene is and where scenes come from.
+"""The door to AeroScene: `import aeroscene` offers every public name, loaded when it is first used.
 
-The names of `__all__` are the public ones; docs/python.md shows them at work.
+The names come from the packages that define them: scenes from here, simulation from `flightsim`,
+runs, pilots, recordings and environments from `scenarios`. docs/python.md shows them at work.
 """
 
 from typing import TYPE_CHECKING
@@ -13,9 +14,11 @@ if TYPE_CHECKING:
     from aeroscene.scene import InteractionArea, OrientedBox, Scene, SceneError, SceneObject
     from aeroscene.scene.catalogue import CATALOGUE, Category, category_id
     from aeroscene.scene.io import read_scene, write_scene
-    from aeroscene.sources import open_scene
+    from aeroscene.sources import load_scene
     from aeroscene.validation import Finding, validate
     from aeroscene.version import __version__
+    from flightsim import *  # noqa: F403 - the names are those of its `__all__`
+    from scenarios import *  # noqa: F403
 else:
     __getattr__, __dir__ = public_names(__name__, __file__)
 
@@ -34,7 +37,7 @@ __all__ = [
     "category_id",
     "derive_interaction_areas",
     "generate_scene",
-    "open_scene",
+    "load_scene",
     "read_scene",
     "validate",
     "write_scene",

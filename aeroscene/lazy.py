@@ -10,6 +10,7 @@ from __future__ import annotations
 import ast
 import sys
 from collections.abc import Callable
+from functools import cache
 from importlib import import_module
 from pathlib import Path
 
@@ -21,22 +22,36 @@ def public_names(
 
     Args:
         package: Name of the package, its `__name__`.
-        file: Its source, its `__file__`, with one `if TYPE_CHECKING` of absolute imports.
+        file: Its source, its `__file__`, with one `if TYPE_CHECKING` of absolute imports. A
+            `from other import *` stands for all that `other` names in its `__all__`.
     """
-    (branch,) = (
-        node for node in ast.parse(Path(file).read_text()).body if isinstance(node, ast.If)
-    )
-    imports = (line for line in branch.body if isinstance(line, ast.ImportFrom))
-    home_of = {name.name: line.module or "" for line in imports for name in line.names}
+
+    @cache
+    def homes() -> dict[str, str]:
+        (branch,) = (
+            node for node in ast.parse(Path(file).read_text()).body if isinstance(node, ast.If)
+        )
+        imports = (line for line in branch.body if isinstance(line, ast.ImportFrom))
+        return {
+            name: line.module or ""
+            for line in imports
+            for alias in line.names
+            for name in _names(line.module or "", alias)
+        }
 
     def load(name: str) -> object:
-        if name not in home_of:
+        if name not in homes():
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
-        value = getattr(import_module(home_of[name]), name)
+        value = getattr(import_module(homes()[name]), name)
         setattr(sys.modules[package], name, value)
         return value
 
     def names() -> list[str]:
-        return sorted({*vars(sys.modules[package]), *home_of})
+        return sorted({*vars(sys.modules[package]), *homes()})
 
     return load, names
+
+
+def _names(module: str, alias: ast.alias) -> list[str]:
+    """Names that one item of an import stands for."""
+    return list(import_module(module).__all__) if alias.name == "*" else [alias.name]

@@ -38,7 +38,7 @@ class UnknownSceneError(SceneError):
     """No scene has that name."""
 
 
-def open_scene(spec: str, *, skip_invalid: bool = False) -> Scene:
+def load_scene(spec: str, *, skip_invalid: bool = False) -> Scene:
     """Open the scene that a user names.
 
     Args:

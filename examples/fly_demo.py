@@ -9,8 +9,7 @@ The same as `aeroscene sitl 42 --demo --record fly_demo.rrd`, as a value in Pyth
 import sys
 from pathlib import Path
 
-from flightsim import TestbenchCfg
-from scenarios import Sitl, SitlCfg, TrialResult
+from aeroscene import Sitl, SitlCfg, TestbenchCfg, TrialResult
 
 
 def main(scene: str = "42") -> TrialResult:

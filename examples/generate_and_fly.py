@@ -7,9 +7,15 @@ Generating needs torch: pip install 'aeroscene[model]'. The same seed gives the 
 
 import sys
 
-from aeroscene import SceneError, generate_scene, write_scene
-from flightsim import TestbenchCfg
-from scenarios import Sitl, SitlCfg, TrialResult
+from aeroscene import (
+    SceneError,
+    Sitl,
+    SitlCfg,
+    TestbenchCfg,
+    TrialResult,
+    generate_scene,
+    write_scene,
+)
 
 
 def main(seed: int = 7) -> TrialResult:

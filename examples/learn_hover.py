@@ -3,12 +3,11 @@
 Needs pip install 'aeroscene[rl]' stable-baselines3. Run: python examples/learn_hover.py
 """
 
-import gymnasium
 import numpy as np
 from stable_baselines3 import PPO
 from stable_baselines3.common.vec_env import VecEnv
 
-from scenarios.environments import EnvironmentCfg
+from aeroscene import EnvironmentCfg, make_vec
 
 CFG = EnvironmentCfg(action="velocity", action_hz=10)
 
@@ -19,7 +18,7 @@ class Worlds(VecEnv):
     set_attr = env_method = env_is_wrapped = None  # nobody asks
 
     def __init__(self, name: str, n: int, seed: int, **options) -> None:
-        self.env, self.first_seed = gymnasium.make_vec(name, num_envs=n, **options), seed
+        self.env, self.first_seed = make_vec(name, num_envs=n, **options), seed
         super().__init__(n, self.env.single_observation_space, self.env.single_action_space)
 
     def reset(self):

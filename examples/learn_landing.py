@@ -8,7 +8,7 @@ from collections import Counter
 from learn_hover import Worlds
 from stable_baselines3 import PPO
 
-from scenarios.environments import EnvironmentCfg
+from aeroscene import EnvironmentCfg
 
 # Ten decisions a second: a landing is fifty of them, and exploring soon finds the ground.
 CFG = EnvironmentCfg(action="velocity", action_hz=10)

@@ -10,8 +10,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 import flightsim
-from aeroscene import open_scene
-from flightsim import ControlLevel, Plant, PlantCfg, Setpoint, Simulator
+from aeroscene import ControlLevel, Plant, PlantCfg, Setpoint, Simulator, load_scene
 
 STIFFNESS, DAMPING, UP_MPS2 = 4.0, 3.2, np.array([0.0, 0.0, 9.81])
 RADIUS_M, RATE_RADPS = 2.0, 0.9
@@ -46,7 +45,7 @@ class CircleController:
 
 
 def main() -> CircleController:
-    world = flightsim.build_world(open_scene("42"), flightsim.airframe_by_name("iris"))
+    world = flightsim.build_world(load_scene("42"), flightsim.airframe_by_name("iris"))
     plant = Plant(world, PlantCfg(seed=0))
     plant.align()
     controller = CircleController(plant)

@@ -8,8 +8,7 @@ The landing areas are derived from the geometry; the scene is checked, written a
 from dataclasses import replace
 
 import aeroscene
-from flightsim import TestbenchCfg
-from scenarios import Sitl, SitlCfg, TrialResult
+from aeroscene import Sitl, SitlCfg, TestbenchCfg, TrialResult
 
 NAME = "container-yard"
 

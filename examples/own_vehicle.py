@@ -7,16 +7,15 @@ rotors; autopilot and pilot fly it as they fly the Iris. Run: python examples/ow
 import math
 from dataclasses import replace
 
-from flightsim import Airframe, QuadrotorParams, RotorParams, TestbenchCfg, airframe_by_name
-from scenarios import Sitl, SitlCfg, TrialResult
+import aeroscene
 
 ARM_M, ROTOR_RADIUS_M, MASS_KG = 0.3, 0.165, 2.4
 
 
-def rotor(bearing_deg: float, spin: int) -> RotorParams:
+def rotor(bearing_deg: float, spin: int) -> aeroscene.RotorParams:
     """One of four, on an arm at this bearing from the nose, counter-clockwise."""
     bearing = math.radians(bearing_deg)
-    return RotorParams(
+    return aeroscene.RotorParams(
         position_flu_m=(ARM_M * math.cos(bearing), ARM_M * math.sin(bearing), 0.03),
         spin=spin,
         thrust_constant=1.6e-5,
@@ -29,10 +28,10 @@ def rotor(bearing_deg: float, spin: int) -> RotorParams:
     )
 
 
-def heavy_quadrotor() -> Airframe:
+def heavy_quadrotor() -> aeroscene.Airframe:
     """Body, battery and cameras are the Iris's, resized."""
-    iris = airframe_by_name("iris")
-    quadrotor = QuadrotorParams(
+    iris = aeroscene.airframe_by_name("iris")
+    quadrotor = aeroscene.QuadrotorParams(
         mass_kg=MASS_KG,
         inertia_flu_kgm2=(0.06, 0.06, 0.11),
         rotors=(rotor(-45, 1), rotor(135, 1), rotor(45, -1), rotor(-135, -1)),
@@ -50,9 +49,9 @@ def heavy_quadrotor() -> Airframe:
     )
 
 
-def main() -> TrialResult:
-    cfg = SitlCfg(demo=True, bench=TestbenchCfg(speed="max"))
-    with Sitl(cfg, airframe=heavy_quadrotor(), has_network=False) as sitl:
+def main() -> aeroscene.TrialResult:
+    cfg = aeroscene.SitlCfg(demo=True, bench=aeroscene.TestbenchCfg(speed="max"))
+    with aeroscene.Sitl(cfg, airframe=heavy_quadrotor(), has_network=False) as sitl:
         return sitl.run()
 
 

@@ -15,8 +15,7 @@ import numpy as np
 from PIL import Image
 
 import flightsim
-from aeroscene import Scene, open_scene
-from flightsim import ControlLevel, Plant, PlantCfg, Setpoint
+from aeroscene import ControlLevel, Plant, PlantCfg, Scene, Setpoint, load_scene
 
 
 def write(stem: Path, scene: Scene, frame, object_id: np.ndarray) -> None:
@@ -37,7 +36,7 @@ def write(stem: Path, scene: Scene, frame, object_id: np.ndarray) -> None:
 
 
 def main(folder: str = "rgbd") -> None:
-    scene, out = open_scene("42"), Path(folder)
+    scene, out = load_scene("42"), Path(folder)
     out.mkdir(parents=True, exist_ok=True)
     world = flightsim.build_world(scene, flightsim.airframe_by_name("iris"))
     plant = Plant(world, PlantCfg(seed=0))

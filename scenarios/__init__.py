@@ -8,6 +8,13 @@ from typing import TYPE_CHECKING
 from aeroscene.lazy import public_names
 
 if TYPE_CHECKING:
+    from scenarios.environments import (
+        EnvironmentCfg,
+        ObservationCfg,
+        RandomisationCfg,
+        make,
+        make_vec,
+    )
     from scenarios.mission.mission import Mission, plan_mission
     from scenarios.mission.surroundings import MissionError
     from scenarios.pilot import Pilot, PilotCfg
@@ -26,10 +33,13 @@ __all__ = [
     "INPUT_ERRORS",
     "Aboard",
     "Companion",
+    "EnvironmentCfg",
     "Mission",
     "MissionError",
+    "ObservationCfg",
     "Pilot",
     "PilotCfg",
+    "RandomisationCfg",
     "Recorder",
     "RecordingError",
     "RecordingSummary",
@@ -38,6 +48,8 @@ __all__ = [
     "SitlCfg",
     "TrialResult",
     "Verdict",
+    "make",
+    "make_vec",
     "plan_mission",
     "summarise",
 ]

@@ -21,7 +21,7 @@ from drawing.gallery_scenes import PLACES, Place
 from drawing.views import choose_view
 from matplotlib import colormaps
 
-from aeroscene.sources import open_scene
+from aeroscene.sources import load_scene
 from autonomy.types import quat_about_up
 from flightsim.sensors.cameras import RgbdFrame, open_camera_renderer
 from flightsim.sensors.cameras.view import Quality
@@ -101,7 +101,7 @@ def _generated(cfg: GalleryCfg) -> list[Shown]:
 
 
 def _tile(cfg: GalleryCfg, number: int) -> np.ndarray:
-    is_indoor = open_scene(str(number)).domain == "indoor"
+    is_indoor = load_scene(str(number)).domain == "indoor"
     _, rgb = picture(
         DrawCfg(
             out=cfg.out,
@@ -156,7 +156,7 @@ def _onboard(cfg: GalleryCfg) -> list[Shown]:
 
 
 def _onboard_strip(number: str) -> np.ndarray:
-    scene = open_scene(number)
+    scene = load_scene(number)
     world = build_world(scene, airframe_by_name("iris"))
     renderer = open_camera_renderer(world, *_ONBOARD_PX)
     view = choose_view(world, "forward", _ONBOARD_PX[0] / _ONBOARD_PX[1], renderer)

@@ -22,7 +22,7 @@ from drawing.views import Preset, View, choose_view
 from PIL import Image
 
 from aeroscene.scene import Vector3
-from aeroscene.sources import open_scene
+from aeroscene.sources import load_scene
 from autonomy.types import quat_about_up
 from flightsim.looks.cutting import cut_at
 from flightsim.sensors.cameras import RgbdFrame, look_at, open_camera_renderer
@@ -74,7 +74,7 @@ def draw(cfg: DrawCfg) -> None:
 def picture(cfg: DrawCfg) -> tuple[RgbdFrame, np.ndarray]:
     """The frame, and its picture with what is to be drawn over it."""
     has_vehicle = cfg.view == "chase" and cfg.eye_enu_m is None
-    scene = open_scene(cfg.scene)
+    scene = load_scene(cfg.scene)
     world = build_world(scene, airframe_by_name(cfg.vehicle), vehicle=has_vehicle)
     if cfg.cut_height_m is not None:
         world = replace(world, solids=cut_at(world.solids, cfg.cut_height_m))

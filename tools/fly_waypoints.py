@@ -28,7 +28,7 @@ from typing import Any
 import numpy as np
 
 from aeroscene.scene.box import rotation_matrix
-from aeroscene.sources import open_scene
+from aeroscene.sources import load_scene
 from autonomy.types import Vector3
 from flightsim.bridges.launch import ardupilot, px4
 from flightsim.bridges.physics.bridge import Exchanges
@@ -137,7 +137,7 @@ def fly(options: argparse.Namespace) -> dict[str, Any]:
         speed="max",
     )
     began_s, cpu_s = time.perf_counter(), time.process_time()
-    with Testbench(open_scene(options.scene), cfg) as bench:
+    with Testbench(load_scene(options.scene), cfg) as bench:
         places_enu_m = places(bench)
         watch = Watch(bench, places_enu_m)
         bench.observers.append(watch)

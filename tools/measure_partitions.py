@@ -30,7 +30,7 @@ from aeroscene.partition import (
 from aeroscene.partition.sites.parse import COVERS
 from aeroscene.partition.tree import Bend, Cross, Node, Overlay, Pinwheel, walk
 from aeroscene.scene import OrientedBox, Scene
-from aeroscene.sources import open_scene
+from aeroscene.sources import load_scene
 
 
 def hardest(tree: Node) -> str:
@@ -116,7 +116,7 @@ def main() -> None:
     args = parser.parse_args()
     low, high = map(int, args.scenes.split(":"))
     if args.data == "corpus":
-        scenes = [open_scene(f"corpus:{index}") for index in range(low, high)]
+        scenes = [load_scene(f"corpus:{index}") for index in range(low, high)]
     else:
         scenes = list(open_dataset(args.data).scenes())[low:high]
     if args.jitter_m:

@@ -19,7 +19,7 @@ import time
 import psutil
 from pymavlink.dialects.v20 import common as mavlink
 
-from aeroscene.sources import open_scene
+from aeroscene.sources import load_scene
 from flightsim.autopilot.mission_item import MissionItem
 from flightsim.mavlink.client import MavlinkClient
 from flightsim.testbench import Testbench, TestbenchCfg
@@ -42,7 +42,7 @@ class Vehicle:
 
     def __init__(self, seed: int) -> None:
         self.bench = Testbench(
-            open_scene("field"), TestbenchCfg(speed="max", seed=seed), has_network=False
+            load_scene("field"), TestbenchCfg(speed="max", seed=seed), has_network=False
         )
         self._client: MavlinkClient = self.bench.connect()
         self.bench.observers.append(lambda: self._client.update(self.bench.plant.time_us))

@@ -259,7 +259,7 @@ def _build(document: _Document, source: str, derive: DeriveAreas | None) -> Scen
     scene_id, listed = document.scene_id, document.interaction_areas
     if listed is msgspec.UNSET and derive is None:
         raise SceneFileError(
-            "interaction_areas is missing; valid: a list, also empty; open_scene() derives it"
+            "interaction_areas is missing; valid: a list, also empty; load_scene() derives it"
         )
     records = () if listed is msgspec.UNSET else listed
     try:

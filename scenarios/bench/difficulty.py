@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from aeroscene.sources import open_scene
+from aeroscene.sources import load_scene
 from flightsim.vehicles.catalogue import airframe_by_name
 from scenarios.bench.configs import DifficultyBenchCfg
 from scenarios.bench.plan_pairs import SHIPPED_SCENES
@@ -30,7 +30,7 @@ def rows(cfg: DifficultyBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
     for index, number in enumerate(numbers):
         on_progress(f"scene {number}", index / len(numbers))
         try:
-            found.append(measure_difficulty(open_scene(str(number)), airframe))
+            found.append(measure_difficulty(load_scene(str(number)), airframe))
         except MissionError:
             n_blocked += 1
     yield lower("scenes without a way", n_blocked, "scenes")

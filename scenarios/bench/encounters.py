@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from aeroscene.scene import Scene
-from aeroscene.sources import open_scene
+from aeroscene.sources import load_scene
 from autonomy.types import Vector3
 from flightsim.environment.movers import MovingObstacle
 from flightsim.testbench import TestbenchCfg, TestbenchError
@@ -74,7 +74,7 @@ def rows(cfg: EncountersBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
             number, n_scenes = (number + _STEP) % SHIPPED_SCENES, n_scenes + 1
             on_progress(f"scene {number}, {vehicle}: alone", n_met / cfg.count)
             scene, bench = (
-                open_scene(str(number)),
+                load_scene(str(number)),
                 TestbenchCfg(vehicle=vehicle, speed="max", seed=cfg.seed),
             )
             rehearsal = _rehearse(scene, bench, hangar)

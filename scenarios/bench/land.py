@@ -21,7 +21,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from aeroscene.scene import InteractionArea, Scene
-from aeroscene.sources import open_scene
+from aeroscene.sources import load_scene
 from autonomy.perception import DepthImage, ElevationMap, assess, camera_pose
 from flightsim.sensors.cameras.depth_noise import DEPTH_CAMERAS, measured_depth
 from flightsim.testbench import TestbenchCfg
@@ -90,7 +90,7 @@ def rows(cfg: LandBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
 def _look_at_scene(
     number: int, airframe: Airframe, n_areas: int, cfg: LandBenchCfg, tallies: tuple[_Tally, _Tally]
 ) -> None:
-    scene = open_scene(str(number))
+    scene = load_scene(str(number))
     rng = np.random.default_rng([cfg.seed, number])
     landing, perching = tallies
     try:
@@ -194,7 +194,7 @@ def _flight_rows(cfg: LandBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
             depth_camera=cfg.camera,
         )
         try:
-            result, n_calls = fly_landing(open_scene(str(number)), bench)
+            result, n_calls = fly_landing(load_scene(str(number)), bench)
         except MissionError:
             n_without += 1
             continue

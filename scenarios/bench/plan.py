@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from aeroscene.sources import open_scene
+from aeroscene.sources import load_scene
 from autonomy.model.flatness import effort
 from autonomy.planning import (
     PlannerCfg,
@@ -70,7 +70,7 @@ def rows(cfg: PlanBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
     tally = _Tally()
     numbers = scene_numbers(cfg.scenes)
     # One-time compilation and building must count for no scene.
-    plan_mission(open_scene(str(numbers[0])), airframe)
+    plan_mission(load_scene(str(numbers[0])), airframe)
     prepare()
     for index, number in enumerate(numbers):
         on_progress(f"scene {number}", index / len(numbers))
@@ -88,7 +88,7 @@ def _measure_scene(
     rng: np.random.Generator,
     tally: _Tally,
 ) -> None:
-    scene = open_scene(str(number))
+    scene = load_scene(str(number))
     begun_s = time.process_time()
     try:
         plan_mission(scene, airframe)

@@ -14,7 +14,7 @@ import numpy as np
 
 from aeroscene.scene import Scene
 from aeroscene.solids.shapes import scene_primitives
-from aeroscene.sources import open_scene
+from aeroscene.sources import load_scene
 from flightsim.mavlink.links import UdpLink
 from flightsim.plant import Plant, PlantCfg, compile_kernels
 from flightsim.sensors.cameras import Cameras
@@ -63,7 +63,7 @@ def rows(cfg: SimBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
         BenchError: If the vehicle does not fly.
         LaunchError: If a real launch brings no heartbeat.
     """
-    scene, airframe = open_scene(cfg.scene), airframe_by_name(cfg.vehicle)
+    scene, airframe = load_scene(cfg.scene), airframe_by_name(cfg.vehicle)
     compile_kernels()
     on_progress("whole stack", 0.0)
     yield from _whole_stack(cfg, scene)

@@ -10,7 +10,7 @@ from itertools import islice
 import numpy as np
 
 from aeroscene.scene import Scene
-from aeroscene.sources import open_scene
+from aeroscene.sources import load_scene
 from flightsim.mavlink.links import UdpLink
 from flightsim.plant import Plant, PlantCfg, VehicleGroup, compile_kernels
 from flightsim.plant.cfg import ADVANCE_HZ
@@ -43,7 +43,7 @@ def rows(cfg: VehiclesBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
         AirframeError: If there is no such vehicle.
         BenchError: If the start has no room, or a vehicle does not fly.
     """
-    scene, airframe = open_scene(cfg.scene), airframe_by_name(cfg.vehicle)
+    scene, airframe = load_scene(cfg.scene), airframe_by_name(cfg.vehicle)
     compile_kernels()
     on_progress("whole stack", 0.0)
     try:
@@ -112,7 +112,7 @@ def _ratio(spent_s: list[float], cfg: VehiclesBenchCfg) -> float:
 
 def _collisions(cfg: VehiclesBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
     """Let pairs of one airframe and of two collide."""
-    field, own = open_scene("field"), airframe_by_name(cfg.vehicle)
+    field, own = load_scene("field"), airframe_by_name(cfg.vehicle)
     other = airframe_by_name(_OTHER.get(cfg.vehicle, "iris"))
     found: list[Collision] = []
     n_done, pairs = 0, ((own, own), (own, other), (other, other))

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from aeroscene.sources import open_scene
+from aeroscene.sources import load_scene
 from autonomy.types import LEVEL, ControlLevel
 from flightsim.plant import Fleet, PlantCfg, compile_kernels
 from flightsim.plant.cfg import ADVANCE_HZ
@@ -46,7 +46,7 @@ def rows(cfg: WorldsBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
     check_installed(cfg.peers)
     compile_kernels()
     airframe = airframe_by_name(cfg.vehicle)
-    worlds = [build_world(open_scene(name), airframe) for name in cfg.scenes]
+    worlds = [build_world(load_scene(name), airframe) for name in cfg.scenes]
     on_progress("worlds", 0.0)
     around = [worlds[i % len(worlds)] for i in range(cfg.worlds)]
     yield from _fleet_rows(around, cfg)

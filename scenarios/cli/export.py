@@ -41,7 +41,7 @@ class ExportCfg:
 def run(cfg: ExportCfg) -> int:
     """Export; exit status 2 with one line where that is not possible."""
     # Imported here because it is the whole simulator, which `--help` does not need.
-    from aeroscene.sources import open_scene
+    from aeroscene.sources import load_scene
     from flightsim.export.files import ExportError
     from flightsim.vehicles.catalogue import airframe_by_name
     from flightsim.world import build_world
@@ -49,7 +49,7 @@ def run(cfg: ExportCfg) -> int:
     began_s = time.perf_counter()
     has_vehicle = cfg.vehicle != _NO_VEHICLE
     airframe = airframe_by_name(cfg.vehicle if has_vehicle else "iris")
-    world = build_world(open_scene(cfg.scene), airframe, vehicle=has_vehicle)
+    world = build_world(load_scene(cfg.scene), airframe, vehicle=has_vehicle)
     write = getattr(import_module(f"flightsim.export.{cfg.to}"), f"write_{cfg.to}")
     try:
         path = write(world, cfg.out)

@@ -227,11 +227,11 @@ def _requests(cfg: GenerateCfg) -> list[Request]:
     complete: Scene | None = None
     redo: Redo | None = None
     if cfg.complete or cfg.redo:
-        from aeroscene.sources import open_scene
+        from aeroscene.sources import load_scene
 
-        complete = open_scene(cfg.complete) if cfg.complete else None
+        complete = load_scene(cfg.complete) if cfg.complete else None
         if cfg.redo:
-            redo = Redo(scene=open_scene(cfg.redo), region=asked_region(cfg.region))
+            redo = Redo(scene=load_scene(cfg.redo), region=asked_region(cfg.region))
     outline_m = outline_sides_m(cfg.outline) if cfg.outline else None
     count = cfg.count
     if cfg.worst_for:

@@ -41,12 +41,12 @@ def check_kernels() -> Iterator[Check]:
 
 def check_flight() -> Iterator[Check]:
     """Take off for real, without network, and use the cameras."""
-    from aeroscene.sources import open_scene
+    from aeroscene.sources import load_scene
     from flightsim.testbench import Testbench, TestbenchCfg
 
     start_s = time.perf_counter()
     cfg = TestbenchCfg(vehicle=_VEHICLE, speed="max")
-    with Testbench(open_scene(_SCENE), cfg, has_network=False) as bench:
+    with Testbench(load_scene(_SCENE), cfg, has_network=False) as bench:
         ready_s = time.perf_counter() - start_s
         value = f"scene {_SCENE} with {_VEHICLE} ready in {ready_s:.2f} s"
         yield Check(name="world", status="ok", value=value)

@@ -10,7 +10,7 @@ from scenarios.environments.cfg import (
     ObservationCfg,
     RandomisationCfg,
 )
-from scenarios.environments.registration import register_environments
+from scenarios.environments.registration import make, make_vec, register_environments
 from scenarios.environments.single import AeroSceneEnv
 from scenarios.environments.vector import AeroSceneVectorEnv
 
@@ -21,6 +21,8 @@ __all__ = [
     "EnvironmentInputError",
     "ObservationCfg",
     "RandomisationCfg",
+    "make",
+    "make_vec",
     "register_environments",
 ]
 

@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from aeroscene.scene import Scene
-from aeroscene.sources import open_scene
+from aeroscene.sources import load_scene
 from flightsim.draws import generator
 from flightsim.plant import Fleet
 from flightsim.vehicles.airframe import Airframe
@@ -272,7 +272,7 @@ def _places(scenes: Sequence[str | Scene], airframe: Airframe) -> list[Place]:
     places: dict[int | str, Place] = {}
     for spec in scenes:
         if _key(spec) not in places:
-            scene = open_scene(spec) if isinstance(spec, str) else spec
+            scene = load_scene(spec) if isinstance(spec, str) else spec
             places[_key(spec)] = Place(build_world(scene, airframe))
     return [places[_key(spec)] for spec in scenes]
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 try:
     import gymnasium
+    from gymnasium import make, make_vec
 except ModuleNotFoundError as error:
     raise ModuleNotFoundError(
         "the environments need gymnasium, which is not installed; pip install 'aeroscene[rl]'",
@@ -11,6 +12,8 @@ except ModuleNotFoundError as error:
     ) from error
 
 from scenarios.environments.tasks import TASKS
+
+__all__ = ["make", "make_vec", "register_environments"]
 
 
 def register_environments() -> None:

@@ -23,7 +23,7 @@ except ModuleNotFoundError as error:
     ) from error
 
 from aeroscene.scene import Scene
-from aeroscene.sources import open_scene
+from aeroscene.sources import load_scene
 from flightsim.vehicles.airframe import Airframe
 from flightsim.vehicles.catalogue import airframe_by_name
 from scenarios.environments.cfg import EnvironmentCfg, EnvironmentInputError
@@ -81,7 +81,7 @@ class AeroSceneSwarm(ParallelEnv[str, Observation, np.ndarray]):
         # Films of the environment run as fast as it does.
         self.metadata = {**self.metadata, "render_fps": cfg.action_hz}
         airframes = _airframes(vehicles, cfg)
-        scene = open_scene(scene) if isinstance(scene, str) else scene
+        scene = load_scene(scene) if isinstance(scene, str) else scene
         self._world = SwarmWorld(scene, airframes, cfg)
         n = len(airframes)
         self.possible_agents = [f"vehicle_{i + 1}" for i in range(n)]

@@ -13,7 +13,7 @@ import pyarrow as pa
 import pyarrow.compute as pc
 from jaxtyping import Float
 
-from aeroscene.sources import open_scene
+from aeroscene.sources import load_scene
 from scenarios.campaigns.recordings import RECORDINGS, Recordings
 from scenarios.campaigns.store import TRACKS, read_results
 from scenarios.campaigns.summary import SUMMARY_COLUMNS, natural
@@ -192,5 +192,5 @@ def plan_views(
         # Failures are null-safe here: a row that has a way has a verdict.
         chosen = table.sort_by("success").slice(0, MOST_WAYS)
         if len(chosen):
-            views.append(plan_view(open_scene(name), name, chosen.to_pylist(), len(table)))
+            views.append(plan_view(load_scene(name), name, chosen.to_pylist(), len(table)))
     return views

@@ -12,7 +12,7 @@ from dataclasses import replace
 from typing import Self
 
 from aeroscene.scene import Scene
-from aeroscene.sources import open_scene
+from aeroscene.sources import load_scene
 from flightsim.sensors.cameras import (
     CameraRenderer,
     Cameras,
@@ -40,12 +40,12 @@ class Hangar:
         self._renderers: OrderedDict[_View, CameraRenderer] = OrderedDict()
 
     def scene(self, name: str) -> Scene:
-        """Scene of a name, see `open_scene`; a file is not read again.
+        """Scene of a name, see `load_scene`; a file is not read again.
 
         Raises:
             SceneError: If there is no such scene.
         """
-        scene = self._scenes.pop(name, None) or open_scene(name)
+        scene = self._scenes.pop(name, None) or load_scene(name)
         self._scenes[name] = scene
         if len(self._scenes) > _KEPT:
             self._scenes.popitem(last=False)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from aeroscene.sources import open_scene
+from aeroscene.sources import load_scene
 from autonomy.jit import announce_if_cold
 from autonomy.mapping import Agenda, SeenMap, plan_towards
 from autonomy.perception import MapAnchor, MapMatcher, MoverTracker, SurfaceMatcher
@@ -145,7 +145,7 @@ def compile_everything(progress: Callable[[str, float], None]) -> None:
     compile_streaming()
     measure_once()
     progress("planning kernels", 0.35)
-    mission = plan_mission(open_scene(SCENE), airframe_by_name(VEHICLE))
+    mission = plan_mission(load_scene(SCENE), airframe_by_name(VEHICLE))
     mission.surroundings.brake(mission.trajectory, 0.0)
     progress("landing perception kernels", 0.6)
     _look_at_flat_ground(mission)

@@ -19,7 +19,7 @@ class Task:
     """A flight from a start to an area, and the conditions under which it is flown."""
 
     scene: str
-    """Name of the scene, as `open_scene` takes it."""
+    """Name of the scene, as `load_scene` takes it."""
     vehicle: str
     trial: int
     """Number of the trial among those of this scene and vehicle."""

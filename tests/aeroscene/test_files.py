@@ -7,7 +7,7 @@ import pytest
 from aeroscene.files import UnpackError, read_bounded, replacing
 from aeroscene.layouts import text_file
 from aeroscene.scene import SceneError, io
-from aeroscene.sources import open_scene
+from aeroscene.sources import load_scene
 
 
 def test_a_file_is_replaced_when_all_of_it_is_written(tmp_path):
@@ -59,7 +59,7 @@ def test_a_file_that_holds_too_much_is_refused_in_one_line(tmp_path, monkeypatch
     with pytest.raises(
         SceneError, match=r"bomb\.json.*: holds more than 1 MiB; valid: at most"
     ) as e:
-        open_scene(str(path))
+        load_scene(str(path))
     assert "\n" not in str(e.value)
 
 
@@ -96,4 +96,4 @@ def test_a_pipe_is_refused_and_not_waited_for(tmp_path, name):
     with pytest.raises(
         SceneError, match=r"pipe\.json.*cannot be read \(no regular file\); valid: a"
     ):
-        open_scene(str(path))
+        load_scene(str(path))

@@ -7,7 +7,7 @@ import itertools
 import math
 from collections.abc import Iterator
 
-from aeroscene.sources import open_scene
+from aeroscene.sources import load_scene
 from flightsim.mavlink.dialect import LAYOUTS
 from flightsim.mavlink.dialect import dialect as mav
 from flightsim.testbench import Testbench, TestbenchCfg
@@ -45,7 +45,7 @@ class Vehicle:
         self._access = self._stack.enter_context(Access(link, n_clients))
         cfg = TestbenchCfg(speed="max", seed=1, personality=personality)
         bench = Testbench(
-            open_scene("field"), cfg, has_network=False, extra_links=self._access.links
+            load_scene("field"), cfg, has_network=False, extra_links=self._access.links
         )
         self.bench = self._stack.enter_context(bench)
         self.take_off()

@@ -12,8 +12,7 @@ docs/python.md and docs/campaigns.md tell more.
 
 import math
 
-from flightsim import PX4_LAND, PX4_OFFBOARD, FlatReference, TestbenchCfg
-from scenarios import Aboard, Sitl, SitlCfg, TrialResult, Verdict
+import aeroscene
 
 # Scenes are named as in `aeroscene sitl SCENE`. `field` has nothing to fly into; try 42 next.
 SCENE = "field"
@@ -27,7 +26,7 @@ TICK_S = 0.02
 class Pilot:
     """A companion computer: it sees what one sees, and never the true state."""
 
-    def __init__(self, aboard: Aboard) -> None:
+    def __init__(self, aboard: aeroscene.Aboard) -> None:
         # `aboard` has the MAVLink client, `render("down")` for camera images, the map, the
         # airframe, and the area that a campaign assigns.
         self.client = aboard.client
@@ -35,7 +34,7 @@ class Pilot:
         # The truth judges whether the vehicle comes to rest on this area.
         self.area = aboard.area or roomiest
         self.is_done = False
-        self.verdict = Verdict(success=False, reason="not finished")
+        self.verdict = aeroscene.Verdict(success=False, reason="not finished")
         self.flight = self.fly()
 
     def update(self, time_us: int) -> None:
@@ -52,16 +51,18 @@ class Pilot:
         x, y, z = state.position_enu_m
         # Offboard mode is refused until setpoints come, so they come first.
         yield from self.go_to((x, y, z))
-        client.set_mode(PX4_OFFBOARD)
+        client.set_mode(aeroscene.PX4_OFFBOARD)
         client.arm()
         to_x, to_y, _ = self.area.centroid
         for goal in ((x, y, z + HEIGHT_M), (to_x, to_y, z + HEIGHT_M)):
             yield from self.go_to(goal)
         # The autopilot's own mode descends straight and disarms on the ground.
-        client.set_mode(PX4_LAND)
+        client.set_mode(aeroscene.PX4_LAND)
         while state.is_armed:
             yield
-        self.verdict = Verdict(success=True, reason="came down above the middle of the area")
+        self.verdict = aeroscene.Verdict(
+            success=True, reason="came down above the middle of the area"
+        )
 
     def go_to(self, goal_enu_m):
         """Move the setpoint to a place in a straight line; it arrives with a second to settle."""
@@ -70,14 +71,14 @@ class Pilot:
         for tick in range(n_ticks + round(1.0 / TICK_S)):
             share = min(1.0, tick / max(n_ticks, 1))
             at = [a + share * (b - a) for a, b in zip(start_enu_m, goal_enu_m, strict=True)]
-            self.client.send_setpoint(FlatReference(position_enu_m=(at[0], at[1], at[2])))
+            self.client.send_setpoint(aeroscene.FlatReference(position_enu_m=(at[0], at[1], at[2])))
             yield
 
 
-def main() -> TrialResult:
+def main() -> aeroscene.TrialResult:
     """Fly once, as fast as this machine can, and record it."""
-    cfg = SitlCfg(scene=SCENE, bench=TestbenchCfg(speed="max"))
-    with Sitl(cfg, pilot=Pilot, has_network=False) as sitl:
+    cfg = aeroscene.SitlCfg(scene=SCENE, bench=aeroscene.TestbenchCfg(speed="max"))
+    with aeroscene.Sitl(cfg, pilot=Pilot, has_network=False) as sitl:
         return sitl.run()
 
 

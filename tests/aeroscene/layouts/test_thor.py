@@ -11,7 +11,7 @@ import pytest
 from aeroscene.layouts import LayoutError, read_layout, read_layouts
 from aeroscene.layouts.thor import category_of, read_asset_sizes
 from aeroscene.scene.box import rotation_matrix
-from aeroscene.sources import open_scene
+from aeroscene.sources import load_scene
 from tests.aeroscene.layouts.samples import (
     holodeck_house,
     house,
@@ -113,7 +113,7 @@ def test_assets_are_called_by_their_types(asset, category):
 @pytest.mark.parametrize("record", [procthor_house(), holodeck_house()])
 def test_a_house_opens_as_a_scene_to_fly_in(tmp_path, record):
     path = write_json(tmp_path / "house.json", record)
-    scene = open_scene(str(path))
+    scene = load_scene(str(path))
     assert {"room", "wall", "roof", "desk"} <= {obj.category for obj in scene.objects}
     assert scene.interaction_areas
     _, report = read_layout(path)
@@ -124,7 +124,7 @@ def test_procthors_lines_open_by_their_number(tmp_path):
     path = write_lines(tmp_path / "train.jsonl.gz", procthor_house(), house(), holodeck_house())
     names = [layout.scene_id for layout in read_layouts(path)]
     assert names == ["house-0", "made-up/house-1", "house-2"]
-    assert open_scene(f"{path}#2").scene_id == "house-2"
+    assert load_scene(f"{path}#2").scene_id == "house-2"
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,7 @@
 
 import pytest
 
-from aeroscene.sources import open_scene
+from aeroscene.sources import load_scene
 from flightsim.autopilot.parameters import ParameterValueError
 from flightsim.environment.traffic import TrafficError
 from flightsim.environment.wind import WindError
@@ -20,7 +20,7 @@ def bench():
         traffic="people=1",
         without="shelter",
     )
-    with Testbench(open_scene("42"), cfg, has_network=False) as bench:
+    with Testbench(load_scene("42"), cfg, has_network=False) as bench:
         yield bench
 
 

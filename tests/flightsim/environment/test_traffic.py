@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from aeroscene.solids.shapes import scene_primitives
-from aeroscene.sources import open_scene
+from aeroscene.sources import load_scene
 from flightsim.environment.motion import new_movers, place_mover
 from flightsim.environment.traffic import TrafficCfg, TrafficError, plan_traffic
 from flightsim.looks.geom_groups import GeomGroup
@@ -20,7 +20,7 @@ CASES = {"42": "people=3,cars=2,drones=1", "500": "people=3,drones=2"}
 @pytest.fixture(scope="module", params=list(CASES))
 def world(request):
     cfg = TrafficCfg.parse(CASES[request.param], seed=3)
-    return build_world(open_scene(request.param), IRIS, traffic=cfg)
+    return build_world(load_scene(request.param), IRIS, traffic=cfg)
 
 
 def states(world, times_s):
@@ -91,7 +91,7 @@ def test_movers_keep_away_from_the_start(world):
 
 
 def test_the_seed_settles_everything():
-    scene = open_scene("500")
+    scene = load_scene("500")
     solids = scene_primitives(scene)
     probe = SurfaceProbe(solids)
 
@@ -116,7 +116,7 @@ def test_every_mover_has_an_id_of_its_own(world):
 
 def test_a_car_in_a_flat_is_refused():
     with pytest.raises(TrafficError, match=r"\(indoor\) has no room for one more car"):
-        build_world(open_scene("500"), IRIS, traffic=TrafficCfg(cars=1))
+        build_world(load_scene("500"), IRIS, traffic=TrafficCfg(cars=1))
 
 
 @pytest.mark.parametrize(

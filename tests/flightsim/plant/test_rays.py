@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from aeroscene import open_scene
+from aeroscene import load_scene
 from flightsim.environment.movers import MovingObstacle
 from flightsim.plant.rays import cast_rays, new_rays
 from flightsim.vehicles.catalogue import AIRFRAMES
@@ -34,8 +34,8 @@ def handmade():
 
 WORLDS = {
     "handmade": handmade,
-    "scene 42": lambda: build_world(open_scene("42"), AIRFRAMES["iris"]),
-    "indoors": lambda: build_world(open_scene("corpus:1"), AIRFRAMES["hummingbird"]),
+    "scene 42": lambda: build_world(load_scene("42"), AIRFRAMES["iris"]),
+    "indoors": lambda: build_world(load_scene("corpus:1"), AIRFRAMES["hummingbird"]),
     "empty": lambda: build_world(empty_scene(), AIRFRAMES["iris"]),
 }
 

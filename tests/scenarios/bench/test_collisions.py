@@ -6,7 +6,7 @@ from itertools import islice
 import numpy as np
 import pytest
 
-from aeroscene.sources import open_scene
+from aeroscene.sources import load_scene
 from flightsim.vehicles import airframe_by_name
 from flightsim.vehicles.touching import VEHICLE_CONTACT_BIT
 from flightsim.world import build_worlds
@@ -19,7 +19,7 @@ def collisions(worlds, n):
 
 @pytest.mark.parametrize("names", [("iris", "iris"), ("iris", "hummingbird")])
 def test_no_vehicle_passes_through_another(names):
-    worlds = build_worlds(open_scene("field"), [airframe_by_name(name) for name in names])
+    worlds = build_worlds(load_scene("field"), [airframe_by_name(name) for name in names])
     found = collisions(worlds, 25)
     assert len(found) == 25
     assert not any(each.passes_through for each in found)
@@ -27,7 +27,7 @@ def test_no_vehicle_passes_through_another(names):
 
 
 def test_vehicles_without_shapes_for_each_other_are_found_to_pass():
-    worlds = build_worlds(open_scene("field"), [airframe_by_name("iris")] * 2)
+    worlds = build_worlds(load_scene("field"), [airframe_by_name("iris")] * 2)
     model = worlds[0].model
     model.geom_contype[model.geom_contype == VEHICLE_CONTACT_BIT] = 0
     model.geom_conaffinity[model.geom_conaffinity == VEHICLE_CONTACT_BIT] = 0

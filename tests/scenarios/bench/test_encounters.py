@@ -58,7 +58,7 @@ def test_no_drone_comes_through_what_stands():
 
 @pytest.fixture
 def in_the_yard(monkeypatch):
-    monkeypatch.setattr(encounters, "open_scene", lambda _name: yard())
+    monkeypatch.setattr(encounters, "load_scene", lambda _name: yard())
 
 
 @pytest.mark.usefixtures("in_the_yard")

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from aeroscene.sources import open_scene
+from aeroscene.sources import load_scene
 from autonomy.planning import PlannerCfg
 from autonomy.planning.corridor import build_corridor
 from autonomy.planning.demand import excess
@@ -24,7 +24,7 @@ IRIS = airframe_by_name("iris")
 
 
 def test_pairs_are_free_far_apart_and_the_same_for_the_same_seed():
-    world = survey(open_scene("508"), IRIS)
+    world = survey(load_scene("508"), IRIS)
     pairs = draw_pairs(world, 6, np.random.default_rng(3))
     assert pairs == draw_pairs(world, 6, np.random.default_rng(3))
     assert len(pairs) == 6
@@ -36,7 +36,7 @@ def test_pairs_are_free_far_apart_and_the_same_for_the_same_seed():
 
 
 def test_who_crosses_a_plan_is_avoided_and_the_same_for_the_same_seed():
-    world = survey(open_scene("508"), IRIS)
+    world = survey(load_scene("508"), IRIS)
     start, goal = draw_pairs(world, 1, np.random.default_rng(3))[0]
     plan = world.plan(FlatReference(position_enu_m=start), goal)
 

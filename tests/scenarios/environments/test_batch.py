@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from aeroscene.sources import open_scene
+from aeroscene.sources import load_scene
 from flightsim.vehicles.catalogue import airframe_by_name
 from scenarios.environments import (
     EnvironmentCfg,
@@ -180,7 +180,7 @@ def test_navigation_is_done_at_the_target():
 
 
 def test_navigation_into_a_wall_is_a_contact():
-    scene = open_scene("42")
+    scene = load_scene("42")
     batch = begun("navigation", EnvironmentCfg(action="velocity"), scenes=[scene])
 
     def sideways(observations):

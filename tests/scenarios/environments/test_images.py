@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from aeroscene.sources import open_scene
+from aeroscene.sources import load_scene
 from flightsim.environment.movers import MovingObstacle
 from flightsim.plant.rays import new_rays
 from flightsim.sensors.cameras.segmentation import DRONE_CLASS
@@ -45,7 +45,7 @@ def test_depth_is_the_distance_of_what_the_physics_has(camera):
 
 
 def test_segments_are_what_the_rays_meet_whoever_casts_them():
-    world = build_world(open_scene("42"), airframe_by_name("iris"))
+    world = build_world(load_scene("42"), airframe_by_name("iris"))
     data = world.new_data()
     data.qpos[2] += 6.0
     mujoco.mj_forward(world.model, data)

@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from aeroscene.sources import open_scene
+from aeroscene.sources import load_scene
 from flightsim.vehicles.catalogue import AIRFRAMES
 from scenarios.mission.mission import FAR_ENOUGH_M, plan_mission, rank_areas, takeoff_point
 from scenarios.mission.surroundings import HOVER_MARGIN_M, MissionError, survey
@@ -24,7 +24,7 @@ IRIS, HUMMINGBIRD = AIRFRAMES["iris"], AIRFRAMES["hummingbird"]
 
 
 def test_areas_too_small_for_the_vehicle_are_left_out():
-    scene = open_scene("corpus:42")
+    scene = load_scene("corpus:42")
     small = [area for area in scene.landing_areas if area.drone_class == "small"]
     assert small
     assert not set(small) & set(rank_areas(scene, IRIS, 0))
@@ -32,14 +32,14 @@ def test_areas_too_small_for_the_vehicle_are_left_out():
 
 
 def test_nobody_is_sent_to_a_perch_unasked():
-    scene = open_scene("corpus:42")
+    scene = load_scene("corpus:42")
     assert scene.perching_areas
     for airframe in (IRIS, HUMMINGBIRD):
         assert all(area.kind == "landing" for area in rank_areas(scene, airframe, 0))
 
 
 def test_somebody_who_wants_a_perch_gets_one_that_fits():
-    scene = open_scene("corpus:42")
+    scene = load_scene("corpus:42")
     perches = rank_areas(scene, HUMMINGBIRD, 0, "perching")
     assert set(perches) == set(scene.perching_areas)
     both = rank_areas(scene, HUMMINGBIRD, 0, "any")
@@ -52,7 +52,7 @@ def test_somebody_who_wants_a_perch_gets_one_that_fits():
 
 @pytest.mark.parametrize("seed", range(4))
 def test_the_choice_is_far_outdoors_and_the_same_for_the_same_seed(seed):
-    scene = open_scene("corpus:42")
+    scene = load_scene("corpus:42")
     ranked = rank_areas(scene, IRIS, seed)
     assert ranked == rank_areas(scene, IRIS, seed)
     best = ranked[0]
@@ -61,7 +61,7 @@ def test_the_choice_is_far_outdoors_and_the_same_for_the_same_seed(seed):
 
 
 def test_seeds_differ_in_their_choice():
-    scene = open_scene("corpus:42")
+    scene = load_scene("corpus:42")
     assert len({rank_areas(scene, IRIS, seed)[0].id for seed in range(20)}) > 2
 
 

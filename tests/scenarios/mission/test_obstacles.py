@@ -6,7 +6,7 @@ import pytest
 
 from aeroscene.solids.freespace import build_distance_field
 from aeroscene.solids.shapes import scene_primitives
-from aeroscene.sources import open_scene
+from aeroscene.sources import load_scene
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import build_world
 from scenarios.mission.obstacles import distance_field, scene_obstacles
@@ -38,7 +38,7 @@ def hits(scene, n_rays):
 
 @pytest.mark.parametrize("scene", ["yard", "42"])
 def test_rays_of_the_physics_end_where_the_planners_distance_is_zero(scene):
-    scene = yard(has_crates_on_top=True) if scene == "yard" else open_scene(scene)
+    scene = yard(has_crates_on_top=True) if scene == "yard" else load_scene(scene)
     obstacles = scene_obstacles(scene, scene_primitives(scene))
     starts, towards, reach = hits(scene, 400)
     outside = obstacles.signed_distance(starts)[0] > 0.05
@@ -55,7 +55,7 @@ def test_rays_of_the_physics_end_where_the_planners_distance_is_zero(scene):
 
 
 def test_cells_never_promise_more_room_than_there_is():
-    scene = open_scene("corpus:42")
+    scene = load_scene("corpus:42")
     primitives = scene_primitives(scene)
     field = distance_field(build_distance_field(scene, 0.25, primitives))
     obstacles = scene_obstacles(scene, primitives)

@@ -13,7 +13,7 @@ from rerun.chunk import RrdReader
 
 from aeroscene.scene import Scene
 from aeroscene.solids.shapes import Primitive, scene_primitives
-from aeroscene.sources import open_scene
+from aeroscene.sources import load_scene
 from autonomy.perception import LandingMap
 from autonomy.planning import MovingObstacles
 from flightsim.autopilot.events import Severity
@@ -105,7 +105,7 @@ def flight(tmp_path_factory: pytest.TempPathFactory) -> RecordedFlight:
     rows: list[np.ndarray] = []
     frames: list[RgbdFrame] = []
     cfg = TestbenchCfg(seed=5, speed="max", wind=2.0, traffic="drones=1", without="shelter")
-    with Testbench(open_scene("42"), cfg, has_network=False) as bench:
+    with Testbench(load_scene("42"), cfg, has_network=False) as bench:
         primitives = tuple(scene_primitives(bench.scene))
         recorder = Recorder(
             path,

@@ -4,12 +4,12 @@ import sys
 from pathlib import Path
 
 from aeroscene.solids.shapes import scene_primitives
-from aeroscene.sources import open_scene
+from aeroscene.sources import load_scene
 from flightsim.sensors.cameras import open_camera_renderer
 from flightsim.testbench import Testbench, TestbenchCfg
 from scenarios.recording import Recorder, RunInfo
 
-with Testbench(open_scene("42"), TestbenchCfg(speed=4.0), has_network=False) as bench:
+with Testbench(load_scene("42"), TestbenchCfg(speed=4.0), has_network=False) as bench:
     recorder = Recorder(
         Path(sys.argv[1]),
         scene=bench.scene,

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from aeroscene import open_scene
+from aeroscene import load_scene
 from flightsim.plant import Plant, PlantCfg
 from flightsim.sensors.cameras import CLASS_NAMES, Cameras
 from flightsim.sensors.lidars import LIDARS, Lidar
@@ -18,7 +18,7 @@ from tests.scenarios.recording.conftest import Contents
 @pytest.fixture(scope="module")
 def flown(tmp_path_factory):
     path = tmp_path_factory.mktemp("sensors") / "flight.rrd"
-    world = build_world(open_scene("42"), AIRFRAMES["iris"])
+    world = build_world(load_scene("42"), AIRFRAMES["iris"])
     plant = Plant(world, PlantCfg(seed=0))
     lidar = Lidar(plant, replace(LIDARS["mid40"], scan_hz=20.0))
     info = RunInfo(scene=world.scene.scene_id, vehicle="iris", seed=0)

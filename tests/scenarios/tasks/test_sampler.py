@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from aeroscene.sources import open_scene
+from aeroscene.sources import load_scene
 from autonomy.model.quadrotor import GRAVITY_MPS2
 from flightsim import vehicles
 from flightsim.vehicles.catalogue import AIRFRAMES, airframe_by_name
@@ -31,7 +31,7 @@ RECIPE = Recipe(
 
 @pytest.fixture(scope="module")
 def scene():
-    return open_scene("7")
+    return load_scene("7")
 
 
 def test_a_task_depends_on_its_number_alone(scene):

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from aeroscene.sources import open_scene
+from aeroscene.sources import load_scene
 from scenarios.recording.scene_file import write_scene_recording
 from scenarios.recording.summary import UnreadableRecordingError
 from scenarios.trial_data.reading import TrialDataError, read_trial
@@ -125,7 +125,7 @@ def test_a_file_that_is_no_flight_is_named(tmp_path):
     path.write_bytes(b"RRF2" + bytes(500))
     with pytest.raises(UnreadableRecordingError, match="is no rerun recording"):
         read_trial(path)
-    write_scene_recording(open_scene("field"), path)
+    write_scene_recording(load_scene("field"), path)
     with pytest.raises(TrialDataError, match="holds no flight; valid: one of"):
         read_trial(path)
 

@@ -13,7 +13,7 @@ import pyulog
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 
-from aeroscene import open_scene
+from aeroscene import load_scene
 from flightsim.plant import Plant, PlantCfg
 from flightsim.plant.sensing import SENSORS
 from flightsim.sensors.cameras import CLASS_NAMES, Cameras
@@ -41,7 +41,7 @@ class Flown:
     def __init__(self, path):
         self.path = path
         self.scans, self.flow, self.frames = [], [], []
-        world = build_world(open_scene("42"), AIRFRAMES["iris"])
+        world = build_world(load_scene("42"), AIRFRAMES["iris"])
         plant = Plant(world, PlantCfg(seed=0, optical_flow=OpticalFlowCfg(is_fitted=True)))
         lidar = Lidar(plant, replace(LIDARS["mid40"], scan_hz=20.0))
         info = RunInfo(scene=world.scene.scene_id, vehicle="iris", seed=0)

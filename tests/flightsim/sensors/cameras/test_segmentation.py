@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from aeroscene import open_scene
+from aeroscene import load_scene
 from flightsim.environment.movers import MovingObstacle
 from flightsim.plant import Plant, PlantCfg
 from flightsim.sensors.cameras import CLASS_NAMES, Cameras, open_camera_renderer
@@ -23,7 +23,7 @@ KINDS = ("person", "car", "drone")
 
 
 def test_classes_are_the_categories_of_the_scene_and_others():
-    world = build_world(open_scene("42"), AIRFRAMES["iris"])
+    world = build_world(load_scene("42"), AIRFRAMES["iris"])
     classes = Classes(world)
     ids = np.array([[obj.id for obj in world.scene.objects]], dtype=np.int32)
     found = classes.of(ids)
@@ -56,7 +56,7 @@ def test_other_vehicles_are_drones_and_each_is_its_own():
 
 @pytest.mark.parametrize("camera", ["forward", "down"])
 def test_frames_have_segments_only_where_they_are_asked_for(camera):
-    world = build_world(open_scene("42"), AIRFRAMES["iris"])
+    world = build_world(load_scene("42"), AIRFRAMES["iris"])
     plant = Plant(world, PlantCfg(seed=0))
     renderer = open_camera_renderer(world, 32, 24, "raycast")
     with Cameras(plant, renderer=renderer, segments=True) as cameras:
