@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Annotated, Literal
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import tyro
 
 from aeroscene.ranges import SEEDS, Range, require_ranges
 
@@ -73,83 +76,6 @@ class SceneBenchCfg(AnyBenchCfg):
 
 
 @dataclass(frozen=True, kw_only=True)
-class PlanBenchCfg(AnyBenchCfg):
-    """Plan missions and flights between random places, replan them and compare with other planners.
-
-    Times are CPU times of the process: what one core would take. "solved" counts pairs of start and
-    goal that free space connects; failures are listed by their error. "cost" is flight time plus
-    weighted squared jerk, which the planner minimises.
-    """
-
-    count: Annotated[int, COUNT] = 200
-    """Number of pairs of start and goal, 10 m apart or more where the scene allows."""
-    scenes: Annotated[int, SCENES] = 20
-    """Number of shipped scenes over which the pairs are spread."""
-    vehicle: str = "iris"
-    """Airframe by its name; an unknown one is answered with the valid names."""
-    seed: Annotated[int, SEEDS] = 0
-    """Seed of the places and of crossing traffic."""
-    joint: Annotated[int, Range(0, MOST)] = 8
-    """Plans compared with the joint optimum of states and times by ipopt, some seconds each."""
-
-    def __post_init__(self) -> None:
-        """Refuse numbers that are out of their ranges, and scenes without a pair."""
-        require_ranges(self, BenchError)
-        if self.count < self.scenes:
-            raise BenchError(
-                f"count {self.count} is less than the {self.scenes} scenes; "
-                f"valid: {self.scenes} or more, or fewer --scenes"
-            )
-
-    @property
-    def title(self) -> str:
-        """Title of the results."""
-        return f"{self.count} pairs in {self.scenes} scenes, {self.vehicle}, seed {self.seed}"
-
-
-@dataclass(frozen=True, kw_only=True)
-class DifficultyBenchCfg(AnyBenchCfg):
-    """Measure the planner's ways in shipped scenes: what `generate --difficulty` grades by.
-
-    Medians over the ways of a scene, then thirds over the scenes; "over_straight" is the length of
-    a way over the distance of its ends, "quarter_turns" its changes of direction in right angles.
-    """
-
-    count: Annotated[int, SCENES] = 120
-    """Number of scenes, spread over the dataset."""
-    vehicle: str = "iris"
-    """Airframe by its name; an unknown one is answered with the valid names."""
-
-    @property
-    def title(self) -> str:
-        """Title of the results."""
-        return f"{self.count} scenes, {self.vehicle}"
-
-
-@dataclass(frozen=True, kw_only=True)
-class EstimateBenchCfg(AnyBenchCfg):
-    """Test the consistency and the accuracy of the estimator with every source of position.
-
-    Short flights of the plant alone, each with its own noise and curves; errors against the truth
-    are compared with the covariance that the filter claims (NEES), innovations with theirs (NIS).
-    """
-
-    count: Annotated[int, COUNT] = 100
-    """Number of flights in each case."""
-    vehicle: str = "iris"
-    """Airframe by its name; an unknown one is answered with the valid names."""
-    seconds: Annotated[float, SECONDS] = 30.0
-    """Seconds of curves in each flight, after 6.5 s of rest and take-off."""
-    seed: Annotated[int, SEEDS] = 0
-    """Seed of the first flight; the others count up from it."""
-
-    @property
-    def title(self) -> str:
-        """Title of the results."""
-        return f"{self.count} flights of {self.vehicle} a case, from seed {self.seed}"
-
-
-@dataclass(frozen=True, kw_only=True)
 class ControlBenchCfg(AnyBenchCfg):
     """Fly steps and figure eights, in still air and wind, beyond limits, and out of tumbling.
 
@@ -173,46 +99,142 @@ class ControlBenchCfg(AnyBenchCfg):
         return f"{self.flights} flights in wind, {self.count} recoveries, seed {self.seed}"
 
 
-@dataclass(frozen=True, kw_only=True)
-class LandBenchCfg(AnyBenchCfg):
-    """Choose landing sites with a noisy depth camera and judge them by the true geometry.
+PeerName = Literal["gym-pybullet-drones", "pyflyt"]
+"""Environments of other projects, to compare ours with."""
 
-    Search and descent over landing areas of many scenes, Iris and Hummingbird in turn, from poses
-    with the errors of the estimate; then flights of the whole stack. A site is unsafe if the
-    vehicle itself breaks a limit of slope, height range or rise there, by vertical rays onto the
-    solids.
+
+@dataclass(frozen=True, kw_only=True)
+class WorldsBenchCfg(AnyBenchCfg):
+    """Fly many vehicles, each in a world of its own, on one thread and on two; step environments.
+
+    Targets are for two quiet cores; figures in CPU seconds hold on a busy machine too.
     """
 
-    areas: Annotated[int, COUNT] = 500
-    """Number of landing areas; perching places are tested in addition."""
-    flights: Annotated[int, Range(0, MOST)] = 10
-    """Number of landings flown in the whole stack, one scene each."""
-    camera: Literal["exact", "d435", "d455"] = "d435"
-    """Depth camera: without errors, or with those of a RealSense D435 or D455."""
-    seed: Annotated[int, SEEDS] = 0
-    """Seed of the areas and of all errors."""
+    worlds: Annotated[int, Range(2, 4096)] = 64
+    """Number of worlds."""
+    scenes: tuple[str, ...] = ("42",)
+    """Scenes by number or file, in turn."""
+    vehicle: str = "iris"
+    """Airframe by its name; an unknown one is answered with the valid names."""
+    seconds: Annotated[float, SECONDS] = 10.0
+    """Simulated seconds of each world."""
+    peers: tuple[PeerName, ...] = ()
+    """Other projects whose hover environments are stepped in the same run, where installed."""
 
     @property
     def title(self) -> str:
         """Title of the results."""
-        return f"{self.areas} areas by {self.camera}, {self.flights} flights, seed {self.seed}"
+        return f"{self.worlds} worlds, scenes {', '.join(self.scenes)}, {self.vehicle}"
 
 
 @dataclass(frozen=True, kw_only=True)
-class EncountersBenchCfg(AnyBenchCfg):
-    """Fly demos in which a drone comes the vehicle's way, from ahead, the side, above or below.
+class VehiclesBenchCfg(AnyBenchCfg):
+    """Fly several vehicles in one world, with two MAVLink clients each; let pairs collide.
 
-    It would be where the vehicle is at some moment between its climb and its search for a place to
-    land, at 1 to 3 m/s, and heeds nobody; its way is free of the scene for 5 s before. Iris and
-    Hummingbird in turn. Distances are those between the hulls, by the truth.
+    Figures are in CPU seconds: one core does it all.
     """
 
-    count: Annotated[int, Range(1, 4 * MOST_SCENES)] = 100
-    """Number of encounters, up to four a scene, some ten CPU seconds each."""
-    seed: Annotated[int, SEEDS] = 0
-    """Seed of the flights and the encounters, and the scene to begin with."""
+    vehicles: Annotated[int, Range(2, 100)] = 4
+    """Number of vehicles in the world."""
+    scene: str = "42"
+    """Scene of the dataset by number, or a scene JSON file."""
+    vehicle: str = "iris"
+    """Airframe by its name; an unknown one is answered with the valid names."""
+    seconds: Annotated[float, SECONDS] = 60.0
+    """Simulated seconds of the flight."""
+    collisions: Annotated[int, Range(3, MOST)] = 10_000
+    """Number of random collisions between two vehicles, a third of them of two airframes."""
 
     @property
     def title(self) -> str:
         """Title of the results."""
-        return f"{self.count} encounters, seed {self.seed}"
+        return f"{self.vehicles} vehicles in scene {self.scene}, {self.vehicle}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class MethodBenchCfg(AnyBenchCfg):
+    """Hold the paper's network against what needs no network, and against eight scenes by heart.
+
+    The errors of a trained network are divided by those of a formula without parameters, channel by
+    channel, on scenes that it has not seen. A network of the same kind then learns eight scenes,
+    and DiffuScene the same eight in the same CPU time.
+    """
+
+    preset: Literal["paper", "progressive"] = "progressive"
+    """Which of the paper's two presets; the one that ships, without --checkpoint."""
+    checkpoint: Annotated[
+        Path | None, tyro.conf.arg(help_behavior_hint="(default: the one that ships)")
+    ] = None
+    """File written by `aeroscene train` with the preset."""
+    data: Path = Path("corpus")
+    """Folder made by `aeroscene dataset build`, or a file of neutral layouts; scenes that are held
+    out of it are judged."""
+    count: Annotated[int, Range(2, 1000)] = 48
+    """Number of held-out scenes."""
+    cpu_seconds: Annotated[float, Range(0.0, 36_000.0, "s")] = 60.0
+    """CPU time for learning eight scenes, each method; 0 leaves that out."""
+
+    def __post_init__(self) -> None:
+        require_ranges(self, BenchError)
+
+    @property
+    def title(self) -> str:
+        """Title of the results."""
+        return f"{self.checkpoint or self.preset}, {self.count} held-out scenes of {self.data}"
+
+
+_N_GENERATED = 24
+
+
+def _default(says: str) -> Any:
+    """What happens without an option whose own default is None."""
+    return tyro.conf.arg(help_behavior_hint=f"(default: {says})")
+
+
+@dataclass(frozen=True, kw_only=True)
+class GenerateBenchCfg(AnyBenchCfg):
+    """Generate scenes one by one and compare them with the corpus.
+
+    Times are wall times from a seed to a finished scene. "before" and "after" are the scenes before
+    and after feasibility; docs/metrics.md explains each figure.
+    """
+
+    scenes: Annotated[str | None, _default("none")] = None
+    """Judge existing scenes instead: shipped, or a folder with a dataset or with output of
+    `aeroscene generate`."""
+    count: Annotated[int | None, Range(2, MOST_SCENES), _default("24; with --scenes all")] = None
+    """Number of scenes, a third in each domain; figures of sets need 64 or more. With --scenes, the
+    number of first scenes to judge."""
+    seed: Annotated[int, SEEDS] = 0
+    """Seed of the first scene; the others count up from it."""
+    checkpoint: Annotated[Path | None, _default("the one that ships with the preset")] = None
+    """File written by `aeroscene train`."""
+    preset: Literal["default", "paper", "progressive"] = "default"
+    """The model that ships; its targets apply to a checkpoint too."""
+    device: str = "auto"
+    """auto uses a GPU if there is one; or cpu, cuda, cuda:1, mps."""
+    data: Path = Path("corpus")
+    """Folder made by `aeroscene dataset build`, with the scenes to compare with."""
+
+    def __post_init__(self) -> None:
+        require_ranges(self, BenchError)
+        chosen = (self.checkpoint, self.preset, self.device)
+        if self.scenes is not None and chosen != (None, "default", "auto"):
+            raise BenchError(
+                f"scenes {self.scenes!r} are made already; valid: --scenes without --checkpoint, "
+                "--preset and --device"
+            )
+
+    @property
+    def n_generated(self) -> int:
+        """Number of scenes to generate, or the most to look at."""
+        return _N_GENERATED if self.count is None else self.count
+
+    @property
+    def title(self) -> str:
+        """Title of the results."""
+        if self.scenes is not None:
+            count = "all" if self.count is None else f"first {self.count}"
+            return f"scenes {self.scenes}, {count}"
+        model = self.checkpoint or self.preset
+        return f"{self.n_generated} scenes by {model}, from seed {self.seed}"

@@ -21,8 +21,7 @@ from aeroscene.learning.generation.loading import SHIPPED
 from aeroscene.learning.generation.request import Request
 from aeroscene.learning.training.checkpoint import read_checkpoint
 from aeroscene.scene import Scene
-from scenarios.bench.configs import BenchError
-from scenarios.bench.generate_cfg import GenerateBenchCfg
+from scenarios.bench.configs import BenchError, GenerateBenchCfg
 from scenarios.bench.quality import (
     FEASIBLE,
     RAW,

@@ -12,7 +12,7 @@ from aeroscene.corpus.shipped import open_shipped
 from aeroscene.corpus.summary import SceneSet
 from aeroscene.metrics.classifier import N_FOLDS
 from aeroscene.scene import Scene
-from scenarios.bench.generate_cfg import GenerateBenchCfg
+from scenarios.bench.configs import GenerateBenchCfg
 from scenarios.bench.quality import FEASIBLE, LEAST_SOUND, comparison, statistics_rows
 from scenarios.bench.reference import Splits, group_figures, open_corpus
 from scenarios.bench.row import OnProgress, Row, higher

@@ -18,8 +18,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from scenarios.bench.configs import BenchError
-from scenarios.bench.many_configs import PeerName
+from scenarios.bench.configs import BenchError, PeerName
 from scenarios.bench.row import Row, higher
 
 _WARM_UP_S = 1.0

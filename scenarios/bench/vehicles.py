@@ -20,9 +20,8 @@ from flightsim.vehicles.catalogue import airframe_by_name
 from flightsim.world import WorldError, build_world, build_worlds
 from scenarios.bench.clients import Clients
 from scenarios.bench.collisions import Collider, Collision
-from scenarios.bench.configs import BenchError
+from scenarios.bench.configs import BenchError, VehiclesBenchCfg
 from scenarios.bench.figure_eight import hold
-from scenarios.bench.many_configs import VehiclesBenchCfg
 from scenarios.bench.row import OnProgress, Row, higher, lower
 from scenarios.bench.square_flight import fly_square, take_off
 

@@ -14,8 +14,7 @@ from flightsim.plant import Fleet, PlantCfg, compile_kernels
 from flightsim.plant.cfg import ADVANCE_HZ
 from flightsim.vehicles.catalogue import airframe_by_name
 from flightsim.world import World, build_world
-from scenarios.bench.configs import BenchError
-from scenarios.bench.many_configs import WorldsBenchCfg
+from scenarios.bench.configs import BenchError, WorldsBenchCfg
 from scenarios.bench.peers import check_installed, peer_rows
 from scenarios.bench.row import OnProgress, Row, higher, lower
 

@@ -1,4 +1,4 @@
-"""`aeroscene bench`: how fast this machine is, how good scenes, flights and plans are."""
+"""`aeroscene bench`: how fast this machine is, how good a scene model is, how a vehicle flies."""
 
 from __future__ import annotations
 
@@ -15,17 +15,13 @@ from scenarios.bench.configs import (
     AnyBenchCfg,
     BenchError,
     ControlBenchCfg,
-    DifficultyBenchCfg,
-    EncountersBenchCfg,
-    EstimateBenchCfg,
-    LandBenchCfg,
-    PlanBenchCfg,
+    GenerateBenchCfg,
+    MethodBenchCfg,
     SceneBenchCfg,
     SimBenchCfg,
+    VehiclesBenchCfg,
+    WorldsBenchCfg,
 )
-from scenarios.bench.generate_cfg import GenerateBenchCfg
-from scenarios.bench.many_configs import VehiclesBenchCfg, WorldsBenchCfg
-from scenarios.bench.method_cfg import MethodBenchCfg
 from scenarios.bench.row import Row
 from scenarios.cli.command_line import EXIT_DONE, EXIT_NEGATIVE, fail, print_json
 from scenarios.cli.progress import share_bar
@@ -38,12 +34,7 @@ Bench = (
     | Annotated[SceneBenchCfg, tyro.conf.subcommand("scene", prefix_name=False)]
     | Annotated[GenerateBenchCfg, tyro.conf.subcommand("generate", prefix_name=False)]
     | Annotated[MethodBenchCfg, tyro.conf.subcommand("method", prefix_name=False)]
-    | Annotated[EstimateBenchCfg, tyro.conf.subcommand("estimate", prefix_name=False)]
-    | Annotated[PlanBenchCfg, tyro.conf.subcommand("plan", prefix_name=False)]
-    | Annotated[DifficultyBenchCfg, tyro.conf.subcommand("difficulty", prefix_name=False)]
     | Annotated[ControlBenchCfg, tyro.conf.subcommand("control", prefix_name=False)]
-    | Annotated[LandBenchCfg, tyro.conf.subcommand("land", prefix_name=False)]
-    | Annotated[EncountersBenchCfg, tyro.conf.subcommand("encounters", prefix_name=False)]
     | Annotated[WorldsBenchCfg, tyro.conf.subcommand("worlds", prefix_name=False)]
     | Annotated[VehiclesBenchCfg, tyro.conf.subcommand("vehicles", prefix_name=False)]
 )
@@ -53,14 +44,9 @@ _NAMES: Mapping[type, str] = {
     SceneBenchCfg: "scene",
     GenerateBenchCfg: "generate",
     MethodBenchCfg: "method",
-    PlanBenchCfg: "plan",
-    DifficultyBenchCfg: "difficulty",
     ControlBenchCfg: "control",
-    LandBenchCfg: "land",
-    EncountersBenchCfg: "encounters",
     WorldsBenchCfg: "worlds",
     VehiclesBenchCfg: "vehicles",
-    EstimateBenchCfg: "estimate",
 }
 
 
@@ -78,22 +64,41 @@ def run(cfg: BenchCfg) -> int:
     """Run the benchmark and print it; exit status 2 with one line where it cannot be run."""
     # Imported here because it is the whole stack, which `--help` does not need.
     from aeroscene.scene import SceneError
+
+    try:
+        module = _module(cfg.bench)
+    except SceneError as error:
+        fail(_PROG, str(error))
+    status = measure(_PROG, _NAMES[type(cfg.bench)], cfg.bench, module)
+    if isinstance(cfg.bench, GenerateBenchCfg):
+        from scenarios.cli.dataset.options import mention_shortfall
+
+        mention_shortfall(_PROG, cfg.bench.data)
+    return status
+
+
+def measure(prog: str, name: str, bench: AnyBenchCfg, module: Any) -> int:
+    """Run one benchmark with a progress bar, print its rows, and return the exit status.
+
+    Args:
+        prog: Command that names itself in errors.
+        name: Name of the benchmark in `--json`.
+        bench: Options of the benchmark.
+        module: Module whose `rows(options, on_progress)` measures.
+    """
+    from aeroscene.scene import SceneError
     from flightsim.vehicles.catalogue import AirframeError
     from scenarios.bench.launch import LaunchError
 
     try:
         with share_bar() as on_progress:
-            rows = tuple(_module(cfg.bench).rows(cfg.bench, on_progress))
-        if isinstance(cfg.bench, GenerateBenchCfg):
-            from scenarios.cli.dataset.options import mention_shortfall
-
-            mention_shortfall(_PROG, cfg.bench.data)
+            rows = tuple(module.rows(bench, on_progress))
     except (SceneError, AirframeError, BenchError, LaunchError) as error:
-        fail(_PROG, str(error))
-    if cfg.bench.json:
-        print_json(_to_plain(cfg.bench, rows))
+        fail(prog, str(error))
+    if bench.json:
+        print_json(_to_plain(name, bench, rows))
     else:
-        _print_table(cfg.bench, rows)
+        _print_table(bench, rows)
     return EXIT_DONE if all(row.is_met for row in rows) else EXIT_NEGATIVE
 
 
@@ -112,10 +117,10 @@ def _module(bench: AnyBenchCfg) -> Any:
     return importlib.import_module(f"scenarios.bench.{name}")
 
 
-def _to_plain(bench: AnyBenchCfg, rows: tuple[Row, ...]) -> dict[str, Any]:
-    options = {name: str(v) if isinstance(v, Path) else v for name, v in asdict(bench).items()}
+def _to_plain(name: str, bench: AnyBenchCfg, rows: tuple[Row, ...]) -> dict[str, Any]:
+    options = {key: str(v) if isinstance(v, Path) else v for key, v in asdict(bench).items()}
     del options["json"]
-    return {"bench": _NAMES[type(bench)], **options, "rows": [row.to_plain() for row in rows]}
+    return {"bench": name, **options, "rows": [row.to_plain() for row in rows]}
 
 
 def _print_table(bench: AnyBenchCfg, rows: tuple[Row, ...]) -> None:

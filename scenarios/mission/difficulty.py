@@ -77,7 +77,7 @@ class Difficulty:
         }
 
 
-# An Iris in 101 scenes drawn from the shipped ones; `aeroscene bench difficulty` measures anew.
+# An Iris in 101 scenes drawn from the shipped ones, by `python tools/bench.py difficulty`.
 THIRDS: Mapping[str, tuple[float, float]] = {
     "over_straight": (1.005, 1.026),
     "seconds": (8.9, 11.1),

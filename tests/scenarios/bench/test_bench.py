@@ -9,8 +9,7 @@ from hypothesis import strategies as st
 from pymavlink.dialects.v20 import common
 
 from scenarios.bench.clients import Clients, count_messages
-from scenarios.bench.configs import SceneBenchCfg
-from scenarios.bench.many_configs import WorldsBenchCfg
+from scenarios.bench.configs import SceneBenchCfg, WorldsBenchCfg
 from scenarios.bench.row import Row
 from scenarios.bench.scene import rows as scene_rows
 from scenarios.bench.scene import scene_index

@@ -5,8 +5,8 @@ import pytest
 from aeroscene.corpus.dataset import DatasetError
 from aeroscene.learning.generation.request import Request
 from scenarios.bench import generate
+from scenarios.bench.configs import GenerateBenchCfg
 from scenarios.bench.generate import rows
-from scenarios.bench.generate_cfg import GenerateBenchCfg
 from tests.scenarios.small_corpus import write_corpus
 
 pytestmark = pytest.mark.usefixtures("one_torch_thread")

@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from aeroscene.scene.io import write_scene
-from scenarios.bench.generate_cfg import GenerateBenchCfg
+from scenarios.bench.configs import GenerateBenchCfg
 from scenarios.bench.made import rows
 from scenarios.cli.main import main
 from tests.aeroscene.conftest import SAMPLE, cached_scene

@@ -8,10 +8,9 @@ from aeroscene.learning.generation.loading import SHIPPED
 from aeroscene.learning.paper.boxes import FlatBoxes
 from aeroscene.learning.paper.training_set import flat_training_set
 from aeroscene.learning.training.checkpoint import read_checkpoint
-from scenarios.bench.configs import BenchError
+from scenarios.bench.configs import BenchError, MethodBenchCfg
 from scenarios.bench.memorising import _Off, memorising_rows
 from scenarios.bench.method import _Judged, rows
-from scenarios.bench.method_cfg import MethodBenchCfg
 from tests.aeroscene.conftest import SAMPLE, cached_scene
 from tests.scenarios.small_corpus import write_corpus
 

@@ -6,8 +6,7 @@ import pytest
 from gymnasium.spaces import Box
 
 from scenarios.bench import peers
-from scenarios.bench.configs import BenchError
-from scenarios.bench.many_configs import WorldsBenchCfg
+from scenarios.bench.configs import BenchError, WorldsBenchCfg
 from scenarios.bench.peers import Peer, peer_rows, stepping_s
 from scenarios.bench.worlds import rows
 

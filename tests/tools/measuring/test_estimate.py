@@ -1,4 +1,4 @@
-"""`aeroscene bench estimate` in small, and the statistics that it rests on."""
+"""`tools/bench.py estimate` in small, and the statistics that it rests on."""
 
 from collections import deque
 
@@ -7,16 +7,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
+from measuring.configs import EstimateBenchCfg
+from measuring.consistency import attitude_error, band, nees
+from measuring.estimate import CASES, largest_jump, rows
+from measuring.filter_step import run_filter
 from scipy.spatial.transform import Rotation
 
 from flightsim.plant import Plant, PlantCfg
 from flightsim.plant.record import HISTORY_DTYPE
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import build_world
-from scenarios.bench.configs import EstimateBenchCfg
-from scenarios.bench.consistency import attitude_error, band, nees
-from scenarios.bench.estimate import CASES, largest_jump, rows
-from scenarios.bench.filter_step import run_filter
 from scenarios.bench.manoeuvres import curves, fly, meadow
 
 

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from measuring import encounters
+from measuring.configs import EncountersBenchCfg
+from measuring.meeting import DIRECTIONS, FlownWay, centres, draw_meeting
 
-from scenarios.bench import encounters
-from scenarios.bench.configs import EncountersBenchCfg
-from scenarios.bench.meeting import DIRECTIONS, FlownWay, centres, draw_meeting
 from tests.scenarios.landing_scenes import yard
 
 TIMES_S = np.arange(0.0, 30.0, 0.02)

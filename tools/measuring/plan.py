@@ -1,4 +1,4 @@
-"""`bench plan`: share of problems that the planner solves, its speed and the quality of its plans.
+"""Share of problems that the planner solves, its speed and the quality of its plans.
 
 Times are CPU times of the process, kernels compiled and programs built.
 """
@@ -28,10 +28,10 @@ from autonomy.planning.trajectory import squared_jerk
 from autonomy.types import ZERO3, FlatReference
 from flightsim.vehicles.airframe import Airframe
 from flightsim.vehicles.catalogue import airframe_by_name
-from scenarios.bench.configs import PlanBenchCfg
-from scenarios.bench.joint_optimum import joint_optimum
-from scenarios.bench.plan_crossing import Crossing, fly_past_a_crossing
-from scenarios.bench.plan_pairs import draw_pairs, scene_numbers
+from measuring.configs import PlanBenchCfg
+from measuring.joint_optimum import joint_optimum
+from measuring.plan_crossing import Crossing, fly_past_a_crossing
+from measuring.plan_pairs import draw_pairs, scene_numbers
 from scenarios.bench.row import OnProgress, Row, higher, lower
 from scenarios.mission.mission import plan_mission
 from scenarios.mission.surroundings import MissionError, Surroundings, survey

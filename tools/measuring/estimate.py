@@ -1,4 +1,4 @@
-"""`bench estimate`: consistency, accuracy and cost of the filter.
+"""`tools/bench.py estimate`: consistency, accuracy and cost of the filter.
 
 Short flights of the plant alone, each with its own noise and curves; every second the error
 against the truth is compared with the covariance that the filter claims.
@@ -20,9 +20,9 @@ from flightsim.environment.wind import CALM, SIGMA_OVER_W20, WindCfg
 from flightsim.plant import Plant, PlantCfg, compile_kernels
 from flightsim.vehicles.catalogue import airframe_by_name
 from flightsim.world import World, build_world
-from scenarios.bench.configs import EstimateBenchCfg
-from scenarios.bench.consistency import BLOCKS, band, errors, nees
-from scenarios.bench.filter_step import step_us
+from measuring.configs import EstimateBenchCfg
+from measuring.consistency import BLOCKS, band, errors, nees
+from measuring.filter_step import step_us
 from scenarios.bench.manoeuvres import curves, fly, meadow, visit
 from scenarios.bench.row import OnProgress, Row, higher, lower
 

@@ -3,6 +3,11 @@
 import math
 
 import numpy as np
+from measuring.configs import PlanBenchCfg
+from measuring.joint_optimum import joint_optimum
+from measuring.plan import rows
+from measuring.plan_crossing import fly_past_a_crossing
+from measuring.plan_pairs import FAR_ENOUGH_M, draw_pairs, scene_numbers
 
 from aeroscene.sources import load_scene
 from autonomy.planning import PlannerCfg
@@ -13,11 +18,6 @@ from autonomy.planning.obstacles import Obstacles
 from autonomy.planning.optimiser import optimise
 from autonomy.types import FlatReference
 from flightsim.vehicles.catalogue import airframe_by_name
-from scenarios.bench.configs import PlanBenchCfg
-from scenarios.bench.joint_optimum import joint_optimum
-from scenarios.bench.plan import rows
-from scenarios.bench.plan_crossing import fly_past_a_crossing
-from scenarios.bench.plan_pairs import FAR_ENOUGH_M, draw_pairs, scene_numbers
 from scenarios.mission.surroundings import survey
 
 IRIS = airframe_by_name("iris")

@@ -1,4 +1,4 @@
-"""`bench land`: safety of the landing places that the pilot chooses, and quality of its landings.
+"""Safety of the landing places that the pilot chooses, and quality of its landings.
 
 A depth camera with its errors observes landing areas of many scenes from poses with the
 estimator's errors, from the hover point down as the pilot does; vertical rays onto the solids of
@@ -28,11 +28,11 @@ from flightsim.testbench import TestbenchCfg
 from flightsim.vehicles.airframe import Airframe
 from flightsim.vehicles.catalogue import airframe_by_name
 from flightsim.world import WorldError, build_world
-from scenarios.bench.configs import LandBenchCfg
-from scenarios.bench.landing_flight import fly_landing
-from scenarios.bench.landing_look import HEIGHT_PX, WIDTH_PX, Look, Looker, LookRig
-from scenarios.bench.landing_truth import ExactGround
-from scenarios.bench.plan_pairs import scene_numbers
+from measuring.configs import LandBenchCfg
+from measuring.landing_flight import fly_landing
+from measuring.landing_look import HEIGHT_PX, WIDTH_PX, Look, Looker, LookRig
+from measuring.landing_truth import ExactGround
+from measuring.plan_pairs import scene_numbers
 from scenarios.bench.row import OnProgress, Row, higher, lower
 from scenarios.mission.mission import rank_areas
 from scenarios.mission.surroundings import MissionError, Surroundings, survey

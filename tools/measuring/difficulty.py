@@ -1,4 +1,4 @@
-"""`bench difficulty`: the planner's ways through scenes, and the thirds that grade difficulty."""
+"""The planner's paths through scenes, and the thirds that grade difficulty."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ import numpy as np
 
 from aeroscene.sources import load_scene
 from flightsim.vehicles.catalogue import airframe_by_name
-from scenarios.bench.configs import DifficultyBenchCfg
-from scenarios.bench.plan_pairs import SHIPPED_SCENES
+from measuring.configs import DifficultyBenchCfg
+from measuring.plan_pairs import SHIPPED_SCENES
 from scenarios.bench.row import OnProgress, Row, higher, lower
 from scenarios.mission.difficulty import MOST_POINTS, THIRDS, Difficulty, measure_difficulty
 from scenarios.mission.surroundings import MissionError

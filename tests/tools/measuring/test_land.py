@@ -4,14 +4,14 @@ import math
 
 import numpy as np
 import pytest
+from measuring.configs import LandBenchCfg
+from measuring.land import rows
+from measuring.landing_look import Wander
+from measuring.landing_truth import ExactGround
 
 from autonomy.perception import LandingNeeds
 from flightsim.vehicles.catalogue import airframe_by_name
 from flightsim.world import build_world
-from scenarios.bench.configs import LandBenchCfg
-from scenarios.bench.land import rows
-from scenarios.bench.landing_look import Wander
-from scenarios.bench.landing_truth import ExactGround
 from scenarios.pilot.landing_watch import landing_needs
 from tests.scenarios.landing_scenes import TOP_M, yard
 

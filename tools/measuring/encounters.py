@@ -1,4 +1,4 @@
-"""`bench encounters`: does the whole stack keep clear of drones that come its way?
+"""`tools/bench.py encounters`: does the whole stack keep clear of drones that come its way?
 
 Each scene is first flown with nobody near: what is flown then tells where the vehicle will be. Then
 one drone a flight is at that place at that time, from ahead, from the side, from above or from
@@ -19,9 +19,9 @@ from aeroscene.sources import load_scene
 from autonomy.types import Vector3
 from flightsim.environment.movers import MovingObstacle
 from flightsim.testbench import TestbenchCfg, TestbenchError
-from scenarios.bench.configs import EncountersBenchCfg
-from scenarios.bench.meeting import DIRECTIONS, Direction, FlownWay, draw_meeting
-from scenarios.bench.plan_pairs import SHIPPED_SCENES
+from measuring.configs import EncountersBenchCfg
+from measuring.meeting import DIRECTIONS, Direction, FlownWay, draw_meeting
+from measuring.plan_pairs import SHIPPED_SCENES
 from scenarios.bench.row import OnProgress, Row, higher, lower
 from scenarios.mission.surroundings import MissionError, Surroundings
 from scenarios.pilot import Phase

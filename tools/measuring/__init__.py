@@ -1,0 +1,1 @@
+"""Benchmarks of the planner, the estimator and landing: `python tools/bench.py`."""
