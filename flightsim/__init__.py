@@ -9,8 +9,10 @@ from aeroscene.lazy import public_names
 
 if TYPE_CHECKING:
     from autonomy import ControlLevel, FlatReference, QuadrotorParams, RotorParams, Setpoint, State
+    from flightsim.cameras import CameraError, Cameras, RgbdFrame, depth_noise
     from flightsim.environment.traffic import TrafficCfg
     from flightsim.environment.wind import WindCfg
+    from flightsim.lidars import Lidar, LidarError, LidarScan, lidar_by_name
     from flightsim.mavlink.client import (
         PX4_HOLD,
         PX4_LAND,
@@ -22,8 +24,6 @@ if TYPE_CHECKING:
         Telemetry,
     )
     from flightsim.plant import NotAlignedError, PhysicsDivergedError, Plant, PlantCfg, PlantError
-    from flightsim.sensors.cameras import CameraError, Cameras, RgbdFrame, depth_noise
-    from flightsim.sensors.lidars import Lidar, LidarError, LidarScan, lidar_by_name
     from flightsim.sensors.optical_flow import OpticalFlowCfg
     from flightsim.simulator import Controller, Simulator
     from flightsim.testbench import Testbench, TestbenchCfg, TestbenchError

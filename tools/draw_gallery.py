@@ -23,8 +23,8 @@ from matplotlib import colormaps
 
 from aeroscene.sources import load_scene
 from autonomy.types import quat_about_up
-from flightsim.sensors.cameras import RgbdFrame, open_camera_renderer
-from flightsim.sensors.cameras.view import Quality
+from flightsim.cameras import RgbdFrame, open_camera_renderer
+from flightsim.cameras.view import Quality
 from flightsim.vehicles.catalogue import airframe_by_name
 from flightsim.world import build_world
 from scenarios.cli.terminal import terminal

@@ -24,9 +24,9 @@ from PIL import Image
 from aeroscene.scene import Vector3
 from aeroscene.sources import load_scene
 from autonomy.types import quat_about_up
+from flightsim.cameras import RgbdFrame, look_at, open_camera_renderer
+from flightsim.cameras.view import Quality
 from flightsim.looks.cutting import cut_at
-from flightsim.sensors.cameras import RgbdFrame, look_at, open_camera_renderer
-from flightsim.sensors.cameras.view import Quality
 from flightsim.vehicles.catalogue import airframe_by_name
 from flightsim.world import World, build_world
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from autonomy.types import yaw_of
+from flightsim.lidars.ring_scanner import MAX_RANGE_M, MIN_RANGE_M, N_BEAMS, RingScanner
 from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.dialect import layout
 from flightsim.plant import Plant
-from flightsim.sensors.ring_scanner import MAX_RANGE_M, MIN_RANGE_M, N_BEAMS, RingScanner
 
 OBSTACLE_DISTANCE = layout("OBSTACLE_DISTANCE")
 _NONE_CM = round(100.0 * MAX_RANGE_M) + 1

@@ -13,9 +13,9 @@ from typing import Literal
 import numpy as np
 
 from autonomy.types import ZERO3, Quaternion, Vector3, yaw_of
+from flightsim.cameras import CameraRenderer, RgbdFrame, Viewpoint, open_camera_renderer
 from flightsim.payload.gimbal import Gimbal
 from flightsim.plant import Plant
-from flightsim.sensors.cameras import CameraRenderer, RgbdFrame, Viewpoint, open_camera_renderer
 
 Size = Literal["photo", "video"]
 SIZES_PX: dict[Size, tuple[int, int]] = {"photo": (1280, 960), "video": (640, 480)}

@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 
+from flightsim.cameras import RgbdFrame
 from flightsim.environment.date import EPOCH_US
 from flightsim.frames import Geodetic
 from flightsim.payload.lens import FOCAL_LENGTH_MM, Aim
-from flightsim.sensors.cameras import RgbdFrame
 
 _JPEG_QUALITY = 92
 

@@ -7,16 +7,16 @@ from dataclasses import dataclass, replace
 from typing import Annotated, Literal
 
 from aeroscene.ranges import SEEDS, Range, require_ranges
+from flightsim.autopilot.environment_parameters import wind_parameters
 from flightsim.bridges import STACKS
 from flightsim.environment.effects import Effects
-from flightsim.environment.parameters import wind_parameters
 from flightsim.environment.traffic import TrafficCfg
 from flightsim.environment.wind import MAX_GUST_MPS, MAX_WIND_MPS, WindCfg, turbulence_mps
+from flightsim.lidars import lidar_by_name
 from flightsim.mavlink.links import LinkError, OutAddress, SerialLine
 from flightsim.mavlink.personalities import PERSONALITIES
 from flightsim.mavlink.signing import Signing, SigningKeyError, read_key
 from flightsim.plant import PlantCfg
-from flightsim.sensors.lidars import lidar_by_name
 from flightsim.sensors.optical_flow import OpticalFlowCfg
 from flightsim.vehicles import airframe_by_name
 from flightsim.vehicles.camera_options import with_cameras

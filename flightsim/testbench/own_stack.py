@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from flightsim.autopilot.autopilot import Autopilot
+from flightsim.autopilot.environment_parameters import follow_parameters
 from flightsim.autopilot.events import Severity
-from flightsim.environment.parameters import follow_parameters
 from flightsim.frames import LocalFrame
 from flightsim.mavlink.client import PX4_HABITS, BytePipe
 from flightsim.mavlink.links import InProcessLink, Link, network_links

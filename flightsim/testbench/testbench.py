@@ -11,12 +11,12 @@ from flightsim.autopilot.autopilot import Autopilot
 from flightsim.bridges import BridgeError, ExternalStack
 from flightsim.environment.movers import MovingObstacle
 from flightsim.frames import Geodetic, LocalFrame
+from flightsim.lidars import Lidar, lidar_by_name
 from flightsim.mavlink.client import MavlinkClient
 from flightsim.mavlink.links import InProcessLink, Link, LinkError
 from flightsim.mavlink.server import MavlinkServer
 from flightsim.payload import Payload, VideoError
 from flightsim.plant import Plant
-from flightsim.sensors.lidars import Lidar, lidar_by_name
 from flightsim.simulator import Controller, Server, Simulator
 from flightsim.testbench.cfg import TestbenchCfg, TestbenchError
 from flightsim.testbench.own_stack import OwnStack

@@ -18,8 +18,8 @@ import numpy as np
 from aeroscene.corpus.corpus import CORPUS_SIZE
 from aeroscene.corpus.curation import curate_scene
 from aeroscene.scene import Scene
+from flightsim.cameras import open_camera_renderer
 from flightsim.looks.surfaces import FAST
-from flightsim.sensors.cameras import open_camera_renderer
 from flightsim.vehicles.catalogue import airframe_by_name
 from flightsim.world import World, build_world
 from scenarios.bench.configs import SceneBenchCfg

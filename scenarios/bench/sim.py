@@ -15,9 +15,9 @@ import numpy as np
 from aeroscene.scene import Scene
 from aeroscene.solids.shapes import scene_primitives
 from aeroscene.sources import load_scene
+from flightsim.cameras import Cameras
 from flightsim.mavlink.links import UdpLink
 from flightsim.plant import Plant, PlantCfg, compile_kernels
-from flightsim.sensors.cameras import Cameras
 from flightsim.simulator import TICK_US, Observer
 from flightsim.testbench import Testbench, TestbenchCfg
 from flightsim.vehicles.catalogue import airframe_by_name

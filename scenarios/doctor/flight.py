@@ -75,7 +75,7 @@ def _take_off(bench: Testbench) -> Check:
 
 
 def _check_cameras(bench: Testbench) -> Iterator[Check]:
-    from flightsim.sensors.cameras import open_camera_renderer
+    from flightsim.cameras import open_camera_renderer
 
     camera, best_ms, is_blank = bench.airframe.cameras[0].name, math.inf, False
     with closing(open_camera_renderer(bench.world, _WIDTH_PX, _HEIGHT_PX)) as renderer:

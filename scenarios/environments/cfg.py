@@ -69,7 +69,7 @@ class ObservationCfg:
     """Width and height of a depth image in pixels."""
     segments: tuple[Segment, ...] = ()
     """Images beside the depth: the class of each pixel, a key of
-    `flightsim.sensors.cameras.CLASS_NAMES`, and the object, by its id in the scene."""
+    `flightsim.cameras.CLASS_NAMES`, and the object, by its id in the scene."""
     camera: CameraName = "forward"
     """Camera of the images."""
 

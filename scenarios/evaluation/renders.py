@@ -28,8 +28,8 @@ import numpy as np
 from aeroscene.metrics.appearance.features import Picture
 from aeroscene.scene import Scene, SceneDomain
 from autonomy.types import Vector3
+from flightsim.cameras import open_camera_renderer
 from flightsim.looks.cutting import cut_at
-from flightsim.sensors.cameras import open_camera_renderer
 from flightsim.vehicles.catalogue import airframe_by_name
 from flightsim.world import build_world
 

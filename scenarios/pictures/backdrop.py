@@ -12,9 +12,9 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from autonomy.types import Vector3
+from flightsim.cameras import CameraRenderer, RgbdFrame, open_camera_renderer
+from flightsim.cameras.framing import frame_points
 from flightsim.looks.cutting import cut_at
-from flightsim.looks.framing import frame_points
-from flightsim.sensors.cameras import CameraRenderer, RgbdFrame, open_camera_renderer
 from flightsim.world import World
 
 _TOP_FOV_RAD = math.radians(14.0)

@@ -13,7 +13,7 @@ import rerun.blueprint as rrb
 
 from aeroscene.scene import Scene
 from autonomy.types import Vector3
-from flightsim.looks.framing import frame_points
+from flightsim.cameras.framing import frame_points
 from flightsim.vehicles.airframe import Airframe
 from scenarios.recording import layout
 

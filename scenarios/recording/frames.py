@@ -14,7 +14,7 @@ from scenarios.recording import layout
 from scenarios.recording.entity_stream import EntityStream
 
 if TYPE_CHECKING:
-    from flightsim.sensors.cameras import RgbdFrame
+    from flightsim.cameras import RgbdFrame
 
 JPEG_QUALITY = 85
 DEPTH_UNITS_PER_M = 1000.0
@@ -117,15 +117,15 @@ def depth_to_uint16(depth_m: Float[np.ndarray, "h w"]) -> Integer[np.ndarray, "h
 
 def _class_names() -> dict[int, str]:
     """Names of the numbers in images of classes."""
-    from flightsim.sensors.cameras.segmentation import CLASS_NAMES
+    from flightsim.cameras.segmentation import CLASS_NAMES
 
     return dict(CLASS_NAMES)
 
 
 def _instance_names(scene: Scene) -> dict[int, str]:
     """Names of the numbers in images of objects."""
+    from flightsim.cameras.view import NO_OBJECT_ID
     from flightsim.environment.movers import MAX_MOVERS
-    from flightsim.sensors.cameras.view import NO_OBJECT_ID
     from flightsim.testbench.cfg import MAX_INSTANCES
     from flightsim.world import FIRST_MATE_ID, FIRST_MOVER_ID, GROUND_ID, VEHICLE_ID
 

@@ -13,7 +13,7 @@ from scenarios.recording.entity_stream import EntityStream
 
 if TYPE_CHECKING:
     # Reading a recording should not load the simulator.
-    from flightsim.sensors.lidars import LidarScan
+    from flightsim.lidars import LidarScan
 
 _FAR_M = 40.0
 """Distance from which on all points have the last colour."""

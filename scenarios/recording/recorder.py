@@ -36,9 +36,9 @@ from scenarios.recording.vehicle_recorder import VehicleRecorder
 if TYPE_CHECKING:
     # Reading a recording should not load the simulator.
     from flightsim.autopilot.reports import FlightReports
+    from flightsim.cameras import RgbdFrame
+    from flightsim.lidars import LidarScan
     from flightsim.plant import Plant
-    from flightsim.sensors.cameras import RgbdFrame
-    from flightsim.sensors.lidars import LidarScan
 
 _LOOPBACK = "127.0.0.1"
 _SERVER_MEMORY = "512MiB"

@@ -23,9 +23,9 @@ from scenarios.recording.state_log import StateLog
 if TYPE_CHECKING:
     # Reading a recording should not load the simulator.
     from flightsim.autopilot.reports import FlightReports
+    from flightsim.cameras import RgbdFrame
+    from flightsim.lidars import LidarScan
     from flightsim.plant import Plant
-    from flightsim.sensors.cameras import RgbdFrame
-    from flightsim.sensors.lidars import LidarScan
 
 FLUSH_PERIOD_US = 1_000_000
 """Simulated time between two writes of the fast data."""

@@ -9,8 +9,8 @@ from typing import Protocol
 import numpy as np
 
 from aeroscene.scene import InteractionArea, Scene
+from flightsim.lidars import LidarScan
 from flightsim.mavlink.client import BytePipe, MavlinkClient
-from flightsim.sensors.lidars import LidarScan
 from flightsim.vehicles import Airframe
 from scenarios.pilot.eyes import DepthFrame
 from scenarios.trials.verdict import Word

@@ -13,7 +13,7 @@ from typing import Self
 
 from aeroscene.scene import Scene
 from aeroscene.sources import load_scene
-from flightsim.sensors.cameras import (
+from flightsim.cameras import (
     CameraRenderer,
     Cameras,
     depth_noise,

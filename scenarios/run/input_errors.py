@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from aeroscene.scene import SceneError
+from flightsim.cameras import CameraError
 from flightsim.environment.effects import EffectError
 from flightsim.environment.traffic import TrafficError
 from flightsim.environment.wind import WindError
+from flightsim.lidars import LidarError
 from flightsim.mavlink.links import LinkError
-from flightsim.sensors.cameras import CameraError
-from flightsim.sensors.lidars import LidarError
 from flightsim.testbench import TestbenchError
 from flightsim.vehicles import AirframeError
 from flightsim.world import WorldError

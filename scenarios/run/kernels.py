@@ -15,13 +15,13 @@ from autonomy.planning import Craft, FlightLimits, PlannerCfg
 from autonomy.planning.obstacles import Obstacles
 from autonomy.planning.openings import narrow_cells, opening_at
 from autonomy.types import FlatReference
+from flightsim.cameras.depth_noise import DEPTH_CAMERAS, measured_depth
+from flightsim.cameras.image_batch import cast_images, example_arguments
 from flightsim.looks.rays import RayScene
 from flightsim.mavlink.client.telemetry import Telemetry
 from flightsim.mavlink.streaming import compile_streaming
 from flightsim.plant import compile_kernels
 from flightsim.plant.rays import RAYS_DTYPE, cast_rays
-from flightsim.sensors.cameras.depth_noise import DEPTH_CAMERAS, measured_depth
-from flightsim.sensors.cameras.image_batch import cast_images, example_arguments
 from flightsim.vehicles.catalogue import airframe_by_name
 from scenarios.mission.mission import Mission, plan_mission
 from scenarios.mission.surroundings import MapSource

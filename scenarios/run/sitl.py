@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 from aeroscene.scene import Scene
+from flightsim.cameras import Cameras
 from flightsim.environment.movers import MovingObstacle
 from flightsim.mavlink.links import Link
 from flightsim.plant import Plant
-from flightsim.sensors.cameras import Cameras
 from flightsim.testbench import Testbench
 from flightsim.vehicles import Airframe, airframe_by_name
 from scenarios.mission.goals import find_area, with_start

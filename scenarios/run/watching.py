@@ -10,7 +10,7 @@ from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
 from aeroscene.solids.shapes import scene_primitives
-from flightsim.sensors.cameras import Cameras, RgbdFrame
+from flightsim.cameras import Cameras, RgbdFrame
 from flightsim.simulator import TICK_US
 from flightsim.testbench import Testbench, TestbenchError
 from flightsim.vehicles.builder import vehicle_name

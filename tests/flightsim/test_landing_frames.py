@@ -19,7 +19,7 @@ from autonomy.perception import (
     camera_pose,
     choose_site,
 )
-from flightsim.sensors.cameras import open_camera_renderer
+from flightsim.cameras import open_camera_renderer
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import build_world
 

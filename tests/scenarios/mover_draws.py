@@ -8,9 +8,9 @@ import numpy as np
 
 from autonomy.perception import DepthImage, MoverTracker
 from autonomy.rotation import matrix_from_quat, quat_from_rotation_vector
+from flightsim.cameras import depth_noise, open_camera_renderer
 from flightsim.environment.motion import new_movers, place_mover
 from flightsim.environment.movers import MOVER_KINDS, MovingObstacle
-from flightsim.sensors.cameras import depth_noise, open_camera_renderer
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import build_world
 from tests.flightsim.handmade import empty_scene

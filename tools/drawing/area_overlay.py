@@ -8,7 +8,7 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 from aeroscene.scene import InteractionArea
-from flightsim.sensors.cameras import RgbdFrame
+from flightsim.cameras import RgbdFrame
 
 _RGB = {"small": (64, 150, 255), "medium": (60, 214, 110), "large": (255, 168, 40)}
 _PERCHING_RGB = (226, 90, 226)

@@ -11,9 +11,9 @@ from rich.progress import track
 from aeroscene.scene import OrientedBox, Scene, SceneObject
 from aeroscene.scene.catalogue import CATALOGUE, Category
 from aeroscene.solids.shapes import Primitive, object_primitives
-from flightsim.looks.framing import frame_points
-from flightsim.sensors.cameras import open_camera_renderer
-from flightsim.sensors.cameras.view import Quality
+from flightsim.cameras import open_camera_renderer
+from flightsim.cameras.framing import frame_points
+from flightsim.cameras.view import Quality
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import build_world
 from scenarios.pictures.lettering import label

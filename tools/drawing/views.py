@@ -10,8 +10,8 @@ import numpy as np
 
 from aeroscene.scene import Scene
 from autonomy.types import Vector3, vector3
-from flightsim.looks.framing import frame_points
-from flightsim.sensors.cameras import CameraRenderer, RgbdFrame
+from flightsim.cameras import CameraRenderer, RgbdFrame
+from flightsim.cameras.framing import frame_points
 from flightsim.world import World
 
 Preset = Literal["overview", "top", "aerial", "street", "forward", "down", "inside", "chase"]

@@ -23,7 +23,7 @@ import numpy as np
 from aeroscene.scene import InteractionArea, Scene
 from aeroscene.sources import load_scene
 from autonomy.perception import DepthImage, ElevationMap, assess, camera_pose
-from flightsim.sensors.cameras.depth_noise import DEPTH_CAMERAS, measured_depth
+from flightsim.cameras.depth_noise import DEPTH_CAMERAS, measured_depth
 from flightsim.testbench import TestbenchCfg
 from flightsim.vehicles.airframe import Airframe
 from flightsim.vehicles.catalogue import airframe_by_name

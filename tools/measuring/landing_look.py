@@ -16,10 +16,10 @@ from scipy.spatial.transform import Rotation
 from aeroscene.scene import InteractionArea
 from autonomy.perception import LandingSite
 from autonomy.types import Vector3, vector3
+from flightsim.cameras import open_camera_renderer
+from flightsim.cameras.depth_noise import DepthNoiseCfg, measured_depth
+from flightsim.cameras.view import PosedDepth
 from flightsim.mavlink.client.telemetry import Telemetry
-from flightsim.sensors.cameras import open_camera_renderer
-from flightsim.sensors.cameras.depth_noise import DepthNoiseCfg, measured_depth
-from flightsim.sensors.cameras.view import PosedDepth
 from flightsim.world import World
 from scenarios.mission.surroundings import Surroundings
 from scenarios.pilot.eyes import camera_mount, posed_image

@@ -8,9 +8,9 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from autonomy.perception import LandingNeeds
+from flightsim.cameras.raycast_mesh import geom_triangles
 from flightsim.looks.geom_groups import GeomGroup
 from flightsim.looks.rays import RayScene
-from flightsim.sensors.cameras.raycast_mesh import geom_triangles
 from flightsim.world import World
 
 _SPACING_M = 0.03

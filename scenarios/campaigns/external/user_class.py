@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from aeroscene.scene import InteractionArea
 from autonomy.types import Vector3
-from flightsim.sensors.cameras import CameraError
+from flightsim.cameras import CameraError
 from scenarios.baselines.named import MakePilot
 from scenarios.run.companion import Aboard, Companion
 from scenarios.trials.verdict import Word

@@ -53,7 +53,7 @@ def run(cfg: ShowCfg) -> int:
     if cfg.viewer != "off":
         return _view(dataset, cfg.viewer)
     _check(cfg, dataset)
-    from scenarios.dataset.sheet import draw_sheet
+    from scenarios.pictures.sheet import draw_sheet
 
     with progress_bar("drawing", len(dataset.entries)) as advance:
         draw_sheet(dataset, cfg.out, cfg.columns, cfg.width, cfg.jobs, advance)

@@ -10,13 +10,13 @@ import numpy as np
 from jaxtyping import Float
 
 from autonomy.jit import compile_ahead
+from flightsim.cameras.image_batch import VIEW_DTYPE, cast_images, example_arguments
+from flightsim.cameras.raycast_mesh import geom_triangles
+from flightsim.cameras.segmentation import Classes
+from flightsim.cameras.view import NO_OBJECT_ID
 from flightsim.looks.embree import functions
 from flightsim.looks.rays import RayScene
 from flightsim.plant.rays import RAYS_DTYPE
-from flightsim.sensors.cameras.image_batch import VIEW_DTYPE, cast_images, example_arguments
-from flightsim.sensors.cameras.raycast_mesh import geom_triangles
-from flightsim.sensors.cameras.segmentation import Classes
-from flightsim.sensors.cameras.view import NO_OBJECT_ID
 from flightsim.vehicles.airframe import Airframe, CameraMount
 from flightsim.world import World
 from scenarios.environments.cfg import CameraName, Segment

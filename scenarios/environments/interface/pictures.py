@@ -10,9 +10,9 @@ import numpy as np
 from jaxtyping import Float, UInt8
 
 from autonomy.rotation import yaw_from_quat
-from flightsim.looks.framing import frame_points
+from flightsim.cameras import CameraRenderer, open_camera_renderer
+from flightsim.cameras.framing import frame_points
 from flightsim.plant import Fleet
-from flightsim.sensors.cameras import CameraRenderer, open_camera_renderer
 from scenarios.environments.cfg import EnvironmentInputError
 from scenarios.recording.chase import FOV_RAD, ChaseEye
 

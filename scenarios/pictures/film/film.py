@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from autonomy.rotation import yaw_from_quat
-from flightsim.sensors.cameras import CameraRenderer, open_camera_renderer
+from flightsim.cameras import CameraRenderer, open_camera_renderer
 from scenarios.pictures.film.encode import write_animation, write_video
 from scenarios.pictures.film.reel import Moment, Reel
 from scenarios.pictures.lettering import Picture, label

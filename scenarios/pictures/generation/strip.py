@@ -13,9 +13,9 @@ from PIL import Image
 
 from aeroscene.files import replacing
 from aeroscene.scene import Scene
-from scenarios.dataset.sheet import draw_scene, tile
 from scenarios.pictures.generation.layout_view import Layout, draw_layout
 from scenarios.pictures.lettering import INK_RGB, PAPER_RGB, Picture, write
+from scenarios.pictures.sheet import draw_scene, tile
 
 N_MOMENTS = 5
 """Number of pictures of the denoising."""

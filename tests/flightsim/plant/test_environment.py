@@ -8,11 +8,11 @@ import pytest
 
 from aeroscene.scene import OrientedBox, SceneObject
 from aeroscene.scene.catalogue import category_id
+from flightsim.cameras import open_camera_renderer
 from flightsim.environment.effects import Effects
 from flightsim.environment.movers import MovingObstacle
 from flightsim.environment.wind import WindCfg
 from flightsim.plant import Plant, PlantCfg, PlantError
-from flightsim.sensors.cameras import open_camera_renderer
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import FIRST_MOVER_ID, WorldError, build_world
 from tests.flightsim.handmade import RAY_GROUPS, empty_scene

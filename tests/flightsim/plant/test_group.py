@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from flightsim.environment.movers import MovingObstacle
+from flightsim.lidars.ring_scanner import N_BEAMS, RingScanner
 from flightsim.plant import Plant, PlantCfg, PlantError, VehicleGroup
-from flightsim.sensors.ring_scanner import N_BEAMS, RingScanner
 from flightsim.vehicles import airframe_by_name
 from flightsim.world import build_world, build_worlds
 from scenarios.bench.figure_eight import hold

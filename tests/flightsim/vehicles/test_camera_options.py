@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from flightsim.sensors.cameras.view import PoseCopy
+from flightsim.cameras.view import PoseCopy
 from flightsim.testbench import TestbenchCfg, TestbenchError
 from flightsim.vehicles import AIRFRAMES, AirframeError
 from flightsim.vehicles.camera_options import with_cameras

@@ -2,8 +2,8 @@
 
 import pytest
 
-from flightsim.sensors.lidars import lidar_by_name
-from flightsim.sensors.lidars.definition import LidarError
+from flightsim.lidars import lidar_by_name
+from flightsim.lidars.definition import LidarError
 from flightsim.vehicles.airframe import AirframeError
 from flightsim.vehicles.catalogue import airframe_by_name
 

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from aeroscene.sources import load_scene
+from flightsim.cameras.segmentation import DRONE_CLASS
+from flightsim.cameras.view import PoseCopy
 from flightsim.environment.movers import MovingObstacle
 from flightsim.plant.rays import new_rays
-from flightsim.sensors.cameras.segmentation import DRONE_CLASS
-from flightsim.sensors.cameras.view import PoseCopy
 from flightsim.vehicles.catalogue import airframe_by_name
 from flightsim.world import FIRST_MATE_ID, FIRST_MOVER_ID, VEHICLE_ID, build_world, build_worlds
 from scenarios.environments import EnvironmentInputError, ObservationCfg

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from aeroscene.scene.io import read_scene, write_scene
-from flightsim.sensors.cameras import CameraError
+from flightsim.cameras import CameraError
 from flightsim.vehicles.catalogue import AIRFRAMES
 from scenarios import Verdict
 from scenarios.baselines.named import NamedPilot

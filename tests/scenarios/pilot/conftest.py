@@ -6,8 +6,8 @@ import functools
 import numpy as np
 import pytest
 
+from flightsim.cameras import Cameras
 from flightsim.mavlink.client.client import MavlinkClient
-from flightsim.sensors.cameras import Cameras
 from flightsim.testbench import Testbench, TestbenchCfg
 from scenarios.mission.mission import plan_mission
 from scenarios.pilot import Pilot, PilotCfg

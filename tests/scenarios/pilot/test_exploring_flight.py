@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from autonomy.planning import PlanningError
+from flightsim.cameras import Cameras
+from flightsim.cameras.depth_noise import depth_noise
 from flightsim.mavlink.client.client import MavlinkClient
-from flightsim.sensors.cameras import Cameras
-from flightsim.sensors.cameras.depth_noise import depth_noise
 from flightsim.testbench import Testbench, TestbenchCfg
 from scenarios.mission.mission import plan_mission
 from scenarios.pilot import Phase, Pilot, PilotCfg

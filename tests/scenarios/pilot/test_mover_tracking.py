@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from autonomy.perception import DepthImage, MoverTracker
+from flightsim.cameras import depth_noise, open_camera_renderer
 from flightsim.environment.movers import MovingObstacle
 from flightsim.plant import Plant, PlantCfg
-from flightsim.sensors.cameras import depth_noise, open_camera_renderer
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import build_world
 from scenarios.mission.obstacles import scene_obstacles

@@ -17,7 +17,7 @@ from aeroscene.sources import load_scene
 from autonomy.perception import LandingMap
 from autonomy.planning import MovingObstacles
 from flightsim.autopilot.events import Severity
-from flightsim.sensors.cameras import RgbdFrame, open_camera_renderer
+from flightsim.cameras import RgbdFrame, open_camera_renderer
 from flightsim.testbench import Testbench, TestbenchCfg
 from flightsim.vehicles.airframe import Airframe
 from scenarios.pictures import FlightStory

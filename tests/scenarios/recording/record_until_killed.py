@@ -5,7 +5,7 @@ from pathlib import Path
 
 from aeroscene.solids.shapes import scene_primitives
 from aeroscene.sources import load_scene
-from flightsim.sensors.cameras import open_camera_renderer
+from flightsim.cameras import open_camera_renderer
 from flightsim.testbench import Testbench, TestbenchCfg
 from scenarios.recording import Recorder, RunInfo
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from aeroscene import load_scene
+from flightsim.cameras import CLASS_NAMES, Cameras
+from flightsim.lidars import LIDARS, Lidar
 from flightsim.plant import Plant, PlantCfg
-from flightsim.sensors.cameras import CLASS_NAMES, Cameras
-from flightsim.sensors.lidars import LIDARS, Lidar
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import build_world
 from scenarios.recording import Recorder, RunInfo, layout

@@ -14,10 +14,10 @@ from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 
 from aeroscene import load_scene
+from flightsim.cameras import CLASS_NAMES, Cameras
+from flightsim.lidars import LIDARS, Lidar
 from flightsim.plant import Plant, PlantCfg
 from flightsim.plant.sensing import SENSORS
-from flightsim.sensors.cameras import CLASS_NAMES, Cameras
-from flightsim.sensors.lidars import LIDARS, Lidar
 from flightsim.sensors.optical_flow import OpticalFlowCfg
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import build_world

@@ -9,7 +9,7 @@ from importlib import resources
 from fuzzing.files.case import HERE, Case
 
 _IRIS = resources.files("flightsim.vehicles").joinpath("shipped/iris.toml").read_text()
-_LIDAR = resources.files("flightsim.sensors.lidars").joinpath("shipped/vlp16.toml").read_text()
+_LIDAR = resources.files("flightsim.lidars").joinpath("shipped/vlp16.toml").read_text()
 _TOML: tuple[tuple[str, str], ...] = (
     ("empty", ""),
     ("brackets", "a = " + "[" * 50_000),

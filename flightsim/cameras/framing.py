@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from autonomy.types import Vector3, vector3
-from flightsim.sensors.cameras import look_at
+from flightsim.cameras import look_at
 
 MARGIN = 1.04
 """Scale of the room around the points, 1 for none."""

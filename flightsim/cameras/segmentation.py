@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Int32, UInt8
 
 from aeroscene.scene.catalogue import CATALOGUE, category_id
-from flightsim.sensors.cameras.view import NO_OBJECT_ID
+from flightsim.cameras.view import NO_OBJECT_ID
 from flightsim.world import FIRST_MATE_ID, FIRST_MOVER_ID, GROUND_ID, VEHICLE_ID, World
 
 NOTHING_CLASS = 0

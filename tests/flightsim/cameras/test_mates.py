@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from autonomy.types import quat_about_up
-from flightsim.sensors.cameras import CameraError, open_camera_renderer
+from flightsim.cameras import CameraError, open_camera_renderer
 from flightsim.vehicles import airframe_by_name
 from flightsim.world import build_worlds
 from tests.flightsim.handmade import empty_scene

@@ -4,8 +4,8 @@ import mujoco
 import numpy as np
 import pytest
 
-from flightsim.sensors.cameras import open_camera_renderer
-from flightsim.sensors.cameras.raycast_mesh import geom_triangles
+from flightsim.cameras import open_camera_renderer
+from flightsim.cameras.raycast_mesh import geom_triangles
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import build_world
 from tests.flightsim.handmade import empty_scene, solid

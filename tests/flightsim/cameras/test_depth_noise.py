@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from flightsim.sensors.cameras import DepthNoise, RgbdFrame, depth_noise
-from flightsim.sensors.cameras.depth_noise import D435, D455, DepthNoiseError, measured_depth
+from flightsim.cameras import DepthNoise, RgbdFrame, depth_noise
+from flightsim.cameras.depth_noise import D435, D455, DepthNoiseError, measured_depth
 
 FOCAL_PX = 208.0
 SHAPE = (240, 320)

@@ -1,6 +1,6 @@
 """Lidars: patterns of beams from files, and scans of what they meet."""
 
-from flightsim.sensors.lidars.definition import LIDARS, LidarCfg, LidarError, lidar_by_name
-from flightsim.sensors.lidars.lidar import Lidar, LidarScan
+from flightsim.lidars.definition import LIDARS, LidarCfg, LidarError, lidar_by_name
+from flightsim.lidars.lidar import Lidar, LidarScan
 
 __all__ = ["LIDARS", "Lidar", "LidarCfg", "LidarError", "LidarScan", "lidar_by_name"]

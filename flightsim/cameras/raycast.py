@@ -14,19 +14,11 @@ import mujoco
 import numpy as np
 
 from autonomy.types import Vector3
-from flightsim.looks.bake import lit
-from flightsim.looks.drawing import drawn_mesh
-from flightsim.looks.geom_groups import GeomGroup
-from flightsim.looks.light import light_rgb, surface_light
-from flightsim.looks.mesh import WorldMesh
-from flightsim.looks.rays import RayScene
-from flightsim.looks.sky import sky_rgb
-from flightsim.looks.surfaces import FAST, FINE
-from flightsim.sensors.cameras.fine_picture import SAMPLES, FineLight, vehicle_triangles
-from flightsim.sensors.cameras.mates import MateShapes
-from flightsim.sensors.cameras.raycast_mesh import geom_triangles
-from flightsim.sensors.cameras.raycast_paint import PaintedMesh
-from flightsim.sensors.cameras.view import (
+from flightsim.cameras.fine_picture import SAMPLES, FineLight, vehicle_triangles
+from flightsim.cameras.mates import MateShapes
+from flightsim.cameras.raycast_mesh import geom_triangles
+from flightsim.cameras.raycast_paint import PaintedMesh
+from flightsim.cameras.view import (
     NO_OBJECT_ID,
     PoseCopy,
     PosedDepth,
@@ -35,6 +27,14 @@ from flightsim.sensors.cameras.view import (
     Viewpoint,
     look_at,
 )
+from flightsim.looks.bake import lit
+from flightsim.looks.drawing import drawn_mesh
+from flightsim.looks.geom_groups import GeomGroup
+from flightsim.looks.light import light_rgb, surface_light
+from flightsim.looks.mesh import WorldMesh
+from flightsim.looks.rays import RayScene
+from flightsim.looks.sky import sky_rgb
+from flightsim.looks.surfaces import FAST, FINE
 from flightsim.world import World
 
 _MIN_OPACITY = 0.5

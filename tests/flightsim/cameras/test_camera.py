@@ -11,15 +11,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from aeroscene.corpus.curation import curate_scene
-from flightsim.plant import Plant, PlantCfg
-from flightsim.sensors.cameras import (
+from flightsim.cameras import (
     CameraError,
     Cameras,
     depth_noise,
     look_at,
     open_camera_renderer,
 )
-from flightsim.sensors.cameras.view import NO_OBJECT_ID
+from flightsim.cameras.view import NO_OBJECT_ID
+from flightsim.plant import Plant, PlantCfg
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import GROUND_ID, build_world
 from tests.flightsim.handmade import empty_scene, solid
@@ -426,7 +426,7 @@ def refuse(event, args):
 sys.addaudithook(refuse)
 sys.path.insert(0, sys.argv[1])
 from tests.flightsim.handmade import empty_scene
-from flightsim.sensors.cameras import CameraError, open_camera_renderer
+from flightsim.cameras import CameraError, open_camera_renderer
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import build_world
 world = build_world(empty_scene(), AIRFRAMES["iris"])

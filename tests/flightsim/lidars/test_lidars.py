@@ -8,8 +8,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from autonomy.types import ControlLevel, Setpoint
+from flightsim.lidars import LIDARS, Lidar, LidarError, lidar_by_name
 from flightsim.plant import Plant, PlantCfg
-from flightsim.sensors.lidars import LIDARS, Lidar, LidarError, lidar_by_name
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import build_world
 from tests.flightsim.handmade import empty_scene, solid

@@ -4,8 +4,8 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from flightsim.looks.framing import frame_points
-from flightsim.sensors.cameras import look_at
+from flightsim.cameras import look_at
+from flightsim.cameras.framing import frame_points
 
 FOV_RAD = math.radians(40)
 points = st.lists(

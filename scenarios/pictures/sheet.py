@@ -16,9 +16,9 @@ from aeroscene.corpus.summary import Entry, SceneSet, SceneSummary
 from aeroscene.files import replacing
 from aeroscene.processes import run_all
 from aeroscene.scene import Scene
+from flightsim.cameras import open_camera_renderer
+from flightsim.cameras.framing import frame_points
 from flightsim.looks.cutting import cut_at
-from flightsim.looks.framing import frame_points
-from flightsim.sensors.cameras import open_camera_renderer
 from flightsim.vehicles.catalogue import airframe_by_name
 from flightsim.world import build_world
 from scenarios.pictures.lettering import INK_RGB, PALE_RGB, PAPER_RGB, Picture, write

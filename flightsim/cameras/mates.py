@@ -5,8 +5,8 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
+from flightsim.cameras.raycast_mesh import geom_triangles
 from flightsim.looks.geom_groups import GeomGroup
-from flightsim.sensors.cameras.raycast_mesh import geom_triangles
 from flightsim.world import World
 
 _MIN_OPACITY = 0.5

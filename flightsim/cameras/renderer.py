@@ -15,7 +15,7 @@ import mujoco
 import numpy as np
 
 from autonomy.types import Vector3
-from flightsim.sensors.cameras.view import (
+from flightsim.cameras.view import (
     CameraError,
     PosedDepth,
     Quality,
@@ -90,8 +90,8 @@ def open_camera_renderer(
         raise CameraError(f"backend {backend!r} is unknown; valid: auto, gl, raycast")
     if backend == "raycast":
         return _open_raycast(world, width, height, "asked for")
-    from flightsim.sensors.cameras.gl import GlCameraRenderer
-    from flightsim.sensors.cameras.gl_target import GlUnavailableError
+    from flightsim.cameras.gl import GlCameraRenderer
+    from flightsim.cameras.gl_target import GlUnavailableError
 
     try:
         return GlCameraRenderer(world, width, height)
@@ -105,6 +105,6 @@ def open_camera_renderer(
 
 
 def _open_raycast(world: World, width: int, height: int, reason: str) -> CameraRenderer:
-    from flightsim.sensors.cameras.raycast import RaycastCameraRenderer
+    from flightsim.cameras.raycast import RaycastCameraRenderer
 
     return RaycastCameraRenderer(world, width, height, reason)

@@ -8,11 +8,11 @@ from typing import Self
 
 import numpy as np
 
+from flightsim.cameras.depth_noise import DepthNoise
+from flightsim.cameras.renderer import CameraRenderer, open_camera_renderer
+from flightsim.cameras.segmentation import Classes
+from flightsim.cameras.view import PosedDepth, RgbdFrame
 from flightsim.plant import Plant
-from flightsim.sensors.cameras.depth_noise import DepthNoise
-from flightsim.sensors.cameras.renderer import CameraRenderer, open_camera_renderer
-from flightsim.sensors.cameras.segmentation import Classes
-from flightsim.sensors.cameras.view import PosedDepth, RgbdFrame
 
 WIDTH_PX, HEIGHT_PX = 320, 240
 """Size of an image, unless another one is asked for."""

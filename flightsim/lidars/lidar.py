@@ -10,9 +10,9 @@ from jaxtyping import Float
 
 from autonomy.types import Vector3
 from flightsim.draws import generator
+from flightsim.lidars.definition import LidarCfg
 from flightsim.plant import Plant
 from flightsim.plant.rays import cast_rays, new_rays
-from flightsim.sensors.lidars.definition import LidarCfg
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -23,8 +23,8 @@ import numpy as np
 from jaxtyping import Float
 
 from autonomy.jit import kernel
+from flightsim.cameras.view import PosedDepth
 from flightsim.draws import generator
-from flightsim.sensors.cameras.view import PosedDepth
 
 _Frame = TypeVar("_Frame", bound=PosedDepth)
 

@@ -4,10 +4,8 @@ import numpy as np
 import pytest
 
 from aeroscene import load_scene
-from flightsim.environment.movers import MovingObstacle
-from flightsim.plant import Plant, PlantCfg
-from flightsim.sensors.cameras import CLASS_NAMES, Cameras, open_camera_renderer
-from flightsim.sensors.cameras.segmentation import (
+from flightsim.cameras import CLASS_NAMES, Cameras, open_camera_renderer
+from flightsim.cameras.segmentation import (
     DRONE_CLASS,
     GROUND_CLASS,
     NOTHING_CLASS,
@@ -15,6 +13,8 @@ from flightsim.sensors.cameras.segmentation import (
     VEHICLE_CLASS,
     Classes,
 )
+from flightsim.environment.movers import MovingObstacle
+from flightsim.plant import Plant, PlantCfg
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import build_world, build_worlds
 from tests.flightsim.handmade import empty_scene

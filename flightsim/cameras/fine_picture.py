@@ -5,13 +5,13 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
+from flightsim.cameras.raycast_mesh import geom_triangles
+from flightsim.cameras.view import RgbdFrame, Viewpoint
 from flightsim.looks.drawing import drawn_mesh
 from flightsim.looks.geom_groups import GeomGroup
 from flightsim.looks.pixel_light import PixelLight
 from flightsim.looks.sky import HORIZON_RGB, painted_sky
 from flightsim.looks.surfaces import FINE
-from flightsim.sensors.cameras.raycast_mesh import geom_triangles
-from flightsim.sensors.cameras.view import RgbdFrame, Viewpoint
 from flightsim.world import World
 
 SAMPLES = 2

@@ -16,7 +16,7 @@ from jaxtyping import Float
 from aeroscene.files import UnpackError, read_bounded
 from aeroscene.toml_file import TomlFileError, read_toml
 from autonomy.types import Vector3
-from flightsim.sensors.lidars.pattern import (
+from flightsim.lidars.pattern import (
     ListedPattern,
     Pattern,
     RosettePattern,

@@ -13,13 +13,10 @@ import mujoco
 import numpy as np
 
 from autonomy.types import Vector3
-from flightsim.looks.geom_groups import GeomGroup
-from flightsim.looks.sky import sky_rgb
-from flightsim.looks.surfaces import BARE, FAST, FINE
-from flightsim.sensors.cameras.fine_picture import SAMPLES, FineLight, vehicle_triangles
-from flightsim.sensors.cameras.gl_target import GlTarget, GlUnavailableError, new_gl_context
-from flightsim.sensors.cameras.mates import MateShapes
-from flightsim.sensors.cameras.view import (
+from flightsim.cameras.fine_picture import SAMPLES, FineLight, vehicle_triangles
+from flightsim.cameras.gl_target import GlTarget, GlUnavailableError, new_gl_context
+from flightsim.cameras.mates import MateShapes
+from flightsim.cameras.view import (
     NO_OBJECT_ID,
     PoseCopy,
     PosedDepth,
@@ -28,6 +25,9 @@ from flightsim.sensors.cameras.view import (
     Viewpoint,
     look_at,
 )
+from flightsim.looks.geom_groups import GeomGroup
+from flightsim.looks.sky import sky_rgb
+from flightsim.looks.surfaces import BARE, FAST, FINE
 from flightsim.world import World
 
 # Geoms besides the model's own: none today; MuJoCo warns when its buffer is too small.
