@@ -54,6 +54,9 @@ class TrainCfg:
     precision: Literal["auto", "single", "mixed"] = "auto"
     """`mixed` multiplies matrices in bfloat16; `auto` does so on a GPU only, since processors
     without units for it take longer."""
+    is_compiled: bool = False
+    """Whether `torch.compile` turns the network into fused kernels: a minute at the start that
+    pays on a GPU. It needs a C++ compiler."""
     keep: Literal["best", "last"] = "best"
     """Weights that the checkpoint has: those with the least held-out loss, or the last."""
     look_steps: Annotated[int, Range(1, _MOST)] = 250

@@ -60,9 +60,14 @@ class PartTraining:
     average: MovingAverage = field(init=False)
     best: Best = field(init=False)
     optimiser: torch.optim.Optimizer = field(init=False)
+    called: Callable[..., Any] = field(init=False)
+    """The network as a step calls it, compiled if `is_compiled`."""
 
     def __post_init__(self) -> None:
         self.model.to(self.device).train()
+        # Batches have any number of scenes and objects: one program for all shapes.
+        is_compiled = self.cfg.is_compiled
+        self.called = torch.compile(self.model, dynamic=True) if is_compiled else self.model
         self.average = MovingAverage(self.model, self.cfg.average_decay)
         self.best = Best(keeps_weights=self.cfg.keep == "best")
         kind = torch.optim.AdamW if self.cfg.optimiser == "adamw" else torch.optim.Adam
@@ -119,7 +124,7 @@ class PartTraining:
         precision = self.cfg.precision
         is_mixed = precision == "mixed" or (precision == "auto" and self.device.type == "cuda")
         with torch.autocast(self.device.type, torch.bfloat16, enabled=is_mixed):
-            return loss(self.model, batch.to(self.device), generator)
+            return loss(self.called, batch.to(self.device), generator)
 
     def _check(self, norm: Tensor, rate: float) -> None:
         # Every step on the processor; on a GPU now and then, since asking waits for it.
