@@ -24,9 +24,9 @@ from zipfile import ZIP_DEFLATED, BadZipFile, ZipFile, ZipInfo
 
 import msgspec
 
-from aeroscene.bounds import MOST_JSON_BYTES
 from aeroscene.corpus.summary import SceneSummary, Split, summarise
 from aeroscene.files import replacing
+from aeroscene.files.bounds import MOST_JSON_BYTES
 from aeroscene.scene import Scene, SceneError
 from aeroscene.scene.io import scene_from_json, scene_to_json
 

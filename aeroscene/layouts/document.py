@@ -10,9 +10,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-from aeroscene.bounds import MOST_OBJECTS
+from aeroscene.files.bounds import MOST_OBJECTS
+from aeroscene.files.visible import visible
 from aeroscene.scene import Quaternion, SceneError, Vector3
-from aeroscene.visible import visible
 
 Point2 = tuple[float, float]
 _MOST_ROOMS = 500

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from aeroscene.bounds import MOST_POINTS
+from aeroscene.files.bounds import MOST_POINTS
 from aeroscene.layouts.document import LayoutError, Point2
 from aeroscene.scene import Quaternion, Vector3, errors
 from aeroscene.scene.box import MAX_EXTENT_M, MIN_SIZE_M

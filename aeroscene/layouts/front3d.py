@@ -29,8 +29,8 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 import numpy as np
 
-from aeroscene.bounds import MOST_VALUES
 from aeroscene.files import UnpackError, read_bounded
+from aeroscene.files.bounds import MOST_VALUES
 from aeroscene.layouts import fields
 from aeroscene.layouts.document import LayoutError, LayoutObject, LayoutRoom, NeutralLayout, Point2
 from aeroscene.layouts.text_file import MOST_BYTES, parse_json

@@ -11,8 +11,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from aeroscene.bounds import MOST_JSON_BYTES, excess
 from aeroscene.files import UnpackError, pieces
+from aeroscene.files.bounds import MOST_JSON_BYTES, excess
 from aeroscene.layouts.document import LayoutError
 
 MOST_BYTES = 32 << 20

@@ -6,8 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import get_args
 
-_SHOWN = 200
-"""Characters of a value that a message shows."""
+from aeroscene.files.visible import shown
 
 
 class SceneError(ValueError):
@@ -22,15 +21,6 @@ def require(*, ok: bool, field_name: str, value: object, valid: str) -> None:
     """Raise `SceneError` that names field, value and what would be valid, unless `ok`."""
     if not ok:
         raise SceneError(f"{field_name} is {shown(value)}; valid: {valid}")
-
-
-def shown(value: object, most: int = _SHOWN) -> str:
-    """A value as a message shows it: on one line and not endless."""
-    try:
-        text = repr(value)
-    except (ValueError, RecursionError):  # An integer or a nesting beyond Python's own limits.
-        text = f"a {type(value).__name__} too long to show"
-    return text if len(text) <= most else f"{text[:most]}..."
 
 
 def require_finite(values: Sequence[float], count: int, field_name: str) -> None:

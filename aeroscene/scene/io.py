@@ -20,8 +20,9 @@ import msgspec
 import numpy as np
 from msgspec.structs import asdict
 
-from aeroscene.bounds import MOST_JSON_BYTES, excess
 from aeroscene.files import UnpackError, read_bounded, replacing
+from aeroscene.files.bounds import MOST_JSON_BYTES, excess
+from aeroscene.files.visible import shown
 from aeroscene.scene import (
     AttributeValue,
     InteractionArea,
@@ -33,7 +34,6 @@ from aeroscene.scene import (
     Vector3,
 )
 from aeroscene.scene.box import box_corners
-from aeroscene.scene.errors import shown
 
 FORMAT = "aeroscene-scene"
 VERSION = 1

@@ -13,7 +13,8 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Literal, get_args
 
-from aeroscene.bounds import MOST_ID, MOST_OBJECTS, MOST_POINTS, MOST_SEED
+from aeroscene.files.bounds import MOST_ID, MOST_OBJECTS, MOST_POINTS, MOST_SEED
+from aeroscene.files.visible import is_visible
 from aeroscene.scene.box import MAX_EXTENT_M, OrientedBox, Vector3
 from aeroscene.scene.catalogue import CATALOGUE
 from aeroscene.scene.errors import (
@@ -24,7 +25,6 @@ from aeroscene.scene.errors import (
     require_within,
 )
 from aeroscene.scene.polygon import distance_inside, is_simple, signed_area
-from aeroscene.visible import is_visible
 
 AttributeValue = str | float | int | bool
 ObjectDomain = Literal["indoor", "outdoor"]

@@ -15,7 +15,7 @@ from PIL import Image
 from trimesh.visual import TextureVisuals
 from trimesh.visual.material import PBRMaterial
 
-from aeroscene.file_names import file_name
+from aeroscene.files.names import file_name
 from aeroscene.scene import InteractionArea, Scene
 from aeroscene.solids.shapes import MATERIALS, Material
 from flightsim.export.files import staged

@@ -15,15 +15,15 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-from aeroscene.file_names import file_name
+from aeroscene.files.names import file_name
 from aeroscene.scene import InteractionArea
 from flightsim.export.files import staged, write_png
 from flightsim.export.meshes import AREA_RGB, EXPORT_DETAIL, area_name, object_name
 from flightsim.looks.drawing import add_looks
 from flightsim.looks.geom_groups import GeomGroup
-from flightsim.starts import add_vehicles
 from flightsim.world import World, new_spec
-from flightsim.world_geometry import add_ground, add_solids
+from flightsim.world.geometry import add_ground, add_solids
+from flightsim.world.starts import add_vehicles
 
 _AREA_GROUP = 4
 _AREA_ALPHA = 0.5

@@ -10,7 +10,7 @@ from __future__ import annotations
 from importlib.util import find_spec
 from pathlib import Path
 
-from aeroscene.file_names import file_name
+from aeroscene.files.names import file_name
 from flightsim.export.files import ExportError, staged
 from flightsim.world import World
 

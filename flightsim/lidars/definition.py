@@ -14,7 +14,8 @@ import numpy as np
 from jaxtyping import Float
 
 from aeroscene.files import UnpackError, read_bounded
-from aeroscene.toml_file import TomlFileError, read_toml
+from aeroscene.files.toml_fields import Fields
+from aeroscene.files.toml_file import TomlFileError, read_toml
 from autonomy.types import Vector3
 from flightsim.lidars.pattern import (
     ListedPattern,
@@ -23,7 +24,6 @@ from flightsim.lidars.pattern import (
     directions_flu,
     spinning_pattern,
 )
-from flightsim.toml_fields import Fields
 
 _SHIPPED = Path(__file__).parent / "shipped"
 _COLUMNS = ["azimuth_deg", "elevation_deg"]

@@ -41,7 +41,7 @@ RAYS_DTYPE = np.dtype(
     ],
     align=True,
 )
-"""Where the geoms of a world and their index (`flightsim.world_rays.RayTree`) are in memory."""
+"""Where the geoms of a world and their index (`flightsim.world.rays.RayTree`) are in memory."""
 
 
 def new_rays(world: World, data: mujoco.MjData) -> np.ndarray:

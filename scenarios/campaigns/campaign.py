@@ -13,9 +13,9 @@ import msgspec
 import pyarrow.compute as pc
 
 from aeroscene import __version__
-from aeroscene.bounds import MOST_CONFIG_BYTES
 from aeroscene.corpus.shipped import shipped_digest
 from aeroscene.files import read_bounded, replacing
+from aeroscene.files.bounds import MOST_CONFIG_BYTES
 from scenarios.campaigns.engines.crew import Crew, Engine
 from scenarios.campaigns.equipment import Equipment, equipment_from
 from scenarios.campaigns.flight_stack import stack_from

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from aeroscene.file_names import file_name
+from aeroscene.files.names import file_name
 from scenarios.run.levels import RecordLevel
 
 MANIFEST = "campaign.json"

@@ -22,8 +22,8 @@ import pyarrow as pa
 import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
-from aeroscene.bounds import count_values
 from aeroscene.files import open_regular, replacing
+from aeroscene.files.bounds import count_values
 from scenarios.campaigns.flyer import Row
 from scenarios.campaigns.table_file import TableFileError, read_table_file
 

@@ -16,7 +16,7 @@ from typing import Any, NoReturn
 
 import tyro
 
-from aeroscene.visible import visible
+from aeroscene.files.visible import visible
 from scenarios.cli.boundary import one_line
 from scenarios.cli.entry import EXIT_INTERRUPTED
 from scenarios.cli.help_text import flow_help

@@ -12,7 +12,7 @@ from typing import Annotated
 import tyro
 from rich.table import Table
 
-from aeroscene.file_names import file_name
+from aeroscene.files.names import file_name
 from aeroscene.layouts.document import LayoutError, NeutralLayout
 from aeroscene.layouts.mapping import MappingReport
 from aeroscene.layouts.reading import read_layouts

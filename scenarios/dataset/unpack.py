@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 
 from aeroscene.corpus.summary import Entry, SceneSet
-from aeroscene.file_names import file_name
+from aeroscene.files.names import file_name
 from aeroscene.processes import run_all
 from aeroscene.scene.io import write_scene
 

@@ -7,8 +7,8 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from aeroscene.bounds import MOST_JSON_BYTES, excess
 from aeroscene.files import read_bounded
+from aeroscene.files.bounds import MOST_JSON_BYTES, excess
 from aeroscene.learning.wishes import AREAS, OUTLINE_M, AreaCounts, RequestError
 from aeroscene.scene import SceneError
 

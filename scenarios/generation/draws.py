@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
 from aeroscene.feasibility.wishes.passages import narrowest
-from aeroscene.file_names import file_name
+from aeroscene.files.names import file_name
 from aeroscene.metrics.collision import collision_rate
 from aeroscene.scene import AttributeValue, Scene
 from aeroscene.scene.io import write_scene

@@ -16,8 +16,8 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from aeroscene.file_names import file_name
 from aeroscene.files import replacing
+from aeroscene.files.names import file_name
 from aeroscene.scene import Scene
 from aeroscene.scene.io import read_scene, write_scene
 from scenarios.baselines.named import NamedPilot

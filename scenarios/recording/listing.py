@@ -8,8 +8,8 @@ from typing import Any
 
 import msgspec
 
-from aeroscene.bounds import MOST_JSON_BYTES
 from aeroscene.files import UnpackError, read_bounded
+from aeroscene.files.bounds import MOST_JSON_BYTES
 
 
 @dataclass(frozen=True, kw_only=True)

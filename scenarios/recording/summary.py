@@ -15,8 +15,8 @@ from typing import Any
 
 from rerun.chunk import Chunk, RrdReader
 
-from aeroscene.bounds import excess
-from aeroscene.visible import visible
+from aeroscene.files.bounds import excess
+from aeroscene.files.visible import visible
 from scenarios.recording import layout
 from scenarios.recording.program import quiet_environment, rerun_program
 

@@ -8,9 +8,9 @@ from typing import Any, Literal
 
 import msgspec
 
-from aeroscene.bounds import MOST_SEED
-from aeroscene.scene.errors import shown
-from aeroscene.toml_file import TomlFileError, read_toml
+from aeroscene.files.bounds import MOST_SEED
+from aeroscene.files.toml_file import TomlFileError, read_toml
+from aeroscene.files.visible import shown
 from flightsim.environment.traffic import TrafficError
 from flightsim.environment.wind import WindError
 from flightsim.testbench import TestbenchCfg, TestbenchError

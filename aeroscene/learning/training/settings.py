@@ -16,8 +16,8 @@ from typing import Any, TypeVar
 
 import msgspec
 
+from aeroscene.files.toml_file import TomlFileError, read_toml
 from aeroscene.learning.training.config import TrainingError
-from aeroscene.toml_file import TomlFileError, read_toml
 
 Section = TypeVar("Section")
 

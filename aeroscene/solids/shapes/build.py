@@ -7,7 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from aeroscene.bounds import MOST_PRIMITIVES
+from aeroscene.files.bounds import MOST_PRIMITIVES
 from aeroscene.scene import Scene, SceneError, SceneObject, Vector3
 from aeroscene.scene.box import quat_product, rotation_matrix
 from aeroscene.solids.shapes import (

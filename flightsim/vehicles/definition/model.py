@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from aeroscene.files.toml_fields import Fields
 from autonomy.types import Vector3
-from flightsim.toml_fields import Fields
 from flightsim.vehicles.airframe import BodyModel
 from flightsim.vehicles.body_file import (
     SUFFIXES,

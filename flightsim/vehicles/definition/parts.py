@@ -8,9 +8,9 @@ from typing import NamedTuple
 
 from shapely import MultiPoint, Point, Polygon
 
+from aeroscene.files.toml_fields import Fields
 from autonomy.model import QuadrotorParams
 from autonomy.types import Vector3
-from flightsim.toml_fields import Fields
 from flightsim.vehicles.airframe import BatteryParams, BodyMesh, CameraMount
 from flightsim.vehicles.definition import derived
 from flightsim.vehicles.mesh_file import SUFFIXES, MeshFileError, check_mesh

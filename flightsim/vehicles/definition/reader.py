@@ -5,11 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from aeroscene.files.toml_fields import Fields
+from aeroscene.files.toml_file import TomlFileError, read_toml
 from aeroscene.scene import DroneClass
-from aeroscene.toml_file import TomlFileError, read_toml
 from autonomy.model import QuadrotorParams
 from autonomy.model.layout import LayoutError, check_layout
-from flightsim.toml_fields import Fields
 from flightsim.vehicles.airframe import Airframe, AirframeError
 from flightsim.vehicles.definition import derived
 from flightsim.vehicles.definition.model import NamedBody, check_extent, read_mass, read_model

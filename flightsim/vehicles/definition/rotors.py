@@ -8,10 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from aeroscene.files.toml_fields import Fields
 from autonomy.model import RotorParams
 from autonomy.model.quadrotor import MAX_ROTORS
 from autonomy.types import Vector3
-from flightsim.toml_fields import Fields
 
 _SPINS = {"ccw": 1, "cw": -1}
 _RPM_PER_RADPS = 30.0 / math.pi

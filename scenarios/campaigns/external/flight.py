@@ -9,7 +9,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from aeroscene.file_names import file_name
+from aeroscene.files.names import file_name
 from aeroscene.scene import Scene
 from aeroscene.scene.io import write_scene
 from flightsim.mavlink.links import TcpServerLink

@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 
 from aeroscene.corpus.dataset import DatasetError
 from aeroscene.corpus.summary import SceneSet
-from aeroscene.file_names import file_name
+from aeroscene.files.names import file_name
 from aeroscene.processes import default_jobs
 from aeroscene.ranges import Range
 from scenarios.cli.command_line import EXIT_DONE

@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.spatial.transform import Rotation
 
-from aeroscene.file_names import file_name
+from aeroscene.files.names import file_name
 from scenarios.recording import layout
 from scenarios.recording.frames import encode_png
 from scenarios.recording.rows import RecordedRows

@@ -12,7 +12,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from aeroscene.bounds import MOST_JSON_BYTES
 from aeroscene.corpus import shipped
 from aeroscene.corpus.corpus import CORPUS_SIZE, scene_domain
 from aeroscene.corpus.shipped import (
@@ -22,6 +21,7 @@ from aeroscene.corpus.shipped import (
     read_shipped,
     write_archive,
 )
+from aeroscene.files.bounds import MOST_JSON_BYTES
 from aeroscene.scene.io import read_scene, scene_to_json
 from tests.aeroscene.conftest import cached_scene, renamed
 

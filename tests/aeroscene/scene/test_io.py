@@ -11,10 +11,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from aeroscene.files.visible import is_visible
 from aeroscene.scene import InteractionArea, OrientedBox, Scene, SceneError, SceneObject
 from aeroscene.scene.box import box_corners
 from aeroscene.scene.io import read_scene, scene_from_json, scene_to_json, write_scene
-from aeroscene.visible import is_visible
 
 coordinates = st.floats(-400, 400)
 extents = st.floats(0.01, 90)

@@ -11,7 +11,7 @@ from flightsim.environment.traffic import TrafficCfg, TrafficError, plan_traffic
 from flightsim.looks.geom_groups import GeomGroup
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import FIRST_MOVER_ID, build_world
-from flightsim.world_geometry import SurfaceProbe
+from flightsim.world.geometry import SurfaceProbe
 
 IRIS = AIRFRAMES["iris"]
 CASES = {"42": "people=3,cars=2,drones=1", "500": "people=3,drones=2"}

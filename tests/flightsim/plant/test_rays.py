@@ -9,7 +9,7 @@ from flightsim.environment.movers import MovingObstacle
 from flightsim.plant.rays import cast_rays, new_rays
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import build_world
-from flightsim.world_rays import RayTree, RayTreeError
+from flightsim.world.rays import RayTree, RayTreeError
 from tests.flightsim.handmade import empty_scene, solid
 
 N_RAYS = 4_000

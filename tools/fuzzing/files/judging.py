@@ -8,7 +8,7 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from aeroscene.visible import is_visible
+from aeroscene.files.visible import is_visible
 
 MOST_MB = 300.0
 MOST_CPU_S = 10.0

@@ -21,25 +21,25 @@ from aeroscene.feasibility.strays import AFLOAT
 from aeroscene.feasibility.traffic import turns_with_traffic
 from aeroscene.learning.program.decoding.cfg import DecodingCfg
 from aeroscene.learning.program.decoding.draft import Draft
-from aeroscene.learning.program.decoding.structures.buildings import DecodedBuilding, build_building
-from aeroscene.learning.program.decoding.structures.overhead import Overhead
-from aeroscene.learning.program.decoding.structures.sites import add_site
-from aeroscene.learning.program.decoding.units.backs import asks_for_wall, has_wall
-from aeroscene.learning.program.decoding.units.groups import back_to_back, backed_by, drawn_up
-from aeroscene.learning.program.decoding.units.neighbours import (
+from aeroscene.learning.program.decoding.draft.neighbours import (
     free_of,
     free_shift,
     moved,
     open_ways,
     turned,
 )
+from aeroscene.learning.program.decoding.draft.supports import LAID, drawn_in, laid_for, mended
+from aeroscene.learning.program.decoding.structures.buildings import DecodedBuilding, build_building
+from aeroscene.learning.program.decoding.structures.overhead import Overhead
+from aeroscene.learning.program.decoding.structures.sites import add_site
+from aeroscene.learning.program.decoding.units.backs import asks_for_wall, has_wall
+from aeroscene.learning.program.decoding.units.groups import back_to_back, backed_by, drawn_up
 from aeroscene.learning.program.decoding.units.reading import (
     member_boxes,
     openings_of,
     read_unit,
     with_own_sizes,
 )
-from aeroscene.learning.program.decoding.units.supports import LAID, drawn_in, laid_for, mended
 from aeroscene.learning.program.encoding.units import unit_size_m
 from aeroscene.learning.program.flight import extent_of, start_pad, top_of, yaw_inwards
 from aeroscene.learning.program.kinds import CATEGORY_IDS, Kind, What, theme_of

@@ -11,7 +11,7 @@ import pytest
 from aeroscene.corpus.curation import curate_layout
 from aeroscene.learning.generation.denoising import frame_values
 from aeroscene.learning.program import DecodingCfg, decode, encode
-from aeroscene.learning.program.decoding.structures.trees import TreeReader
+from aeroscene.learning.program.decoding.draft.trees import TreeReader
 from aeroscene.learning.program.kinds import AS_LAST_AXES, Kind
 from aeroscene.learning.program.references import measure_references, with_references
 from aeroscene.relations.hosts import AT_LEVELS

@@ -7,11 +7,11 @@ from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import astuple, dataclass, replace
 
+from aeroscene.learning.program.decoding.draft.trees import TreeReader
 from aeroscene.learning.program.decoding.structures.alignment import snapped
 from aeroscene.learning.program.decoding.structures.roofs import roofs_over, with_one_ceiling
 from aeroscene.learning.program.decoding.structures.storeys import Level, stacked, upper_slabs
 from aeroscene.learning.program.decoding.structures.strips import settled
-from aeroscene.learning.program.decoding.structures.trees import TreeReader
 from aeroscene.learning.program.encoding.partitions import first_leaves, owner_of
 from aeroscene.learning.program.nesting import cells
 from aeroscene.learning.program.program import Program

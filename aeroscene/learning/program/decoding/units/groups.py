@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 from aeroscene.learning.program.decoding.draft import Draft
-from aeroscene.learning.program.decoding.units.neighbours import free_of, free_shift, moved
+from aeroscene.learning.program.decoding.draft.neighbours import free_of, free_shift, moved
+from aeroscene.learning.program.decoding.draft.supports import is_on_any
 from aeroscene.learning.program.decoding.units.reading import member_boxes
-from aeroscene.learning.program.decoding.units.supports import is_on_any
 from aeroscene.relations import Unit
 from aeroscene.relations.relation import N_SIDES, Gap, Kind
 from aeroscene.scene import OrientedBox

@@ -11,8 +11,8 @@ from aeroscene.learning.program import encode
 from aeroscene.learning.program.decoding.cfg import DecodingCfg
 from aeroscene.learning.program.decoding.decode import decode
 from aeroscene.learning.program.decoding.draft import Draft
+from aeroscene.learning.program.decoding.draft.neighbours import Neighbours
 from aeroscene.learning.program.decoding.units.backs import has_wall
-from aeroscene.learning.program.decoding.units.neighbours import Neighbours
 from aeroscene.metrics.places.top_view import TopView
 from aeroscene.relations import Kind, Relation, Unit
 from aeroscene.scene import OrientedBox

@@ -8,8 +8,8 @@ import pytest
 from aeroscene.learning.program import encode
 from aeroscene.learning.program.decoding.decode import decode
 from aeroscene.learning.program.decoding.draft import Draft
+from aeroscene.learning.program.decoding.draft.supports import is_on_any
 from aeroscene.learning.program.decoding.units.groups import back_to_back, backed_by
-from aeroscene.learning.program.decoding.units.supports import is_on_any
 from aeroscene.learning.program.kinds import CATEGORY_IDS
 from aeroscene.learning.program.program import PITCH
 from aeroscene.relations import Array, Kind, Member, Relation, Unit

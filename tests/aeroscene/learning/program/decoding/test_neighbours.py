@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from aeroscene.learning.program.decoding.units.neighbours import (
+from aeroscene.learning.program.decoding.draft.neighbours import (
     Neighbours,
     free_of,
     free_shift,

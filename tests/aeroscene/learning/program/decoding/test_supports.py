@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from aeroscene.learning.program.decoding.units.supports import drawn_in, laid_for, mended
+from aeroscene.learning.program.decoding.draft.supports import drawn_in, laid_for, mended
 from aeroscene.relations.plane import Place, Rectangle
 from aeroscene.scene import OrientedBox
 from aeroscene.scene.box import quat_from_yaw

@@ -10,7 +10,7 @@ from aeroscene.layouts.flyable import make_flyable
 from aeroscene.layouts.neutral import neutral_layout
 from aeroscene.learning.program import encode
 from aeroscene.learning.program.decoding.decode import decode
-from aeroscene.learning.program.decoding.units.supports import _polygon
+from aeroscene.learning.program.decoding.draft.supports import _polygon
 from aeroscene.relations.plane import footprint
 from tests.aeroscene.layouts.samples import house
 

@@ -14,7 +14,7 @@ import shapely
 
 from aeroscene.feasibility.seats import TO_CHAIR_M
 from aeroscene.feasibility.strays import AFLOAT, LEAST_ON_WATER
-from aeroscene.learning.program.decoding.units.neighbours import moved, way_onto
+from aeroscene.learning.program.decoding.draft.neighbours import moved, way_onto
 from aeroscene.relations.hosts import SEATS, VEHICLES
 from aeroscene.relations.plane import QUARTER, Place, Rectangle, footprint, turned_reach_m
 from aeroscene.relations.relation import LANE_RATIOS

@@ -4,8 +4,8 @@ import json
 
 import pytest
 
-from aeroscene.bounds import MOST_JSON_BYTES, MOST_VALUES, count_values, excess
 from aeroscene.corpus.field import field_scene
+from aeroscene.files.bounds import MOST_JSON_BYTES, MOST_VALUES, count_values, excess
 from aeroscene.layouts.document import LayoutError
 from aeroscene.layouts.text_file import parse_json
 from aeroscene.scene import SceneError

@@ -7,8 +7,8 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
-from aeroscene.bounds import MOST_CONFIG_BYTES
 from aeroscene.files import UnpackError, read_bounded
+from aeroscene.files.bounds import MOST_CONFIG_BYTES
 
 _NUMBER = re.compile(rb"(?<![0-9.])[0-9]+\.[0-9]+(?![0-9.])")
 _MOST_DOTS = 200

@@ -2,7 +2,7 @@
 
 import pytest
 
-from aeroscene.visible import is_visible, visible
+from aeroscene.files.visible import is_visible, visible
 
 
 @pytest.mark.parametrize(

@@ -10,9 +10,9 @@ from jaxtyping import Float
 
 from aeroscene.feasibility.doors import air_of
 from aeroscene.learning.program.companions import host_key
-from aeroscene.learning.program.decoding.structures.trees import TreeReader
-from aeroscene.learning.program.decoding.units.neighbours import Neighbours
-from aeroscene.learning.program.decoding.units.supports import is_on_any
+from aeroscene.learning.program.decoding.draft.neighbours import Neighbours
+from aeroscene.learning.program.decoding.draft.supports import is_on_any
+from aeroscene.learning.program.decoding.draft.trees import TreeReader
 from aeroscene.learning.program.kinds import CATEGORY_IDS
 from aeroscene.learning.program.measures import BARE_SITE, site_rectangle
 from aeroscene.learning.program.program import Program

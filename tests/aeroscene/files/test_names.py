@@ -2,7 +2,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from aeroscene.file_names import MOST_CHARACTERS, file_name
+from aeroscene.files.names import MOST_CHARACTERS, file_name
 
 
 @pytest.mark.parametrize(

@@ -6,8 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import Any, NoReturn
 
-from aeroscene.scene.errors import shown
-from aeroscene.visible import is_visible
+from aeroscene.files.visible import is_visible, shown
 
 
 class Fields:

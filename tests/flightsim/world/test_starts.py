@@ -6,9 +6,9 @@ import math
 import pytest
 
 from aeroscene.sources import load_scene
-from flightsim.starts import APART_M, place_vehicles
 from flightsim.vehicles import airframe_by_name
 from flightsim.world import WorldError, build_worlds
+from flightsim.world.starts import APART_M, place_vehicles
 from tests.flightsim.handmade import empty_scene, solid
 
 IRIS = airframe_by_name("iris")

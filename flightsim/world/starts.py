@@ -16,7 +16,7 @@ from aeroscene.solids.shapes import Primitive
 from autonomy.types import Vector3
 from flightsim.vehicles.airframe import Airframe
 from flightsim.vehicles.builder import add_vehicle
-from flightsim.world_geometry import SurfaceProbe
+from flightsim.world.geometry import SurfaceProbe
 
 APART_M = 3.0
 """Least distance between two starts."""

@@ -25,7 +25,12 @@ from flightsim.looks.drawing import add_looks, set_view
 from flightsim.looks.geom_groups import GeomGroup
 from flightsim.looks.movers import MoverSet
 from flightsim.looks.surfaces import Detail
-from flightsim.starts import (
+from flightsim.vehicles.airframe import Airframe
+from flightsim.vehicles.builder import part_name, vehicle_name
+from flightsim.vehicles.touching import let_touch_each_other, let_touch_movers
+from flightsim.world.geometry import SurfaceProbe, add_ground, add_solids
+from flightsim.world.rays import RayTree
+from flightsim.world.starts import (
     PlacedVehicle,
     WorldError,
     add_vehicles,
@@ -33,11 +38,6 @@ from flightsim.starts import (
     place_vehicles,
     settle,
 )
-from flightsim.vehicles.airframe import Airframe
-from flightsim.vehicles.builder import part_name, vehicle_name
-from flightsim.vehicles.touching import let_touch_each_other, let_touch_movers
-from flightsim.world_geometry import SurfaceProbe, add_ground, add_solids
-from flightsim.world_rays import RayTree
 
 VEHICLE_ID, GROUND_ID = -1, -2
 """Ids of the vehicle's own geoms and of the ground plane in `World.geom_object_id`."""
