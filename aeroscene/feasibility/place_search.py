@@ -3,12 +3,23 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Shaped
 
 from autonomy.jit import kernel
 
+BLOCK = np.dtype(
+    [
+        (name, np.float64)
+        for name in ("x_m", "y_m", "half_x_m", "half_y_m", "cos", "sin", "base_m", "top_m")
+    ]
+)
+"""An upright box: its middle, half its extents along its axes, the cosine and sine of its heading,
+and the heights of its lower and upper face."""
+Blocks = Shaped[np.ndarray, " k"]
+"""An array of `BLOCK`."""
 TOUCH_M = 0.001
 """Boxes that overlap by less only touch, as in the corpus."""
 _STEP_M = 0.05
@@ -19,8 +30,8 @@ _SPOKES = 24
 
 @kernel
 def nearest_free(
-    group: Float[np.ndarray, "g 8"],
-    taken: Float[np.ndarray, "k 8"],
+    group: Blocks,
+    taken: Blocks,
     region: Float[np.ndarray, " 6"],
     bounds: Float[np.ndarray, " 4"],
     reach_m: float,
@@ -48,8 +59,8 @@ def nearest_free(
 
 @kernel
 def first_free(
-    group: Float[np.ndarray, "g 8"],
-    taken: Float[np.ndarray, "k 8"],
+    group: Blocks,
+    taken: Blocks,
     shifts_m: Float[np.ndarray, "s 2"],
 ) -> int:
     """Number of the first shift by which a group overlaps nothing that is taken, -1 without one."""
@@ -60,39 +71,38 @@ def first_free(
 
 
 @kernel
-def _is_apart(
-    group: Float[np.ndarray, "g 8"], taken: Float[np.ndarray, "k 8"], shift_x: float, shift_y: float
-) -> bool:
-    for g in range(len(group)):
-        x, y = group[g, 0] + shift_x, group[g, 1] + shift_y
-        half_x, half_y, c, s = group[g, 2], group[g, 3], group[g, 4], group[g, 5]
-        for k in range(len(taken)):
-            if group[g, 6] >= taken[k, 7] - TOUCH_M or taken[k, 6] >= group[g, 7] - TOUCH_M:
+def _is_apart(group: Blocks, taken: Blocks, shift_x: float, shift_y: float) -> bool:
+    for block in group:
+        x, y = block.x_m + shift_x, block.y_m + shift_y
+        half_x, half_y, c, s = block.half_x_m, block.half_y_m, block.cos, block.sin
+        for other in taken:
+            if block.base_m >= other.top_m - TOUCH_M or other.base_m >= block.top_m - TOUCH_M:
                 continue
-            if _overlaps(x, y, half_x, half_y, c, s, taken[k]):
+            if _overlaps(x, y, half_x, half_y, c, s, other):
                 return False
     return True
 
 
 @kernel
 def _is_free(
-    group: Float[np.ndarray, "g 8"],
-    taken: Float[np.ndarray, "k 8"],
+    group: Blocks,
+    taken: Blocks,
     region: Float[np.ndarray, " 6"],
     bounds: Float[np.ndarray, " 4"],
     shift_x: float,
     shift_y: float,
     turn: int,
 ) -> bool:
-    x0, y0 = group[0, 0], group[0, 1]
-    for g in range(len(group)):
-        dx, dy = group[g, 0] - x0, group[g, 1] - y0
-        c, s = group[g, 4], group[g, 5]
+    x0, y0 = group[0].x_m, group[0].y_m
+    is_first = True
+    for block in group:
+        dx, dy = block.x_m - x0, block.y_m - y0
+        c, s = block.cos, block.sin
         if turn == 1:
             dx, dy = -dy, dx
             c, s = -s, c
         x, y = x0 + dx + shift_x, y0 + dy + shift_y
-        half_x, half_y = group[g, 2], group[g, 3]
+        half_x, half_y = block.half_x_m, block.half_y_m
         reach_x = abs(c) * half_x + abs(s) * half_y
         reach_y = abs(s) * half_x + abs(c) * half_y
         if (
@@ -102,12 +112,13 @@ def _is_free(
             or y + reach_y > bounds[3] + TOUCH_M
         ):
             return False
-        if g == 0 and not _is_within(x, y, half_x, half_y, c, s, region):
+        if is_first and not _is_within(x, y, half_x, half_y, c, s, region):
             return False
-        for k in range(len(taken)):
-            if group[g, 6] >= taken[k, 7] - TOUCH_M or taken[k, 6] >= group[g, 7] - TOUCH_M:
+        is_first = False
+        for other in taken:
+            if block.base_m >= other.top_m - TOUCH_M or other.base_m >= block.top_m - TOUCH_M:
                 continue
-            if _overlaps(x, y, half_x, half_y, c, s, taken[k]):
+            if _overlaps(x, y, half_x, half_y, c, s, other):
                 return False
     return True
 
@@ -140,17 +151,19 @@ def _overlaps(
     half_y: float,
     c: float,
     s: float,
-    other: Float[np.ndarray, " 8"],
+    other: Any,
 ) -> bool:
-    dx, dy = other[0] - x, other[1] - y
-    reach = math.hypot(half_x, half_y) + math.hypot(other[2], other[3])
+    dx, dy = other.x_m - x, other.y_m - y
+    reach = math.hypot(half_x, half_y) + math.hypot(other.half_x_m, other.half_y_m)
     if dx * dx + dy * dy >= reach * reach:
         return False
-    lean = abs(c * other[4] + s * other[5])
-    slant = abs(s * other[4] - c * other[5])
+    lean = abs(c * other.cos + s * other.sin)
+    slant = abs(s * other.cos - c * other.sin)
     return (
-        abs(dx * c + dy * s) < half_x + lean * other[2] + slant * other[3] - TOUCH_M
-        and abs(dy * c - dx * s) < half_y + slant * other[2] + lean * other[3] - TOUCH_M
-        and abs(dx * other[4] + dy * other[5]) < other[2] + lean * half_x + slant * half_y - TOUCH_M
-        and abs(dy * other[4] - dx * other[5]) < other[3] + slant * half_x + lean * half_y - TOUCH_M
+        abs(dx * c + dy * s) < half_x + lean * other.half_x_m + slant * other.half_y_m - TOUCH_M
+        and abs(dy * c - dx * s) < half_y + slant * other.half_x_m + lean * other.half_y_m - TOUCH_M
+        and abs(dx * other.cos + dy * other.sin)
+        < other.half_x_m + lean * half_x + slant * half_y - TOUCH_M
+        and abs(dy * other.cos - dx * other.sin)
+        < other.half_y_m + slant * half_x + lean * half_y - TOUCH_M
     )

@@ -11,7 +11,7 @@ from jaxtyping import Float, Int
 from aeroscene.feasibility.boxes import Boxes
 from aeroscene.feasibility.heights import surface_m
 from aeroscene.feasibility.layout import Layout
-from aeroscene.feasibility.place_search import nearest_free
+from aeroscene.feasibility.place_search import BLOCK, Blocks, nearest_free
 from aeroscene.feasibility.roles import GROUND, margin_m
 from aeroscene.solids.shapes.shell import FINISH_M
 
@@ -68,7 +68,8 @@ def find_place(
     rise_m = 0.0
     if host != layout.host[row]:
         rise_m = floor_m(layout, row, host) - float(boxes.base_m[row])
-        rows[:, 6:] += rise_m
+        rows["base_m"] += rise_m
+        rows["top_m"] += rise_m
     # What bears it, and what that belongs to, may overlap it.
     above = layout.chain(host) if host >= 0 else []
     others[above] = False
@@ -118,21 +119,16 @@ def floor_m(layout: Layout, row: int, host: int) -> float:
     return surface_m(layout, host, row)
 
 
-def _rows(boxes: Boxes, rows: Int[np.ndarray, " k"]) -> Float[np.ndarray, "k 8"]:
-    """Centre, half extents, heading and heights of boxes."""
-    return np.column_stack(
-        [
-            boxes.centre_m[rows, :2],
-            boxes.half_m[rows, :2],
-            np.cos(boxes.yaw_rad[rows]),
-            np.sin(boxes.yaw_rad[rows]),
-            boxes.base_m[rows],
-            boxes.top_m[rows],
-        ]
-    )
+def _rows(boxes: Boxes, rows: Int[np.ndarray, " k"]) -> Blocks:
+    blocks = np.empty(len(rows), dtype=BLOCK)
+    blocks["x_m"], blocks["y_m"] = boxes.centre_m[rows, :2].T
+    blocks["half_x_m"], blocks["half_y_m"] = boxes.half_m[rows, :2].T
+    blocks["cos"], blocks["sin"] = np.cos(boxes.yaw_rad[rows]), np.sin(boxes.yaw_rad[rows])
+    blocks["base_m"], blocks["top_m"] = boxes.base_m[rows], boxes.top_m[rows]
+    return blocks
 
 
-def _all_rows(boxes: Boxes) -> Float[np.ndarray, "k 8"]:
+def _all_rows(boxes: Boxes) -> Blocks:
     return _rows(boxes, np.arange(len(boxes)))
 
 

@@ -123,11 +123,11 @@ def arrange_once() -> None:
     """
     # A flight imports this module, and makes no scene.
     from aeroscene.feasibility.least_change import least_change
-    from aeroscene.feasibility.place_search import first_free, nearest_free
+    from aeroscene.feasibility.place_search import BLOCK, first_free, nearest_free
     from aeroscene.solids.flood import flooded
 
     least_change(np.eye(2), np.ones(2), np.ones(2), 1)
-    box = np.array([[0.0, 0.0, 0.5, 0.5, 1.0, 0.0, 0.0, 1.0]])
+    box = np.array([(0.0, 0.0, 0.5, 0.5, 1.0, 0.0, 0.0, 1.0)], dtype=BLOCK)
     region = np.array([0.0, 0.0, 4.0, 4.0, 1.0, 0.0])
     nearest_free(box, box, region, np.array([-4.0, -4.0, 4.0, 4.0]), 4.0, 0.0)
     first_free(box, box, np.zeros((1, 2)))

@@ -11,10 +11,10 @@ from dataclasses import dataclass, replace
 from itertools import islice
 
 import numpy as np
-from jaxtyping import Float
 
 from aeroscene.feasibility.boxes import boxes_of
 from aeroscene.feasibility.doors import air_of
+from aeroscene.feasibility.place_search import Blocks
 from aeroscene.feasibility.roles import FITTINGS, GROUND, POSTS
 from aeroscene.feasibility.seats import TABLES, turns_to_tables
 from aeroscene.feasibility.strays import AFLOAT
@@ -259,7 +259,7 @@ class Builder:
         draft, neighbours = self.draft, self.draft.neighbours
         taken = draft.taken(unit.parent_id)
         clearance_m = self._program.clearances.of(kind.category)
-        tries: list[tuple[Float[np.ndarray, "k 8"], int | None]] = [(taken, None)]
+        tries: list[tuple[Blocks, int | None]] = [(taken, None)]
         if any(clearance_m):
             kept_free = neighbours.kept_free(kind.category, clearance_m)
             tries.insert(0, (np.concatenate([taken, kept_free]), 1))
@@ -278,7 +278,7 @@ class Builder:
         unit: Unit,
         kind: Kind,
         boxes: Sequence[OrientedBox],
-        taken: Float[np.ndarray, "k 8"],
+        taken: Blocks,
         n_ways: int | None,
         *,
         needs_wall: bool,

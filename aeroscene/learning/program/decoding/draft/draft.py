@@ -5,10 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-import numpy as np
-from jaxtyping import Float
-
 from aeroscene.feasibility.doors import air_of
+from aeroscene.feasibility.place_search import Blocks
 from aeroscene.learning.program.companions import host_key
 from aeroscene.learning.program.decoding.draft.neighbours import Neighbours
 from aeroscene.learning.program.decoding.draft.supports import is_on_any
@@ -167,7 +165,7 @@ class Draft:
 
     def taken(
         self, bearer: int | None, without: Sequence[int] = (), *, has_air: bool = True
-    ) -> Float[np.ndarray, "k 8"]:
+    ) -> Blocks:
         """What is in the way of what comes onto an object: no other tile of the same room is."""
         tiles = [] if bearer is None else self._tiles(bearer)
         return self.neighbours.taken(bearer, [*without, *tiles], has_air=has_air)

@@ -14,7 +14,7 @@ from types import MappingProxyType
 import numpy as np
 from jaxtyping import Bool, Float
 
-from aeroscene.feasibility.place_search import first_free
+from aeroscene.feasibility.place_search import BLOCK, Blocks, first_free
 from aeroscene.relations import Unit
 from aeroscene.relations.plane import QUARTER, Rectangle
 from aeroscene.relations.relation import ANY_TURN, N_SIDES, Kind, Relation
@@ -61,7 +61,7 @@ class Neighbours:
 
     def taken(
         self, bearer: int | None, without: Sequence[int] = (), *, has_air: bool = True
-    ) -> Float[np.ndarray, "k 8"]:
+    ) -> Blocks:
         """All that stands but for some, and what bears them and all that it belongs to.
 
         With what is kept free of everything, unless `has_air` is False.
@@ -71,35 +71,33 @@ class Neighbours:
         while bearer is not None:
             is_other[bearer] = False
             bearer = self._parents[bearer]
-        rows = np.array(self._rows).reshape(-1, 8)[is_other]
-        return np.concatenate([rows, np.array(self._air).reshape(-1, 8)]) if has_air else rows
+        rows = np.array(self._rows, dtype=BLOCK)[is_other]
+        return np.concatenate([rows, np.array(self._air, dtype=BLOCK)]) if has_air else rows
 
-    def rows(self, numbers: Sequence[int]) -> Float[np.ndarray, "k 8"]:
+    def rows(self, numbers: Sequence[int]) -> Blocks:
         """Some of what stands, by its places in the order."""
-        return np.array([self._rows[number] for number in numbers]).reshape(-1, 8)
+        return np.array([self._rows[number] for number in numbers], dtype=BLOCK)
 
-    def of(self, categories: Container[str]) -> Float[np.ndarray, "k 8"]:
+    def of(self, categories: Container[str]) -> Blocks:
         """All that stands of some categories."""
         rows = [
             r for r, each in zip(self._rows, self._categories, strict=True) if each in categories
         ]
-        return np.array(rows).reshape(-1, 8)
+        return np.array(rows, dtype=BLOCK)
 
-    def kept_free(
-        self, category: str, clearance_m: tuple[float, float]
-    ) -> Float[np.ndarray, "k 8"]:
+    def kept_free(self, category: str, clearance_m: tuple[float, float]) -> Blocks:
         """What a category keeps free of its own: ahead, behind and beside all that stands."""
         is_alike = np.array([each == category for each in self._categories], dtype=bool)
-        rows = np.array(self._rows).reshape(-1, 8)[is_alike]
+        rows = np.array(self._rows, dtype=BLOCK)[is_alike]
         longer, wider = rows.copy(), rows.copy()
-        longer[:, 2] += clearance_m[0]
-        wider[:, 3] += clearance_m[1]
+        longer["half_x_m"] += clearance_m[0]
+        wider["half_y_m"] += clearance_m[1]
         return np.concatenate([longer, wider])
 
 
 def free_shift(
     group: Sequence[OrientedBox],
-    taken: Float[np.ndarray, "k 8"],
+    taken: Blocks,
     within: Rectangle | None,
     ways_rad: Ways,
 ) -> Shift | None:
@@ -111,9 +109,10 @@ def free_shift(
         within: What bears them; where they are too long for it they stay as they are.
         ways_rad: Where they may go.
     """
-    rows = np.array([_row(box) for box in group])
+    rows = np.array([_row(box) for box in group], dtype=BLOCK)
     onto = np.zeros(2) if within is None else _way_onto(rows, within)
-    rows[:, :2] += onto
+    rows["x_m"] += onto[0]
+    rows["y_m"] += onto[1]
     taken = _near(rows, taken)
     if _is_free(rows, taken):
         return (float(onto[0]), float(onto[1]))
@@ -127,14 +126,13 @@ def free_shift(
     return x_m, y_m
 
 
-def free_of(
-    taken: Float[np.ndarray, "k 8"], group: Sequence[OrientedBox], inner: float = 1.0
-) -> list[OrientedBox]:
+def free_of(taken: Blocks, group: Sequence[OrientedBox], inner: float = 1.0) -> list[OrientedBox]:
     """The boxes that overlap nothing that is taken, with a share of their length and width."""
     found: list[OrientedBox] = []
     for box in group:
-        row = np.array([_row(box)])
-        row[:, 2:4] *= inner
+        row = np.array([_row(box)], dtype=BLOCK)
+        row["half_x_m"] *= inner
+        row["half_y_m"] *= inner
         if _is_free(row, taken):
             found.append(box)
     return found
@@ -184,7 +182,7 @@ def _is_in_line(relation: Relation) -> bool:
 
 def way_onto(group: Sequence[OrientedBox], outline: Rectangle) -> Shift:
     """The least shift that brings boxes onto an outline, along each axis that they fit on."""
-    x_m, y_m = _way_onto(np.array([_row(box) for box in group]), outline).tolist()
+    x_m, y_m = _way_onto(np.array([_row(box) for box in group], dtype=BLOCK), outline).tolist()
     return x_m, y_m
 
 
@@ -208,27 +206,32 @@ def _row(box: OrientedBox) -> tuple[float, ...]:
     )
 
 
-def _near(
-    rows: Float[np.ndarray, "g 8"], taken: Float[np.ndarray, "k 8"]
-) -> Float[np.ndarray, "n 8"]:
+def _middles(rows: Blocks) -> Float[np.ndarray, "k 2"]:
+    return np.column_stack([rows["x_m"], rows["y_m"]])
+
+
+def _near(rows: Blocks, taken: Blocks) -> Blocks:
     """What shares height with a group and is near enough to meet it anywhere."""
-    middle, reach = rows[:, :2].mean(axis=0), np.hypot(rows[:, 2], rows[:, 3])
-    own_m = (np.hypot(*(rows[:, :2] - middle).T) + reach).max()
-    away_m = np.hypot(*(taken[:, :2] - middle).T) - np.hypot(taken[:, 2], taken[:, 3])
-    is_level = (taken[:, 6] < rows[:, 7].max()) & (taken[:, 7] > rows[:, 6].min())
+    middle, reach = _middles(rows).mean(axis=0), np.hypot(rows["half_x_m"], rows["half_y_m"])
+    own_m = (np.hypot(*(_middles(rows) - middle).T) + reach).max()
+    away_m = np.hypot(*(_middles(taken) - middle).T) - np.hypot(
+        taken["half_x_m"], taken["half_y_m"]
+    )
+    is_level = (taken["base_m"] < rows["top_m"].max()) & (taken["top_m"] > rows["base_m"].min())
     return taken[is_level & (away_m < own_m + _MOST_M)]
 
 
-def _is_free(rows: Float[np.ndarray, "g 8"], taken: Float[np.ndarray, "k 8"]) -> bool:
+def _is_free(rows: Blocks, taken: Blocks) -> bool:
     """Whether a group overlaps nothing by more than a touch."""
     less = rows.copy()
-    less[:, 2:4] = np.maximum(less[:, 2:4] - _DEEP_M, _DEEP_M)
-    less[:, 6] += _DEEP_M
-    less[:, 7] -= _DEEP_M
+    for half_m in ("half_x_m", "half_y_m"):
+        less[half_m] = np.maximum(less[half_m] - _DEEP_M, _DEEP_M)
+    less["base_m"] += _DEEP_M
+    less["top_m"] -= _DEEP_M
     return first_free(less, taken, np.zeros((1, 2))) == 0
 
 
-def _way_onto(rows: Float[np.ndarray, "g 8"], within: Rectangle) -> Float[np.ndarray, " 2"]:
+def _way_onto(rows: Blocks, within: Rectangle) -> Float[np.ndarray, " 2"]:
     """The least shift that brings a group onto an outline, along each axis that it fits on."""
     low, high, axes = _play(rows, within)
     fits = low <= high
@@ -238,7 +241,7 @@ def _way_onto(rows: Float[np.ndarray, "g 8"], within: Rectangle) -> Float[np.nda
 
 
 def _stays(
-    rows: Float[np.ndarray, "g 8"], shifts_m: Float[np.ndarray, "s 2"], within: Rectangle
+    rows: Blocks, shifts_m: Float[np.ndarray, "s 2"], within: Rectangle
 ) -> Bool[np.ndarray, " s"]:
     """Which shifts leave a group as far within an outline as it is."""
     low, high, axes = _play(rows, within)
@@ -248,17 +251,20 @@ def _stays(
 
 
 def _play(
-    rows: Float[np.ndarray, "g 8"], within: Rectangle
+    rows: Blocks, within: Rectangle
 ) -> tuple[Float[np.ndarray, " 2"], Float[np.ndarray, " 2"], Float[np.ndarray, "2 2"]]:
     """Least and greatest shift along an outline's axes that keep a group within; and the axes."""
     yaw_rad = within.place.yaw_rad
     c, s = math.cos(yaw_rad), math.sin(yaw_rad)
     axes = np.array([[c, s], [-s, c]])
-    middle = (rows[:, :2] - (within.place.x_m, within.place.y_m)) @ axes.T
-    lean = np.abs(rows[:, 4] * c + rows[:, 5] * s)
-    slant = np.abs(rows[:, 5] * c - rows[:, 4] * s)
+    middle = (_middles(rows) - (within.place.x_m, within.place.y_m)) @ axes.T
+    lean = np.abs(rows["cos"] * c + rows["sin"] * s)
+    slant = np.abs(rows["sin"] * c - rows["cos"] * s)
     reach = np.column_stack(
-        [lean * rows[:, 2] + slant * rows[:, 3], slant * rows[:, 2] + lean * rows[:, 3]]
+        [
+            lean * rows["half_x_m"] + slant * rows["half_y_m"],
+            slant * rows["half_x_m"] + lean * rows["half_y_m"],
+        ]
     )
     half = np.array(within.half_m)
     return -half - (middle - reach).min(axis=0), half - (middle + reach).max(axis=0), axes

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Bool, Float
 
+from aeroscene.feasibility.place_search import Blocks
 from aeroscene.feasibility.roles import SHELLS
 from aeroscene.learning.program.decoding.draft import Draft
 from aeroscene.relations import Kind, Unit
@@ -61,21 +62,17 @@ def has_wall(draft: Draft, unit: Unit, boxes: Sequence[OrientedBox]) -> bool:
     return bool(np.all(is_at_wall.any(axis=1) | is_at_rim.any(axis=1)))
 
 
-def _outside_m(
-    points: Float[np.ndarray, "n 4"], rows: Float[np.ndarray, "k 8"]
-) -> Float[np.ndarray, "n k"]:
+def _outside_m(points: Float[np.ndarray, "n 4"], rows: Blocks) -> Float[np.ndarray, "n k"]:
     """Distances of points from the outlines of boxes, negative inside."""
-    offset = points[:, None, :2] - rows[None, :, :2]
-    c, s = rows[:, 4], rows[:, 5]
-    u_m = np.abs(c * offset[..., 0] + s * offset[..., 1]) - rows[:, 2]
-    v_m = np.abs(c * offset[..., 1] - s * offset[..., 0]) - rows[:, 3]
+    offset = points[:, None, :2] - np.column_stack([rows["x_m"], rows["y_m"]])[None]
+    c, s = rows["cos"], rows["sin"]
+    u_m = np.abs(c * offset[..., 0] + s * offset[..., 1]) - rows["half_x_m"]
+    v_m = np.abs(c * offset[..., 1] - s * offset[..., 0]) - rows["half_y_m"]
     return np.hypot(np.maximum(u_m, 0.0), np.maximum(v_m, 0.0)) + np.minimum(
         np.maximum(u_m, v_m), 0.0
     )
 
 
-def _shares_height(
-    points: Float[np.ndarray, "n 4"], rows: Float[np.ndarray, "k 8"]
-) -> Bool[np.ndarray, "n k"]:
-    top_m = np.minimum(points[:, None, 3], rows[None, :, 7])
-    return top_m > np.maximum(points[:, None, 2], rows[None, :, 6])
+def _shares_height(points: Float[np.ndarray, "n 4"], rows: Blocks) -> Bool[np.ndarray, "n k"]:
+    top_m = np.minimum(points[:, None, 3], rows["top_m"])
+    return top_m > np.maximum(points[:, None, 2], rows["base_m"])

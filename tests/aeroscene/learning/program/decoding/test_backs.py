@@ -94,7 +94,9 @@ def test_a_cupboard_at_an_open_edge_goes_to_one_with_a_wall(scenes, monkeypatch,
 
     def without_the_wall(self, categories):
         rows = seen(self, categories)
-        away_m = np.linalg.norm(rows[:, None, :2] - wall_m, axis=2)
+        away_m = np.linalg.norm(
+            np.column_stack([rows["x_m"], rows["y_m"]])[:, None] - wall_m, axis=2
+        )
         return rows[np.all(away_m > 0.2, axis=1)]
 
     monkeypatch.setattr(Neighbours, "of", without_the_wall)
