@@ -90,25 +90,28 @@ class MavlinkServer:
         self._payload = payload and PayloadComponents(
             payload, self._view, self._partners, self.statustext, self.faults, self._own
         )
-        services = Services(
-            Setting(
-                view=self._view,
-                partners=self._partners,
-                statustext=self.statustext,
-                personality=personality,
-                system_id=system_id,
-                signing=signing,
-                lockstep=self.lockstep,
-                faults=self.faults,
-                payload=self._payload,
-            )
-        )
+        services = self._services(personality, signing)
         self.telemetry = services.telemetry
         self._missions, self._watching = services.missions, services.watching
         self._n_home_items = personality.n_home_items
         self._stateful, self._handlers = services.stateful, services.handlers
         self._common = services.common
         self._open_links()
+
+    def _services(self, personality: Personality, signing: Signing | None) -> Services:
+        return Services(
+            Setting(
+                view=self._view,
+                partners=self._partners,
+                statustext=self.statustext,
+                personality=personality,
+                system_id=self.system_id,
+                signing=signing,
+                lockstep=self.lockstep,
+                faults=self.faults,
+                payload=self._payload,
+            )
+        )
 
     def _open_links(self) -> None:
         with contextlib.ExitStack() as opened:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 
 from flightsim.autopilot.events import Severity
 from flightsim.autopilot.mission_item import MissionItem
@@ -73,42 +74,22 @@ class PayloadComponents:
             tell_status=lambda: self._gimbal.tell("GIMBAL_MANAGER_STATUS", gimbal.status()),
         )
         self._camera_messages = CameraMessages(view, payload, DEVICE_ID)
-        self._camera = Component(
-            _CAMERA,
-            mav.MAV_TYPE_CAMERA,
-            view=view,
-            everybody=everybody,
-            statustext=statustext,
-            faults=faults,
-            producers=self._camera_messages.producers,
-            handlers={},
+        component = partial(
+            Component, view=view, everybody=everybody, statustext=statustext, faults=faults
         )
-        self._gimbal = Component(
-            _GIMBAL,
-            mav.MAV_TYPE_GIMBAL,
-            view=view,
-            everybody=everybody,
-            statustext=statustext,
-            faults=faults,
-            producers=gimbal.producers,
-            handlers={**turning.handlers, **mount.handlers},
+        producers = self._camera_messages.producers
+        self._camera = component(_CAMERA, mav.MAV_TYPE_CAMERA, producers=producers, handlers={})
+        handlers: Mapping[str, Handler] = {**turning.handlers, **mount.handlers}
+        self._gimbal = component(
+            _GIMBAL, mav.MAV_TYPE_GIMBAL, producers=gimbal.producers, handlers=handlers
         )
         taking = CameraCommands(payload, self._camera, self._camera_messages, statustext)
         self._orders = {**taking.orders, **turning.orders}
-        self._camera.execute(
-            {
-                **taking.orders,
-                **taking.requests,
-                mav.MAV_CMD_REQUEST_MESSAGE: taking.request_message,
-            }
-        )
+        request = {mav.MAV_CMD_REQUEST_MESSAGE: taking.request_message}
+        self._camera.execute({**taking.orders, **taking.requests, **request})
         self._gimbal.execute(turning.orders)
         self.executors: Mapping[int, Executor] = {**self._orders, **taking.requests}
-        self.handlers: Mapping[str, Handler] = {
-            **turning.handlers,
-            **mount.handlers,
-            **taking.handlers,
-        }
+        self.handlers: Mapping[str, Handler] = {**handlers, **taking.handlers}
         self.producers: Mapping[str, Producer] = mount.producers
         self._components = {_CAMERA: self._camera, _GIMBAL: self._gimbal}
         payload.camera.listeners.append(self._tell_photograph)
