@@ -10,23 +10,21 @@ loss says.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 import torch
-from jaxtyping import Float
-from torch import Tensor
 
-from aeroscene.learning.batch import TokenBatch
 from aeroscene.learning.diffusion.sampling import sample
 from aeroscene.learning.diffusion.schedule import Schedule
 from aeroscene.learning.generation.loading import SHIPPED
-from aeroscene.learning.paper.channels import SCALE, FlatStatistics
+from aeroscene.learning.paper.channels import FlatStatistics
 from aeroscene.learning.paper.guidance.layout import FlatReader
 from aeroscene.learning.paper.guidance.objectives import Objectives
 from aeroscene.learning.paper.guidance.semantic import SemanticPrior
 from aeroscene.learning.paper.network.layout_denoiser import LayoutDenoiser
+from aeroscene.learning.paper.network.trust import GROUPS, formula, noisy, time_of
 from aeroscene.learning.paper.training_set import FlatTrainingSet
 from aeroscene.learning.training.checkpoint import Checkpoint, read_checkpoint
 from aeroscene.learning.training.data import prepared, training_scenes
@@ -39,13 +37,6 @@ from scenarios.bench.row import OnProgress, Row, higher, lower
 
 NOISE_TO_SIGNAL = (30.0, 4.0, 1.0, 0.3, 0.1, 0.03, 0.01)
 """Ratios sigma / sqrt(alpha_bar) at which errors are measured."""
-GROUPS: Mapping[str, slice] = {
-    "places": slice(0, 2),
-    "heights": slice(2, 3),
-    "headings": slice(6, 7),
-    "extents": SCALE,
-}
-"""Channels that are judged together; the other two of a quaternion are zeros."""
 MOST_RATIO = 1.0
 MOST_HEADING_DEG = 3.0
 _GUIDED_AT = 0.1
@@ -69,9 +60,11 @@ def rows(cfg: MethodBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
             f"with --preset {cfg.preset}: one of the same"
         )
     train, held_out = training_scenes(cfg.data)
-    data = prepared(cfg.data.name, train, held_out[: cfg.count], preset=cfg.preset)
-    assert isinstance(data.held_out, FlatTrainingSet)
-    judged = _Judged(checkpoint, data.held_out)
+    scenes = prepared(cfg.data.name, train, held_out, preset=cfg.preset).held_out
+    assert isinstance(scenes, FlatTrainingSet)
+    # Every other held-out scene has fitted the network's trust; those between judge it.
+    judged_on = scenes.examples[1::2][: cfg.count]
+    judged = _Judged(checkpoint, scenes.with_examples(judged_on))
     on_progress("holding the network against the formula", 0.1)
     yield from judged.ratio_rows()
     on_progress("drawing the geometry of held-out contents", 0.3)
@@ -120,23 +113,20 @@ class _Judged:
             yield lower(f"{metric}, mean", float(np.mean(values)), "")
 
     def _ratios(self, noise_to_signal: float) -> dict[str, float]:
-        time = _time_of(self._schedule, noise_to_signal)
+        time = time_of(self._schedule, noise_to_signal)
         generator = torch.Generator().manual_seed(_SEED)
         sums = {name: np.zeros(2) for name in GROUPS}
         for batch in self._batches:
-            x_t, eps, is_free = _noisy(batch, self._schedule, time, generator)
+            x_t, eps, is_free = noisy(batch, self._schedule, time, generator)
             with torch.no_grad():
                 output = self._network(x_t, time.expand(len(x_t)), batch).output
+            variance = self._network.variance[batch.kind]
+            guesses = output, formula(x_t, time, variance, self._schedule)
             for name, channels in GROUPS.items():
-                for k, guess in enumerate((output, self._formula(x_t, time, batch))):
+                for k, guess in enumerate(guesses):
                     error = ((guess - eps).square() * is_free)[..., channels]
                     sums[name][k] += float(error.sum())
         return {name: float(own / formula) for name, (own, formula) in sums.items() if formula}
-
-    def _formula(self, x_t: Tensor, time: Tensor, batch: TokenBatch) -> Tensor:
-        alpha, sigma = self._schedule.signal_and_noise(time)
-        variance = self._network.variance[batch.kind]
-        return sigma / (alpha**2 * variance + sigma**2) * x_t
 
     def heading_row(self) -> Row:
         """How far drawn headings are off, given contents and quarter turns of a scene."""
@@ -161,11 +151,11 @@ class _Judged:
 
     def guidance_rows(self) -> Iterator[Row]:
         """Share of each objective in the lengths of the steps that guidance takes."""
-        time = _time_of(self._schedule, _GUIDED_AT)
+        time = time_of(self._schedule, _GUIDED_AT)
         generator = torch.Generator().manual_seed(_SEED)
         lengths: dict[str, float] = {}
         for batch in self._batches:
-            x_t, _, is_free = _noisy(batch, self._schedule, time, generator)
+            x_t, _, is_free = noisy(batch, self._schedule, time, generator)
             with torch.no_grad():
                 eps = self._network(x_t, time.expand(len(x_t)), batch).output
             alpha, sigma = self._schedule.signal_and_noise(time)
@@ -175,23 +165,3 @@ class _Judged:
         total = sum(lengths.values()) or 1.0
         for name, length in lengths.items():
             yield higher(f"share of {name} in the steps of guidance", 100 * length / total, "%")
-
-
-def _time_of(schedule: Schedule, noise_to_signal: float) -> Float[Tensor, ""]:
-    """The time of training at which the ratio is nearest."""
-    log = schedule.log_alpha_bar[1:]
-    log_ratio = (torch.log(-torch.expm1(log)) - log) / 2
-    step = int((log_ratio - float(np.log(noise_to_signal))).abs().argmin()) + 1
-    return torch.tensor(step / schedule.cfg.n_steps)
-
-
-def _noisy(
-    batch: TokenBatch, schedule: Schedule, time: Tensor, generator: torch.Generator
-) -> tuple[Tensor, Tensor, Tensor]:
-    """A noisy batch, its noise, and which channels are free."""
-    assert batch.x0 is not None
-    assert batch.weight is not None
-    is_free = (batch.weight > 0).to(batch.x0)
-    x0 = batch.x0 * is_free
-    eps = torch.randn(x0.shape, generator=generator) * is_free
-    return schedule.forward_noise(x0, time.expand(len(x0)), eps), eps, is_free

@@ -20,6 +20,12 @@ _CHOICES = {
 
 
 _VOXELS = Range(2, 64)
+N_TRUSTED = 11
+"""Noises at which `ModelCfg.trust` has a row."""
+_TRUST = Range(0.0, 1.0)
+
+TrustRow = tuple[float, float, float, float]
+"""Shares of places, heights, headings and extents, each 0 to 1."""
 
 
 class ModelCfgError(ValueError):
@@ -78,6 +84,9 @@ class ModelCfg:
     """Half the extent of the grid, in half extents of the site."""
     graph_radius: Annotated[float, Range(0.0, is_above=True)] = 0.25
     """The paper's delta_f, which it leaves open, m."""
+    trust: tuple[TrustRow, ...] = ()
+    """How far the paper's network is followed at each noise, from the most on; a training fits it
+    at its end (`aeroscene.learning.paper.network.trust`). Empty follows it everywhere."""
 
     def __post_init__(self) -> None:
         for name, choices in _CHOICES.items():
@@ -88,6 +97,10 @@ class ModelCfg:
         for voxels in self.grid_shape:
             _VOXELS.require("grid_shape", voxels, ModelCfgError)
         self._check_widths()
+        if self.trust and len(self.trust) != N_TRUSTED:
+            raise ModelCfgError(f"trust has {len(self.trust)} rows; valid: none, or {N_TRUSTED}")
+        for share in (share for row in self.trust for share in row):
+            _TRUST.require("trust", share, ModelCfgError)
         if self.denoiser == "tokens":
             self._check_tokens()
 

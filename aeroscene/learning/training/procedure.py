@@ -16,7 +16,9 @@ from typing import Any
 import torch
 
 from aeroscene.learning.diffusion.schedule import Schedule
+from aeroscene.learning.paper.channels import FlatStatistics
 from aeroscene.learning.paper.contents.model import ContentsModel
+from aeroscene.learning.paper.training_set import FlatTrainingSet
 from aeroscene.learning.training.batches.opened import Supply, open_batches
 from aeroscene.learning.training.batches.stream import StreamedBatches
 from aeroscene.learning.training.checkpoint import Weights, write_checkpoint
@@ -46,6 +48,7 @@ from aeroscene.learning.training.prior_stage import loss_function, train_prior_p
 from aeroscene.learning.training.same_data import check_same_data
 from aeroscene.learning.training.state import TrainingState, write_state
 from aeroscene.learning.training.state_head import STATE
+from aeroscene.learning.training.trust_stage import with_trust
 from aeroscene.learning.training.writer_stage import with_fitting_share, writer_loss
 from aeroscene.learning.writer.language import Language
 from aeroscene.learning.writer.model import new_writer
@@ -154,7 +157,19 @@ class Training:
         is_done = budget.share(training.step, training.seconds) >= 1.0
         if is_done and part == "writer":
             self._fit_share(training)
+        if is_done and part == "denoiser":
+            self._fit_trust(training)
         return is_done
+
+    def _fit_trust(self, training: PartTraining) -> None:
+        """Let the paper's network be followed as far as held-out scenes bear it out."""
+        known, held_out = self.plan.data.train.known, self.plan.data.held_out
+        if not isinstance(held_out, FlatTrainingSet) or not held_out.examples:
+            return
+        assert isinstance(known, FlatStatistics)
+        sections = self.plan.sections
+        cfg = with_trust(sections["model"], training.kept, known, held_out, sections["schedule"])
+        self.plan = replace(self.plan, sections={**sections, "model": cfg})
 
     def _fit_share(self, training: PartTraining) -> None:
         """Let a writer that has learnt draw as rare things as held-out scenes have."""

@@ -24,6 +24,7 @@ from aeroscene.learning.paper.network.embedding import LayoutEmbedding, Seen
 from aeroscene.learning.paper.network.fine import FineGnn
 from aeroscene.learning.paper.network.nearness import NearnessBias
 from aeroscene.learning.paper.network.routing import LearnedRouting, Routes, given_routes
+from aeroscene.learning.paper.network.trust import Trust
 from aeroscene.learning.paper.network.unet import Condition, TokenUnet
 
 _LEAST_TOTAL = 1e-6
@@ -54,7 +55,8 @@ class LayoutDenoiser(nn.Module):
         eps = sigma / V x_t + alpha sqrt(v / V) F(x_t, t) with V = alpha_bar v + sigma^2
 
     and v the variance of a channel; the UNet's output is F, zero at first, so that no training
-    can end worse than the formula. Source: the preconditioning of Karras et al. 2022, "Elucidating
+    can end worse than the formula on scenes that it learns from. On others it can, and `Trust` says
+    how far F is followed there. Source: the preconditioning of Karras et al. 2022, "Elucidating
     the Design Space of Diffusion-Based Generative Models", section 5, for eps. The paper's
     equations for eps stay as they are.
     """
@@ -75,6 +77,7 @@ class LayoutDenoiser(nn.Module):
         self.attention = CrossScaleProgressiveAttention(width, cfg.heads, cfg.blocks)
         self.time = TimeEmbedding(width)
         self.nearness = NearnessBias(cfg.heads)
+        self.trust = Trust(cfg.trust) if cfg.trust else None
         self.unet = TokenUnet(2 * width, cfg.channels, width, levels, cfg.heads)
 
     def forward(
@@ -102,6 +105,8 @@ class LayoutDenoiser(nn.Module):
         )
         learned = self.unet(torch.cat([token, fused], dim=-1), condition)
         gain = levels.alpha * (levels.variance / total).sqrt()
+        if self.trust is not None:
+            gain = gain * self.trust(levels.alpha, levels.sigma)
         output = levels.sigma / total * x_t + gain * learned
         return Prediction(output * batch.mask.unsqueeze(-1), routes.tokenizability)
 

@@ -1,0 +1,42 @@
+"""The last stage of the paper's presets: how far the network is followed, by held-out scenes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from torch import Tensor
+
+from aeroscene.learning.batch import TokenBatch
+from aeroscene.learning.diffusion.schedule import Schedule, ScheduleCfg
+from aeroscene.learning.model.config import ModelCfg
+from aeroscene.learning.paper.channels import FlatStatistics
+from aeroscene.learning.paper.network.layout_denoiser import LayoutDenoiser
+from aeroscene.learning.paper.network.trust import fitted_trust
+from aeroscene.learning.paper.training_set import FlatTrainingSet
+
+_MOST = 96
+"""Scenes: a minute or two of one core."""
+_BATCH = 16
+
+
+def with_trust(
+    cfg: ModelCfg,
+    weights: Mapping[str, Tensor],
+    known: FlatStatistics,
+    held_out: FlatTrainingSet,
+    schedule_cfg: ScheduleCfg,
+) -> ModelCfg:
+    """A configuration with the trust that suits every other held-out scene, the first included."""
+    schedule = Schedule(schedule_cfg)
+    network = LayoutDenoiser(replace(cfg, trust=()), known, schedule)
+    network.load_state_dict({name: value.cpu() for name, value in weights.items()})
+    network.eval()
+
+    def predict(x_t: Tensor, time: Tensor, batch: TokenBatch) -> Tensor:
+        return network(x_t, time, batch).output
+
+    scenes = replace(held_out.with_examples(held_out.examples[::2][:_MOST]), statistics=known)
+    starts = range(0, len(scenes.examples), _BATCH)
+    batches = (scenes.in_order(start, _BATCH) for start in starts)
+    return replace(cfg, trust=fitted_trust(predict, network.variance, batches, schedule))
