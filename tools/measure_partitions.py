@@ -27,9 +27,9 @@ from aeroscene.partition import (
     site_partition,
     to_sequence,
 )
-from aeroscene.partition.sites.parse import COVERS
 from aeroscene.partition.tree import Bend, Cross, Node, Overlay, Pinwheel, walk
 from aeroscene.scene import OrientedBox, Scene
+from aeroscene.scene.catalogue import GROUND
 from aeroscene.sources import load_scene
 
 
@@ -59,7 +59,7 @@ def jittered(scene: Scene, jitter_m: float) -> Scene:
     objects = []
     for obj in scene.objects:
         dx, dy = rng.uniform(-jitter_m, jitter_m, 2)
-        if obj.category in COVERS:
+        if obj.category in GROUND:
             x, y, z = obj.bbox.p
             obj = replace(obj, bbox=replace(obj.bbox, p=(x + dx, y + dy, z)))  # noqa: PLW2901
         objects.append(obj)

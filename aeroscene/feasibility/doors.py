@@ -12,6 +12,7 @@ from aeroscene.feasibility.layout import Layout
 from aeroscene.feasibility.place_search import TOUCH_M
 from aeroscene.feasibility.places import find_place
 from aeroscene.scene import AttributeValue, OrientedBox
+from aeroscene.scene.catalogue import WALLS
 
 _JAMB_M = 0.15
 """Least wall beside an opening."""
@@ -57,7 +58,7 @@ def _airs(layout: Layout) -> dict[int, OrientedBox]:
     return {
         row: air
         for row, obj in enumerate(layout.objects)
-        if obj.category == "wall"
+        if obj.category in WALLS
         and layout.is_left[row]
         and (
             air := air_of(
@@ -104,7 +105,7 @@ def air_of(
 def fit_openings(layout: Layout) -> None:
     """Clamp doors and windows to the walls as they have become."""
     for row, obj in enumerate(layout.objects):
-        if obj.category != "wall" or not layout.is_left[row]:
+        if obj.category not in WALLS or not layout.is_left[row]:
             continue
         _, length, height = (2 * layout.boxes.half_m[row]).tolist()
         fitted = dict(obj.attributes)

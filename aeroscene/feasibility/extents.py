@@ -7,7 +7,7 @@ from math import ceil
 import numpy as np
 
 from aeroscene.feasibility.layout import Layout
-from aeroscene.feasibility.roles import BUILDINGS
+from aeroscene.scene.catalogue import BUILDINGS
 
 _MOST_GROWTH_M = 4.0
 """Greatest distance that each side of an open flight volume moves out for ground beyond it."""

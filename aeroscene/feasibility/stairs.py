@@ -9,7 +9,7 @@ from jaxtyping import Float
 
 from aeroscene.feasibility.boxes import Boxes
 from aeroscene.feasibility.layout import Layout
-from aeroscene.relations.hosts import AT_LEVELS, LEVELS
+from aeroscene.scene.catalogue import BRIDGES, LEVELS, STAIRS
 from aeroscene.solids.shapes.structures import RAIL_M
 
 REACH_M = 0.5
@@ -33,7 +33,7 @@ class Landing:
 def landings_of(layout: Layout) -> list[Landing]:
     """The level that each flight of stairs leads to; those that lead nowhere are left out."""
     found: list[Landing] = []
-    for stairs in _rows(layout, AT_LEVELS):
+    for stairs in _rows(layout, STAIRS):
         best = (REACH_M, -1)
         for level in _rows(layout, LEVELS):
             best = min(best, (_gap_m(layout, stairs, level), level))
@@ -70,7 +70,7 @@ def _rows(layout: Layout, categories: frozenset[str]) -> list[int]:
 def _gap_m(layout: Layout, stairs: int, level: int) -> float:
     """From the top of stairs to a level in the plane; infinite at another height."""
     boxes = layout.boxes
-    rail_m = RAIL_M if layout.objects[level].category == "bridge" else 0.0
+    rail_m = RAIL_M if layout.objects[level].category in BRIDGES else 0.0
     if abs(boxes.top_m[stairs] - boxes.top_m[level] + rail_m) > STEP_M:
         return np.inf
     half_m = boxes.half_m[stairs]

@@ -31,6 +31,7 @@ from aeroscene.partition.storeys.storey import OPEN, Line, find_lines, room_numb
 from aeroscene.partition.tree import Node, Part
 from aeroscene.relations.plane import Rectangle
 from aeroscene.scene import OrientedBox
+from aeroscene.scene.catalogue import ROOMS
 
 Place = int | None
 WALL = Border((Segment("wall", Part(1.0)),))
@@ -142,7 +143,7 @@ class _Storey:
 
     def token(self, part: BuildingPart) -> Place:
         """Place of the token of a room or wall of this storey."""
-        return (self._leaves if part.category == "room" else self._border_places)[part.place]
+        return (self._leaves if part.category in ROOMS else self._border_places)[part.place]
 
     def partition(self, tree: Node) -> StoreyPartition:
         """The storey with a tree that differs from its own in numbers only."""
