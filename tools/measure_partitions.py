@@ -96,7 +96,7 @@ def measure(scenes: list[Scene]) -> dict[str, object]:
             records = to_sequence(partition)
             counts["sequences not exact"] += from_sequence(records) != partition
             lengths["storey" if partition in partitions else "site"].append(len(records))
-            symbols |= {record.symbol for record in records}
+            symbols |= {replace(record, share=0.0, values=()) for record in records}
     return {
         "counts": dict(sorted(counts.items())),
         "error_mm": {

@@ -132,7 +132,7 @@ class _Storey:
         self.wall_m = max(wall_m, _LEAST_WALL_M)
         self._outer_m = outer_m if outer_m > _LEAST_WALL_M else 0.0
         self.least_m = self.wall_m + _ROOM_M
-        self._is_inset = bool(grown.record.arity)
+        self._is_inset = grown.record.is_inset
         head = Record("site", values=(*astuple(frame), level_m))
         plain = from_sequence([*self._widths, head, *grown.flat()[1:]])
         sides_m = frame.length_m, frame.width_m
