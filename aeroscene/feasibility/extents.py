@@ -33,10 +33,7 @@ def _shell(layout: Layout) -> int | None:
     """
     if layout.scene.domain != "indoor":
         return None
-    is_root = (layout.boxes.parent < 0) & layout.is_left
-    shells = [
-        i for i in np.flatnonzero(is_root).tolist() if layout.objects[i].category in BUILDINGS
-    ]
+    shells = [i for i in layout.rows(BUILDINGS) if layout.boxes.parent[i] < 0]
     return max(shells, key=lambda i: layout.boxes.half_m[i].prod(), default=None)
 
 

@@ -18,11 +18,7 @@ _STEEPNESS = 0.4
 
 def find_ground(layout: Layout) -> None:
     """Give each root that stands on other ground this ground as its host."""
-    boxes = layout.boxes
-    grounds = [
-        i for i, obj in enumerate(layout.objects) if obj.category in BEARING and layout.is_left[i]
-    ]
-    is_house = layout.is_house
+    boxes, grounds, is_house = layout.boxes, layout.rows(BEARING), layout.is_house
     for i, obj in enumerate(layout.objects):
         is_none = boxes.parent[i] >= 0 or obj.category in COVERS | BRIDGES
         if is_none or is_house[i]:

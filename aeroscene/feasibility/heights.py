@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from functools import lru_cache
 
 import numpy as np
@@ -134,7 +133,7 @@ def _highest_cover(layout: Layout, row: int) -> float:
     return max(
         (
             float(layout.boxes.top_m[ground])
-            for ground in _left(layout, COVERS)
+            for ground in layout.rows(COVERS)
             if covered(layout, row, ground) > _UNDER_M
         ),
         default=0.0,
@@ -149,7 +148,7 @@ def _highest_room(layout: Layout, row: int) -> float:
     """
     tops_m = {
         part: float(layout.boxes.top_m[part])
-        for part in _left(layout, ROOMS | WALLS)
+        for part in layout.rows(ROOMS | WALLS)
         if _meet(layout, part, row)
     }
     under = [part for part in tops_m if covered(layout, part, row) > _ROOFED]
@@ -159,13 +158,6 @@ def _highest_room(layout: Layout, row: int) -> float:
 def _meet(layout: Layout, part: int, row: int) -> bool:
     """Whether the outlines of two objects overlap."""
     return bool(footprint_depth(layout.boxes, np.array([part]), np.array([row]))[0] > 0)
-
-
-def _left(layout: Layout, categories: frozenset[str]) -> Iterator[int]:
-    """Rows of the objects of some categories."""
-    for row, obj in enumerate(layout.objects):
-        if obj.category in categories and layout.is_left[row]:
-            yield row
 
 
 def post(layout: Layout, row: int) -> tuple[Float[np.ndarray, " 2"], float]:

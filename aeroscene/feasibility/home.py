@@ -36,11 +36,8 @@ _FAR = 0.15
 
 def home_row(layout: Layout) -> int | None:
     """The pad from which the flight starts, None where the scene has none."""
-    for row, obj in enumerate(layout.objects):
-        is_start = obj.category in PADS and obj.attributes.get("is_start") is True
-        if is_start and layout.is_left[row]:
-            return row
-    return None
+    pads = layout.rows(PADS)
+    return next((i for i in pads if layout.objects[i].attributes.get("is_start") is True), None)
 
 
 def settle_home(layout: Layout, row: int) -> None:
@@ -76,11 +73,7 @@ def _move_home(layout: Layout, row: int, ground: int, at: Float[np.ndarray, " 2"
 
 
 def _grounds(layout: Layout, names: frozenset[str]) -> list[int]:
-    return [
-        i
-        for i, obj in enumerate(layout.objects)
-        if obj.category in names and layout.is_left[i] and obj.domain == "outdoor"
-    ]
+    return [i for i in layout.rows(names) if layout.objects[i].domain == "outdoor"]
 
 
 def _best_spot(

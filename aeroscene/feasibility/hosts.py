@@ -7,7 +7,7 @@ from jaxtyping import Float
 
 from aeroscene.feasibility.layout import Layout
 from aeroscene.feasibility.roles import BEARING, is_chained
-from aeroscene.scene.catalogue import COVERS, FLOORS, GROUND, ROOFS, ROOMS, WALLS
+from aeroscene.scene.catalogue import BUILDING_PARTS, COVERS, GROUND, ROOMS
 
 _MOST_HOSTS = 4
 _BESIDE_M = 0.5
@@ -75,7 +75,7 @@ def _ground_below(layout: Layout, row: int, host: int) -> int:
 
 def other_hosts(layout: Layout, row: int) -> list[int]:
     """Other possible hosts of an object, nearest first; -1 is the bare earth."""
-    if layout.objects[row].category in COVERS | ROOMS | WALLS | FLOORS | ROOFS:
+    if layout.objects[row].category in COVERS | BUILDING_PARTS:
         return []
     boxes, host = layout.boxes, int(layout.host[row])
     like = _hosts_like(layout, None if host < 0 else host)
@@ -96,11 +96,8 @@ def _hosts_like(layout: Layout, host: int | None) -> list[int]:
     elif host is None or layout.objects[host].category in GROUND:
         found = [
             row
-            for row, obj in enumerate(layout.objects)
-            if obj.category in BEARING
-            and obj.domain == "outdoor"
-            and layout.is_left[row]
-            and row != host
+            for row in layout.rows(BEARING)
+            if layout.objects[row].domain == "outdoor" and row != host
         ]
     else:
         return []
@@ -114,14 +111,8 @@ def _hosts_like(layout: Layout, host: int | None) -> list[int]:
 def _rooms_beside(layout: Layout, room: int) -> list[int]:
     """The other rooms of a storey, or where there are none, of the building."""
     boxes = layout.boxes
-    rooms = [
-        row
-        for row, obj in enumerate(layout.objects)
-        if obj.category in ROOMS
-        and layout.is_left[row]
-        and row != room
-        and boxes.parent[row] == boxes.parent[room]
-    ]
+    parent = boxes.parent
+    rooms = [i for i in layout.rows(ROOMS) if i != room and parent[i] == parent[room]]
     beside = [row for row in rooms if abs(boxes.base_m[row] - boxes.base_m[room]) < _STEP_M]
     return beside or rooms
 

@@ -77,6 +77,11 @@ class Layout:
         """Which objects an object must make room for: fine ones do so for coarse ones."""
         return self.is_coarse if self.is_coarse[row] else np.ones(len(self.host), dtype=bool)
 
+    def rows(self, categories: frozenset[str]) -> list[int]:
+        """The objects of some categories that are left."""
+        left = np.flatnonzero(self.is_left).tolist()
+        return [row for row in left if self.objects[row].category in categories]
+
     def parent_of(self, row: int) -> SceneObject | None:
         """The parent of an object."""
         above = int(self.boxes.parent[row])

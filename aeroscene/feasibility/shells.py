@@ -29,9 +29,7 @@ _NEAR_M = 0.8
 
 def fit_shells(layout: Layout) -> None:
     """Make each building hold its rooms, lie under its roof and on its slab."""
-    for row, obj in enumerate(layout.objects):
-        if obj.category not in BUILDINGS or not layout.is_left[row]:
-            continue
+    for row in layout.rows(BUILDINGS):
         parts = _parts(layout, row)
         if parts.rooms:
             _grow(layout, row, parts.rooms)
@@ -42,10 +40,9 @@ def fit_shells(layout: Layout) -> None:
 
 def lay_roofs(layout: Layout) -> None:
     """Lay each roof over its building."""
-    for row, obj in enumerate(layout.objects):
-        if obj.category in BUILDINGS and layout.is_left[row]:
-            for roof in _parts(layout, row).roofs:
-                _cover(layout, row, roof)
+    for row in layout.rows(BUILDINGS):
+        for roof in _parts(layout, row).roofs:
+            _cover(layout, row, roof)
 
 
 class _Parts(NamedTuple):

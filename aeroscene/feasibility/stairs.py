@@ -33,9 +33,9 @@ class Landing:
 def landings_of(layout: Layout) -> list[Landing]:
     """The level that each flight of stairs leads to; those that lead nowhere are left out."""
     found: list[Landing] = []
-    for stairs in _rows(layout, STAIRS):
+    for stairs in layout.rows(STAIRS):
         best = (REACH_M, -1)
-        for level in _rows(layout, LEVELS):
+        for level in layout.rows(LEVELS):
             best = min(best, (_gap_m(layout, stairs, level), level))
         if best[1] >= 0:
             found.append(_landing(layout.boxes, stairs, best[1]))
@@ -60,11 +60,6 @@ def drop_lost(layout: Layout, landings: list[Landing]) -> None:
     for each in landings:
         if layout.is_left[each.stairs] and each.stairs not in leading:
             layout.drop(each.stairs)
-
-
-def _rows(layout: Layout, categories: frozenset[str]) -> list[int]:
-    left = np.flatnonzero(layout.is_left).tolist()
-    return [row for row in left if layout.objects[row].category in categories]
 
 
 def _gap_m(layout: Layout, stairs: int, level: int) -> float:

@@ -37,6 +37,5 @@ def _outlines(layout: Layout, categories: frozenset[str]) -> dict[int, shapely.P
         row: shapely.Polygon(
             boxes.centre_m[row, :2] + (signs * boxes.half_m[row, :2]) @ boxes.frame(row)
         )
-        for row in np.flatnonzero(layout.is_left).tolist()
-        if layout.objects[row].category in categories
+        for row in layout.rows(categories)
     }

@@ -68,10 +68,8 @@ def _rows(layout: Layout, categories: frozenset[str]) -> list[int]:
     """Surfaces of some categories that are parts of a building or of nothing."""
     return [
         row
-        for row, obj in enumerate(layout.objects)
-        if obj.category in categories
-        and layout.is_left[row]
-        and ((parent := layout.parent_of(row)) is None or parent.category in BUILDINGS)
+        for row in layout.rows(categories)
+        if ((parent := layout.parent_of(row)) is None or parent.category in BUILDINGS)
     ]
 
 

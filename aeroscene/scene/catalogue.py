@@ -175,6 +175,7 @@ WALLS = _with("wall")
 FENCES = _with("fence")
 FLOORS = _with("floor")  # a slab between storeys
 ROOFS = _with("roof")
+BUILDING_PARTS = ROOMS | WALLS | FLOORS | ROOFS
 CANOPIES = _with("canopy")  # bears on its top, and shelters what stands below
 CHIMNEYS = _with("chimney")  # rises through the slope of its roof
 BRIDGES = _with("bridge")  # a deck between rails over water or roads

@@ -49,6 +49,7 @@ from aeroscene.scene import OrientedBox, Scene, Vector3
 from aeroscene.scene.box import quat_from_yaw
 from aeroscene.scene.catalogue import (
     AFLOAT,
+    BUILDING_PARTS,
     FLOORS,
     GROUND,
     POSTS,
@@ -62,7 +63,7 @@ from aeroscene.scene.catalogue import (
 )
 from aeroscene.scene.origin import ALTITUDE_M, LATITUDE_DEG, LONGITUDE_DEG
 
-_FIXED = GROUND | ROOMS | WALLS | FLOORS | ROOFS | STAIRS | POSTS
+_FIXED = GROUND | BUILDING_PARTS | STAIRS | POSTS
 """What lies where it was drawn, whatever stands there."""
 _HOLDING = GROUND | ROOMS
 """What holds all that is drawn on it or in it."""
