@@ -24,7 +24,7 @@ OTHER_WORDS = {
     "box": ("",),  # a kind of primitive
     "plant": ("flightsim/plant/", "scenarios/bench/"),  # what simulates the vehicle
     "bench": ("scenarios/",),  # a benchmark
-    "car": ("flightsim/environment/", "flightsim/sensors/cameras/"),  # a kind of mover
+    "car": ("flightsim/environment/", "flightsim/cameras/"),  # a kind of mover
     "room": (
         "aeroscene/scene/rooms.py",  # the attribute that tiles of one room share
         "aeroscene/partition/storeys/parse.py",
