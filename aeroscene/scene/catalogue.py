@@ -163,8 +163,8 @@ def _with(role: str) -> frozenset[str]:
     return frozenset(each.name for each in CATALOGUE.values() if role in each.roles)
 
 
-# Names of the categories that have a role. Code asks for these and names no category, so that a
-# new one is treated as all others of its role.
+# Names of the categories that have a role, and what each of them is. Code asks for these and names
+# no category, so that a new one is treated as all others of its role.
 
 # Structures
 BUILDINGS = _with("building")  # rooms, walls, floors and roofs are its parts
@@ -192,9 +192,7 @@ LAWNS = _with("lawn")
 PARKING = _with("parking")
 ROADS = _with("road")
 WATER = _with("water")
-STRIPS = _with(
-    "strip"
-)  # a cover as wide as it is drawn, which continues another of its category end to end
+STRIPS = _with("strip")  # a cover of a width in metres, which goes on end to end
 WAYS = _with("way")  # a cover that leads from place to place
 
 # Things outdoors
