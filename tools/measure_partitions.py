@@ -27,9 +27,9 @@ from aeroscene.partition import (
     site_partition,
     to_sequence,
 )
-from aeroscene.partition.sites.parse import COVERS
 from aeroscene.partition.tree import Bend, Cross, Node, Overlay, Pinwheel, walk
 from aeroscene.scene import OrientedBox, Scene
+from aeroscene.scene.catalogue import GROUND
 from aeroscene.sources import load_scene
 
 
@@ -59,7 +59,7 @@ def jittered(scene: Scene, jitter_m: float) -> Scene:
     objects = []
     for obj in scene.objects:
         dx, dy = rng.uniform(-jitter_m, jitter_m, 2)
-        if obj.category in COVERS:
+        if obj.category in GROUND:
             x, y, z = obj.bbox.p
             obj = replace(obj, bbox=replace(obj.bbox, p=(x + dx, y + dy, z)))  # noqa: PLW2901
         objects.append(obj)
@@ -96,7 +96,7 @@ def measure(scenes: list[Scene]) -> dict[str, object]:
             records = to_sequence(partition)
             counts["sequences not exact"] += from_sequence(records) != partition
             lengths["storey" if partition in partitions else "site"].append(len(records))
-            symbols |= {record.symbol for record in records}
+            symbols |= {replace(record, share=0.0, values=()) for record in records}
     return {
         "counts": dict(sorted(counts.items())),
         "error_mm": {

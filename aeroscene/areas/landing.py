@@ -19,7 +19,7 @@ from aeroscene.areas.obstacles import Obstacles
 from aeroscene.areas.reach import FIELD_CAP_M
 from aeroscene.areas.spread import spread
 from aeroscene.scene import DroneClass, InteractionArea, Scene
-from aeroscene.scene.catalogue import by_name
+from aeroscene.scene.catalogue import LANDABLE, NO_PERCH, PADS
 from aeroscene.solids.freespace import VoxelField, build_distance_field
 from aeroscene.solids.shapes import Primitive, scene_primitives
 from aeroscene.solids.solids import colliding
@@ -28,11 +28,6 @@ __all__ = ["AreaLimits", "derive_interaction_areas"]
 
 PERCH_HEIGHT_M = 0.3
 """Least height of a perch above the foot of its bearer."""
-NO_PERCH = frozenset(
-    {"water", "boat", "road", "tree", "bush", "planter", "plant", "plate", "cup", "cutlery"}
-    | {"book", "box", "laptop", "monitor", "television", "lamp", "room", "floor"}
-)
-"""Categories on which nothing should perch: soft, loose, wet, or no ledge at all."""
 _CLASSES: tuple[DroneClass, ...] = ("small", "medium", "large")
 
 
@@ -67,12 +62,12 @@ def derive_interaction_areas(
 
 
 def _may_bear(scene: Scene, object_id: int) -> bool:
-    category = scene.object_by_id[object_id].category
-    return by_name()[category].is_landable or category not in NO_PERCH
+    obj = scene.object_by_id[object_id]
+    return obj.category in LANDABLE or obj.category not in NO_PERCH
 
 
 def _is_landable(scene: Scene, face: Face) -> bool:
-    return by_name()[scene.object_by_id[face.object_id].category].is_landable
+    return scene.object_by_id[face.object_id].category in LANDABLE
 
 
 def _landing(
@@ -131,7 +126,7 @@ def _limited(
 
 def _is_pad(scene: Scene, candidate: Candidate) -> bool:
     """Whether a place was made to land on."""
-    return scene.object_by_id[candidate.face.object_id].category == "landing_pad"
+    return scene.object_by_id[candidate.face.object_id].category in PADS
 
 
 def _perch_faces(scene: Scene, faces: Sequence[Face], landed: AbstractSet[Face]) -> list[Face]:

@@ -18,6 +18,7 @@ from aeroscene.areas.landing import derive_interaction_areas
 from aeroscene.areas.needs import AreaLimits
 from aeroscene.areas.reach import FIELD_CAP_M
 from aeroscene.scene import Scene, SceneObject, Vector3
+from aeroscene.scene.catalogue import LAWNS, OPEN_GROUND, ROADS, ROOMS
 from aeroscene.solids.freespace import VoxelField, build_distance_field
 from aeroscene.solids.shapes import Primitive, scene_primitives
 from aeroscene.solids.shapes.shell import FINISH_M
@@ -39,10 +40,6 @@ _FLAT_M = 0.06
 _LOWEST_M = 0.3
 """A floor is the lowest one where it is at most this high above the bottom of the flight volume."""
 _TOLERANCE_M = 0.05
-_GROUNDS = frozenset({"lawn", "room"})
-"""Categories that are in nobody's way."""
-_OPEN = frozenset({"lawn", "plaza", "parking_lot"})
-_LAST_RESORT = frozenset({"road"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,7 +111,7 @@ def grounds_of(scene: Scene) -> tuple[tuple[Ground, ...], ...]:
     floors = tuple(
         Ground(_outline(obj), _bottom_m(obj) + FINISH_M, frozenset(scene.ancestors(obj.id)))
         for obj in scene.objects
-        if obj.category == "room" and _bottom_m(obj) <= scene.extent_min_enu_m[2] + _LOWEST_M
+        if obj.category in ROOMS and _bottom_m(obj) <= scene.extent_min_enu_m[2] + _LOWEST_M
     )
     is_open, last_resort = (
         tuple(
@@ -122,7 +119,7 @@ def grounds_of(scene: Scene) -> tuple[tuple[Ground, ...], ...]:
             for obj in scene.objects
             if obj.category in names and obj.domain == "outdoor"
         )
-        for names in (_OPEN, _LAST_RESORT)
+        for names in (OPEN_GROUND, ROADS)
     )
     if scene.domain == "indoor":
         return (floors, is_open, last_resort)
@@ -172,7 +169,7 @@ def _obstacles(
         corners = obj.bbox.corners()
         low, high = float(corners[:, 2].min()), float(corners[:, 2].max())
         is_low = high > ground_m + _FLAT_M and low < ground_m + FREE_HEIGHT_M
-        if is_low and obj.category not in _GROUNDS and obj.id not in within:
+        if is_low and obj.category not in LAWNS | ROOMS and obj.id not in within:
             outlines.append(_outline(obj))
     return outlines
 

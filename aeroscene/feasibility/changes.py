@@ -16,7 +16,8 @@ from jaxtyping import Bool, Float, Int
 
 from aeroscene.feasibility.boxes import Boxes
 from aeroscene.feasibility.layout import Layout
-from aeroscene.feasibility.roles import GROUND, cuttable, least_m
+from aeroscene.feasibility.roles import cuttable, least_m
+from aeroscene.scene.catalogue import GROUND
 
 NARROW_M = 8.0
 """Cuts of sides that are shorter than this cost more and may not go as deep."""

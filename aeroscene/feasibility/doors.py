@@ -12,6 +12,7 @@ from aeroscene.feasibility.layout import Layout
 from aeroscene.feasibility.place_search import TOUCH_M
 from aeroscene.feasibility.places import find_place
 from aeroscene.scene import AttributeValue, OrientedBox
+from aeroscene.scene.catalogue import WALLS
 
 _JAMB_M = 0.15
 """Least wall beside an opening."""
@@ -56,13 +57,11 @@ def _airs(layout: Layout) -> dict[int, OrientedBox]:
     """The air about the door of each wall that has one, by row."""
     return {
         row: air
-        for row, obj in enumerate(layout.objects)
-        if obj.category == "wall"
-        and layout.is_left[row]
-        and (
+        for row in layout.rows(WALLS)
+        if (
             air := air_of(
                 layout.box(row),
-                layout.attributes.get(row, obj.attributes),
+                layout.attributes.get(row, layout.objects[row].attributes),
                 layout.apron_m.get(row, _APRON_M),
             )
         )
@@ -103,15 +102,14 @@ def air_of(
 
 def fit_openings(layout: Layout) -> None:
     """Clamp doors and windows to the walls as they have become."""
-    for row, obj in enumerate(layout.objects):
-        if obj.category != "wall" or not layout.is_left[row]:
-            continue
+    for row in layout.rows(WALLS):
+        own = layout.objects[row].attributes
         _, length, height = (2 * layout.boxes.half_m[row]).tolist()
-        fitted = dict(obj.attributes)
+        fitted = dict(own)
         for name in ("door", "window"):
             _fit(fitted, name, length, height)
         layout.attributes.pop(row, None)
-        if fitted != dict(obj.attributes):
+        if fitted != dict(own):
             layout.attributes[row] = fitted
 
 

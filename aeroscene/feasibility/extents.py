@@ -7,7 +7,7 @@ from math import ceil
 import numpy as np
 
 from aeroscene.feasibility.layout import Layout
-from aeroscene.feasibility.roles import BUILDINGS
+from aeroscene.scene.catalogue import BUILDINGS
 
 _MOST_GROWTH_M = 4.0
 """Greatest distance that each side of an open flight volume moves out for ground beyond it."""
@@ -33,10 +33,7 @@ def _shell(layout: Layout) -> int | None:
     """
     if layout.scene.domain != "indoor":
         return None
-    is_root = (layout.boxes.parent < 0) & layout.is_left
-    shells = [
-        i for i in np.flatnonzero(is_root).tolist() if layout.objects[i].category in BUILDINGS
-    ]
+    shells = [i for i in layout.rows(BUILDINGS) if layout.boxes.parent[i] < 0]
     return max(shells, key=lambda i: layout.boxes.half_m[i].prod(), default=None)
 
 

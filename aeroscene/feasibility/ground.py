@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from aeroscene.feasibility.layout import Layout
-from aeroscene.feasibility.roles import BEARING, COVERS
+from aeroscene.feasibility.roles import BEARING
+from aeroscene.scene.catalogue import BRIDGES, COVERS, TERRAIN
 
 _HOSTED = 0.5
 """Share of a root's outline that lies on ground which bears it."""
@@ -17,13 +18,9 @@ _STEEPNESS = 0.4
 
 def find_ground(layout: Layout) -> None:
     """Give each root that stands on other ground this ground as its host."""
-    boxes = layout.boxes
-    grounds = [
-        i for i, obj in enumerate(layout.objects) if obj.category in BEARING and layout.is_left[i]
-    ]
-    is_house = layout.is_house
+    boxes, grounds, is_house = layout.boxes, layout.rows(BEARING), layout.is_house
     for i, obj in enumerate(layout.objects):
-        is_none = boxes.parent[i] >= 0 or obj.category in COVERS or obj.category == "bridge"
+        is_none = boxes.parent[i] >= 0 or obj.category in COVERS | BRIDGES
         if is_none or is_house[i]:
             continue
         layout.host[i] = _best_ground(layout, i, grounds)
@@ -33,7 +30,7 @@ def find_ground(layout: Layout) -> None:
 def _best_ground(layout: Layout, row: int, grounds: list[int]) -> int:
     """The ground on most of which a root lies, at about its height; -1 for the bare earth."""
     boxes, best, found = layout.boxes, 0.0, -1
-    is_terrain = layout.objects[row].category == "terrain"
+    is_terrain = layout.objects[row].category in TERRAIN
     for ground in grounds:
         if row in layout.chain(ground) or (is_terrain and _is_hill(layout, ground)):
             continue
@@ -48,7 +45,7 @@ def _best_ground(layout: Layout, row: int, grounds: list[int]) -> int:
 
 
 def _is_hill(layout: Layout, row: int) -> bool:
-    return layout.objects[row].category == "terrain"
+    return layout.objects[row].category in TERRAIN
 
 
 def covered(layout: Layout, row: int, ground: int) -> float:

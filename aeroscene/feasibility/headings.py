@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from aeroscene.feasibility.layout import Layout
-from aeroscene.feasibility.roles import BUILDINGS, FITTINGS
+from aeroscene.scene.catalogue import BUILDING_PARTS, BUILDINGS
 
 _SLIGHT_RAD = math.radians(9.0)
 """Coarse objects that overlap others are turned square to what they stand on if off by less."""
@@ -28,7 +28,7 @@ def square_up(layout: Layout) -> None:
         to_rad = site_rad if host < 0 else float(layout.boxes.yaw_rad[host])
         off_rad = math.remainder(float(layout.boxes.yaw_rad[row]) - to_rad, _QUARTER)
         if parent is not None and parent.category in BUILDINGS:
-            is_due = obj.category in FITTINGS or obj.category == "roof"
+            is_due = obj.category in BUILDING_PARTS
         else:
             is_due = row in in_conflict and abs(off_rad) < _SLIGHT_RAD
         if is_due and abs(off_rad) > _LEAST_RAD:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from functools import lru_cache
 
 import numpy as np
@@ -11,8 +10,21 @@ from jaxtyping import Float, Int
 from aeroscene.feasibility.boxes import footprint_depth
 from aeroscene.feasibility.ground import covered
 from aeroscene.feasibility.layout import Layout
-from aeroscene.feasibility.roles import BUILDINGS, COVERS, is_chained, is_fitting
+from aeroscene.feasibility.roles import is_chained, is_fitting
 from aeroscene.scene import SceneObject
+from aeroscene.scene.catalogue import (
+    BRIDGES,
+    BUILDINGS,
+    CANOPIES,
+    CHIMNEYS,
+    COVERS,
+    DECKS,
+    ROOFS,
+    ROOMS,
+    TERRAIN,
+    WALLS,
+    WATER,
+)
 from aeroscene.scene.hanging import is_hung
 from aeroscene.solids.shapes.build import object_primitives
 from aeroscene.solids.shapes.shell import FINISH_M
@@ -29,10 +41,6 @@ _ROOFED = 0.5
 """Share of a room's outline under a roof that carries it."""
 _SAME_M = 2e-4
 """Heights that differ by less are equal."""
-_SHAPED = frozenset({"roof", "terrain"})
-"""Categories that do not bear at the upper face of their box."""
-_WALLED = frozenset({"room", "wall"})
-"""Categories on which a roof lies."""
 _INNER = 0.999
 _SIGNS = np.array([(1, 1), (-1, 1), (-1, -1), (1, -1)], dtype=float)
 
@@ -53,9 +61,9 @@ def _bearing_m(layout: Layout, row: int) -> float:
     obj, parent, host = layout.objects[row], layout.parent_of(row), int(layout.host[row])
     if parent is not None:
         return _within_m(layout, row, parent)
-    if obj.category == "bridge":
+    if obj.category in BRIDGES:
         return _highest_cover(layout, row)
-    if obj.category == "roof":
+    if obj.category in ROOFS:
         return _highest_room(layout, row)
     return 0.0 if host < 0 else surface_m(layout, host, row)
 
@@ -72,17 +80,17 @@ def _within_m(layout: Layout, row: int, parent: SceneObject) -> float:
         faces_m = (base_m,)
     elif is_hung(obj):
         faces_m = (top_m - 2 * float(boxes.half_m[row, 2]),)
-    elif parent.category == "room":
+    elif parent.category in ROOMS:
         faces_m = (low_m + FINISH_M,)
-    elif parent.category == "water":
-        faces_m = (low_m + DRAUGHT_M, *((low_m,) if obj.category == "deck" else ()))
-    elif parent.category == "canopy":
+    elif parent.category in WATER:
+        faces_m = (low_m + DRAUGHT_M, *((low_m,) if obj.category in DECKS else ()))
+    elif parent.category in CANOPIES:
         faces_m = (low_m, top_m)
     elif parent.category in BUILDINGS:
         faces_m = (top_m,)
-    elif obj.category == "terrain" and _is_sloped(parent):
+    elif obj.category in TERRAIN and _is_sloped(parent):
         faces_m = (low_m + _PATH_M,)
-    elif obj.category == "chimney" and parent.attributes.get("form") != "flat":
+    elif obj.category in CHIMNEYS and parent.attributes.get("form") != "flat":
         # A stack rises through the slope of its roof.
         faces_m = (min(max(base_m, low_m), surface_m(layout, host, row)),)
     if not faces_m:
@@ -91,14 +99,14 @@ def _within_m(layout: Layout, row: int, parent: SceneObject) -> float:
 
 
 def _is_sloped(obj: SceneObject) -> bool:
-    return obj.category == "terrain" and obj.attributes.get("form") != "terrace"
+    return obj.category in TERRAIN and obj.attributes.get("form") != "terrace"
 
 
 def surface_m(layout: Layout, bearer: int, row: int) -> float:
     """Height at which an object stands on a bearer: of the lowest ground below its outline."""
     top_m = float(layout.boxes.top_m[bearer])
-    if layout.objects[bearer].category not in _SHAPED:
-        return top_m
+    if layout.objects[bearer].category not in ROOFS | TERRAIN:
+        return top_m  # Others bear at the upper face of their box.
     probes = _probes(layout, row)
     solids = _solids_of(layout.object(bearer))
     heights = np.stack([spans(solids, i, probes)[:, 1] for i in range(len(solids))])
@@ -125,7 +133,7 @@ def _highest_cover(layout: Layout, row: int) -> float:
     return max(
         (
             float(layout.boxes.top_m[ground])
-            for ground in _left(layout, COVERS)
+            for ground in layout.rows(COVERS)
             if covered(layout, row, ground) > _UNDER_M
         ),
         default=0.0,
@@ -140,7 +148,7 @@ def _highest_room(layout: Layout, row: int) -> float:
     """
     tops_m = {
         part: float(layout.boxes.top_m[part])
-        for part in _left(layout, _WALLED)
+        for part in layout.rows(ROOMS | WALLS)
         if _meet(layout, part, row)
     }
     under = [part for part in tops_m if covered(layout, part, row) > _ROOFED]
@@ -150,13 +158,6 @@ def _highest_room(layout: Layout, row: int) -> float:
 def _meet(layout: Layout, part: int, row: int) -> bool:
     """Whether the outlines of two objects overlap."""
     return bool(footprint_depth(layout.boxes, np.array([part]), np.array([row]))[0] > 0)
-
-
-def _left(layout: Layout, categories: frozenset[str]) -> Iterator[int]:
-    """Rows of the objects of some categories."""
-    for row, obj in enumerate(layout.objects):
-        if obj.category in categories and layout.is_left[row]:
-            yield row
 
 
 def post(layout: Layout, row: int) -> tuple[Float[np.ndarray, " 2"], float]:

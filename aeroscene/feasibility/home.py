@@ -9,6 +9,7 @@ from jaxtyping import Bool, Float
 
 from aeroscene.feasibility.boxes import Boxes, footprint_depth, joined, strangers
 from aeroscene.feasibility.layout import Layout
+from aeroscene.scene.catalogue import OPEN_GROUND, PADS, ROADS, TERRAIN
 
 # As curation keeps them, see `aeroscene.corpus.curation.start`.
 FREE_RADIUS_M = 3.6
@@ -29,19 +30,14 @@ _WANTED_M = 5.0
 _STEP_M = 0.75
 _RIM_M = 0.3
 """Width of ground about the pad."""
-_GROUNDS = ("lawn", "plaza", "parking_lot")
-_LAST_RESORT = ("road",)
 _FAR = 0.15
 """Openness given up for each metre that the pad moves."""
 
 
 def home_row(layout: Layout) -> int | None:
     """The pad from which the flight starts, None where the scene has none."""
-    for row, obj in enumerate(layout.objects):
-        is_start = obj.category == "landing_pad" and obj.attributes.get("is_start") is True
-        if is_start and layout.is_left[row]:
-            return row
-    return None
+    pads = layout.rows(PADS)
+    return next((i for i in pads if layout.objects[i].attributes.get("is_start") is True), None)
 
 
 def settle_home(layout: Layout, row: int) -> None:
@@ -55,8 +51,8 @@ def settle_home(layout: Layout, row: int) -> None:
     ):
         best = (
             _best_spot(layout, row, [host] if is_level else [])
-            or _best_spot(layout, row, _grounds(layout, _GROUNDS))
-            or _best_spot(layout, row, _grounds(layout, _LAST_RESORT))
+            or _best_spot(layout, row, _grounds(layout, OPEN_GROUND))
+            or _best_spot(layout, row, _grounds(layout, ROADS))
         )
         if best is not None:
             _move_home(layout, row, *best)
@@ -65,7 +61,7 @@ def settle_home(layout: Layout, row: int) -> None:
 def _is_level(layout: Layout, ground: int) -> bool:
     """Whether a pad lies flat on some ground: into a ramp or a mound it would sink."""
     obj = layout.objects[ground]
-    return obj.category != "terrain" or obj.attributes.get("form") == "terrace"
+    return obj.category not in TERRAIN or obj.attributes.get("form") == "terrace"
 
 
 def _move_home(layout: Layout, row: int, ground: int, at: Float[np.ndarray, " 2"]) -> None:
@@ -76,12 +72,8 @@ def _move_home(layout: Layout, row: int, ground: int, at: Float[np.ndarray, " 2"
         layout.adopt(row, ground)
 
 
-def _grounds(layout: Layout, names: tuple[str, ...]) -> list[int]:
-    return [
-        i
-        for i, obj in enumerate(layout.objects)
-        if obj.category in names and layout.is_left[i] and obj.domain == "outdoor"
-    ]
+def _grounds(layout: Layout, names: frozenset[str]) -> list[int]:
+    return [i for i in layout.rows(names) if layout.objects[i].domain == "outdoor"]
 
 
 def _best_spot(

@@ -6,7 +6,8 @@ import numpy as np
 from jaxtyping import Float
 
 from aeroscene.feasibility.layout import Layout
-from aeroscene.feasibility.roles import BEARING, COVERS, FITTINGS, GROUND, is_chained
+from aeroscene.feasibility.roles import BEARING, is_chained
+from aeroscene.scene.catalogue import BUILDING_PARTS, COVERS, GROUND, ROOMS
 
 _MOST_HOSTS = 4
 _BESIDE_M = 0.5
@@ -20,7 +21,7 @@ _STEP_M = 0.2
 def dissolve(layout: Layout, row: int) -> None:
     """Take a surface out, and leave to its neighbours what stood on it."""
     children = np.flatnonzero((layout.boxes.parent == row) & layout.is_left).tolist()
-    is_room = layout.objects[row].category == "room"
+    is_room = layout.objects[row].category in ROOMS
     layout.is_left[row] = False
     for child in children:
         ground = _ground_below(layout, child, row)
@@ -44,7 +45,7 @@ def rehome(layout: Layout) -> None:
         if host < 0 or not layout.is_left[row]:
             continue
         bearer = layout.objects[host]
-        is_surface = bearer.category in GROUND or (bearer.category == "room" and not obj.is_coarse)
+        is_surface = bearer.category in GROUND or (bearer.category in ROOMS and not obj.is_coarse)
         if not is_surface or is_chained(obj, bearer):
             continue
         beside_m = _beside_m(layout, host, boxes.centre_m[row, :2])
@@ -66,7 +67,7 @@ def _ground_below(layout: Layout, row: int, host: int) -> int:
     for ground in like:
         if _holds(layout, ground, at):
             return ground
-    if not is_fine and layout.objects[host].category != "room":
+    if not is_fine and layout.objects[host].category not in ROOMS:
         return -1
     like = [host, *like] if layout.is_left[host] else like
     return min(like, key=lambda ground: _beside_m(layout, ground, at), default=-1)
@@ -74,7 +75,7 @@ def _ground_below(layout: Layout, row: int, host: int) -> int:
 
 def other_hosts(layout: Layout, row: int) -> list[int]:
     """Other possible hosts of an object, nearest first; -1 is the bare earth."""
-    if layout.objects[row].category in COVERS | FITTINGS | {"roof"}:
+    if layout.objects[row].category in COVERS | BUILDING_PARTS:
         return []
     boxes, host = layout.boxes, int(layout.host[row])
     like = _hosts_like(layout, None if host < 0 else host)
@@ -90,38 +91,28 @@ def other_hosts(layout: Layout, row: int) -> list[int]:
 
 def _hosts_like(layout: Layout, host: int | None) -> list[int]:
     """Other surfaces of the kind: rooms of the same building at its height, or open ground."""
-    category = None if host is None else layout.objects[host].category
-    if category == "room" and host is not None:
+    if host is not None and layout.objects[host].category in ROOMS:
         found = _rooms_beside(layout, host)
-    elif category is None or category in GROUND:
+    elif host is None or layout.objects[host].category in GROUND:
         found = [
             row
-            for row, obj in enumerate(layout.objects)
-            if obj.category in BEARING
-            and obj.domain == "outdoor"
-            and layout.is_left[row]
-            and row != host
+            for row in layout.rows(BEARING)
+            if layout.objects[row].domain == "outdoor" and row != host
         ]
     else:
         return []
     # Small covers lie on large ones, and are met first; what bears their own comes last.
     found.sort(key=lambda row: float(layout.boxes.half_m[row, :2].prod()))
     above = -1 if host is None else int(layout.boxes.parent[host])
-    is_bearer = above >= 0 and layout.objects[above].category in BEARING | {"room"}
+    is_bearer = above >= 0 and layout.objects[above].category in BEARING | ROOMS
     return [*found, above] if is_bearer and above not in found else found
 
 
 def _rooms_beside(layout: Layout, room: int) -> list[int]:
     """The other rooms of a storey, or where there are none, of the building."""
     boxes = layout.boxes
-    rooms = [
-        row
-        for row, obj in enumerate(layout.objects)
-        if obj.category == "room"
-        and layout.is_left[row]
-        and row != room
-        and boxes.parent[row] == boxes.parent[room]
-    ]
+    parent = boxes.parent
+    rooms = [i for i in layout.rows(ROOMS) if i != room and parent[i] == parent[room]]
     beside = [row for row in rooms if abs(boxes.base_m[row] - boxes.base_m[room]) < _STEP_M]
     return beside or rooms
 

@@ -20,6 +20,7 @@ from aeroscene.feasibility.region import Region
 from aeroscene.feasibility.report import report_of
 from aeroscene.feasibility.stages import project_beside
 from aeroscene.scene import AreaKind, DroneClass, InteractionArea, Scene, SceneError
+from aeroscene.scene.catalogue import PADS
 from aeroscene.solids.freespace import VoxelField, build_distance_field
 from aeroscene.solids.shapes import Primitive, scene_primitives
 from aeroscene.solids.solids import colliding
@@ -121,7 +122,7 @@ def _inner_areas(
     for name, limit in limits.items():
         members = [area for area in inside if _class_of(area) == name]
         bearers = (objects.get(-1 if a.object_id is None else a.object_id) for a in members)
-        pads = [k for k, obj in enumerate(bearers) if obj and obj.category == "landing_pad"]
+        pads = [k for k, obj in enumerate(bearers) if obj and obj.category in PADS]
         places = [area.centroid for area in members]
         origin = scene.start_position_enu_m
         found += spread(places, origin, limit, members.__getitem__, pads)

@@ -20,6 +20,7 @@ from aeroscene.feasibility.boxes import (
 from aeroscene.feasibility.seats import tables_of
 from aeroscene.scene import AttributeValue, OrientedBox, Scene, SceneObject
 from aeroscene.scene.box import quat_from_yaw
+from aeroscene.scene.catalogue import FLOORS, ROOMS, WALLS
 from aeroscene.scene.rooms import NO_ROOM, tile_groups
 
 _DIGITS = 4
@@ -76,6 +77,11 @@ class Layout:
         """Which objects an object must make room for: fine ones do so for coarse ones."""
         return self.is_coarse if self.is_coarse[row] else np.ones(len(self.host), dtype=bool)
 
+    def rows(self, categories: frozenset[str]) -> list[int]:
+        """The objects of some categories that are left."""
+        left = np.flatnonzero(self.is_left).tolist()
+        return [row for row in left if self.objects[row].category in categories]
+
     def parent_of(self, row: int) -> SceneObject | None:
         """The parent of an object."""
         above = int(self.boxes.parent[row])
@@ -84,7 +90,7 @@ class Layout:
     def is_balcony(self, row: int) -> bool:
         """Whether an object is a slab held from the side, outside of what it belongs to."""
         host = int(self.host[row])
-        if self.objects[row].category != "floor" or host < 0:
+        if self.objects[row].category not in FLOORS or host < 0:
             return False
         offset = self.boxes.centre_m[row, :2] - self.boxes.centre_m[host, :2]
         return bool((np.abs(self.boxes.frame(host) @ offset) > self.boxes.half_m[host, :2]).any())
@@ -102,11 +108,12 @@ class Layout:
 
         A house of rooms alone stands on the bare earth, its yard about it.
         """
-        category = np.array([obj.category for obj in self.objects], dtype=str)
         is_free = self.boxes.parent < 0
-        if not (is_free & (category == "room")).any():
-            return np.zeros(len(category), dtype=bool)
-        return is_free & np.isin(category, ["room", "wall"])
+        is_room, is_wall = (
+            np.array([obj.category in names for obj in self.objects], dtype=bool)
+            for names in (ROOMS, WALLS)
+        )
+        return is_free & (is_room | is_wall) & (is_free & is_room).any()
 
     def tiles(self, row: int) -> Int[np.ndarray, " k"]:
         """What bears things as one with an object: the tiles of its room, or it alone."""

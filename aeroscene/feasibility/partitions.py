@@ -11,7 +11,8 @@ import numpy as np
 from jaxtyping import Float
 
 from aeroscene.feasibility.layout import Layout
-from aeroscene.feasibility.roles import BUILDINGS, least_m
+from aeroscene.feasibility.roles import least_m
+from aeroscene.scene.catalogue import BUILDINGS, WALLS
 
 _APART_M = 1.1
 """Walls whose middle lines are further apart leave room between them."""
@@ -42,7 +43,7 @@ def merge_walls(layout: Layout) -> None:
 def _is_partition(layout: Layout, row: int) -> bool:
     parent = layout.parent_of(row)
     is_part = parent is not None and parent.category in BUILDINGS
-    return is_part and layout.objects[row].category == "wall"
+    return is_part and layout.objects[row].category in WALLS
 
 
 def _from(layout: Layout, longer: int, other: int) -> Float[np.ndarray, " 2"]:

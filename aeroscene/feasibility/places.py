@@ -12,7 +12,8 @@ from aeroscene.feasibility.boxes import Boxes
 from aeroscene.feasibility.heights import surface_m
 from aeroscene.feasibility.layout import Layout
 from aeroscene.feasibility.place_search import BLOCK, Blocks, nearest_free
-from aeroscene.feasibility.roles import GROUND, margin_m
+from aeroscene.feasibility.roles import margin_m
+from aeroscene.scene.catalogue import GROUND, ROOMS
 from aeroscene.solids.shapes.shell import FINISH_M
 
 _QUARTER = math.pi / 2
@@ -114,7 +115,7 @@ def floor_m(layout: Layout, row: int, host: int) -> float:
     """Height on which an object stands upon a host, the bare earth included."""
     if host < 0:
         return 0.0
-    if layout.objects[host].category == "room":
+    if layout.objects[host].category in ROOMS:
         return float(layout.boxes.base_m[host]) + FINISH_M
     return surface_m(layout, host, row)
 

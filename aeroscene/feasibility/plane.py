@@ -17,7 +17,8 @@ from aeroscene.feasibility.heights import post
 from aeroscene.feasibility.layout import Layout
 from aeroscene.feasibility.least_change import least_change
 from aeroscene.feasibility.place_search import TOUCH_M
-from aeroscene.feasibility.roles import POSTS, margin_m
+from aeroscene.feasibility.roles import margin_m
+from aeroscene.scene.catalogue import POSTS
 
 _GAP_M = 0.002
 """Gap that is left between parted boxes."""

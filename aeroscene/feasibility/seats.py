@@ -9,10 +9,9 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from aeroscene.feasibility.boxes import Boxes, separation
-from aeroscene.relations.hosts import SEATS
 from aeroscene.scene import SceneObject
+from aeroscene.scene.catalogue import SEATS, TABLES
 
-TABLES = frozenset({"table", "desk"})
 AT_TABLE_M = 0.5
 """Widest gap between a table and a chair that is drawn up to it."""
 TO_CHAIR_M = 0.9

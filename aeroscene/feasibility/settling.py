@@ -13,12 +13,12 @@ from aeroscene.feasibility.hosts import dissolve, other_hosts
 from aeroscene.feasibility.layout import Layout
 from aeroscene.feasibility.place_search import TOUCH_M
 from aeroscene.feasibility.places import Place, find_place, move_to
-from aeroscene.feasibility.roles import BUILDINGS, GROUND, cuttable, least_m
+from aeroscene.feasibility.roles import cuttable, least_m
+from aeroscene.scene.catalogue import BLOCKS, BRIDGES, GROUND, ROOMS
 
 _GAP_M = 0.0005
 _MOST_CUT = 0.6
 """Largest share of a side that a last cut may take."""
-_BUILT = BUILDINGS | {"garage", "container", "kiosk", "bridge"}
 _ROUNDS = 3
 _FAR_M = 2.0
 """Distance of a place beyond which other hosts are considered as well."""
@@ -86,7 +86,7 @@ def settle(layout: Layout, row: int, obstacles: Boxes) -> None:
         layout.drop(row)
         return
     place = _nearest_place(layout, row, obstacles)
-    if layout.objects[row].category in _BUILT and (
+    if layout.objects[row].category in BLOCKS | BRIDGES and (
         place is None or place.distance_m > _MUCH_TOO_FAR_M
     ):
         nearest_m = math.inf if place is None else place.distance_m
@@ -101,7 +101,7 @@ def settle(layout: Layout, row: int, obstacles: Boxes) -> None:
 
 def give_up(layout: Layout, row: int, _: Boxes) -> None:
     """Take an object out with all that belongs to it; a surface alone, without what it bears."""
-    if layout.objects[row].category in GROUND | {"room"}:
+    if layout.objects[row].category in GROUND | ROOMS:
         dissolve(layout, row)
     else:
         layout.drop(row)

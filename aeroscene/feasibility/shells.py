@@ -6,12 +6,13 @@ All lengths are in the building's own axes, in which its parts stand square.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
 from aeroscene.feasibility.layout import Layout
-from aeroscene.feasibility.roles import BUILDINGS
+from aeroscene.scene.catalogue import BUILDINGS, FLOORS, ROOFS, ROOMS, WALLS
 from aeroscene.solids.shapes.facade import WALL_M
 
 _MOST_GROWTH_M = {"indoor": 4.0, "outdoor": 0.75, "mixed": 0.75}
@@ -28,32 +29,33 @@ _NEAR_M = 0.8
 
 def fit_shells(layout: Layout) -> None:
     """Make each building hold its rooms, lie under its roof and on its slab."""
-    for row, obj in enumerate(layout.objects):
-        if obj.category not in BUILDINGS or not layout.is_left[row]:
-            continue
+    for row in layout.rows(BUILDINGS):
         parts = _parts(layout, row)
-        if parts["room"]:
-            _grow(layout, row, parts["room"])
-            _lay_slab(layout, row, parts["floor"])
+        if parts.rooms:
+            _grow(layout, row, parts.rooms)
+            _lay_slab(layout, row, parts.floors)
             _level(layout, row, parts)
     lay_roofs(layout)
 
 
 def lay_roofs(layout: Layout) -> None:
     """Lay each roof over its building."""
-    for row, obj in enumerate(layout.objects):
-        if obj.category in BUILDINGS and layout.is_left[row]:
-            for roof in _parts(layout, row)["roof"]:
-                _cover(layout, row, roof)
+    for row in layout.rows(BUILDINGS):
+        for roof in _parts(layout, row).roofs:
+            _cover(layout, row, roof)
 
 
-def _parts(layout: Layout, row: int) -> dict[str, list[int]]:
-    found: dict[str, list[int]] = {name: [] for name in ("room", "floor", "wall", "roof")}
-    for part in np.flatnonzero((layout.boxes.parent == row) & layout.is_left).tolist():
-        category = layout.objects[part].category
-        if category in found:
-            found[category].append(part)
-    return found
+class _Parts(NamedTuple):
+    rooms: list[int]
+    floors: list[int]
+    walls: list[int]
+    roofs: list[int]
+
+
+def _parts(layout: Layout, row: int) -> _Parts:
+    parts = np.flatnonzero((layout.boxes.parent == row) & layout.is_left).tolist()
+    kinds = (ROOMS, FLOORS, WALLS, ROOFS)
+    return _Parts(*([i for i in parts if layout.objects[i].category in kind] for kind in kinds))
 
 
 def _borders(layout: Layout, row: int, part: int) -> Float[np.ndarray, "2 2"]:
@@ -113,12 +115,12 @@ def _set_span(layout: Layout, part: int, base_m: float, height_m: float) -> None
         boxes.centre_m[part, 2] = base_m + height_m / 2
 
 
-def _level(layout: Layout, row: int, parts: dict[str, list[int]]) -> None:
+def _level(layout: Layout, row: int, parts: _Parts) -> None:
     """Slabs of a storey lie at one height; rooms and walls stand on slabs and end below others."""
     boxes = layout.boxes
     ground_m, roof_m = float(boxes.base_m[row]), float(boxes.top_m[row])
-    upper = [f for f in parts["floor"] if boxes.base_m[f] - ground_m > _STOREY_M]
-    lower = [f for f in parts["floor"] if f not in upper]
+    upper = [f for f in parts.floors if boxes.base_m[f] - ground_m > _STOREY_M]
+    lower = [f for f in parts.floors if f not in upper]
     floors_m = [max(float(boxes.top_m[f]) for f in lower) if lower else ground_m]
     ceilings_m = [roof_m]
     for group in _storeys(layout, upper):
@@ -128,9 +130,9 @@ def _level(layout: Layout, row: int, parts: dict[str, list[int]]) -> None:
             _set_span(layout, slab, base_m, thick_m)
         floors_m.append(base_m + thick_m)
         ceilings_m.append(base_m)
-    for part in (*parts["room"], *parts["wall"]):
+    for part in (*parts.rooms, *parts.walls):
         _stand(layout, part, floors_m, ceilings_m)
-    _bear(layout, row, upper, [r for r in parts["room"] if boxes.base_m[r] - ground_m > _STOREY_M])
+    _bear(layout, row, upper, [r for r in parts.rooms if boxes.base_m[r] - ground_m > _STOREY_M])
 
 
 def _storeys(layout: Layout, slabs: list[int]) -> list[list[int]]:
@@ -149,7 +151,7 @@ def _stand(layout: Layout, part: int, floors_m: list[float], ceilings_m: list[fl
     """Set a room or wall onto the nearest floor, and up to the ceiling that it nearly reaches."""
     boxes = layout.boxes
     base_m, top_m = float(boxes.base_m[part]), float(boxes.top_m[part])
-    is_wall = layout.objects[part].category == "wall"
+    is_wall = layout.objects[part].category in WALLS
     # Beside the edge of an upper floor a wall stands on the wall below.
     stands = [*floors_m, *(ceilings_m[1:] if is_wall else [])]
     foot_m = min(stands, key=lambda floor: abs(floor - base_m))

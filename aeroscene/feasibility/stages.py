@@ -19,7 +19,7 @@ from aeroscene.feasibility.hosts import rehome
 from aeroscene.feasibility.layout import Layout
 from aeroscene.feasibility.partitions import merge_walls
 from aeroscene.feasibility.plane import PlaneProblem
-from aeroscene.feasibility.roles import GROUND, is_chained
+from aeroscene.feasibility.roles import is_chained
 from aeroscene.feasibility.seats import turns_to_tables
 from aeroscene.feasibility.settling import cut_overlaps, give_up, resettle, set_on_earth, settle
 from aeroscene.feasibility.shells import fit_shells, lay_roofs
@@ -28,6 +28,7 @@ from aeroscene.feasibility.strays import drop_strays
 from aeroscene.feasibility.tiling import fill_buildings, hold_children, make_room
 from aeroscene.feasibility.traffic import turns_with_traffic
 from aeroscene.scene import Scene
+from aeroscene.scene.catalogue import GROUND
 from aeroscene.scene.rooms import strayed_to
 from aeroscene.solids.shapes import scene_primitives
 from aeroscene.solids.solids import colliding

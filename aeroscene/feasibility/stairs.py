@@ -9,7 +9,7 @@ from jaxtyping import Float
 
 from aeroscene.feasibility.boxes import Boxes
 from aeroscene.feasibility.layout import Layout
-from aeroscene.relations.hosts import AT_LEVELS, LEVELS
+from aeroscene.scene.catalogue import BRIDGES, LEVELS, STAIRS
 from aeroscene.solids.shapes.structures import RAIL_M
 
 REACH_M = 0.5
@@ -33,9 +33,9 @@ class Landing:
 def landings_of(layout: Layout) -> list[Landing]:
     """The level that each flight of stairs leads to; those that lead nowhere are left out."""
     found: list[Landing] = []
-    for stairs in _rows(layout, AT_LEVELS):
+    for stairs in layout.rows(STAIRS):
         best = (REACH_M, -1)
-        for level in _rows(layout, LEVELS):
+        for level in layout.rows(LEVELS):
             best = min(best, (_gap_m(layout, stairs, level), level))
         if best[1] >= 0:
             found.append(_landing(layout.boxes, stairs, best[1]))
@@ -62,15 +62,10 @@ def drop_lost(layout: Layout, landings: list[Landing]) -> None:
             layout.drop(each.stairs)
 
 
-def _rows(layout: Layout, categories: frozenset[str]) -> list[int]:
-    left = np.flatnonzero(layout.is_left).tolist()
-    return [row for row in left if layout.objects[row].category in categories]
-
-
 def _gap_m(layout: Layout, stairs: int, level: int) -> float:
     """From the top of stairs to a level in the plane; infinite at another height."""
     boxes = layout.boxes
-    rail_m = RAIL_M if layout.objects[level].category == "bridge" else 0.0
+    rail_m = RAIL_M if layout.objects[level].category in BRIDGES else 0.0
     if abs(boxes.top_m[stairs] - boxes.top_m[level] + rail_m) > STEP_M:
         return np.inf
     half_m = boxes.half_m[stairs]

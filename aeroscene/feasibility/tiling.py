@@ -13,7 +13,8 @@ from jaxtyping import Bool, Float, Int
 
 from aeroscene.feasibility.boxes import Boxes
 from aeroscene.feasibility.layout import Layout
-from aeroscene.feasibility.roles import BUILDINGS, TILING, is_fitting, margin_m
+from aeroscene.feasibility.roles import is_fitting, margin_m
+from aeroscene.scene.catalogue import BUILDINGS, OPEN_GROUND, ROOMS
 
 _TOUCH_M = 0.001
 _SAME_M = 0.01
@@ -31,7 +32,7 @@ _RIM_M = 0.1
 
 def hold_children(layout: Layout) -> None:
     """Let open ground grow under what belongs to it and lies beside it, where there is room."""
-    for row in _rows(layout, TILING):
+    for row in _rows(layout, OPEN_GROUND):
         _grow(layout, row, np.minimum(_beyond_m(layout, row), _MOST_M))
 
 
@@ -40,7 +41,7 @@ def make_room(layout: Layout, is_wanted: Bool[np.ndarray, " n"], air: Boxes) -> 
     rows = np.unique(layout.overlaps(_CROWDED_M, air).pairs)
     rows = rows[rows < len(is_wanted)]
     crowded = set(layout.host[rows[is_wanted[rows]]].tolist())
-    for row in _rows(layout, TILING):
+    for row in _rows(layout, OPEN_GROUND):
         if row in crowded:
             _grow(layout, row, np.minimum(_to_border_m(layout, row), _MOST_M))
 
@@ -48,7 +49,7 @@ def make_room(layout: Layout, is_wanted: Bool[np.ndarray, " n"], air: Boxes) -> 
 def _to_border_m(layout: Layout, row: int) -> Float[np.ndarray, "2 2"]:
     """Distances of a surface's low and high sides from where all surfaces beside it end."""
     boxes = layout.boxes
-    beside = [i for i in _rows(layout, TILING) if boxes.parent[i] == boxes.parent[row]]
+    beside = [i for i in _rows(layout, OPEN_GROUND) if boxes.parent[i] == boxes.parent[row]]
     middle, reach = _spans(layout, row, np.array(beside))
     half = boxes.half_m[row, :2]
     return np.stack([(reach - middle).max(axis=0) - half, (middle + reach).max(axis=0) - half])
@@ -56,7 +57,7 @@ def _to_border_m(layout: Layout, row: int) -> Float[np.ndarray, "2 2"]:
 
 def fill_buildings(layout: Layout) -> None:
     """Let rooms grow over what belongs to them, then up to walls, other rooms and the shell."""
-    rows = _rows(layout, frozenset({"room"}))
+    rows = _rows(layout, ROOMS)
     for row in rows:
         _grow(layout, row, np.minimum(_beyond_m(layout, row), _within_m(layout, row)))
     for row in rows:
@@ -67,10 +68,8 @@ def _rows(layout: Layout, categories: frozenset[str]) -> list[int]:
     """Surfaces of some categories that are parts of a building or of nothing."""
     return [
         row
-        for row, obj in enumerate(layout.objects)
-        if obj.category in categories
-        and layout.is_left[row]
-        and ((parent := layout.parent_of(row)) is None or parent.category in BUILDINGS)
+        for row in layout.rows(categories)
+        if ((parent := layout.parent_of(row)) is None or parent.category in BUILDINGS)
     ]
 
 

@@ -9,9 +9,9 @@ import numpy as np
 from jaxtyping import Bool
 
 from aeroscene.feasibility.boxes import Boxes
-from aeroscene.relations.hosts import VEHICLES
 from aeroscene.relations.plane import QUARTER, Place, Rectangle
 from aeroscene.scene import SceneObject
+from aeroscene.scene.catalogue import ROADS, VEHICLES
 
 _ACROSS_RAD = math.radians(45.0)
 """Angle to its road beyond which a vehicle stands across it."""
@@ -22,7 +22,7 @@ def turns_with_traffic(
 ) -> list[tuple[int, float]]:
     """Rows of vehicles on the wrong side of a road, and the turns that mend it, rad."""
     left = np.flatnonzero(is_left).tolist()
-    roads = [_outline(boxes, row) for row in left if objects[row].category == "road"]
+    roads = [_outline(boxes, row) for row in left if objects[row].category in ROADS]
     vehicles = [row for row in left if objects[row].category in VEHICLES]
     turns = ((row, _turn_rad(_outline(boxes, row).place, roads)) for row in vehicles)
     return [(row, turn_rad) for row, turn_rad in turns if turn_rad]

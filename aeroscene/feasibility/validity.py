@@ -13,6 +13,7 @@ from jaxtyping import Bool, Float, Int
 
 from aeroscene.feasibility.boxes import Boxes, boxes_of, footprint_depth, forbidden_overlaps
 from aeroscene.scene import Scene
+from aeroscene.scene.catalogue import ROOFS, WATER
 from aeroscene.solids.shapes import Primitive, scene_primitives
 from aeroscene.solids.solids import Solids, colliding
 from aeroscene.validation.columns import spans
@@ -28,8 +29,6 @@ OUTSIDE_M = 0.01
 """A box may reach this far beyond the flight volume."""
 _INNER = 0.98
 """Share of the half extents at which outlines are probed: a wall beside one does not count."""
-_YIELDING = frozenset({"water", "roof"})
-"""Categories into which objects may sink: a boat into water, a chimney into a roof's slope."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -86,7 +85,8 @@ def _sunk(
     is_sunk = np.zeros(len(boxes), dtype=bool)
     objects = scene.objects
     for i, above in enumerate(boxes.parent.tolist()):
-        if above < 0 or objects[above].category not in _YIELDING:
+        # A boat sinks into water, a chimney into the slope of a roof.
+        if above < 0 or objects[above].category not in WATER | ROOFS:
             is_sunk[i] = _is_buried(solids, owner, boxes, i, probes[i])
     return is_sunk
 

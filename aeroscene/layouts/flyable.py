@@ -26,6 +26,7 @@ from aeroscene.layouts.mapping import MappingReport
 from aeroscene.layouts.placing import place_objects
 from aeroscene.layouts.site import Grounds, Site, survey
 from aeroscene.scene import Scene, SceneDomain, Vector3
+from aeroscene.scene.catalogue import LAWNS, ROOMS
 from aeroscene.scene.origin import ALTITUDE_M, LATITUDE_DEG, LONGITUDE_DEG
 
 SKY_M = 6.0
@@ -97,7 +98,7 @@ def _scene(site: Site, top_m: float) -> Scene:
 
 def _extent(site: Site, top_m: float) -> tuple[Vector3, Vector3]:
     """The flight volume: the ground, what reaches a little over its edge, and air above."""
-    grounds = [obj for obj in site.assembly.objects if obj.category in {"lawn", "room"}]
+    grounds = [obj for obj in site.assembly.objects if obj.category in LAWNS | ROOMS]
     ground = np.concatenate([obj.bbox.corners() for obj in grounds])
     corners = np.concatenate([obj.bbox.corners() for obj in site.assembly.objects])
     low = np.maximum(corners.min(axis=0), ground.min(axis=0) - _OVERHANG_M)

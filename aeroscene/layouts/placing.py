@@ -7,6 +7,7 @@ from aeroscene.layouts.house import ROOF_M
 from aeroscene.layouts.mapping import form_of
 from aeroscene.layouts.site import Kept, Site
 from aeroscene.scene import AttributeValue, ObjectDomain, OrientedBox, SceneObject
+from aeroscene.scene.catalogue import ROOMS
 from aeroscene.scene.hanging import PENDANT
 
 _ROOFED = ("building", "house")
@@ -18,7 +19,7 @@ _HANGS_M = 0.5
 def place_objects(site: Site) -> None:
     """Each object under its parent, its nearest kept ancestor, or the room that it stands in."""
     objects = site.layout.objects
-    rooms = [obj for obj in site.assembly.objects if obj.category == "room"]
+    rooms = [obj for obj in site.assembly.objects if obj.category in ROOMS]
     contained = {obj.parent for obj in objects}
     ids: dict[int, int] = {}
     for index, kept in site.kept.items():

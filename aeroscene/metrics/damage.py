@@ -17,7 +17,7 @@ import numpy as np
 
 from aeroscene.scene import Scene, SceneObject
 from aeroscene.scene.box import quat_from_yaw
-from aeroscene.scene.catalogue import CATALOGUE
+from aeroscene.scene.catalogue import CATALOGUE, SEATS
 
 Damage = Callable[[Scene, np.random.Generator], Scene]
 """From a scene to the same with some of its objects changed, without areas."""
@@ -60,7 +60,7 @@ def with_chairs_turned(
     scene: Scene, rng: np.random.Generator, *, share: float = _CHAIRS_TURNED
 ) -> Scene:
     """A share of the chairs turned about their own vertical by a quarter or more."""
-    chairs = [row for row, obj in enumerate(scene.objects) if obj.category == "chair"]
+    chairs = [row for row, obj in enumerate(scene.objects) if obj.category in SEATS]
     rows = set(rng.permutation(chairs)[: round(share * len(chairs))].tolist())
     angles = rng.uniform(_LEAST_TURN_RAD, 2 * math.pi - _LEAST_TURN_RAD, len(scene.objects))
     return _with(

@@ -17,7 +17,7 @@ import numpy as np
 from jaxtyping import Int
 
 from aeroscene.metrics.arrays import SceneArrays
-from aeroscene.scene.catalogue import CATALOGUE
+from aeroscene.scene.catalogue import CATALOGUE, TWO_SIDED
 
 N_NEIGHBOURS = 8
 DISTANCE_EDGES_M = np.array([0.1, 0.2, 0.4, 0.7, 1.2, 2.0, 3.5, 6.0])
@@ -28,11 +28,7 @@ N_DISTANCES = len(DISTANCE_EDGES_M) + 1
 N_HEIGHTS = len(HEIGHT_EDGES_M) + 1
 N_PLACES = N_DISTANCES * N_HEIGHTS * N_DIRECTIONS
 
-TWO_SIDED = frozenset({"lawn", "plaza", "deck", "floor", "room"}) | frozenset(
-    {"wall", "fence", "bridge", "chimney", "table", "coffee_table", "crate", "pallet"}
-)
-"""Categories whose shapes are the same after half a turn; a wall's with its openings mirrored."""
-_IS_TWO_SIDED = np.array([CATALOGUE[number].name in TWO_SIDED for number in sorted(CATALOGUE)])
+_IS_TWO_SIDED = np.array([CATALOGUE[i].name in TWO_SIDED for i in sorted(CATALOGUE)])
 _HALF = N_DIRECTIONS // 2
 _ON_TOP_M = 0.01
 """Distance in the plane below which one centre is on top of the other: it counts as ahead."""

@@ -10,26 +10,10 @@ from collections import defaultdict
 
 from aeroscene.relations.relation import MAX_HOSTS, Kind
 from aeroscene.scene import OrientedBox, SceneObject
-from aeroscene.scene.catalogue import CATALOGUE
+from aeroscene.scene.catalogue import BRIDGES, CATALOGUE, LEVELS, ROADS, SIGNALS, STAIRS, TABLETOPS
 from aeroscene.solids.shapes.structures import RAIL_M
 
-SEATS = frozenset({"chair"})
-"""What is drawn up to a table: sofas come before their coffee table."""
-SEATED_AT = frozenset({"table", "desk", "counter", "coffee_table"})
-VEHICLES = frozenset({"car", "van", "truck", "bus"})
-AT_ROADS = frozenset({"traffic_light"})
-"""What stands beside a road, whatever it stands on."""
-AT_LEVELS = frozenset({"stairs"})
-"""What leads up to a level beside it, whatever it stands on."""
-LEVELS = frozenset({"terrain", "floor", "deck", "bridge", "roof", "container"})
-"""What stairs lead up to."""
-ROUND = frozenset(
-    {"tree", "bush", "plant", "planter", "lamp", "bin", "barrel", "crate", "box", "plate", "cup"}
-    | {"water_tank", "chimney", "antenna"}
-)
-"""What has no front."""
 N_TURNS = 3
-_ROAD = "road"
 _INSIDE = frozenset({Kind.EDGE, Kind.CENTRE, Kind.ON, Kind.SCATTER})
 
 
@@ -41,14 +25,14 @@ def is_furniture(category_id: int) -> bool:
 def turn_of(category_id: int) -> int:
     """When something is drawn: coarse things first, then what leads up to them, then the rest."""
     category = CATALOGUE[category_id]
-    if category.name in AT_LEVELS:
+    if category.name in STAIRS:
         return 1
     return 0 if category.level == "coarse" else N_TURNS - 1
 
 
 def level_m(category: str, box: OrientedBox) -> float:
     """Height of what one walks on, on something: its top, of a bridge its deck between rails."""
-    return box.p[2] + box.s[2] / 2 - (RAIL_M if category == "bridge" else 0.0)
+    return box.p[2] + box.s[2] / 2 - (RAIL_M if category in BRIDGES else 0.0)
 
 
 class Standing:
@@ -69,15 +53,15 @@ class Standing:
         self, object_id: int, category_id: int, parent_id: int | None, seat_of: int | None = None
     ) -> None:
         """Let an object stand; a chair says at which table."""
-        category = CATALOGUE[category_id].name
-        self._category[object_id] = category
+        category = CATALOGUE[category_id]
+        self._category[object_id] = category.name
         self._parent[object_id] = parent_id
         self._children[parent_id].append(object_id)
         if seat_of is not None:
             self._seats[seat_of].append(object_id)
-        if category == _ROAD:
+        if category.name in ROADS:
             self._roads.append(object_id)
-        if category in LEVELS:
+        if category.name in LEVELS:
             self._levels.append(object_id)
 
     def category(self, object_id: int | None) -> str:
@@ -103,10 +87,10 @@ class Standing:
         if kind == Kind.LANE:
             return sorted(self._roads, key=lambda road: road != parent_id)[:MAX_HOSTS]
         if kind == Kind.SEAT:
-            return [host for host in beside if self._is_seated_at(host)][:MAX_HOSTS]
-        if CATALOGUE[category_id].name in AT_ROADS:
+            return [host for host in beside if self.category(host) in TABLETOPS][:MAX_HOSTS]
+        if CATALOGUE[category_id].name in SIGNALS:
             return self._roads[:MAX_HOSTS]
-        if CATALOGUE[category_id].name in AT_LEVELS:
+        if CATALOGUE[category_id].name in STAIRS:
             return self._levels_from(parent_id)[:MAX_HOSTS]
         seats = self._seats[parent_id] if parent_id is not None and kind == Kind.SIDE else []
         return [*seats, *beside][:MAX_HOSTS]
@@ -121,6 +105,3 @@ class Standing:
         last_first = list(reversed(self._levels))
         last_first.sort(key=far)
         return last_first
-
-    def _is_seated_at(self, object_id: int | None) -> bool:
-        return self.category(object_id) in SEATED_AT

@@ -37,9 +37,7 @@ from aeroscene.relations.relation import (
     Unit,
 )
 from aeroscene.scene.box import OrientedBox, Vector3, quat_from_yaw, quat_product
-from aeroscene.scene.catalogue import CATALOGUE
-
-_POSTS = frozenset({"street_lamp"})
+from aeroscene.scene.catalogue import CATALOGUE, POSTS
 
 
 def locate(relation: Relation, residual: Residual, host: Rectangle, half_m: Half) -> Place:
@@ -97,7 +95,7 @@ def array_half_m(array: Array | None, halves_m: Sequence[Half]) -> Half:
 def foot_m(category_id: int, size_m: Vector3) -> Half:
     """Half extents of what an object stands on: its footprint; of a lamp post without its arm."""
     x_m, y_m = size_m[0] / 2, size_m[1] / 2
-    if CATALOGUE[category_id].name in _POSTS:
+    if CATALOGUE[category_id].name in POSTS:
         return min(x_m, y_m), min(x_m, y_m)
     return x_m, y_m
 

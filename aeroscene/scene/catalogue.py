@@ -1,4 +1,4 @@
-"""The 23 coarse and 47 fine categories: real sizes, what carries them, where a drone may land.
+"""The 23 coarse and 47 fine categories: real sizes, what carries them, which roles they have.
 
 The paper gives the numbers of categories, not their names. Sizes are ranges of full local
 extents in metres, x forwards (the side a thing shows to its user or its direction of travel),
@@ -10,11 +10,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
-from typing import Literal
+from typing import Literal, cast
 
 Level = Literal["coarse", "fine"]
-Support = Literal["ground", "building", "roof", "floor", "furniture", "room", "water"]
-
+Support = Literal["ground", "building", "roof", "floor", "furniture", "water"]
 COARSE_COUNT = 23
 
 Range = tuple[float, float]
@@ -35,100 +34,112 @@ class Category:
     """Range of the extent along z."""
     supports: tuple[Support, ...]
     """What objects of this kind stand on, hang on or lie in."""
-    is_landable: bool
-    """Whether level upward faces of its shape may carry a drone."""
     surface: str
-    """What a drone's landing gear meets there."""
+    """What a drone's landing gear meets on top of it."""
+    roles: frozenset[str]
+    """What it is to other objects, people and drones; the sets below say what each word means."""
 
 
-_Row = tuple[str, Range, Range, Range, tuple[Support, ...], bool, str]
+_Row = tuple[str, Range, Range, Range, str, str, str]
 
-_STREET: tuple[Support, ...] = ("ground",)
-_ROOF: tuple[Support, ...] = ("roof",)
-_FLOOR: tuple[Support, ...] = ("floor",)
-_TOP: tuple[Support, ...] = ("furniture",)
-
-# name, x range, y range, z range, supports, landable, surface
+# fmt: off
 _COARSE: tuple[_Row, ...] = (
-    ("building", (6, 40), (6, 40), (3, 40), _STREET, False, "concrete"),
-    ("house", (6, 16), (6, 16), (2.6, 8), _STREET, False, "brick"),
-    ("tower", (5, 16), (5, 16), (12, 45), _STREET, False, "concrete"),
-    ("warehouse", (10, 40), (10, 40), (4, 12), _STREET, True, "metal"),
-    ("garage", (2, 8), (2, 8), (2, 3.5), _STREET, True, "concrete"),
-    ("terrain", (2, 120), (2, 120), (0.1, 8), ("ground",), True, "grass"),
-    ("kiosk", (2, 4), (2, 5), (2.4, 3.5), _STREET, True, "metal"),
-    ("container", (5.9, 12.3), (2.3, 2.6), (2.4, 2.9), ("ground", "building"), True, "metal"),
-    ("canopy", (2, 12), (2, 16), (2.6, 5.5), _STREET, True, "metal"),
-    ("bridge", (8, 40), (2, 4), (4, 8), _STREET, True, "concrete"),
-    ("deck", (3, 14), (3, 14), (0.15, 1.2), ("ground", "roof"), True, "wood"),
-    ("water", (3, 120), (3, 120), (0.05, 0.6), _STREET, False, "water"),
-    ("roof", (2, 42), (2, 42), (0.2, 5), ("building",), True, "roofing"),
-    ("floor", (3, 40), (3, 40), (0.1, 0.4), ("building",), False, "concrete"),
-    ("room", (2, 32), (2, 32), (2.2, 9), ("building",), True, "wood"),
-    ("wall", (0.08, 0.5), (0.8, 24), (0.5, 9), ("building", "ground"), False, "concrete"),
-    ("road", (4, 120), (4, 12), (0.02, 0.15), _STREET, False, "asphalt"),
-    ("sidewalk", (2, 120), (1, 8), (0.05, 0.25), _STREET, True, "paving"),
-    ("lawn", (2, 60), (2, 60), (0.02, 0.3), _STREET, True, "grass"),
-    ("parking_lot", (5, 60), (5, 60), (0.02, 0.15), _STREET, True, "asphalt"),
-    ("plaza", (5, 60), (5, 60), (0.02, 0.25), _STREET, True, "paving"),
-    ("fence", (0.05, 0.3), (1, 60), (0.8, 2.4), _STREET, False, "metal"),
-    ("stairs", (1, 6), (1, 8), (0.3, 4), ("ground", "floor"), False, "concrete"),
+    # name            length x, m   width y, m    height z, m    supports             surface      roles
+    ("building",      (6, 40),      (6, 40),      (3, 40),       "ground",            "concrete",  "building shell block"),
+    ("house",         (6, 16),      (6, 16),      (2.6, 8),      "ground",            "brick",     "building shell block"),
+    ("tower",         (5, 16),      (5, 16),      (12, 45),      "ground",            "concrete",  "building shell block"),
+    ("warehouse",     (10, 40),     (10, 40),     (4, 12),       "ground",            "metal",     "building shell block landable"),
+    ("garage",        (2, 8),       (2, 8),       (2, 3.5),      "ground",            "concrete",  "shell block landable"),
+    ("terrain",       (2, 120),     (2, 120),     (0.1, 8),      "ground",            "grass",     "level terrain landable"),
+    ("kiosk",         (2, 4),       (2, 5),       (2.4, 3.5),    "ground",            "metal",     "block landable"),
+    ("container",     (5.9, 12.3),  (2.3, 2.6),   (2.4, 2.9),    "ground building",   "metal",     "block level landable"),
+    ("canopy",        (2, 12),      (2, 16),      (2.6, 5.5),    "ground",            "metal",     "canopy landable"),
+    ("bridge",        (8, 40),      (2, 4),       (4, 8),        "ground",            "concrete",  "bridge level two_sided landable"),
+    ("deck",          (3, 14),      (3, 14),      (0.15, 1.2),   "ground roof",       "wood",      "deck level two_sided landable"),
+    ("water",         (3, 120),     (3, 120),     (0.05, 0.6),   "ground",            "water",     "cover water no_perch"),
+    ("roof",          (2, 42),      (2, 42),      (0.2, 5),      "building",          "roofing",   "roof level landable"),
+    ("floor",         (3, 40),      (3, 40),      (0.1, 0.4),    "building",          "concrete",  "floor level two_sided no_perch"),
+    ("room",          (2, 32),      (2, 32),      (2.2, 9),      "building",          "wood",      "room two_sided landable no_perch"),
+    ("wall",          (0.08, 0.5),  (0.8, 24),    (0.5, 9),      "building ground",   "concrete",  "wall two_sided"),
+    ("road",          (4, 120),     (4, 12),      (0.02, 0.15),  "ground",            "asphalt",   "cover road strip way no_perch"),
+    ("sidewalk",      (2, 120),     (1, 8),       (0.05, 0.25),  "ground",            "paving",    "cover strip way landable"),
+    ("lawn",          (2, 60),      (2, 60),      (0.02, 0.3),   "ground",            "grass",     "cover open lawn two_sided landable"),
+    ("parking_lot",   (5, 60),      (5, 60),      (0.02, 0.15),  "ground",            "asphalt",   "cover open parking landable"),
+    ("plaza",         (5, 60),      (5, 60),      (0.02, 0.25),  "ground",            "paving",    "cover open way two_sided landable"),
+    ("fence",         (0.05, 0.3),  (1, 60),      (0.8, 2.4),    "ground",            "metal",     "fence two_sided"),
+    ("stairs",        (1, 6),       (1, 8),       (0.3, 4),      "ground floor",      "concrete",  "stairs"),
 )
 
 _FINE: tuple[_Row, ...] = (
-    ("car", (3.5, 5), (1.6, 2), (1.3, 1.8), _STREET, True, "metal"),
-    ("van", (4.5, 6.5), (1.8, 2.2), (1.9, 2.8), _STREET, True, "metal"),
-    ("truck", (6, 10), (2.2, 2.6), (2.6, 4), _STREET, True, "metal"),
-    ("bus", (9, 13), (2.4, 2.6), (2.8, 3.4), _STREET, True, "metal"),
-    ("bicycle", (1.5, 1.9), (0.4, 0.7), (0.9, 1.2), _STREET, False, "metal"),
-    ("tree", (1.5, 8), (1.5, 8), (3, 14), ("ground", "roof"), False, "leaves"),
-    ("bush", (0.5, 2.5), (0.5, 2.5), (0.4, 2), ("ground", "roof"), False, "leaves"),
-    ("street_lamp", (0.3, 2.5), (0.2, 0.8), (3, 9), _STREET, False, "metal"),
-    ("traffic_light", (0.2, 0.6), (0.2, 0.8), (2.4, 5), _STREET, False, "metal"),
-    ("sign", (0.05, 0.3), (0.4, 2.5), (1.8, 4), _STREET, False, "metal"),
-    ("bench", (0.4, 0.8), (1.2, 2.2), (0.4, 1), ("ground", "roof"), False, "wood"),
-    ("bin", (0.35, 0.9), (0.35, 1.3), (0.7, 1.4), ("ground", "floor"), False, "plastic"),
-    ("boat", (4, 12), (1.6, 4), (0.8, 9), ("water",), False, "wood"),
-    ("planter", (0.4, 1.6), (0.4, 3), (0.5, 1.6), ("ground", "roof", "floor"), False, "leaves"),
-    ("crate", (0.6, 1.4), (0.6, 1.4), (0.5, 1.3), ("ground", "floor", "roof"), True, "wood"),
-    ("barrel", (0.5, 0.7), (0.5, 0.7), (0.8, 1), ("ground", "floor"), True, "metal"),
-    ("pallet", (1, 1.3), (0.8, 1.3), (0.12, 1.4), ("ground", "floor"), True, "wood"),
-    ("landing_pad", (1.5, 6), (1.5, 6), (0.03, 0.4), ("ground", "roof"), True, "rubber"),
-    ("ac_unit", (0.8, 2.6), (0.8, 2.6), (0.7, 1.8), _ROOF, True, "metal"),
-    ("chimney", (0.4, 1.2), (0.4, 1.2), (0.8, 3.5), _ROOF, False, "brick"),
-    ("solar_panel", (1, 2.5), (1.5, 6), (0.3, 1.2), _ROOF, False, "glass"),
-    ("water_tank", (1.2, 3), (1.2, 3), (1.2, 3.5), ("roof", "ground"), True, "metal"),
-    ("antenna", (0.2, 1.2), (0.2, 1.2), (2, 6), _ROOF, False, "metal"),
-    ("table", (0.7, 1.4), (0.8, 2.6), (0.68, 0.8), ("floor", "ground", "roof"), True, "wood"),
-    ("chair", (0.42, 0.65), (0.4, 0.62), (0.78, 1.1), ("floor", "ground", "roof"), False, "wood"),
-    ("sofa", (0.8, 1.05), (1.4, 2.6), (0.7, 0.95), _FLOOR, False, "fabric"),
-    ("armchair", (0.75, 1), (0.7, 1), (0.7, 1), _FLOOR, False, "fabric"),
-    ("bed", (1.9, 2.2), (0.9, 2), (0.5, 1.1), _FLOOR, True, "fabric"),
-    ("desk", (0.6, 0.9), (1.1, 2), (0.7, 0.78), _FLOOR, True, "wood"),
-    ("cabinet", (0.35, 0.7), (0.6, 2), (0.7, 1.2), _FLOOR, True, "wood"),
-    ("wardrobe", (0.5, 0.7), (0.8, 2.4), (1.8, 2.3), _FLOOR, False, "wood"),
-    ("shelf", (0.25, 0.5), (0.6, 2), (1.2, 2.2), _FLOOR, False, "wood"),
-    ("coffee_table", (0.5, 0.9), (0.8, 1.4), (0.35, 0.5), _FLOOR, True, "wood"),
-    ("nightstand", (0.35, 0.5), (0.4, 0.6), (0.4, 0.65), _FLOOR, False, "wood"),
-    ("counter", (0.55, 0.8), (1.2, 4.5), (0.85, 1.1), _FLOOR, True, "stone"),
-    ("fridge", (0.6, 0.75), (0.55, 0.95), (1.4, 2), _FLOOR, False, "metal"),
-    ("stove", (0.55, 0.7), (0.5, 0.9), (0.85, 0.95), _FLOOR, False, "metal"),
-    ("television", (0.05, 0.35), (0.7, 1.7), (0.45, 1.05), _TOP, False, "plastic"),
-    ("lamp", (0.25, 0.6), (0.25, 0.6), (0.35, 1.9), ("floor", "furniture"), False, "metal"),
-    ("plant", (0.3, 0.9), (0.3, 0.9), (0.4, 1.8), ("floor", "furniture"), False, "leaves"),
-    ("laptop", (0.22, 0.3), (0.3, 0.4), (0.18, 0.3), _TOP, False, "metal"),
-    ("monitor", (0.15, 0.3), (0.45, 0.9), (0.35, 0.6), _TOP, False, "plastic"),
-    ("plate", (0.18, 0.32), (0.18, 0.32), (0.015, 0.05), _TOP, False, "ceramic"),
-    ("cup", (0.07, 0.12), (0.07, 0.12), (0.08, 0.14), _TOP, False, "ceramic"),
-    ("cutlery", (0.16, 0.24), (0.02, 0.09), (0.006, 0.02), _TOP, False, "metal"),
-    ("book", (0.15, 0.3), (0.12, 0.4), (0.02, 0.3), _TOP, False, "paper"),
-    ("box", (0.2, 0.7), (0.2, 0.7), (0.15, 0.6), ("floor", "furniture"), False, "cardboard"),
+    # name            length x, m   width y, m    height z, m    supports             surface      roles
+    ("car",           (3.5, 5),     (1.6, 2),     (1.3, 1.8),    "ground",            "metal",     "vehicle landable"),
+    ("van",           (4.5, 6.5),   (1.8, 2.2),   (1.9, 2.8),    "ground",            "metal",     "vehicle landable"),
+    ("truck",         (6, 10),      (2.2, 2.6),   (2.6, 4),      "ground",            "metal",     "vehicle landable"),
+    ("bus",           (9, 13),      (2.4, 2.6),   (2.8, 3.4),    "ground",            "metal",     "vehicle landable"),
+    ("bicycle",       (1.5, 1.9),   (0.4, 0.7),   (0.9, 1.2),    "ground",            "metal",     ""),
+    ("tree",          (1.5, 8),     (1.5, 8),     (3, 14),       "ground roof",       "leaves",    "leafy round no_perch"),
+    ("bush",          (0.5, 2.5),   (0.5, 2.5),   (0.4, 2),      "ground roof",       "leaves",    "leafy round no_perch"),
+    ("street_lamp",   (0.3, 2.5),   (0.2, 0.8),   (3, 9),        "ground",            "metal",     "post"),
+    ("traffic_light", (0.2, 0.6),   (0.2, 0.8),   (2.4, 5),      "ground",            "metal",     "signal"),
+    ("sign",          (0.05, 0.3),  (0.4, 2.5),   (1.8, 4),      "ground",            "metal",     ""),
+    ("bench",         (0.4, 0.8),   (1.2, 2.2),   (0.4, 1),      "ground roof",       "wood",      ""),
+    ("bin",           (0.35, 0.9),  (0.35, 1.3),  (0.7, 1.4),    "ground floor",      "plastic",   "loose round"),
+    ("boat",          (4, 12),      (1.6, 4),     (0.8, 9),      "water",             "wood",      "afloat no_perch"),
+    ("planter",       (0.4, 1.6),   (0.4, 3),     (0.5, 1.6),    "ground roof floor", "leaves",    "leafy round no_perch"),
+    ("crate",         (0.6, 1.4),   (0.6, 1.4),   (0.5, 1.3),    "ground floor roof", "wood",      "loose round two_sided landable"),
+    ("barrel",        (0.5, 0.7),   (0.5, 0.7),   (0.8, 1),      "ground floor",      "metal",     "loose round landable"),
+    ("pallet",        (1, 1.3),     (0.8, 1.3),   (0.12, 1.4),   "ground floor",      "wood",      "loose two_sided landable"),
+    ("landing_pad",   (1.5, 6),     (1.5, 6),     (0.03, 0.4),   "ground roof",       "rubber",    "pad landable"),
+    ("ac_unit",       (0.8, 2.6),   (0.8, 2.6),   (0.7, 1.8),    "roof",              "metal",     "landable"),
+    ("chimney",       (0.4, 1.2),   (0.4, 1.2),   (0.8, 3.5),    "roof",              "brick",     "chimney round two_sided"),
+    ("solar_panel",   (1, 2.5),     (1.5, 6),     (0.3, 1.2),    "roof",              "glass",     ""),
+    ("water_tank",    (1.2, 3),     (1.2, 3),     (1.2, 3.5),    "roof ground",       "metal",     "round landable"),
+    ("antenna",       (0.2, 1.2),   (0.2, 1.2),   (2, 6),        "roof",              "metal",     "round"),
+    ("table",         (0.7, 1.4),   (0.8, 2.6),   (0.68, 0.8),   "floor ground roof", "wood",      "table tabletop two_sided landable"),
+    ("chair",         (0.42, 0.65), (0.4, 0.62),  (0.78, 1.1),   "floor ground roof", "wood",      "seat"),
+    ("sofa",          (0.8, 1.05),  (1.4, 2.6),   (0.7, 0.95),   "floor",             "fabric",    ""),
+    ("armchair",      (0.75, 1),    (0.7, 1),     (0.7, 1),      "floor",             "fabric",    ""),
+    ("bed",           (1.9, 2.2),   (0.9, 2),     (0.5, 1.1),    "floor",             "fabric",    "landable"),
+    ("desk",          (0.6, 0.9),   (1.1, 2),     (0.7, 0.78),   "floor",             "wood",      "table tabletop landable"),
+    ("cabinet",       (0.35, 0.7),  (0.6, 2),     (0.7, 1.2),    "floor",             "wood",      "backed landable"),
+    ("wardrobe",      (0.5, 0.7),   (0.8, 2.4),   (1.8, 2.3),    "floor",             "wood",      "backed"),
+    ("shelf",         (0.25, 0.5),  (0.6, 2),     (1.2, 2.2),    "floor",             "wood",      "backed"),
+    ("coffee_table",  (0.5, 0.9),   (0.8, 1.4),   (0.35, 0.5),   "floor",             "wood",      "tabletop two_sided landable"),
+    ("nightstand",    (0.35, 0.5),  (0.4, 0.6),   (0.4, 0.65),   "floor",             "wood",      ""),
+    ("counter",       (0.55, 0.8),  (1.2, 4.5),   (0.85, 1.1),   "floor",             "stone",     "tabletop backed landable"),
+    ("fridge",        (0.6, 0.75),  (0.55, 0.95), (1.4, 2),      "floor",             "metal",     "backed"),
+    ("stove",         (0.55, 0.7),  (0.5, 0.9),   (0.85, 0.95),  "floor",             "metal",     "backed"),
+    ("television",    (0.05, 0.35), (0.7, 1.7),   (0.45, 1.05),  "furniture",         "plastic",   "screen no_perch"),
+    ("lamp",          (0.25, 0.6),  (0.25, 0.6),  (0.35, 1.9),   "floor furniture",   "metal",     "round no_perch"),
+    ("plant",         (0.3, 0.9),   (0.3, 0.9),   (0.4, 1.8),    "floor furniture",   "leaves",    "leafy round no_perch"),
+    ("laptop",        (0.22, 0.3),  (0.3, 0.4),   (0.18, 0.3),   "furniture",         "metal",     "screen no_perch"),
+    ("monitor",       (0.15, 0.3),  (0.45, 0.9),  (0.35, 0.6),   "furniture",         "plastic",   "screen no_perch"),
+    ("plate",         (0.18, 0.32), (0.18, 0.32), (0.015, 0.05), "furniture",         "ceramic",   "setting round no_perch"),
+    ("cup",           (0.07, 0.12), (0.07, 0.12), (0.08, 0.14),  "furniture",         "ceramic",   "round no_perch"),
+    ("cutlery",       (0.16, 0.24), (0.02, 0.09), (0.006, 0.02), "furniture",         "metal",     "no_perch"),
+    ("book",          (0.15, 0.3),  (0.12, 0.4),  (0.02, 0.3),   "furniture",         "paper",     "no_perch"),
+    ("box",           (0.2, 0.7),   (0.2, 0.7),   (0.15, 0.6),   "floor furniture",   "cardboard", "loose round no_perch"),
 )
+# fmt: on
+
+
+def _category(number: int, row: _Row) -> Category:
+    name, length_m, width_m, height_m, supports, surface, roles = row
+    return Category(
+        id=number,
+        name=name,
+        level="coarse" if number <= COARSE_COUNT else "fine",
+        length_m=length_m,
+        width_m=width_m,
+        height_m=height_m,
+        supports=cast("tuple[Support, ...]", tuple(supports.split())),
+        surface=surface,
+        roles=frozenset(roles.split()),
+    )
 
 
 CATALOGUE: Mapping[int, Category] = {
-    number: Category(number, row[0], "coarse" if number <= COARSE_COUNT else "fine", *row[1:])
-    for number, row in enumerate(_COARSE + _FINE, 1)
+    number: _category(number, row) for number, row in enumerate(_COARSE + _FINE, 1)
 }
 """Categories under their ids: 1 to 23 coarse, 24 to 70 fine."""
 
@@ -146,3 +157,63 @@ def category_id(name: str) -> int:
         KeyError: If there is no such category.
     """
     return by_name()[name].id
+
+
+def _with(role: str) -> frozenset[str]:
+    return frozenset(each.name for each in CATALOGUE.values() if role in each.roles)
+
+
+# Names of the categories that have a role, and what each of them is. Code asks for these and names
+# no category, so that a new one is treated as all others of its role.
+
+# Structures
+BUILDINGS = _with("building")  # rooms, walls, floors and roofs are its parts
+SHELLS = _with("shell")  # has outer walls of its own, within the rim of its box
+BLOCKS = _with("block")  # stands on the ground and keeps the wind off
+ROOMS = _with("room")
+WALLS = _with("wall")
+FENCES = _with("fence")
+FLOORS = _with("floor")  # a slab between storeys
+ROOFS = _with("roof")
+BUILDING_PARTS = ROOMS | WALLS | FLOORS | ROOFS
+CANOPIES = _with("canopy")  # bears on its top, and shelters what stands below
+CHIMNEYS = _with("chimney")  # rises through the slope of its roof
+BRIDGES = _with("bridge")  # a deck between rails over water or roads
+DECKS = _with("deck")  # lies on the bed or the surface of water as well
+STAIRS = _with("stairs")
+LEVELS = _with("level")  # stairs lead up to it
+
+# Ground
+COVERS = _with("cover")  # a thin surface that tiles the ground
+TERRAIN = _with("terrain")  # raised land
+GROUND = COVERS | TERRAIN
+OPEN_GROUND = _with("open")  # a cover as wide as what stands on it; flights may start there
+LAWNS = _with("lawn")
+PARKING = _with("parking")
+ROADS = _with("road")
+WATER = _with("water")
+STRIPS = _with("strip")  # a cover of a width in metres, which goes on end to end
+WAYS = _with("way")  # a cover that leads from place to place
+
+# Things outdoors
+VEHICLES = _with("vehicle")  # keeps to its lane on a road
+AFLOAT = _with("afloat")  # belongs on water
+SIGNALS = _with("signal")  # stands at a road, whatever bears it
+POSTS = _with("post")  # reaches beyond its parent's outline except at the foot
+PADS = _with("pad")  # made for landing
+LOOSE = _with("loose")  # lies about, in the way of a landing
+
+# Things indoors
+SEATS = _with("seat")  # is drawn up to a table and faces it
+TABLES = _with("table")  # people sit and work at it
+TABLETOPS = _with("tabletop")  # seats may belong to it
+SETTINGS = _with("setting")  # is laid on a table before a seat
+SCREENS = _with("screen")  # is looked at from the front
+BACKED = _with("backed")  # stands with its back to a wall
+
+# Shape
+LEAFY = _with("leafy")
+ROUND = _with("round")  # has no front
+TWO_SIDED = _with("two_sided")  # the same after half a turn; a wall's openings are mirrored
+LANDABLE = _with("landable")  # level upward faces of its shape may carry a drone
+NO_PERCH = _with("no_perch")  # soft, loose, wet, or no ledge at all: nothing should perch there

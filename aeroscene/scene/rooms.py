@@ -9,22 +9,28 @@ import numpy as np
 from jaxtyping import Int
 
 from aeroscene.scene.box import OrientedBox
-from aeroscene.scene.scene import SceneObject
+from aeroscene.scene.catalogue import ROOMS
+from aeroscene.scene.scene import AttributeValue, SceneObject
 
 NO_ROOM = -1
 
 
-def tile_groups(objects: Sequence[SceneObject]) -> Int[np.ndarray, " n"]:
-    """For each object the group of tiles that it is one of, `NO_ROOM` where it is no tile.
+def room_of(obj: SceneObject) -> tuple[AttributeValue, int | None] | None:
+    """Name of the room that an object is a tile of; None where it is no tile.
 
     Tiles of one room have the same attribute `room` and the same parent.
     """
-    numbers: dict[tuple[object, int | None], int] = {}
+    name = obj.attributes.get("room") if obj.category in ROOMS else None
+    return None if name is None else (name, obj.parent_id)
+
+
+def tile_groups(objects: Sequence[SceneObject]) -> Int[np.ndarray, " n"]:
+    """For each object the group of tiles that it is one of, `NO_ROOM` where it is no tile."""
+    numbers: dict[tuple[AttributeValue, int | None], int] = {}
     groups = np.full(len(objects), NO_ROOM)
     for row, obj in enumerate(objects):
-        if obj.category == "room" and "room" in obj.attributes:
-            key = obj.attributes["room"], obj.parent_id
-            groups[row] = numbers.setdefault(key, len(numbers))
+        if (room := room_of(obj)) is not None:
+            groups[row] = numbers.setdefault(room, len(numbers))
     return groups
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from aeroscene.scene import Scene
+from aeroscene.scene.catalogue import ROOMS
 from autonomy.jit import kernel
 
 ROOM_COLUMNS = ("x", "y", "z", "cos yaw", "sin yaw", "half length", "half width", "half height")
@@ -27,7 +28,7 @@ def indoor_rooms(scene: Scene) -> Float[np.ndarray, "n 8"]:
             *(0.5 * side + _WALL_M for side in room.bbox.s),
         )
         for room in scene.objects
-        if room.category == "room"
+        if room.category in ROOMS
     ]
     return np.array(rows, dtype=float).reshape(-1, len(ROOM_COLUMNS))
 

@@ -17,6 +17,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from aeroscene.scene import Scene
+from aeroscene.scene.catalogue import PARKING, ROADS, WATER
 from aeroscene.solids.shapes import Primitive
 from autonomy.types import Vector3
 from flightsim.draws import seed_sequence
@@ -27,8 +28,6 @@ from flightsim.environment.routes import distance_to_points, find_route, pull_st
 
 SurfaceHeight = Callable[[Float[np.ndarray, "n 3"]], Float[np.ndarray, " n"]]
 
-_ROADS = ("road", "parking_lot")
-_WATERS = ("water",)
 _ATTEMPTS = 40
 _START_KEPT_FREE_M = 3.0
 _BETWEEN_MOVERS_M = 0.4
@@ -226,10 +225,10 @@ class _Streets:
     def _zone(self, kind: MoverName, *, is_choosy: bool) -> Bool[np.ndarray, "nx ny"]:
         """Zone of a kind: its usual ground or, if not choosy, all but water."""
         objects = self._scene.objects
-        waters = self._columns.covered_by([o for o in objects if o.category in _WATERS])
+        waters = self._columns.covered_by([o for o in objects if o.category in WATER])
         if not is_choosy:
             return ~waters & (kind != "car" or self._scene.domain != "indoor")
-        roads = self._columns.covered_by([o for o in objects if o.category in _ROADS])
+        roads = self._columns.covered_by([o for o in objects if o.category in ROADS | PARKING])
         return roads if kind == "car" else ~roads & ~waters
 
     def _lifted(

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
+from aeroscene.scene.catalogue import FLOORS, ROOFS, WALLS
 from aeroscene.solids.shapes import Primitive
 from aeroscene.solids.shapes.materials import FACADE_BAY_M
 from flightsim.looks.paint import Colour, Paint, material_paint
@@ -65,9 +66,9 @@ def dress(primitive: Primitive, category: str | None) -> Iterator[Piece]:
         yield Piece(primitive, paint.tinted(tint))
     elif paint.texture == "paint" and category == "container":
         yield Piece(primitive, paint.with_texture("container", (2.0, 2.6)))
-    elif primitive.kind == "box" and category in ("floor", "roof"):
+    elif primitive.kind == "box" and category in FLOORS | ROOFS:
         yield from _slab(primitive, paint)
-    elif primitive.kind == "box" and category == "wall":
+    elif primitive.kind == "box" and category in WALLS:
         yield from _room_wall(primitive, paint)
     else:
         yield Piece(primitive, paint)

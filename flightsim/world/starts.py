@@ -12,6 +12,7 @@ import numpy as np
 from jaxtyping import Float
 
 from aeroscene.scene import Scene
+from aeroscene.scene.catalogue import WATER
 from aeroscene.solids.shapes import Primitive
 from autonomy.types import Vector3
 from flightsim.vehicles.airframe import Airframe
@@ -36,7 +37,6 @@ _HEADROOM_M = 2.5
 _LEVELS_M = (0.15, 0.5, 1.5)
 """Heights over the surface at which there must be room."""
 _N_AROUND = 12
-_NO_GROUND = ("water",)
 
 # A contact up there deeper than the tolerance means that the vehicle is inside something.
 _PENETRATION_TOLERANCE_M = 0.01
@@ -109,7 +109,7 @@ def _free_places(scene: Scene, solids: Sequence[Primitive], radius_m: float) -> 
     probe = SurfaceProbe(colliding)
     start = np.array(scene.start_position_enu_m)
     low, high = np.array(scene.extent_min_enu_m), np.array(scene.extent_max_enu_m)
-    waters = {o.id for o in scene.objects if o.category in _NO_GROUND}
+    waters = {o.id for o in scene.objects if o.category in WATER}
     around_rad = np.linspace(0.0, math.tau, _N_AROUND, endpoint=False)
     ring = np.column_stack([np.cos(around_rad), np.sin(around_rad), np.zeros(_N_AROUND)])
     feet_m = np.vstack([np.zeros(3), radius_m * ring])

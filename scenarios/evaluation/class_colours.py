@@ -25,6 +25,7 @@ from shapely import MultiPoint
 
 from aeroscene.metrics.appearance.features import Picture
 from aeroscene.scene import Scene, SceneObject
+from aeroscene.scene.catalogue import ROOMS
 from scenarios.evaluation.renders import PIXELS
 
 HALF_M = 3.1
@@ -89,7 +90,7 @@ def _outline_m(obj: SceneObject) -> np.ndarray:
 
 
 def _floor_middle_m(scene: Scene) -> np.ndarray:
-    rooms = [obj for obj in scene.objects if obj.category == "room"]
+    rooms = [obj for obj in scene.objects if obj.category in ROOMS]
     if not rooms:
         return np.zeros(2)
     corners = np.concatenate([obj.bbox.corners()[:, :2] for obj in rooms])

@@ -27,6 +27,7 @@ import numpy as np
 
 from aeroscene.metrics.appearance.features import Picture
 from aeroscene.scene import Scene, SceneDomain
+from aeroscene.scene.catalogue import ROOMS
 from autonomy.types import Vector3
 from flightsim.cameras import open_camera_renderer
 from flightsim.looks.cutting import cut_at
@@ -108,7 +109,7 @@ class Camera:
 
 
 def _reach_m(scene: Scene) -> float:
-    rooms = [obj for obj in scene.objects if obj.category == "room" and obj.parent_id is None]
+    rooms = [obj for obj in scene.objects if obj.category in ROOMS and obj.parent_id is None]
     corners = np.concatenate([obj.bbox.corners() for obj in rooms or scene.objects])
     return float(np.abs(corners[:, :2]).max())
 

@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Float
 
 from aeroscene.scene import InteractionArea, Scene
+from aeroscene.scene.catalogue import PADS
 from autonomy.planning import FlightLimits, Method, PlanningError, Trajectory
 from autonomy.types import FlatReference, Vector3
 from flightsim.vehicles.airframe import Airframe
@@ -177,7 +178,7 @@ def rank_areas(
 def _appeal(scene: Scene, area: InteractionArea) -> float:
     bearer = None if area.object_id is None else scene.object_by_id[area.object_id]
     is_elevated = area.centroid[2] - scene.start_position_enu_m[2] > 1.5
-    is_pad = bearer is not None and bearer.category == "landing_pad"
+    is_pad = bearer is not None and bearer.category in PADS
     return (
         1.0 * is_elevated
         + 0.8 * is_pad

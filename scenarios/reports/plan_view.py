@@ -10,18 +10,31 @@ import numpy as np
 from scipy.spatial import ConvexHull
 
 from aeroscene.scene import Scene, SceneObject
+from aeroscene.scene.catalogue import (
+    CANOPIES,
+    FENCES,
+    FLOORS,
+    LAWNS,
+    LEAFY,
+    PARKING,
+    ROOFS,
+    ROOMS,
+    SHELLS,
+    TERRAIN,
+    WALLS,
+    WATER,
+    WAYS,
+)
 from scenarios.reports.charts import nice_step
 
 _MARGIN_M = 1.0
 _LOOKS: Mapping[str, frozenset[str]] = {
-    "water": frozenset({"water"}),
-    "green": frozenset({"lawn", "terrain"}),
-    "leaves": frozenset({"tree", "bush", "plant", "planter"}),
-    "road": frozenset({"road", "parking_lot", "sidewalk", "plaza"}),
-    "shell": frozenset(
-        {"building", "house", "tower", "warehouse", "garage", "roof", "room", "floor", "canopy"}
-    ),
-    "wall": frozenset({"wall", "fence"}),
+    "water": WATER,
+    "green": LAWNS | TERRAIN,
+    "leaves": LEAFY,
+    "road": WAYS | PARKING,
+    "shell": SHELLS | ROOFS | ROOMS | FLOORS | CANOPIES,
+    "wall": WALLS | FENCES,
 }
 """Categories by how they are drawn; all others are things."""
 

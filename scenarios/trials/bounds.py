@@ -15,14 +15,12 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from aeroscene.scene import InteractionArea
+from aeroscene.scene.catalogue import BRIDGES, DECKS, FLOORS, GROUND, PADS, ROOFS, ROOMS, WATER
 from flightsim.vehicles.airframe import Airframe
 from scenarios.trials.contacts import Contact
 from scenarios.trials.limits import LIMITS
 
-GROUNDS = frozenset(
-    {"terrain", "lawn", "plaza", "sidewalk", "road", "parking_lot", "landing_pad"}
-    | {"deck", "bridge", "floor", "room", "roof"}
-)
+GROUNDS = (GROUND | PADS | DECKS | BRIDGES | FLOORS | ROOMS | ROOFS) - WATER
 """Categories that people walk on: whoever comes down there has landed, if not on an area."""
 
 

@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 
 from aeroscene.scene import Scene
+from aeroscene.scene.catalogue import PARKING, ROOMS, WAYS
 from autonomy.types import Vector3, vector3
 from flightsim.cameras import CameraRenderer, RgbdFrame
 from flightsim.cameras.framing import frame_points
@@ -91,8 +92,7 @@ def _built_points(world: World) -> np.ndarray:
 
 def _street_eyes(scene: Scene) -> list[Vector3]:
     """Places above roads, walks and squares."""
-    kinds = ("road", "sidewalk", "plaza", "parking_lot")
-    grounds = [obj for obj in scene.objects if obj.category in kinds]
+    grounds = [obj for obj in scene.objects if obj.category in WAYS | PARKING]
     eyes = []
     for ground in grounds:
         x_axis = np.array([math.cos(ground.bbox.yaw_rad), math.sin(ground.bbox.yaw_rad), 0.0])
@@ -105,7 +105,7 @@ def _street_eyes(scene: Scene) -> list[Vector3]:
 def _inside_eyes(scene: Scene) -> list[Vector3]:
     """Places in rooms, towards their corners; above the start where there are none."""
     rooms = sorted(
-        (obj for obj in scene.objects if obj.category == "room"),
+        (obj for obj in scene.objects if obj.category in ROOMS),
         key=lambda room: -room.bbox.s[0] * room.bbox.s[1],
     )
     eyes = []

@@ -14,14 +14,13 @@ import numpy as np
 from aeroscene.feasibility.roles import BEARING
 from aeroscene.scene import OrientedBox, Scene, SceneObject
 from aeroscene.scene.box import quat_from_yaw
-from aeroscene.scene.catalogue import by_name
+from aeroscene.scene.catalogue import FLOORS, LOOSE, ROOMS, TERRAIN, by_name
 
-LOOSE = ("barrel", "bin", "box", "crate", "pallet")
-"""Categories that lie about and are in the way of a landing."""
+_LOOSE = sorted(LOOSE)
+"""In an order, so that the same seed throws the same."""
 USUAL = 15
 """Loose things on the ground and floors of a scene, the mean of 30 shipped ones; a scene that has
 fewer counts as if it had so many."""
-_INDOORS = ("room",)
 _LEAST_SIDE_M = 2.0
 """Ground and rooms that are narrower stay as they are."""
 _RIM_M = 0.7
@@ -57,8 +56,8 @@ def clutter_factor(before: Scene, after: Scene) -> float:
 
 
 def _is_open(obj: SceneObject) -> bool:
-    is_floor = obj.category in _INDOORS or (
-        obj.category in BEARING - {"terrain"} and obj.domain == "outdoor"
+    is_floor = obj.category in ROOMS or (
+        obj.category in BEARING - TERRAIN and obj.domain == "outdoor"
     )
     return is_floor and min(obj.bbox.s[:2]) >= _LEAST_SIDE_M
 
@@ -67,18 +66,18 @@ def _is_loose(scene: Scene, obj: SceneObject) -> bool:
     """Whether an object lies about on ground or a floor, not on a shelf."""
     if obj.category not in LOOSE or obj.parent_id is None:
         return False
-    return scene.object_by_id[obj.parent_id].category in BEARING | {*_INDOORS, "floor"}
+    return scene.object_by_id[obj.parent_id].category in BEARING | ROOMS | FLOORS
 
 
 def _thrown(host: SceneObject, number: int, rng: np.random.Generator) -> SceneObject:
-    kind = by_name()[LOOSE[int(rng.integers(len(LOOSE)))]]
+    kind = by_name()[_LOOSE[int(rng.integers(len(_LOOSE)))]]
     sides = (kind.length_m, kind.width_m, kind.height_m)
     size = np.round([rng.uniform(*side) for side in sides], 3)
     centre, extent = np.array(host.bbox.p), np.array(host.bbox.s)
     reach = extent[:2] / 2 - _RIM_M
     u, v = rng.uniform(-reach, reach)
     c, s = math.cos(host.bbox.yaw_rad), math.sin(host.bbox.yaw_rad)
-    floor = -1.0 if host.category in _INDOORS else 1.0
+    floor = -1.0 if host.category in ROOMS else 1.0
     z = centre[2] + floor * extent[2] / 2 + size[2] / 2
     at = np.round([centre[0] + c * u - s * v, centre[1] + s * u + c * v, z], 4)
     return SceneObject(

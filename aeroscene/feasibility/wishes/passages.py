@@ -10,6 +10,7 @@ from shapely import affinity
 from shapely.geometry.base import BaseGeometry
 
 from aeroscene.scene import OrientedBox, Scene, SceneObject
+from aeroscene.scene.catalogue import ROOMS, WALLS
 
 _STEP_M = 0.05
 """Steps in which the width of a corridor is measured."""
@@ -43,13 +44,13 @@ def _widened(obj: SceneObject, least_m: float) -> SceneObject:
 
 def passages(scene: Scene) -> Iterator[Passage]:
     """Doors and corridors of a scene with their clear widths."""
-    walls = [obj for obj in scene.objects if obj.category == "wall"]
+    walls = [obj for obj in scene.objects if obj.category in WALLS]
     for wall in walls:
         width_m = _door_m(wall)
         if width_m > 0:
             yield Passage(wall.id, "door", min(width_m, wall.bbox.s[1]))
     for room in scene.objects:
-        if room.category == "room" and room.attributes.get("use") == "corridor":
+        if room.category in ROOMS and room.attributes.get("use") == "corridor":
             yield Passage(room.id, "corridor", _corridor_width_m(room, walls))
 
 
@@ -70,7 +71,7 @@ def too_narrow(scene: Scene, least_m: float) -> str | None:
 
 
 def _door_m(obj: SceneObject) -> float:
-    width = obj.attributes.get("door_m", 0.0) if obj.category == "wall" else 0.0
+    width = obj.attributes.get("door_m", 0.0) if obj.category in WALLS else 0.0
     return float(width) if isinstance(width, int | float) else 0.0
 
 

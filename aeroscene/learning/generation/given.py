@@ -18,6 +18,7 @@ from aeroscene.learning.writer.furnishing import Furnishing
 from aeroscene.learning.writer.language import Language
 from aeroscene.partition import PartitionError
 from aeroscene.scene import Scene, SceneObject
+from aeroscene.scene.catalogue import ROOMS
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,6 +161,6 @@ def _without(scene: Scene, ids: Collection[int]) -> Scene:
 def _bears_in(region: Region, obj: SceneObject) -> bool:
     """Whether what an object bears may lie in a region: above it, of a room within it."""
     base_m = obj.bbox.p[2] - obj.bbox.s[2] / 2
-    top_m = base_m + obj.bbox.s[2] if obj.category == "room" else np.inf
+    top_m = base_m + obj.bbox.s[2] if obj.category in ROOMS else np.inf
     is_level = base_m <= region.high_enu_m[2] and top_m >= region.low_enu_m[2]
     return is_level and region.is_over(obj.bbox)

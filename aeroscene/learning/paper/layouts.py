@@ -21,9 +21,8 @@ from jaxtyping import Bool, Float, Int
 from aeroscene.learning.symmetry import draw_symmetry
 from aeroscene.learning.wishes import Wish
 from aeroscene.metrics.arrays import NO_PARENT, scene_arrays
-from aeroscene.metrics.neighbours import TWO_SIDED
 from aeroscene.scene import Scene
-from aeroscene.scene.catalogue import CATALOGUE
+from aeroscene.scene.catalogue import CATALOGUE, TWO_SIDED
 
 NO_REGION = -1
 """Region of an object that belongs to the site itself."""

@@ -32,6 +32,13 @@ SHAPING = ("form", "is_enterable", "is_start", "rows", "storeys", "use", "zebra_
 Attributes = tuple[tuple[str, AttributeValue], ...]
 What = tuple[str, str, Attributes]
 """Category, domain and the attributes that shape."""
+FLAGS: Mapping[str, Literal["is_inset", "is_mirrored", "is_placed"]] = {
+    "storey": "is_inset",
+    "pinwheel": "is_mirrored",
+    "item": "is_placed",
+    "bank": "is_placed",
+}
+"""Flags of records, by node."""
 AsLast = Literal["", "size", "plan", "height"]
 AS_LAST_AXES: Mapping[AsLast, tuple[int, ...]] = {
     "size": (0, 1, 2),
@@ -57,7 +64,7 @@ class Kind(msgspec.Struct, frozen=True, order=True, omit_defaults=True):
     """Which of `OPENINGS` a unit has."""
     axis: str = ""
     arity: int = 0
-    """As of the record; of an item or a bank whether it has a place of its own."""
+    """As of the record; where `FLAGS` names a flag of the record, 1 if it is set."""
     rows: int = 0
     merge: int = 0
     quarter: int = 0

@@ -50,7 +50,7 @@ def n_children(record: Record) -> int:
         case "bend":
             return record.rows + 2 * record.arity
         case "bank":
-            return 1 if record.values else 0
+            return int(record.is_placed)
         case "site" | "storey" | "item":
             return 1
         case _:
@@ -78,7 +78,7 @@ def _to_channels(record: Record, values: Sequence[float]) -> list[float]:
             west, east, south, north = values
             x, y = _log(east - west), _log(north - south)
             return [_log(west) - x, _log(1 - east) - x, _log(south) - y, _log(1 - north) - y]
-        case "item" if values:
+        case "item" if record.is_placed:
             x, y, yaw, length, width = values
             return [x, y, math.cos(yaw), math.sin(yaw), _log(length), _log(width)]
         case "bend":
@@ -86,7 +86,7 @@ def _to_channels(record: Record, values: Sequence[float]) -> list[float]:
             u, v, heading, *rest = values
             logs = [_log(length) for length in rest[:n]]
             return [u, v, math.cos(heading), math.sin(heading), *logs, *rest[n:]]
-        case "bank" if values:
+        case "bank" if record.is_placed:
             low, high, depth = values
             return [low, _log(high - low), _log(depth)]
         case _:
@@ -108,14 +108,14 @@ def values_of(record: Record, channels: Float[np.ndarray, " 19"]) -> tuple[float
             found = (c[0], c[1], math.atan2(c[3], c[2]), _exp(c[4]), _exp(c[5]), c[6])
         case "pinwheel":
             found = (*_middle(c[0], c[1]), *_middle(c[2], c[3]))
-        case "item" if record.arity:
+        case "item" if record.is_placed:
             found = (*_shares(c[:2]), math.atan2(c[3], c[2]), _exp(c[4]), _exp(c[5]))
         case "bend":
             n = record.arity
             turns = [min(1.0, max(-1.0, turn)) for turn in c[4 + n : 3 + 2 * n]]
             lengths = [_exp(value) for value in c[4 : 4 + n]]
             found = (c[0], c[1], math.atan2(c[3], c[2]), *lengths, *turns)
-        case "bank" if record.arity:
+        case "bank" if record.is_placed:
             found = (c[0], c[0] + _exp(c[1]), _exp(c[2]))
         case "segment" if record.kind in {"door", "window"}:
             sill = max(0.0, c[0])

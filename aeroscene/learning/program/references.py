@@ -16,7 +16,7 @@ from jaxtyping import Float, Int
 from aeroscene.learning.program.encoding.encode import EncodedProgram
 from aeroscene.learning.program.kinds import AS_LAST_AXES, Kind
 from aeroscene.learning.program.program import REFERENCED, SIZE, Program
-from aeroscene.relations.hosts import AT_LEVELS
+from aeroscene.scene.catalogue import STAIRS
 
 MIN_COUNT = 5
 """Groups of fewer tokens count from their bearer alone."""
@@ -39,7 +39,7 @@ class References:
     def of(self, kind: Kind) -> tuple[int, ...]:
         """Those of a kind; the first ones of a group that the corpus has not."""
         found = self.by_group.get(group_of(kind), (0,) * len(REFERENCED))
-        if kind.category in AT_LEVELS and kind.relation == "SIDE":
+        if kind.category in STAIRS and kind.relation == "SIDE":
             # Stairs end at the level that they lead to, however few the corpus has.
             return (*found[:3], 2)
         return found

@@ -12,8 +12,7 @@ from aeroscene.learning.program.program import Program
 from aeroscene.learning.wishes import Wish
 from aeroscene.learning.writer.growth import Growth, Written
 from aeroscene.learning.writer.syntax import Syntax
-from aeroscene.relations.hosts import SEATS
-from aeroscene.scene.catalogue import by_name
+from aeroscene.scene.catalogue import SEATS, by_name
 
 
 class Furnishing:
@@ -93,7 +92,7 @@ class Furnishing:
 
 def _usual_m2(category: str) -> float:
     """Area that things of a category take up; none of what comes last."""
-    if category in SEATS:
-        return 0.0
     found = by_name()[category]
+    if found.name in SEATS:
+        return 0.0
     return sum(found.length_m) * sum(found.width_m) / 4

@@ -6,14 +6,12 @@ import numpy as np
 import shapely
 from jaxtyping import Bool
 
-from aeroscene.feasibility.roles import SHELLS
 from aeroscene.metrics.places.top_view import TopView, near_pairs
+from aeroscene.scene.catalogue import BACKED, SHELLS, WALLS
 from aeroscene.solids.shapes.facade import WALL_M
 
 OFF_WALL_M = 0.3
 """Farthest that furniture stands off the face of the wall in its back."""
-BACKED = ("cabinet", "wardrobe", "shelf", "counter", "fridge", "stove")
-"""Storage and kitchen furniture, which has a wall in its back."""
 
 
 def backs_off_walls(view: TopView) -> Bool[np.ndarray, " furniture"]:
@@ -23,7 +21,7 @@ def backs_off_walls(view: TopView) -> Bool[np.ndarray, " furniture"]:
     `OFF_WALL_M` from the outlines of walls and from the inner faces of outer walls, `WALL_M` within
     the rims of buildings.
     """
-    rows, walls, shells = view.rows(*BACKED), view.rows("wall"), view.rows(*SHELLS)
+    rows, walls, shells = view.rows(BACKED), view.rows(WALLS), view.rows(SHELLS)
     backs = shapely.points(view.face(rows, 0, -1).mean(axis=1))
     rims = shapely.boundary(view.outline[shells])
     is_off = np.ones(len(rows), dtype=bool)

@@ -6,10 +6,9 @@ import numpy as np
 import shapely
 from jaxtyping import Bool, Float, Int
 
-from aeroscene.feasibility.roles import BUILDINGS
 from aeroscene.metrics.places.top_view import TopView, union
+from aeroscene.scene.catalogue import BUILDINGS, PARKING, WAYS
 
-STREETS = ("road", "sidewalk", "plaza", "parking_lot")
 REACH_M = 25.0
 """Farthest that a street before a building is its street."""
 AS_NEAR_M = 2.0
@@ -26,9 +25,9 @@ def averted_fronts(view: TopView) -> Bool[np.ndarray, " buildings"]:
     Streets are road, pavement, plaza and parking. A side's is what lies straight before it, up to
     `REACH_M` away; buildings without any are not judged, nor is what stands in another.
     """
-    buildings = view.rows(*BUILDINGS)
+    buildings = view.rows(BUILDINGS)
     buildings = buildings[view.is_outdoors[buildings]]
-    streets = union(view.outline[view.rows(*STREETS)])
+    streets = union(view.outline[view.rows(WAYS | PARKING)])
     away_m = np.stack([_away_m(view, buildings, streets, *side) for side in _SIDES], axis=1)
     nearest_m = away_m.min(axis=1, initial=np.inf)
     return (away_m[:, 0] > nearest_m + AS_NEAR_M)[np.isfinite(nearest_m)]

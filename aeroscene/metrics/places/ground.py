@@ -8,14 +8,13 @@ from jaxtyping import Bool, Float
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from aeroscene.feasibility.roles import GROUND, SHELLS
 from aeroscene.metrics.places.top_view import TopView, near_pairs
+from aeroscene.scene.catalogue import GROUND, PARKING, ROOMS, SHELLS, WAYS
 
 GAP_M = 0.3
 """Widest gap between pieces of one patch."""
 TO_WAY_M = 1.5
 """Farthest that a parking lot lies from a way that leads to it."""
-_WAYS = ("road", "sidewalk", "plaza")
 
 
 def patches(view: TopView) -> Float[np.ndarray, " sites"]:
@@ -24,7 +23,7 @@ def patches(view: TopView) -> Float[np.ndarray, " sites"]:
     Pieces are of one patch where a chain of pieces joins them with gaps of at most `GAP_M`. One
     number for a scene that has any such piece, none for one that has not.
     """
-    rows = view.rows(*_WAYS, "parking_lot")
+    rows = view.rows(WAYS | PARKING)
     outlines = view.outline[rows[view.is_outdoors[rows]]]
     if not len(outlines):
         return np.zeros(0)
@@ -39,19 +38,19 @@ def covered_shares(view: TopView) -> Float[np.ndarray, " sites"]:
     The hull is that of all covers and raised land outdoors; they cover it, and so do buildings and
     rooms. One number for a scene that has any cover outdoors, none for one that has not.
     """
-    ground = view.rows(*GROUND)
+    ground = view.rows(GROUND)
     ground = ground[view.is_outdoors[ground]]
     if not len(ground):
         return np.zeros(0)
     hull = shapely.convex_hull(shapely.union_all(view.outline[ground]))
-    standing = np.concatenate([ground, view.rows(*SHELLS, "room")])
+    standing = np.concatenate([ground, view.rows(SHELLS | ROOMS)])
     covered = shapely.intersection(shapely.union_all(view.outline[standing]), hull)
     return np.array([covered.area / hull.area])
 
 
 def remote_parking(view: TopView) -> Bool[np.ndarray, " lots"]:
     """Whether each parking lot lies over `TO_WAY_M` from every road, sidewalk and plaza."""
-    lots, ways = view.rows("parking_lot"), view.rows(*_WAYS)
+    lots, ways = view.rows(PARKING), view.rows(WAYS)
     is_remote = np.ones(len(lots), dtype=bool)
     is_remote[near_pairs(view.outline[lots], view.outline[ways], TO_WAY_M)[0]] = False
     return is_remote

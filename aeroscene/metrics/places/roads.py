@@ -10,8 +10,8 @@ from jaxtyping import Bool
 
 from aeroscene.feasibility.strays import LEAST_ON_WATER, TO_ROAD_M
 from aeroscene.metrics.places.top_view import TopView, near_pairs, union
+from aeroscene.scene.catalogue import AFLOAT, BRIDGES, ROADS, SIGNALS, VEHICLES, WATER
 
-VEHICLES = ("car", "van", "truck", "bus")
 ALONG_RAD = math.radians(45.0)
 """Largest angle between a road and what drives along it."""
 LEAST_OVER = 0.1
@@ -25,7 +25,7 @@ def wrong_way_vehicles(view: TopView) -> Bool[np.ndarray, " vehicles"]:
     which it heads along most nearly. It stands across it at over `ALONG_RAD` to its x axis.
     Vehicles off the roads are not judged.
     """
-    vehicles, roads = view.rows(*VEHICLES), view.rows("road")
+    vehicles, roads = view.rows(VEHICLES), view.rows(ROADS)
     centres = shapely.points(view.centre_m[vehicles])
     vehicle, road = near_pairs(centres, view.outline[roads], 0.0)
     heading, across = view.forward[vehicles[vehicle]], view.leftward[vehicles[vehicle]]
@@ -42,7 +42,7 @@ def wrong_way_vehicles(view: TopView) -> Bool[np.ndarray, " vehicles"]:
 
 def lights_off_roads(view: TopView) -> Bool[np.ndarray, " lights"]:
     """Whether each traffic light stands over `TO_ROAD_M` from the outline of every road."""
-    lights, roads = view.rows("traffic_light"), view.rows("road")
+    lights, roads = view.rows(SIGNALS), view.rows(ROADS)
     is_off = np.ones(len(lights), dtype=bool)
     is_off[near_pairs(view.outline[lights], view.outline[roads], TO_ROAD_M)[0]] = False
     return is_off
@@ -50,14 +50,14 @@ def lights_off_roads(view: TopView) -> Bool[np.ndarray, " lights"]:
 
 def stranded_boats(view: TopView) -> Bool[np.ndarray, " boats"]:
     """Whether less than `LEAST_ON_WATER` of the outline of each boat lies on water."""
-    boats, water = view.outline[view.rows("boat")], union(view.outline[view.rows("water")])
+    boats, water = view.outline[view.rows(AFLOAT)], union(view.outline[view.rows(WATER)])
     afloat = shapely.area(shapely.intersection(boats, water)) / shapely.area(boats)
     return afloat < LEAST_ON_WATER
 
 
 def idle_bridges(view: TopView) -> Bool[np.ndarray, " bridges"]:
     """Whether less than `LEAST_OVER` of the outline of each bridge lies over water or road."""
-    bridges = view.outline[view.rows("bridge")]
-    crossed = union(view.outline[view.rows("water", "road")])
+    bridges = view.outline[view.rows(BRIDGES)]
+    crossed = union(view.outline[view.rows(WATER | ROADS)])
     over = shapely.area(shapely.intersection(bridges, crossed)) / shapely.area(bridges)
     return over < LEAST_OVER

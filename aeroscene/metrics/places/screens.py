@@ -5,21 +5,20 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Bool
 
-from aeroscene.feasibility.seats import AT_TABLE_M, TABLES
+from aeroscene.feasibility.seats import AT_TABLE_M
 from aeroscene.metrics.places.top_view import TopView, near_pairs
-
-SCREENS = ("laptop", "monitor", "television")
-"""What is looked at: the picture faces along +x."""
+from aeroscene.scene.catalogue import SCREENS, SEATS, TABLES
 
 
 def averted_screens(view: TopView) -> Bool[np.ndarray, " screens"]:
     """Whether each screen on a table or desk shows its back to the nearest chair there.
 
-    A chair is there if the gap between the outlines of chair and table is at most `AT_TABLE_M` and
-    they share height. Screens on other furniture, and on tables without a chair, are not judged.
+    The picture faces along +x. A chair is there if the gap between the outlines of chair and table
+    is at most `AT_TABLE_M` and they share height. Screens on other furniture, and on tables without
+    a chair, are not judged.
     """
-    screens, chairs = view.rows(*SCREENS), view.rows("chair")
-    screens = screens[view.is_on(*TABLES)[screens]]
+    screens, chairs = view.rows(SCREENS), view.rows(SEATS)
+    screens = screens[view.is_on(TABLES)[screens]]
     tables = view.arrays.parent[screens]
     screen, chair = near_pairs(view.outline[tables], view.outline[chairs], AT_TABLE_M)
     table, screen, chair = tables[screen], screens[screen], chairs[chair]

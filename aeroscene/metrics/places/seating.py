@@ -8,8 +8,9 @@ import numpy as np
 import shapely
 from jaxtyping import Bool, Int
 
-from aeroscene.feasibility.seats import AT_TABLE_M, OFF_RAD, TABLES, TO_CHAIR_M
+from aeroscene.feasibility.seats import AT_TABLE_M, OFF_RAD, TO_CHAIR_M
 from aeroscene.metrics.places.top_view import TopView, near_pairs
+from aeroscene.scene.catalogue import SEATS, SETTINGS, TABLES, WALLS
 
 _ABOVE_M = 0.3
 """Farthest that a plate lies above the back of a chair before it."""
@@ -23,7 +24,7 @@ def averted_chairs(view: TopView) -> Bool[np.ndarray, " chairs"]:
     is turned off where its x axis and the way from its middle to the nearest point of the table
     make an angle over `OFF_RAD`.
     """
-    chairs, tables = view.rows("chair"), view.rows(*TABLES)
+    chairs, tables = view.rows(SEATS), view.rows(TABLES)
     chair, table = near_pairs(view.outline[chairs], view.outline[tables], AT_TABLE_M)
     chair, table = chairs[chair], tables[table]
     is_near = (view.shared_height_m(chair, table) > 0) & ~_are_parted(view, chair, table)
@@ -49,8 +50,8 @@ def lone_plates(view: TopView) -> Bool[np.ndarray, " plates"]:
     Chairs behind walls and of other storeys do not count: a plate lies at most `_ABOVE_M` above a
     chair's back.
     """
-    plates, chairs = view.rows("plate"), view.rows("chair")
-    plates = plates[view.is_on(*TABLES)[plates]]
+    plates, chairs = view.rows(SETTINGS), view.rows(SEATS)
+    plates = plates[view.is_on(TABLES)[plates]]
     is_lone = np.ones(len(plates), dtype=bool)
     plate, chair = near_pairs(
         shapely.points(view.centre_m[plates]), shapely.points(view.centre_m[chairs]), TO_CHAIR_M
@@ -65,7 +66,7 @@ def _are_parted(
     view: TopView, first: Int[np.ndarray, " k"], second: Int[np.ndarray, " k"]
 ) -> Bool[np.ndarray, " k"]:
     """Whether a wall stands between the two of each pair, on the shortest way, seen from above."""
-    walls = view.rows("wall")
+    walls = view.rows(WALLS)
     ways = shapely.shortest_line(view.outline[first], view.outline[second])
     pair, wall = near_pairs(ways, view.outline[walls], 0.0)
     are_parted = np.zeros(len(first), dtype=bool)

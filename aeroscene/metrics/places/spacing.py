@@ -9,17 +9,16 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from aeroscene.metrics.places.top_view import TopView
+from aeroscene.scene.catalogue import TABLES
 
 LEAST_IN_ROW = 3
 OFF_LINE_M = 0.5
 """Farthest that the middle of one in a row is from the row's line."""
 OFF_HEADING_RAD = math.radians(15.0)
 """Largest angle between the headings of two in a row."""
-DESKS = ("desk", "table")
-"""What one works at in rows: pupils' desks are tables."""
 
 
-def uneven_spacing(view: TopView, categories: tuple[str, ...] = DESKS) -> Float[np.ndarray, " k"]:
+def uneven_spacing(view: TopView, categories: frozenset[str] = TABLES) -> Float[np.ndarray, " k"]:
     """Deviation of the spacing over its mean, one number for each row of one kind.
 
     A row is `LEAST_IN_ROW` or more of one category and one parent whose headings differ from that
@@ -27,8 +26,8 @@ def uneven_spacing(view: TopView, categories: tuple[str, ...] = DESKS) -> Float[
     line through it along its x or its y axis. Spacing is between neighbours along that line.
     """
     found = []
-    for category in categories:
-        rows = view.rows(category)
+    for category in sorted(categories):
+        rows = view.rows({category})
         for parent in np.unique(view.arrays.parent[rows]):
             siblings = rows[view.arrays.parent[rows] == parent]
             for axes in (view.forward, view.leftward):

@@ -6,14 +6,12 @@ import numpy as np
 import shapely
 from jaxtyping import Bool, Float
 
-from aeroscene.feasibility.roles import COVERS, SHELLS
 from aeroscene.feasibility.stairs import REACH_M, STEP_M
 from aeroscene.metrics.places.top_view import TopView, near_pairs
+from aeroscene.scene.catalogue import BRIDGES, COVERS, LEVELS, ROOMS, SHELLS, STAIRS, WATER
 from aeroscene.solids.shapes.structures import RAIL_M
 
-_BORNE_BY_TOP = (
-    *(COVERS - {"water"}), *SHELLS, "terrain", "floor", "deck", "roof", "container",
-)  # fmt: skip
+_BORNE_BY_TOP = (COVERS | SHELLS | LEVELS) - WATER - BRIDGES
 """What one walks on top of."""
 
 
@@ -25,7 +23,7 @@ def dead_end_stairs(view: TopView) -> Bool[np.ndarray, " stairs"]:
     sides of covers, terrain, floors, decks, roofs, containers and buildings, the undersides of
     rooms, and the decks of bridges, `RAIL_M` below their upper sides.
     """
-    stairs = view.rows("stairs")
+    stairs = view.rows(STAIRS)
     levels, height_m = _levels(view)
     tops = shapely.linestrings(view.face(stairs, 0, 1))
     flight, level = near_pairs(tops, view.outline[levels], REACH_M)
@@ -37,6 +35,6 @@ def dead_end_stairs(view: TopView) -> Bool[np.ndarray, " stairs"]:
 
 def _levels(view: TopView) -> tuple[np.ndarray, Float[np.ndarray, " k"]]:
     """Rows and heights of what stairs may lead to."""
-    tops, rooms, bridges = view.rows(*_BORNE_BY_TOP), view.rows("room"), view.rows("bridge")
+    tops, rooms, bridges = view.rows(_BORNE_BY_TOP), view.rows(ROOMS), view.rows(BRIDGES)
     heights_m = (view.top_m[tops], view.base_m[rooms], view.top_m[bridges] - RAIL_M)
     return np.concatenate([tops, rooms, bridges]), np.concatenate(heights_m)

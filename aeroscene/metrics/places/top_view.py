@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -9,12 +10,11 @@ import numpy as np
 import shapely
 from jaxtyping import Bool, Float, Int
 
-from aeroscene.feasibility.roles import SHELLS
 from aeroscene.metrics.arrays import NO_PARENT, SceneArrays, scene_arrays
 from aeroscene.relations import Unit, scene_relations
 from aeroscene.scene import AttributeValue, Scene
 from aeroscene.scene.box import box_corners, rotation_matrix
-from aeroscene.scene.catalogue import category_id
+from aeroscene.scene.catalogue import ROOMS, SHELLS, category_id
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,24 +38,24 @@ class TopView:
         """Relations of the fine objects to their hosts."""
         return scene_relations(self.scene)
 
-    def rows(self, *categories: str) -> Int[np.ndarray, " k"]:
+    def rows(self, categories: Collection[str]) -> Int[np.ndarray, " k"]:
         """Rows of the objects of some categories."""
         numbers = [category_id(name) - 1 for name in categories]
         return np.flatnonzero(np.isin(self.arrays.category, numbers))
 
-    def is_in(self, *categories: str) -> Bool[np.ndarray, " n"]:
+    def is_in(self, categories: Collection[str]) -> Bool[np.ndarray, " n"]:
         """Whether an object of one of these categories is among each object's ancestors."""
-        return np.any(self.arrays.is_ancestor[self.rows(*categories)], axis=0)
+        return np.any(self.arrays.is_ancestor[self.rows(categories)], axis=0)
 
-    def is_on(self, *categories: str) -> Bool[np.ndarray, " n"]:
+    def is_on(self, categories: Collection[str]) -> Bool[np.ndarray, " n"]:
         """Whether the parent of each object is of one of these categories."""
         parent = self.arrays.parent
-        return np.isin(parent, self.rows(*categories)) & (parent != NO_PARENT)
+        return np.isin(parent, self.rows(categories)) & (parent != NO_PARENT)
 
     @cached_property
     def is_outdoors(self) -> Bool[np.ndarray, " n"]:
         """Whether an object is no part and no content of a building or room."""
-        return np.logical_not(self.is_in(*SHELLS, "room"))
+        return np.logical_not(self.is_in(SHELLS | ROOMS))
 
     @cached_property
     def centre_m(self) -> Float[np.ndarray, "n 2"]:

@@ -10,8 +10,8 @@ import numpy as np
 import shapely
 from jaxtyping import Bool, Float, Int
 
-from aeroscene.feasibility.roles import SHELLS
 from aeroscene.metrics.places.top_view import TopView, near_pairs
+from aeroscene.scene.catalogue import ROOMS, SHELLS, TERRAIN, WALLS
 
 TO_WALL_M = 0.2
 """Farthest that a wall's outline is from what touches it."""
@@ -33,8 +33,8 @@ def loose_wall_ends(view: TopView) -> Bool[np.ndarray, " ends"]:
     where it lies at most `TO_WALL_M` from another wall's outline or at most `TO_RIM_M` from the rim
     of a building, inside or out. Parapets on raised land are not judged: they end at stairs.
     """
-    walls, shells = view.rows("wall"), view.rows(*SHELLS)
-    judged = walls[~view.is_on("terrain")[walls]]
+    walls, shells = view.rows(WALLS), view.rows(SHELLS)
+    judged = walls[~view.is_on(TERRAIN)[walls]]
     size_m = view.arrays.size_m[judged]
     is_long = (size_m[:, 1] >= size_m[:, 0])[:, None, None]
     faces = [
@@ -60,7 +60,7 @@ def closed_shares(view: TopView) -> Float[np.ndarray, " rooms"]:
     Rooms in no building, as in layouts from elsewhere, are judged whatever their use, those that
     touch as one: there several boxes make a room.
     """
-    walls, shells = view.rows("wall"), view.rows(*SHELLS)
+    walls, shells = view.rows(WALLS), view.rows(SHELLS)
     barriers = np.concatenate(
         [
             shapely.buffer(view.outline[walls], TO_WALL_M, join_style="mitre"),
@@ -81,7 +81,7 @@ def closed_shares(view: TopView) -> Float[np.ndarray, " rooms"]:
 
 def _judged_rooms(view: TopView) -> tuple[Int[np.ndarray, " k"], np.ndarray]:
     """A row and the outline of each room whose walls are judged."""
-    rooms, is_in_shell = view.rows("room"), view.is_in(*SHELLS)
+    rooms, is_in_shell = view.rows(ROOMS), view.is_in(SHELLS)
     named = [row for row in rooms[is_in_shell[rooms]] if view.use[row] in WALLED_USES]
     free = rooms[~is_in_shell[rooms]]
     tiles = shapely.buffer(view.outline[free], _JOINT_M, join_style="mitre")

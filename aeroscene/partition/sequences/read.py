@@ -81,7 +81,7 @@ class _Reader:
             wall_m=wall,
             outer_m=outer,
             drop_m=last,
-            is_inset=bool(head.arity),
+            is_inset=head.is_inset,
         )
 
     def part(self, record: Record) -> Part:
@@ -113,7 +113,7 @@ class _Reader:
             case "pinwheel":
                 south, east, north, west, middle = self.many(5)
                 a, b, c, d = r.values
-                return Pinwheel(bool(r.arity), (a, b, c, d), (south, east, north, west), middle)
+                return Pinwheel(r.is_mirrored, (a, b, c, d), (south, east, north, west), middle)
             case "overlay":
                 head = self.take("leaf")
                 base = Leaf(head.kind, head.values[0], head.quarter, head.merge)
@@ -126,11 +126,11 @@ class _Reader:
                 )
 
     def item(self) -> Item:
-        values = self.take("item").values
+        head = self.take("item")
         tree = self.node(self.take())
-        if not values:
+        if not head.is_placed:
             return Item(tree)
-        x, y, yaw, length, width = values
+        x, y, yaw, length, width = head.values
         return Item(tree, Place(x, y, yaw, (length, width)))
 
     def bend(self, r: Record) -> Bend:
@@ -138,8 +138,9 @@ class _Reader:
         u, v, heading, *numbers = r.values
         banks: list[Bank | None] = []
         for _ in range(2 * r.arity):
-            values = self.take("bank").values
-            banks.append(Bank(*values, tree=self.node(self.take())) if values else None)
+            bank = self.take("bank")
+            tree = self.node(self.take()) if bank.is_placed else None
+            banks.append(None if tree is None else Bank(*bank.values, tree=tree))
         return Bend(
             (u, v),
             heading,

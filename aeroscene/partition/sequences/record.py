@@ -3,21 +3,21 @@
 A record's discrete fields say what comes; its numbers say how large. A partition begins with the
 widths that its strips share (doors and windows too), so that `strip` can name them.
 
-| record | then come | arity, rows | values |
+| record | then come | discrete | values |
 |---|---|---|---|
 | `width` | | | metres |
 | `site` | tree | | frame (x, y, yaw, length, width), base |
-| `storey` | tree, borders to the end | 1 if inset | frame, level, walls, outer walls, drop |
+| `storey` | tree, borders to the end | `is_inset` | frame, level, walls, outer walls, drop |
 | `leaf` | | | height |
-| `slice` | children, each with its `share` or `strip` | children | |
-| `cross`, `grid` | `part` for each column and row, cells | columns, rows | |
-| `pinwheel` | arms, middle | 1 if mirrored | west, east, south, north |
-| `overlay` | its leaf, items | items | |
-| `item` | tree | | none, or x, y, yaw, length, width |
-| `bend` | lanes, banks | pieces, lanes | start, heading, lengths, turns |
+| `slice` | children, each with its `share` or `strip` | `arity` children | |
+| `cross`, `grid` | `part` for each column and row, cells | `arity` columns, `rows` | |
+| `pinwheel` | arms, middle | `is_mirrored` | west, east, south, north |
+| `overlay` | its leaf, items | `arity` items | |
+| `item` | tree | `is_placed` | x, y, yaw, length, width, if it is placed |
+| `bend` | lanes, banks | `arity` pieces, `rows` lanes | start, heading, lengths, turns |
 | `lane` | | | a height for each piece |
-| `bank` | tree, if it has values | | low, high, depth |
-| `border` | segments; none is open | segments | |
+| `bank` | tree, if it is placed | `is_placed` | low, high, depth, if it is placed |
+| `border` | segments; none is open | `arity` segments | |
 | `segment` | | | sill, head |
 """
 
@@ -39,6 +39,9 @@ class Record:
     axis: str = ""
     arity: int = 0
     rows: int = 0
+    is_inset: bool = False
+    is_mirrored: bool = False
+    is_placed: bool = False
     kind: str = ""
     merge: int = 0
     quarter: int = 0
@@ -46,17 +49,3 @@ class Record:
     """Number of the width, from 1, that this has in its parent; 0 where it has a share."""
     share: float = 0.0
     values: tuple[float, ...] = ()
-
-    @property
-    def symbol(self) -> tuple[str | int, ...]:
-        """All that is discrete."""
-        return (
-            self.node,
-            self.axis,
-            self.arity,
-            self.rows,
-            self.kind,
-            self.merge,
-            self.quarter,
-            self.strip,
-        )

@@ -35,7 +35,7 @@ def to_sequence(partition: Partition) -> list[Record]:
         case StoreyPartition():
             p = partition
             values = (*frame, p.level_m, p.wall_m, p.outer_m, p.drop_m)
-            head.append(Record("storey", "", int(p.is_inset), values=values))
+            head.append(Record("storey", is_inset=p.is_inset, values=values))
             return [*head, *writer.node(p.tree), *(r for b in p.borders for r in writer.border(b))]
 
 
@@ -92,7 +92,7 @@ class _Writer:
                 for cell in node.cells:
                     yield from self.node(cell)
             case Pinwheel():
-                yield Record("pinwheel", "", int(node.is_mirrored), values=node.cuts)
+                yield Record("pinwheel", is_mirrored=node.is_mirrored, values=node.cuts)
                 for child in (*node.arms, node.middle):
                     yield from self.node(child)
             case Overlay():
@@ -106,7 +106,7 @@ class _Writer:
     def _item(self, item: Item) -> Iterator[Record]:
         p = item.place
         values = () if p is None else (p.x_share, p.y_share, p.yaw_rad, *p.size_m)
-        yield Record("item", values=values)
+        yield Record("item", is_placed=p is not None, values=values)
         yield from self.node(item.tree)
 
     def _bend(self, bend: Bend) -> Iterator[Record]:
@@ -119,7 +119,8 @@ class _Writer:
             if bank is None:
                 yield Record("bank")
                 continue
-            yield Record("bank", values=(bank.low_share, bank.high_share, bank.depth_m))
+            values = (bank.low_share, bank.high_share, bank.depth_m)
+            yield Record("bank", is_placed=True, values=values)
             yield from self.node(bank.tree)
 
     def border(self, border: Border) -> Iterator[Record]:

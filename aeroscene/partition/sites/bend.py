@@ -9,9 +9,9 @@ from itertools import pairwise
 from aeroscene.partition.cells import bend_pieces, lane_reach
 from aeroscene.partition.fit import SAME_M, Piece, Widths, fit
 from aeroscene.partition.frames import Bounds, Frame, frame_of, hull_of, nearest_quarter
-from aeroscene.partition.sites.site import STRIPS
 from aeroscene.partition.tree import Bank, Bend, Lane, Leaf, Overlay, PartitionError
 from aeroscene.scene import SceneObject
+from aeroscene.scene.catalogue import ROADS, STRIPS
 
 _SAME_RAD = 0.01
 _LEAST_LENGTH = 0.6
@@ -40,7 +40,7 @@ def fit_bend(
     Raises:
         PartitionError: If a cover lies across the lanes or is turned against all pieces.
     """
-    roads = _chain([obj for obj in bodies if obj.category == "road"])
+    roads = _chain([obj for obj in bodies if obj.category in ROADS])
     if len(roads) < 2:
         return None
     headings = _headings(roads)

@@ -10,11 +10,11 @@ import shapely
 from aeroscene.partition.fit import SAME_M, Piece, Widths, fit, number_merges
 from aeroscene.partition.frames import Bounds, Frame, frame_of, hull_of, nearest_quarter
 from aeroscene.partition.sites.bend import fit_bend
-from aeroscene.partition.sites.site import STRIPS, SitePartition
+from aeroscene.partition.sites.site import SitePartition
 from aeroscene.partition.tree import Item, Leaf, Node, Overlay, PartitionError, Place
 from aeroscene.scene import Scene, SceneObject
+from aeroscene.scene.catalogue import GROUND, STRIPS
 
-COVERS = frozenset(("road", "sidewalk", "lawn", "parking_lot", "plaza", "water", "terrain"))
 """Categories that cover the ground."""
 ALIGNED_RAD = 2e-3
 _CONTAINED = 0.99
@@ -56,7 +56,7 @@ def site_partition(scene: Scene, word: Word = category_word) -> ParsedSite | Non
     Raises:
         PartitionError: If covers overlap in a way that no node has.
     """
-    covers = [obj for obj in scene.objects if obj.category in COVERS and obj.domain == "outdoor"]
+    covers = [obj for obj in scene.objects if obj.category in GROUND and obj.domain == "outdoor"]
     roots = [obj for obj in covers if _is_root(scene, obj)]
     if not roots:
         return None
@@ -159,7 +159,7 @@ class _Reader:
         bodies = [
             child
             for child in self.scene.children_by_id.get(host.id, ())
-            if child.category in COVERS
+            if child.category in GROUND
             and abs(_base(child) - top_m) < _ON_TOP_M
             and abs(nearest_quarter(child.bbox.yaw_rad - frame.yaw_rad)[1]) < ALIGNED_RAD
         ]

@@ -9,9 +9,6 @@ from aeroscene.partition.frames import Frame
 from aeroscene.partition.tree import Node
 from aeroscene.scene import OrientedBox
 
-STRIPS = frozenset(("road", "sidewalk"))
-"""Covers whose width is in metres, not a share of the site."""
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SitePartition:

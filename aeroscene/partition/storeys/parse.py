@@ -17,6 +17,7 @@ from aeroscene.partition.storeys.storey import (
 )
 from aeroscene.partition.tree import Leaf, PartitionError
 from aeroscene.scene import Scene, SceneObject
+from aeroscene.scene.catalogue import ROOMS, WALLS
 
 _ALIGNED_RAD = 2e-3
 _SAME_LEVEL_M = 0.3
@@ -64,17 +65,17 @@ def building_partitions(scene: Scene, word: Word = room_word) -> list[ParsedBuil
     Raises:
         PartitionError: If a room is turned against its building or overlaps another.
     """
-    hosts = dict.fromkeys(obj.parent_id for obj in scene.objects if obj.category == "room")
+    hosts = dict.fromkeys(obj.parent_id for obj in scene.objects if obj.category in ROOMS)
     return [storey_partitions(scene, host, word) for host in hosts]
 
 
 def storey_partitions(scene: Scene, host_id: int | None, word: Word = room_word) -> ParsedBuilding:
     """The partitions of the storeys of one building, or of rooms without; see the above."""
     others = scene.children_by_id[host_id]
-    rooms = [obj for obj in others if obj.category == "room"]
+    rooms = [obj for obj in others if obj.category in ROOMS]
     head = rooms[0] if host_id is None else scene.object_by_id[host_id]
     plane = Frame(0.0, 0.0, head.bbox.yaw_rad, 0.0, 0.0)
-    walls = [_standing(obj, plane) for obj in others if obj.category == "wall"]
+    walls = [_standing(obj, plane) for obj in others if obj.category in WALLS]
     placed = [_room(obj, plane) for obj in rooms]
     walls = [
         wall for wall in walls if wall and (host_id is not None or wall.obj.domain == "indoor")

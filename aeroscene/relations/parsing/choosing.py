@@ -5,21 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from aeroscene.relations.hosts import (
-    AT_LEVELS,
-    AT_ROADS,
-    ROUND,
-    SEATS,
-    VEHICLES,
-    Standing,
-    is_furniture,
-    level_m,
-)
+from aeroscene.relations.hosts import Standing, is_furniture, level_m
 from aeroscene.relations.parsing import fits
 from aeroscene.relations.placing import foot_m
 from aeroscene.relations.plane import WORLD, Rectangle, footprint
 from aeroscene.relations.relation import HEADED, Kind, Relation
 from aeroscene.scene import Scene, SceneObject
+from aeroscene.scene.catalogue import ROOMS, ROUND, SEATS, SIGNALS, STAIRS, VEHICLES
 
 STEP_M = 0.25
 """Largest step between the top of stairs and the level that they lead up to."""
@@ -70,7 +62,7 @@ def best_relation(ground: Ground, obj: SceneObject, outline: Rectangle) -> Choic
     What stands beside roads, or leads up to levels, does so before all.
     """
     choices = list(_choices(ground, obj, outline))
-    if obj.category in AT_ROADS | AT_LEVELS:
+    if obj.category in SIGNALS | STAIRS:
         choices = [choice for choice in choices if choice[0].kind == Kind.SIDE] or choices
     return max(choices, key=_preference)
 
@@ -87,7 +79,7 @@ def _choices(ground: Ground, obj: SceneObject, outline: Rectangle) -> Iterator[C
     parent, is_top = ground.outline(parent_id), ground.is_top(parent_id)
     yield fits.scatter(parent, outline, Kind.ON if is_top else Kind.SCATTER), parent_id
     if parent_id is not None:
-        is_walled = ground.category(parent_id) == "room"
+        is_walled = ground.category(parent_id) in ROOMS
         is_round = obj.category in ROUND
         for relation in fits.inside(
             parent, outline, is_round=is_round, is_top=is_top, is_walled=is_walled
@@ -96,7 +88,7 @@ def _choices(ground: Ground, obj: SceneObject, outline: Rectangle) -> Iterator[C
     for kind in _kinds(obj, is_top=is_top):
         hosts = ground.standing.possible_hosts(kind, obj.category_id, parent_id)
         for rank, host_id in enumerate(hosts):
-            if obj.category in AT_LEVELS and not ground.is_step(obj, host_id):
+            if obj.category in STAIRS and not ground.is_step(obj, host_id):
                 continue
             for relation in _fits(ground, kind, host_id, obj, outline):
                 yield replace(relation, host=rank), host_id
@@ -104,7 +96,7 @@ def _choices(ground: Ground, obj: SceneObject, outline: Rectangle) -> Iterator[C
 
 def _kinds(obj: SceneObject, *, is_top: bool) -> list[Kind]:
     """Relations that an object may have to what is not its parent."""
-    if is_top or obj.category in AT_ROADS | AT_LEVELS:
+    if is_top or obj.category in SIGNALS | STAIRS:
         return [Kind.SIDE]
     return [Kind.SIDE, Kind.OVER, Kind.FACING] + [Kind.LANE] * (obj.category in VEHICLES)
 
@@ -123,15 +115,15 @@ def _fits(
         case _:
             manner = _manner(ground, host_id, obj)
             found = fits.beside(host, outline, manner, is_round=obj.category in ROUND)
-            if obj.category in AT_LEVELS:
+            if obj.category in STAIRS:
                 return (relation for relation in found if relation.quadrant == HEADED[Kind.FACING])
             return found
 
 
 def _manner(ground: Ground, host_id: int | None, obj: SceneObject) -> fits.Manner:
-    if obj.category in AT_ROADS:
-        return "road"
-    if obj.category in AT_LEVELS:
+    if obj.category in SIGNALS:
+        return "verge"
+    if obj.category in STAIRS:
         return "way"
     if ground.is_top(obj.parent_id):
         return "thing" if ground.category(host_id) in SEATS else "small"

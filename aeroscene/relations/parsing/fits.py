@@ -37,7 +37,7 @@ _OVERHANG_M = 3.0
 _FACING_M = 5.0
 """Farthest that two things face each other."""
 
-Manner = Literal["thing", "way", "road", "small"]
+Manner = Literal["thing", "way", "verge", "small"]
 """Beside what: another thing; a way or structure, where any place along it will do; a road, also
 past its ends; another small thing on the same top, near by chance."""
 
@@ -140,8 +140,8 @@ def beside(
             align = Align.HIGH if is_high else Align.LOW
         if abs(v_m) <= flush_m:
             align = Align.CENTRE
-        is_along = abs(v_m) <= half_m[1] + (_OVERHANG_M if manner == "road" else 0.0)
-        if align != Align.FREE or (is_along and (manner in {"way", "road"} or gap == Gap.TOUCH)):
+        is_along = abs(v_m) <= half_m[1] + (_OVERHANG_M if manner == "verge" else 0.0)
+        if align != Align.FREE or (is_along and (manner in {"way", "verge"} or gap == Gap.TOUCH)):
             yield Relation(kind=Kind.SIDE, side=side, gap=gap, align=align, quadrant=quadrant)
 
 

@@ -6,7 +6,7 @@ from collections import defaultdict
 from collections.abc import Callable, Hashable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from aeroscene.relations.hosts import N_TURNS, SEATS, Standing, turn_of
+from aeroscene.relations.hosts import N_TURNS, Standing, turn_of
 from aeroscene.relations.parsing.choosing import Ground, best_relation
 from aeroscene.relations.parsing.rows import find_lattices
 from aeroscene.relations.parsing.seating import find_seats
@@ -15,6 +15,7 @@ from aeroscene.relations.plane import Rectangle
 from aeroscene.relations.relation import Array, Kind, Member, Relation, Residual, Unit
 from aeroscene.scene import OrientedBox, Scene, SceneObject
 from aeroscene.scene.box import quat_from_yaw, quat_product
+from aeroscene.scene.catalogue import SEATS
 
 Alike = Callable[[SceneObject], Hashable]
 

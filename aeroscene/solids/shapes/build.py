@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import lru_cache
+from inspect import getmembers, isfunction
 
 import numpy as np
 
 from aeroscene.files.bounds import MOST_PRIMITIVES
 from aeroscene.scene import Scene, SceneError, SceneObject, Vector3
 from aeroscene.scene.box import quat_product, rotation_matrix
+from aeroscene.scene.catalogue import by_name
 from aeroscene.solids.shapes import (
     boats,
     buildings,
@@ -34,78 +36,31 @@ from aeroscene.solids.shapes.look import Look, Shape
 from aeroscene.solids.shapes.primitive import IDENTITY, Part, Primitive, block
 
 SHAPES: Mapping[str, Shape] = {
-    "building": buildings.building,
-    "house": buildings.house,
-    "tower": buildings.tower,
-    "warehouse": buildings.warehouse,
-    "garage": stalls.garage,
-    "terrain": terrain.terrain,
-    "kiosk": stalls.kiosk,
-    "container": stalls.container,
-    "canopy": structures.canopy,
-    "bridge": structures.bridge,
-    "deck": structures.deck,
-    "water": terrain.water,
-    "roof": roofs.roof,
-    "floor": shell.floor,
-    "room": shell.room,
-    "wall": shell.wall,
-    "road": ground.road,
-    "sidewalk": ground.sidewalk,
-    "lawn": ground.lawn,
-    "parking_lot": ground.parking_lot,
-    "plaza": ground.plaza,
-    "fence": fences.fence,
-    "stairs": structures.stairs,
-    "car": vehicles.car,
-    "van": vehicles.van,
-    "truck": vehicles.truck,
-    "bus": vehicles.bus,
-    "bicycle": vehicles.bicycle,
-    "tree": vegetation.tree,
-    "bush": vegetation.bush,
-    "street_lamp": street.street_lamp,
-    "traffic_light": street.traffic_light,
-    "sign": street.sign,
-    "bench": seats.bench,
-    "bin": street.bin_,
-    "boat": boats.boat,
-    "planter": vegetation.planter,
-    "crate": goods.crate,
-    "barrel": goods.barrel,
-    "pallet": goods.pallet,
-    "landing_pad": goods.landing_pad,
-    "ac_unit": rooftop.ac_unit,
-    "chimney": rooftop.chimney,
-    "solar_panel": rooftop.solar_panel,
-    "water_tank": rooftop.water_tank,
-    "antenna": rooftop.antenna,
-    "table": furniture.table,
-    "chair": seats.chair,
-    "sofa": seats.sofa,
-    "armchair": seats.armchair,
-    "bed": seats.bed,
-    "desk": furniture.desk,
-    "cabinet": storage.cabinet,
-    "wardrobe": storage.wardrobe,
-    "shelf": storage.shelf,
-    "coffee_table": furniture.coffee_table,
-    "nightstand": furniture.nightstand,
-    "counter": furniture.counter,
-    "fridge": storage.fridge,
-    "stove": storage.stove,
-    "television": household.television,
-    "lamp": household.lamp,
-    "plant": vegetation.plant,
-    "laptop": household.laptop,
-    "monitor": household.monitor,
-    "plate": household.plate,
-    "cup": household.cup,
-    "cutlery": household.cutlery,
-    "book": household.book,
-    "box": household.box,
+    name.removesuffix("_"): shape
+    for module in (
+        boats,
+        buildings,
+        fences,
+        furniture,
+        goods,
+        ground,
+        household,
+        roofs,
+        rooftop,
+        seats,
+        shell,
+        stalls,
+        storage,
+        street,
+        structures,
+        terrain,
+        vegetation,
+        vehicles,
+    )
+    for name, shape in getmembers(module, isfunction)
+    if name.removesuffix("_") in by_name() and shape.__module__ == module.__name__
 }
-"""The shape of every category."""
+"""The shape of every category: the function of its name, as `boats.boat`."""
 
 
 _KEPT = 1024

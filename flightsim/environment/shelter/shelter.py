@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Float
 
 from aeroscene.scene import Scene
+from aeroscene.scene.catalogue import BLOCKS
 from autonomy.jit import kernel
 from flightsim.environment.shelter.mass_consistent import mass_consistent
 from flightsim.environment.shelter.wakes import BLOCK_COLUMNS, add_wakes
@@ -16,8 +17,6 @@ from flightsim.environment.shelter.wakes import BLOCK_COLUMNS, add_wakes
 _CELL_M = 2.0
 _MARGIN_M = 12.0
 """Of the grid around the scene's extent and above its blocks."""
-_BLOCKS = ("building", "house", "tower", "warehouse", "garage", "kiosk", "container")
-"""Categories that stand on the ground and keep the wind off."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +48,7 @@ def blocks_of(scene: Scene) -> Float[np.ndarray, "n 7"]:
             thing.bbox.p[2] + 0.5 * thing.bbox.s[2],
         )
         for thing in scene.objects
-        if thing.category in _BLOCKS
+        if thing.category in BLOCKS
     ]
     return np.array(rows, dtype=float).reshape(-1, len(BLOCK_COLUMNS))
 

@@ -9,18 +9,13 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from aeroscene.areas.landing import (
-    NO_PERCH,
-    PERCH_HEIGHT_M,
-    AreaLimits,
-    derive_interaction_areas,
-)
+from aeroscene.areas.landing import PERCH_HEIGHT_M, AreaLimits, derive_interaction_areas
 from aeroscene.areas.needs import LEGS_M, MAX_SLOPE_RAD, NEEDS, PERCH_NEEDS, STEP_M, area_needs
 from aeroscene.areas.obstacles import Obstructions
 from aeroscene.areas.spread import spread
 from aeroscene.scene import InteractionArea, OrientedBox, Scene, SceneObject
 from aeroscene.scene.box import quat_from_yaw, quat_product
-from aeroscene.scene.catalogue import by_name
+from aeroscene.scene.catalogue import LANDABLE, NO_PERCH, by_name
 from aeroscene.solids.freespace import build_distance_field, reachable
 from aeroscene.solids.shapes import Primitive, scene_primitives
 from aeroscene.solids.solids import colliding
@@ -97,7 +92,7 @@ def test_areas_do_not_overlap(scene):
 
 def test_landing_areas_lie_on_categories_that_may_carry_a_drone(scene):
     for area in scene.landing_areas:
-        assert by_name()[scene.object_by_id[area.object_id].category].is_landable
+        assert scene.object_by_id[area.object_id].category in LANDABLE
 
 
 def test_perches_are_small_high_and_on_nothing_soft(scene):

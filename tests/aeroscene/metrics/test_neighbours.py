@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from aeroscene.metrics.arrays import scene_arrays
-from aeroscene.metrics.neighbours import TWO_SIDED, neighbours_of
+from aeroscene.metrics.neighbours import neighbours_of
 from aeroscene.metrics.orientation import TurnFrequencies
 from aeroscene.scene.box import rotation_matrix
+from aeroscene.scene.catalogue import TWO_SIDED
 from aeroscene.solids.shapes.build import object_parts
 from aeroscene.solids.shapes.look import Look
 from tests.aeroscene.conftest import SAMPLE, cached_scene

@@ -8,7 +8,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from aeroscene.partition import SitePartition, build_site, site_partition
-from aeroscene.partition.sites.parse import COVERS
 from aeroscene.partition.tree import (
     VOID,
     Bank,
@@ -25,6 +24,7 @@ from aeroscene.partition.tree import (
 )
 from aeroscene.scene import OrientedBox
 from aeroscene.scene.box import quat_from_yaw
+from aeroscene.scene.catalogue import GROUND
 from tests.aeroscene.conftest import cached_scene
 from tests.aeroscene.partition.layouts import (
     FRAME,
@@ -45,13 +45,13 @@ def boxes(site):
 def test_covers_of_a_scene_are_built_again_within_5_mm(scene):
     parsed = site_partition(scene)
     if parsed is None:
-        assert not any(o.category in COVERS and o.domain == "outdoor" for o in scene.objects)
+        assert not any(o.category in GROUND and o.domain == "outdoor" for o in scene.objects)
         return
     wanted = [obj for obj in scene.objects if obj.id in parsed.object_ids]
     built = build_site(parsed.site)
     assert greatest_error_m([obj.bbox for obj in wanted], boxes(parsed.site)) < 0.005
     assert sorted(cover.kind for cover in built) == sorted(obj.category for obj in wanted)
-    roots = {o.id for o in scene.objects if o.category in COVERS and o.parent_id is None}
+    roots = {o.id for o in scene.objects if o.category in GROUND and o.parent_id is None}
     assert roots <= parsed.object_ids
 
 

@@ -15,9 +15,7 @@ import numpy as np
 from aeroscene.feasibility.boxes import boxes_of
 from aeroscene.feasibility.doors import air_of
 from aeroscene.feasibility.place_search import Blocks
-from aeroscene.feasibility.roles import FITTINGS, GROUND, POSTS
-from aeroscene.feasibility.seats import TABLES, turns_to_tables
-from aeroscene.feasibility.strays import AFLOAT
+from aeroscene.feasibility.seats import turns_to_tables
 from aeroscene.feasibility.traffic import turns_with_traffic
 from aeroscene.learning.program.decoding.cfg import DecodingCfg
 from aeroscene.learning.program.decoding.draft import Draft
@@ -28,7 +26,7 @@ from aeroscene.learning.program.decoding.draft.neighbours import (
     open_ways,
     turned,
 )
-from aeroscene.learning.program.decoding.draft.supports import LAID, drawn_in, laid_for, mended
+from aeroscene.learning.program.decoding.draft.supports import drawn_in, laid_for, mended
 from aeroscene.learning.program.decoding.structures.buildings import DecodedBuilding, build_building
 from aeroscene.learning.program.decoding.structures.overhead import Overhead
 from aeroscene.learning.program.decoding.structures.sites import add_site
@@ -46,14 +44,28 @@ from aeroscene.learning.program.kinds import CATEGORY_IDS, Kind, What, theme_of
 from aeroscene.learning.program.program import Program
 from aeroscene.relations import Kind as RelationKind
 from aeroscene.relations import Unit
-from aeroscene.relations.hosts import AT_LEVELS, N_TURNS, turn_of
+from aeroscene.relations.hosts import N_TURNS, turn_of
 from aeroscene.scene import OrientedBox, Scene, Vector3
 from aeroscene.scene.box import quat_from_yaw
+from aeroscene.scene.catalogue import (
+    AFLOAT,
+    BUILDING_PARTS,
+    FLOORS,
+    GROUND,
+    POSTS,
+    ROOFS,
+    ROOMS,
+    SETTINGS,
+    STAIRS,
+    TABLES,
+    WALLS,
+    WATER,
+)
 from aeroscene.scene.origin import ALTITUDE_M, LATITUDE_DEG, LONGITUDE_DEG
 
-_FIXED = GROUND | FITTINGS | AT_LEVELS | POSTS | {"roof"}
+_FIXED = GROUND | BUILDING_PARTS | STAIRS | POSTS
 """What lies where it was drawn, whatever stands there."""
-_HOLDING = GROUND | {"room"}
+_HOLDING = GROUND | ROOMS
 """What holds all that is drawn on it or in it."""
 _INNER = 0.5
 """Share of length and width about the middle that is free where something is not deep in others."""
@@ -173,16 +185,16 @@ class Builder:
             draft.add(
                 token, part.category, "indoor", attributes, part.box, parent=host, bearer=host
             )
-            air = air_of(part.box, attributes) if part.category == "wall" else None
+            air = air_of(part.box, attributes) if part.category in WALLS else None
             if air is not None:
                 draft.neighbours.add_air(air)
 
     def _add_unit(self, place: int, bearer: int | None) -> None:
         program, draft = self._program, self.draft
         kind = program.kinds[place]
-        if kind.category in AFLOAT and draft.standing.category(bearer) != "water":
-            bearer = next((obj.id for obj in draft.objects if obj.category == "water"), bearer)
-        is_roof = kind.category == "roof" and bearer is None and bearer in self._buildings
+        if kind.category in AFLOAT and draft.standing.category(bearer) not in WATER:
+            bearer = next((obj.id for obj in draft.objects if obj.category in WATER), bearer)
+        is_roof = kind.category in ROOFS and bearer is None and bearer in self._buildings
         if is_roof and self._overhead.has_roof:
             return
         unit = read_unit(draft, place, bearer, self._last_m.get(kind.what))
@@ -193,7 +205,7 @@ class Builder:
         boxes = self._boxes(unit, kind)
         if self._cfg.makes_room and boxes:
             boxes = self._with_its_room(unit, kind, boxes, table)
-        building = self._buildings.get(bearer) if kind.category == "floor" else None
+        building = self._buildings.get(bearer) if kind.category in FLOORS else None
         for box in boxes:
             if is_roof:
                 self._overhead.roofs.append((place, box))
@@ -233,8 +245,8 @@ class Builder:
         bearer = draft.standing.category(unit.parent_id)
         if unit.parent_id is not None and bearer in _HOLDING and kind.category not in _FIXED:
             return drawn_in(boxes, draft.tiles(unit.parent_id))
-        is_on_table = bearer in TABLES
-        return laid_for(boxes, draft.objects) if kind.category in LAID and is_on_table else boxes
+        is_laid = kind.category in SETTINGS and bearer in TABLES
+        return laid_for(boxes, draft.objects) if is_laid else boxes
 
     def _with_its_room(
         self, unit: Unit, kind: Kind, boxes: Sequence[OrientedBox], table: int | None

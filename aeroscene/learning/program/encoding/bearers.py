@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from aeroscene.learning.program.program import ProgramError
-from aeroscene.partition.sites.parse import COVERS
 from aeroscene.relations.plane import footprint
 from aeroscene.scene import OrientedBox, Scene, SceneObject
+from aeroscene.scene.catalogue import GROUND, WALLS
 
 BUILT_M = 0.02
 """A partition builds what it was read off again within so much."""
@@ -29,7 +29,7 @@ class Bearers:
 def covers_under(scene: Scene, given: Sequence[int]) -> Bearers:
     """The cover under the middle of each object without a parent: whose top is nearest to it."""
     objects = scene.object_by_id
-    covers = [objects[i] for i in given if objects[i].category in COVERS]
+    covers = [objects[i] for i in given if objects[i].category in GROUND]
     covers = [cover for cover in covers if cover.domain == "outdoor"]
     known = frozenset(given)
     found: dict[int, int] = {}
@@ -86,4 +86,4 @@ def find_boxes(boxes: Sequence[OrientedBox], objects: Sequence[SceneObject]) -> 
 
 def _joint_m(obj: SceneObject) -> float:
     """How far the ends of a wall may differ: which of two walls has their corner is no matter."""
-    return min(obj.bbox.s[:2]) if obj.category == "wall" else 0.0
+    return min(obj.bbox.s[:2]) if obj.category in WALLS else 0.0

@@ -37,6 +37,7 @@ from aeroscene.partition import (
 from aeroscene.relations import scene_relations
 from aeroscene.relations.plane import Rectangle, footprint
 from aeroscene.scene import OrientedBox, Scene, SceneObject, Vector3
+from aeroscene.scene.catalogue import ROOMS
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -141,7 +142,7 @@ class _Encoder:
             [part.box for part in parts], [self._object(i) for i in sorted(parsed.object_ids)]
         )
         for part, obj in zip(parts, found, strict=True):
-            if part.category == "room":
+            if part.category in ROOMS:
                 self._stand_for(obj, *cells[part.storey][part.place])
             else:
                 self._stand_for(obj, borders[part.storey][part.place], 0)
@@ -158,7 +159,7 @@ class _Encoder:
         view = self._view()
         objects = view.object_by_id
         roots = frozenset(obj.id for obj in scene.objects if obj.parent_id is None)
-        with_rooms = {obj.parent_id for obj in scene.objects if obj.category == "room"}
+        with_rooms = {obj.parent_id for obj in scene.objects if obj.category in ROOMS}
 
         def alike(obj: SceneObject) -> Hashable:
             is_single = openings(obj) or obj.id in with_rooms

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import msgspec
 
 from aeroscene.learning.program.encoding.units import SAME_RAD
-from aeroscene.learning.program.kinds import Kind, Word, same_part
+from aeroscene.learning.program.kinds import FLAGS, Kind, Word, same_part
 from aeroscene.learning.program.nesting import Nested, cells, nest
 from aeroscene.learning.program.program import Node
 from aeroscene.learning.program.records import PARTS, channels_of, share_logits
@@ -144,7 +144,7 @@ def _kind(record: Record, rows: int | None = None) -> Kind:
     plain = Kind(
         r.node,
         axis=r.axis,
-        arity=int(bool(r.values)) if r.node in {"item", "bank"} else r.arity,
+        arity=int(getattr(r, FLAGS[r.node])) if r.node in FLAGS else r.arity,
         rows=r.rows if rows is None else rows,
         merge=r.merge,
         quarter=r.quarter,

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from aeroscene.feasibility import make_feasible
-from aeroscene.feasibility.wishes.clutter import LOOSE, USUAL, cluttered
+from aeroscene.feasibility.wishes.clutter import USUAL, cluttered
+from aeroscene.scene.catalogue import LOOSE
 from aeroscene.validation import validate
 from tests.aeroscene.conftest import cached_scene
 
@@ -32,7 +33,7 @@ def test_things_lie_on_open_ground_and_floors_and_are_of_real_sizes():
     more = raw.objects[len(scene.objects) :]
     hosts = {scene.object_by_id[obj.parent_id].category for obj in more}
     assert hosts <= {"room", "lawn", "plaza", "parking_lot", "sidewalk"}
-    assert {obj.category for obj in more} == set(LOOSE)
+    assert {obj.category for obj in more} == LOOSE
     for obj in more:
         host = scene.object_by_id[obj.parent_id].bbox
         offset = np.subtract(obj.bbox.p, host.p)[:2]

@@ -10,7 +10,6 @@ import pytest
 
 from aeroscene.corpus.shipped import read_shipped
 from aeroscene.feasibility import validity
-from aeroscene.feasibility.roles import COVERS
 from aeroscene.learning.diffusion.sampling import Moment
 from aeroscene.learning.generation import Generated, Generator, Request, RequestError
 from aeroscene.learning.generation import generator as generation
@@ -19,6 +18,7 @@ from aeroscene.learning.generation.sense import senseless
 from aeroscene.learning.training.checkpoint_facts import CheckpointError
 from aeroscene.learning.training.devices import DeviceError
 from aeroscene.scene import Scene
+from aeroscene.scene.catalogue import COVERS
 from aeroscene.scene.io import scene_to_json
 from aeroscene.validation import validate
 from tests.aeroscene.conftest import cached_scene

@@ -14,7 +14,7 @@ from aeroscene.learning.program import DecodingCfg, decode, encode
 from aeroscene.learning.program.decoding.draft.trees import TreeReader
 from aeroscene.learning.program.kinds import AS_LAST_AXES, Kind
 from aeroscene.learning.program.references import measure_references, with_references
-from aeroscene.relations.hosts import AT_LEVELS
+from aeroscene.scene.catalogue import STAIRS
 
 AS_DRAWN = DecodingCfg(mends=False, makes_room=False)
 SEEDS = (1, 3, 7, 14)
@@ -72,7 +72,7 @@ def test_the_first_of_its_kind_is_as_large_as_the_next_with_numbers(seed):
     swapped = {}
     for i in own:
         what = kinds[i].what
-        if n_of[what] > 1 and what not in swapped and kinds[i].category not in AT_LEVELS:
+        if n_of[what] > 1 and what not in swapped and kinds[i].category not in STAIRS:
             swapped[what] = i
             kinds[i] = msgspec.structs.replace(kinds[i], as_last="size")
             channels[i, 5:8] = np.nan

@@ -8,7 +8,7 @@ import pytest
 from aeroscene.learning.writer.draw import draw_program
 from aeroscene.learning.writer.furnishing import Furnishing
 from aeroscene.learning.writer.stepwise import StepwiseWriter
-from aeroscene.relations.hosts import SEATS
+from aeroscene.scene.catalogue import SEATS
 
 
 @pytest.mark.parametrize("number", range(4))

@@ -7,10 +7,9 @@ from functools import cache
 import numpy as np
 import pytest
 
-from aeroscene.feasibility.roles import BUILDINGS
-from aeroscene.metrics.places.backs import BACKED
 from aeroscene.metrics.places.checks import CHECKS, place_figures
 from aeroscene.metrics.places.top_view import TopView
+from aeroscene.scene.catalogue import BACKED, BUILDINGS
 from tests.aeroscene.conftest import cached_scene
 from tests.aeroscene.metrics.places.faults import (
     changed,

@@ -1,7 +1,8 @@
 import pytest
 
-from aeroscene.metrics.places.screens import SCREENS, averted_screens
+from aeroscene.metrics.places.screens import averted_screens
 from aeroscene.metrics.places.top_view import TopView
+from aeroscene.scene.catalogue import SCREENS
 from tests.aeroscene.metrics.scenes import box, scene_of
 
 DESK = ("desk", box((0, 0, 0.37), (0.8, 1.6, 0.74)))
@@ -19,7 +20,7 @@ def averted(*rows):
     return averted_screens(TopView(scene_of(*rows))).tolist()
 
 
-@pytest.mark.parametrize("category", SCREENS)
+@pytest.mark.parametrize("category", sorted(SCREENS))
 @pytest.mark.parametrize(
     ("yaw_deg", "is_averted"), [(0, False), (60, False), (-60, False), (120, True), (180, True)]
 )

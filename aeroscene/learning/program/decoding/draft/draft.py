@@ -18,7 +18,8 @@ from aeroscene.relations.hosts import Standing
 from aeroscene.relations.plane import Rectangle, footprint, hull
 from aeroscene.relations.relation import Kind
 from aeroscene.scene import AttributeValue, ObjectDomain, OrientedBox, Scene, SceneObject
-from aeroscene.scene.rooms import strayed_to, tile_groups
+from aeroscene.scene.catalogue import WALLS
+from aeroscene.scene.rooms import room_of, strayed_to, tile_groups
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +66,7 @@ class Draft:
             self.objects.append(replace(obj, id=number, parent_id=parent))
             self.neighbours.add(obj.bbox, obj.category, parent)
             self._place_of.append((None, 0))
-            air = air_of(obj.bbox, obj.attributes) if obj.category == "wall" else None
+            air = air_of(obj.bbox, obj.attributes) if obj.category in WALLS else None
             if air is not None:
                 self.neighbours.add_air(air)
         for place in range(len(self.program)):
@@ -153,15 +154,10 @@ class Draft:
         return len(tiles) < 2 or all(is_on_any(box, tiles) for box in boxes)
 
     def _tiles(self, room: int) -> list[int]:
-        own = self.objects[room]
-        if "room" not in own.attributes:
+        own = room_of(self.objects[room])
+        if own is None:
             return [room]
-        name = own.attributes["room"], own.parent_id
-        return [
-            number
-            for number, obj in enumerate(self.objects)
-            if obj.category == "room" and (obj.attributes.get("room"), obj.parent_id) == name
-        ]
+        return [number for number, obj in enumerate(self.objects) if room_of(obj) == own]
 
     def taken(
         self, bearer: int | None, without: Sequence[int] = (), *, has_air: bool = True

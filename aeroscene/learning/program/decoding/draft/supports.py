@@ -13,17 +13,14 @@ from dataclasses import replace
 import shapely
 
 from aeroscene.feasibility.seats import TO_CHAIR_M
-from aeroscene.feasibility.strays import AFLOAT, LEAST_ON_WATER
+from aeroscene.feasibility.strays import LEAST_ON_WATER
 from aeroscene.learning.program.decoding.draft.neighbours import moved, way_onto
-from aeroscene.relations.hosts import SEATS, VEHICLES
 from aeroscene.relations.plane import QUARTER, Place, Rectangle, footprint, turned_reach_m
 from aeroscene.relations.relation import LANE_RATIOS
 from aeroscene.scene import OrientedBox, SceneObject
 from aeroscene.scene.box import quat_from_yaw
+from aeroscene.scene.catalogue import AFLOAT, BRIDGES, ROADS, SEATS, VEHICLES, WATER
 
-LAID = frozenset({"plate"})
-BRIDGES = frozenset({"bridge"})
-CROSSED = frozenset({"water", "road"})
 _MIDDLE_M = 0.3
 """Distance from the middle line of a road within which one drives on neither side."""
 _LEAST_OVER = 0.1
@@ -35,13 +32,13 @@ def mended(
 ) -> list[OrientedBox]:
     """The boxes of a unit's members where they have to be, among what stands already."""
     if category in AFLOAT:
-        waters = _footprints(objects, frozenset({"water"}))
+        waters = _footprints(objects, WATER)
         return [found for box in boxes if (found := _afloat(box, waters))]
     if category in BRIDGES:
-        crossed = _footprints(objects, CROSSED)
+        crossed = _footprints(objects, WATER | ROADS)
         return [found for box in boxes if (found := _over(box, crossed))]
     if category in VEHICLES:
-        roads = _footprints(objects, frozenset({"road"}))
+        roads = _footprints(objects, ROADS)
         return [_in_lane(box, roads) for box in boxes]
     return list(boxes)
 

@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import msgspec
 
-from aeroscene.learning.program.kinds import Kind, Word, same_part
+from aeroscene.learning.program.kinds import FLAGS, Kind, Word, same_part
 from aeroscene.learning.program.nesting import Nested
 from aeroscene.learning.program.program import Program
 from aeroscene.learning.program.records import PARTS, shares_of, values_of
@@ -140,7 +140,7 @@ class TreeReader:
     def _bank(self, place: int) -> Grown:
         record = self._record(place)
         below = [each for each in self.children[place] if self._node_of(each) in NODES]
-        if not record.values or not below:
+        if not record.is_placed or not below:
             return Grown(Record("bank"), place)
         return Grown(record, place, [self._node(below[0])])
 
@@ -154,10 +154,18 @@ def record_of(kind: Kind) -> Record:
         said = msgspec.json.encode(Word(kind.category, _domain(kind), kind.attributes)).decode()
     elif kind.node != "width":
         said = kind.category
-    rows = 0 if kind.node == "storey" else kind.rows
-    return Record(
-        kind.node, kind.axis, kind.arity, rows, said, kind.merge, kind.quarter, kind.strip
+    flag = FLAGS.get(kind.node)
+    record = Record(
+        kind.node,
+        axis=kind.axis,
+        arity=0 if flag else kind.arity,
+        rows=0 if kind.node == "storey" else kind.rows,
+        kind=said,
+        merge=kind.merge,
+        quarter=kind.quarter,
+        strip=kind.strip,
     )
+    return replace(record, **{flag: bool(kind.arity)}) if flag else record
 
 
 def _domain(kind: Kind) -> ObjectDomain:

@@ -31,6 +31,7 @@ from aeroscene.partition.storeys.storey import OPEN, Line, find_lines, room_numb
 from aeroscene.partition.tree import Node, Part
 from aeroscene.relations.plane import Rectangle
 from aeroscene.scene import OrientedBox
+from aeroscene.scene.catalogue import ROOMS
 
 Place = int | None
 WALL = Border((Segment("wall", Part(1.0)),))
@@ -131,7 +132,7 @@ class _Storey:
         self.wall_m = max(wall_m, _LEAST_WALL_M)
         self._outer_m = outer_m if outer_m > _LEAST_WALL_M else 0.0
         self.least_m = self.wall_m + _ROOM_M
-        self._is_inset = bool(grown.record.arity)
+        self._is_inset = grown.record.is_inset
         head = Record("site", values=(*astuple(frame), level_m))
         plain = from_sequence([*self._widths, head, *grown.flat()[1:]])
         sides_m = frame.length_m, frame.width_m
@@ -142,7 +143,7 @@ class _Storey:
 
     def token(self, part: BuildingPart) -> Place:
         """Place of the token of a room or wall of this storey."""
-        return (self._leaves if part.category == "room" else self._border_places)[part.place]
+        return (self._leaves if part.category in ROOMS else self._border_places)[part.place]
 
     def partition(self, tree: Node) -> StoreyPartition:
         """The storey with a tree that differs from its own in numbers only."""

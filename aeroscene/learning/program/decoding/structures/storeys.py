@@ -16,6 +16,7 @@ from aeroscene.partition.cells import Cell, cells_of, merged
 from aeroscene.partition.frames import Bounds, Frame, hull_of
 from aeroscene.partition.tree import VOID, Leaf, Node, children, with_children
 from aeroscene.scene import OrientedBox
+from aeroscene.scene.catalogue import WALLS
 from aeroscene.solids.shapes.facade import SLAB_M
 
 _REACH_M = 4.0
@@ -166,7 +167,7 @@ def upper_slabs(
 def _passes(part: BuildingPart, level_m: float) -> bool:
     """Whether a wall passes by the edge of a floor."""
     low_m, high_m = part.box.p[2] - part.box.s[2] / 2, part.box.p[2] + part.box.s[2] / 2
-    return part.category == "wall" and low_m < level_m - _MEET_M and high_m > level_m - SLAB_M / 2
+    return part.category in WALLS and low_m < level_m - _MEET_M and high_m > level_m - SLAB_M / 2
 
 
 def outline_in(frame: Frame, part: BuildingPart) -> Bounds:

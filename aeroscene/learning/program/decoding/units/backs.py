@@ -9,15 +9,13 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from aeroscene.feasibility.place_search import Blocks
-from aeroscene.feasibility.roles import SHELLS
 from aeroscene.learning.program.decoding.draft import Draft
 from aeroscene.relations import Kind, Unit
 from aeroscene.relations.plane import QUARTER, footprint, turned_reach_m
 from aeroscene.scene import OrientedBox
+from aeroscene.scene.catalogue import ROOMS, SEATS, SHELLS, WALLS
 from aeroscene.solids.shapes.facade import WALL_M
 
-_FREE_STANDING = frozenset({"chair"})
-"""What stands along the edges of open rooms too: one in three of the corpus' chairs there."""
 _BACK = 2
 """Quarter turns from the way out of a room to the heading of what has its back to the edge."""
 _OFF_WALL_M = 0.3
@@ -29,8 +27,9 @@ def asks_for_wall(draft: Draft, unit: Unit, category: str) -> bool:
     """Whether a unit has its back to an edge of a room, and is what has a wall there."""
     relation = unit.relation
     has_back = relation.kind == Kind.EDGE and relation.quadrant == _BACK
-    is_in_room = draft.standing.category(unit.host_id) == "room"
-    return has_back and is_in_room and category not in _FREE_STANDING
+    is_in_room = draft.standing.category(unit.host_id) in ROOMS
+    # Seats stand along the edges of open rooms too: one in three of the corpus' chairs there.
+    return has_back and is_in_room and category not in SEATS
 
 
 def has_wall(draft: Draft, unit: Unit, boxes: Sequence[OrientedBox]) -> bool:
@@ -41,7 +40,7 @@ def has_wall(draft: Draft, unit: Unit, boxes: Sequence[OrientedBox]) -> bool:
         unit: The group, with the side of the room that it is at.
         boxes: Where the group would stand.
     """
-    walls, shells = (draft.neighbours.of(each) for each in ({"wall"}, SHELLS))
+    walls, shells = (draft.neighbours.of(names) for names in (WALLS, SHELLS))
     room, side = draft.outline(unit.host_id), unit.relation.side
     outwards_rad = room.place.yaw_rad + side * QUARTER
     c, s = math.cos(outwards_rad), math.sin(outwards_rad)

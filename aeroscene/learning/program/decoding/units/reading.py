@@ -38,12 +38,13 @@ from aeroscene.learning.program.program import (
     V,
 )
 from aeroscene.relations import Array, Member, Relation, Residual, Unit, place
-from aeroscene.relations.hosts import AT_LEVELS, Standing, level_m
+from aeroscene.relations.hosts import Standing, level_m
 from aeroscene.relations.placing import array_half_m, foot_m
 from aeroscene.relations.plane import QUARTER, Half, Rectangle
 from aeroscene.relations.relation import ANY_TURN, Kind
 from aeroscene.scene import AttributeValue, OrientedBox, Quaternion, Vector3
 from aeroscene.scene.box import MIN_SIZE_M
+from aeroscene.scene.catalogue import ROOMS, STAIRS
 
 BoxOf = Callable[[int | None], OrientedBox | None]
 _MOST_PITCH_M = 30.0
@@ -81,7 +82,7 @@ def read_unit(draft: Draft, token: int, bearer: int | None, last_m: Vector3 | No
     )
     if last_m is not None:
         as_last = set(AS_LAST_AXES[kind.as_last])
-        if relation.kind == Kind.SIDE and kind.category in AT_LEVELS:
+        if relation.kind == Kind.SIDE and kind.category in STAIRS:
             # Stairs are as high as the level that they lead to, whatever the last ones were.
             as_last.discard(2)
         x_m, y_m, z_m = (last_m[i] if i in as_last else size_m[i] for i in range(3))
@@ -167,7 +168,7 @@ def _related(draft: Draft, token: int, bearer: int | None) -> tuple[Relation, in
     if not hosts:
         return Relation(kind=Kind.SCATTER, quadrant=relation.quadrant), bearer
     rank = min(max(int(program.host[token]), 0), len(hosts) - 1)
-    if kind.category in AT_LEVELS and relation.kind == Kind.SIDE:
+    if kind.category in STAIRS and relation.kind == Kind.SIDE:
         higher = [i for i, host in enumerate(hosts) if _is_higher(host, bearer, standing, box_of)]
         rank = next((i for i in higher if i >= rank), higher[0] if higher else rank)
     elif len(hosts) > 1:
@@ -180,7 +181,7 @@ def _is_higher(host: int | None, bearer: int | None, standing: Standing, box_of:
     box, ground = box_of(host), box_of(bearer)
     if box is None or ground is None:
         return box is not None
-    is_inside = standing.category(bearer) == "room"
+    is_inside = standing.category(bearer) in ROOMS
     ground_m = underside_m(ground) if is_inside else level_m(standing.category(bearer), ground)
     return level_m(standing.category(host), box) > ground_m + LEAST_RISE_M
 

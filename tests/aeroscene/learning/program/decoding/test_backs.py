@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 import shapely
 
-from aeroscene.feasibility.roles import SHELLS
 from aeroscene.learning.program import encode
 from aeroscene.learning.program.decoding.cfg import DecodingCfg
 from aeroscene.learning.program.decoding.decode import decode
@@ -17,6 +16,7 @@ from aeroscene.metrics.places.top_view import TopView
 from aeroscene.relations import Kind, Relation, Unit
 from aeroscene.scene import OrientedBox
 from aeroscene.scene.box import quat_from_yaw
+from aeroscene.scene.catalogue import SHELLS, WALLS
 
 EAST, NORTH = 0, 1
 CUPBOARDS = ("cabinet", "wardrobe", "shelf", "counter")
@@ -108,11 +108,11 @@ def _cupboard_before_a_wall(scenes):
     """A scene, the row of a cupboard in it, and the middles of the walls behind that (k, 2), m."""
     for scene in scenes:
         view = TopView(scene)
-        walls = view.rows("wall")
-        for row in view.rows(*CUPBOARDS):
+        walls = view.rows(WALLS)
+        for row in view.rows(CUPBOARDS):
             back = shapely.Point(*_back(scene, row))
             is_near = shapely.distance(view.outline[walls], back) < 0.3
-            rims = shapely.boundary(view.outline[view.rows(*SHELLS)])
+            rims = shapely.boundary(view.outline[view.rows(SHELLS)])
             is_at_rim = bool((shapely.distance(rims, back) < 0.6).any())
             if is_near.any() and not is_at_rim:
                 return scene, row, view.centre_m[walls[is_near]]
@@ -121,7 +121,7 @@ def _cupboard_before_a_wall(scenes):
 
 def _away_m(back, scene):
     """Distance of the nearest cupboard's back from a place."""
-    backs = np.array([_back(scene, row) for row in TopView(scene).rows(*CUPBOARDS)])
+    backs = np.array([_back(scene, row) for row in TopView(scene).rows(CUPBOARDS)])
     return np.linalg.norm(backs - back, axis=1).min()
 
 
