@@ -75,7 +75,8 @@ def picture(cfg: DrawCfg) -> tuple[RgbdFrame, np.ndarray]:
     """The frame, and its picture with what is to be drawn over it."""
     has_vehicle = cfg.view == "chase" and cfg.eye_enu_m is None
     scene = load_scene(cfg.scene)
-    world = build_world(scene, airframe_by_name(cfg.vehicle), vehicle=has_vehicle)
+    airframes = [airframe_by_name(cfg.vehicle)] if has_vehicle else []
+    world = build_world(scene, *airframes)
     if cfg.cut_height_m is not None:
         world = replace(world, solids=cut_at(world.solids, cfg.cut_height_m))
     data = world.new_data()

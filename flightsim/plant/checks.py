@@ -26,7 +26,7 @@ def check_alone(world: World) -> None:
         PlantError: Naming what would be valid.
     """
     if world.vehicle_body_id < 0:
-        raise PlantError("world: it has no vehicle, build it with vehicle=True")
+        raise PlantError("world: it has no vehicle, build it with an airframe")
     if world.n_vehicles > 1:
         raise PlantError(f"world: it has {world.n_vehicles} vehicles; a VehicleGroup is valid")
 
@@ -40,9 +40,7 @@ def check_together(worlds: Sequence[World]) -> None:
     numbers, n = [world.number for world in worlds], worlds[0].n_vehicles
     is_one = all(world.model is worlds[0].model for world in worlds)
     if not is_one or numbers != list(range(n)):
-        raise PlantError(
-            f"worlds: vehicles {numbers} of a world of {n}: all that build_worlds gives are valid"
-        )
+        raise PlantError(f"worlds: vehicles {numbers} of a world of {n}: all World.views are valid")
 
 
 def check_fleet(worlds: Sequence[World], cfgs: Sequence[PlantCfg], n_threads: int | None) -> None:
@@ -65,7 +63,7 @@ def check_fleet(worlds: Sequence[World], cfgs: Sequence[PlantCfg], n_threads: in
         raise PlantError(f"worlds: vehicles with {numbers} rotors: the same number is valid")
     for i, (world, cfg) in enumerate(zip(worlds, cfgs, strict=True)):
         if world.vehicle_body_id < 0:
-            raise PlantError(f"world {i}: it has no vehicle, build it with vehicle=True")
+            raise PlantError(f"world {i}: it has no vehicle, build it with an airframe")
         cfg.check(world.model.opt.timestep)
     n_mates = max(1, worlds[0].n_vehicles)
     for first in range(0, len(worlds), n_mates):

@@ -52,7 +52,7 @@ class Fleet:
 
         Args:
             worlds: A world for each vehicle, with as many rotors each; vehicles that share one do
-                not meet. Where several do, all that `build_worlds` gives, one world after another,
+                not meet. Where several do, all `World.views`, one world after another,
                 of as many vehicles each.
             cfgs: A configuration for each; their rates are the same.
             n_threads: Threads that advance them; None takes one for each core.

@@ -34,7 +34,7 @@ class VehicleGroup:
         """Put the vehicles at rest at their starts.
 
         Args:
-            worlds: The world as each of its vehicles has it, from `flightsim.world.build_worlds`.
+            worlds: The world as each of its vehicles has it, `World.views`.
             cfgs: A configuration for each; their rates are the same.
 
         Raises:

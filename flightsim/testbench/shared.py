@@ -16,7 +16,7 @@ from flightsim.testbench.cfg import MAX_INSTANCES, TestbenchCfg, TestbenchError
 from flightsim.testbench.testbench import Testbench
 from flightsim.vehicles import Airframe
 from flightsim.vehicles.builder import vehicle_name
-from flightsim.world import build_worlds
+from flightsim.world import build_world
 
 
 class SharedTestbench:
@@ -59,7 +59,7 @@ class SharedTestbench:
             TestbenchError: If vehicles of another flight stack are asked for, or too many.
         """
         cfgs = _cfgs(cfg, airframes)
-        worlds = build_worlds(scene, airframes, traffic=cfg.traffic_cfg)
+        worlds = build_world(scene, *airframes, traffic=cfg.traffic_cfg).views
         self.cfg, self.scene = cfg, scene
         self.group = VehicleGroup(worlds, [each.plant_cfg for each in cfgs])
         if captures is not None:

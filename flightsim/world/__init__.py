@@ -9,7 +9,6 @@ from flightsim.world.world import (
     World,
     WorldError,
     build_world,
-    build_worlds,
     new_spec,
 )
 
@@ -22,6 +21,5 @@ __all__ = [
     "World",
     "WorldError",
     "build_world",
-    "build_worlds",
     "new_spec",
 ]

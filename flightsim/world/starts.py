@@ -75,14 +75,14 @@ def place_vehicles(
 
     Args:
         scene: Scene with its start.
-        airframes: The vehicles, at least one.
+        airframes: The vehicles.
         solids: All static solids of the scene.
 
     Raises:
         WorldError: If there are fewer places than vehicles.
     """
     first, yaw_rad = scene.start_position_enu_m, scene.start_yaw_rad
-    places: list[Vector3] = [first]
+    places: list[Vector3] = [first][: len(airframes)]
     if len(airframes) > 1:
         radius_m = max(airframe.collision_radius_m for airframe in airframes)
         apart_m = max(APART_M, 2.0 * (radius_m + _ROOM_M))

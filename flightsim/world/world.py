@@ -56,7 +56,6 @@ class World:
     model: mujoco.MjModel
     scene: Scene
     """The scene, with this vehicle's start."""
-    airframe: Airframe
     solids: tuple[Primitive, ...]
     """All static solids: geom 0 is the ground, geom 1 + i is solid i."""
     obstacles: tuple[MovingObstacle, ...]
@@ -82,9 +81,34 @@ class World:
         return len(self.vehicles)
 
     @property
+    def airframe(self) -> Airframe:
+        """Airframe of this vehicle."""
+        return self.vehicles[self.number].airframe
+
+    @property
+    def views(self) -> tuple[World, ...]:
+        """The world as each of its vehicles has it, in their order."""
+        return tuple(self._as_of(number) for number in range(self.n_vehicles))
+
+    @property
     def qpos_address(self) -> int:
         """Where the pose of the vehicle (7,) begins in a configuration."""
         return int(self.model.jnt_qposadr[self.model.body_jntadr[self.vehicle_body_id]])
+
+    def _as_of(self, number: int) -> World:
+        """The world as the vehicle with a number has it."""
+        if number == self.number:
+            return self
+        vehicle, ids = self.vehicles[number], self.geom_object_id.copy()
+        ids[self.geom_object_id == VEHICLE_ID] = FIRST_MATE_ID - self.number
+        ids[self.geom_object_id == FIRST_MATE_ID - number] = VEHICLE_ID
+        return replace(
+            self,
+            scene=replace(self.scene, start_position_enu_m=vehicle.stand_enu_m),
+            geom_object_id=ids,
+            vehicle_body_id=self.model.body(vehicle_name(number)).id,
+            number=number,
+        )
 
     def camera_name(self, camera: str) -> str:
         """Name that one of the vehicle's cameras has in the model."""
@@ -141,69 +165,30 @@ class World:
 
 def build_world(
     scene: Scene,
-    airframe: Airframe,
-    *,
+    *airframes: Airframe,
     physics_hz: int = 500,
-    vehicle: bool = True,
     extra: Sequence[Primitive] = (),
     traffic: TrafficCfg | Sequence[MovingObstacle] = (),
 ) -> World:
-    """Compile a scene with a vehicle standing at its start.
+    """Compile a scene with its vehicles, the first at the scene's start, the others beside it.
 
     Args:
         scene: Objects and the start.
-        airframe: Vehicle with its cameras.
+        airframes: Vehicles with their cameras; none for pictures of the scene alone.
         physics_hz: Steps per second.
-        vehicle: Whether to add the vehicle; False is for pictures of the scene alone.
         extra: Solids besides the scene's objects.
         traffic: Movers on their paths, or the number of movers to find paths for.
 
+    Returns:
+        The world as the first vehicle has it; `World.views` has it as each of them does.
+
     Raises:
-        WorldError: If the start is inside something or not a place to stand.
+        WorldError: If the start has not enough room, or a vehicle is inside something or cannot
+            stand.
         TrafficError: If the scene has no room for the traffic.
     """
     solids = (*scene_primitives(scene), *extra)
-    vehicles = place_vehicles(scene, [airframe], solids) if vehicle else ()
-    worlds = _compile(scene, airframe, vehicles, solids, physics_hz, traffic)
-    return worlds[0]
-
-
-def build_worlds(
-    scene: Scene,
-    airframes: Sequence[Airframe],
-    *,
-    physics_hz: int = 500,
-    traffic: TrafficCfg | Sequence[MovingObstacle] = (),
-) -> tuple[World, ...]:
-    """Compile a scene with several vehicles, the first at its start, the others beside it.
-
-    Args:
-        scene: Objects and the start.
-        airframes: Vehicles with their cameras, at least one.
-        physics_hz: Steps per second.
-        traffic: Movers on their paths, or the number of movers to find paths for.
-
-    Returns:
-        The world as each vehicle has it.
-
-    Raises:
-        WorldError: If the start has not enough room, or a vehicle cannot stand.
-        TrafficError: If the scene has no room for the traffic.
-    """
-    solids = tuple(scene_primitives(scene))
     vehicles = place_vehicles(scene, airframes, solids)
-    return _compile(scene, airframes[0], vehicles, solids, physics_hz, traffic)
-
-
-def _compile(
-    scene: Scene,
-    airframe: Airframe,
-    vehicles: tuple[PlacedVehicle, ...],
-    solids: tuple[Primitive, ...],
-    physics_hz: int,
-    traffic: TrafficCfg | Sequence[MovingObstacle],
-) -> tuple[World, ...]:
-    """The world as each of its vehicles has it, or as `airframe` would where there is none."""
     spec = new_spec(scene, physics_hz)
     add_ground(spec)
     add_solids(spec, solids)
@@ -217,22 +202,15 @@ def _compile(
     if len(movers):
         let_touch_movers(spec, len(vehicles))
         movers.add_solids(spec)
-    try:
-        model = spec.compile()
-    except ValueError as error:
-        reason = " ".join(str(error).split()).removeprefix("Error: ")
-        raise WorldError(
-            f"scene {scene.scene_id!r} with vehicle {airframe.name!r} cannot be built: {reason}; "
-            "valid: files of shapes that MuJoCo reads"
-        ) from None
+    model = _compiled(spec, scene, airframes)
     _enable_sleep(model)
     _put_movers(model, traffic)
-    is_mover = model.body_mocapid[model.geom_bodyid] >= 0
     bodies = [model.body(vehicle_name(k)).id for k in range(len(vehicles))]
     ids = np.zeros(model.ngeom, dtype=np.int32)
     ids[: 1 + len(solids)] = [GROUND_ID, *(solid.object_id for solid in solids)]
     for k, body in enumerate(bodies):
-        ids[model.geom_bodyid == body] = FIRST_MATE_ID - k
+        ids[model.geom_bodyid == body] = FIRST_MATE_ID - k if k else VEHICLE_ID
+    is_mover = model.body_mocapid[model.geom_bodyid] >= 0
     ids[is_mover] = FIRST_MOVER_ID - np.arange(len(movers))
     for vehicle, body in zip(vehicles, bodies, strict=True):
         if (geom := inside_of(model, body)) is not None:
@@ -240,35 +218,30 @@ def _compile(
                 f"start_position_enu_m {vehicle.stand_enu_m} puts the vehicle inside "
                 f"{_describe(scene, int(ids[geom]))}; valid: a free point on a surface"
             )
-    rest_qpos = settle(model, vehicles, bodies) if vehicles else model.qpos0.copy()
-    world = World(
+    return World(
         model=model,
         solids=solids,
         obstacles=tuple(traffic),
         movers=movers,
         scene=scene,
-        airframe=airframe,
         rays=RayTree.of(model),
-        geom_object_id=np.where(ids == FIRST_MATE_ID, VEHICLE_ID, ids),
+        geom_object_id=ids,
         vehicle_body_id=bodies[0] if bodies else -1,
-        rest_qpos=rest_qpos,
+        rest_qpos=settle(model, vehicles, bodies) if vehicles else model.qpos0.copy(),
         vehicles=vehicles,
     )
-    mates = (_as_of(world, k, bodies[k], ids) for k in range(1, len(vehicles)))
-    return (world, *mates)
 
 
-def _as_of(world: World, number: int, body: int, ids: np.ndarray) -> World:
-    """The world as another of its vehicles has it; `ids` are those of nobody's view."""
-    vehicle = world.vehicles[number]
-    return replace(
-        world,
-        scene=replace(world.scene, start_position_enu_m=vehicle.stand_enu_m),
-        airframe=vehicle.airframe,
-        geom_object_id=np.where(ids == FIRST_MATE_ID - number, VEHICLE_ID, ids),
-        vehicle_body_id=body,
-        number=number,
-    )
+def _compiled(spec: mujoco.MjSpec, scene: Scene, airframes: Sequence[Airframe]) -> mujoco.MjModel:
+    try:
+        return spec.compile()
+    except ValueError as error:
+        reason = " ".join(str(error).split()).removeprefix("Error: ")
+        who = f" with vehicle {airframes[0].name!r}" if airframes else ""
+        raise WorldError(
+            f"scene {scene.scene_id!r}{who} cannot be built: {reason}; "
+            "valid: files of shapes that MuJoCo reads"
+        ) from None
 
 
 def new_spec(scene: Scene, physics_hz: int) -> mujoco.MjSpec:

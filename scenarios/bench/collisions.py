@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import copy
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import mujoco
@@ -63,10 +63,11 @@ class Collision:
 class Collider:
     """Lets the two vehicles of a world collide."""
 
-    def __init__(self, worlds: tuple[World, World], rng: np.random.Generator) -> None:
+    def __init__(self, world: World, rng: np.random.Generator) -> None:
         """Take the two vehicles of a world."""
+        worlds = world.views
         self._rng = rng
-        self._model = worlds[0].model
+        self._model = world.model
         self._data = mujoco.MjData(self._model)
         self._untouched = copy.copy(self._model)
         self._untouched.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT
@@ -144,7 +145,7 @@ class Collider:
         return max(0.0, -float(contact.dist[counts].min(initial=0.0)))
 
 
-def _hulls_of(worlds: tuple[World, World]) -> tuple[mujoco.MjModel, mujoco.MjData]:
+def _hulls_of(worlds: Sequence[World]) -> tuple[mujoco.MjModel, mujoco.MjData]:
     """Model in which the shapes that touch the world touch each other, and nothing else does."""
     model = copy.copy(worlds[0].model)
     bodies = [world.vehicle_body_id for world in worlds]

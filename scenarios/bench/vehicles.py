@@ -17,7 +17,7 @@ from flightsim.plant.cfg import ADVANCE_HZ
 from flightsim.testbench import SharedTestbench, TestbenchCfg
 from flightsim.vehicles.airframe import Airframe
 from flightsim.vehicles.catalogue import airframe_by_name
-from flightsim.world import WorldError, build_world, build_worlds
+from flightsim.world import WorldError, build_world
 from scenarios.bench.clients import Clients
 from scenarios.bench.collisions import Collider, Collision
 from scenarios.bench.configs import BenchError, VehiclesBenchCfg
@@ -86,7 +86,7 @@ def _whole_stack(cfg: VehiclesBenchCfg, scene: Scene, airframe: Airframe) -> Ite
 def _plants_alone(cfg: VehiclesBenchCfg, scene: Scene, airframe: Airframe) -> Iterator[Row]:
     """Cost of physics, sensors, estimators and controllers of all, hovering, and of one alone."""
     plant_cfg = PlantCfg(seed=0, aiding="auto")
-    worlds = build_worlds(scene, [airframe] * cfg.vehicles)
+    worlds = build_world(scene, *[airframe] * cfg.vehicles).views
     group = VehicleGroup(worlds, [plant_cfg] * cfg.vehicles)
     one = Plant(build_world(scene, airframe), plant_cfg)
     spent_s = []
@@ -116,8 +116,7 @@ def _collisions(cfg: VehiclesBenchCfg, on_progress: OnProgress) -> Iterator[Row]
     found: list[Collision] = []
     n_done, pairs = 0, ((own, own), (own, other), (other, other))
     for k, pair in enumerate(pairs):
-        first, second = build_worlds(field, pair)
-        collider = Collider((first, second), np.random.default_rng([_SEED, k]))
+        collider = Collider(build_world(field, *pair), np.random.default_rng([_SEED, k]))
         n = cfg.collisions * (k + 1) // len(pairs) - n_done
         for collision in islice(collider.collide(), n):
             found.append(collision)

@@ -47,9 +47,8 @@ def run(cfg: ExportCfg) -> int:
     from flightsim.world import build_world
 
     began_s = time.perf_counter()
-    has_vehicle = cfg.vehicle != _NO_VEHICLE
-    airframe = airframe_by_name(cfg.vehicle if has_vehicle else "iris")
-    world = build_world(load_scene(cfg.scene), airframe, vehicle=has_vehicle)
+    airframes = [airframe_by_name(cfg.vehicle)] if cfg.vehicle != _NO_VEHICLE else []
+    world = build_world(load_scene(cfg.scene), *airframes)
     write = getattr(import_module(f"flightsim.export.{cfg.to}"), f"write_{cfg.to}")
     try:
         path = write(world, cfg.out)

@@ -14,7 +14,7 @@ from aeroscene.scene import Scene
 from flightsim.draws import generator
 from flightsim.plant import Fleet
 from flightsim.vehicles.airframe import Airframe
-from flightsim.world import build_world, build_worlds
+from flightsim.world import build_world
 from scenarios.environments.cfg import EnvironmentCfg
 from scenarios.environments.episodes.draws import Draws, draw_conditions
 from scenarios.environments.episodes.ending import EpisodeLog, Outcome
@@ -63,7 +63,7 @@ class SwarmWorld:
         self._cfg = cfg
         largest = max(airframes, key=lambda airframe: airframe.collision_radius_m)
         self._place = Place(build_world(scene, largest))
-        worlds = build_worlds(scene, airframes)
+        worlds = build_world(scene, *airframes).views
         self._n = n = len(worlds)
         self._fleet = Fleet(worlds, [cfg.plant_cfg(0)] * n, n_threads=1)
         self._observer = Observer(self._fleet, cfg.observation)

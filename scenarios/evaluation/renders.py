@@ -31,7 +31,6 @@ from aeroscene.scene.catalogue import ROOMS
 from autonomy.types import Vector3
 from flightsim.cameras import open_camera_renderer
 from flightsim.looks.cutting import cut_at
-from flightsim.vehicles.catalogue import airframe_by_name
 from flightsim.world import build_world
 
 PIXELS = 256
@@ -45,8 +44,6 @@ _OBLIQUE_ROOM = 1.2
 _CUT_M = 2.5
 _REACHED_SHARE = 0.9
 _LEAST_REACH_M = 2.0
-_VEHICLE = "iris"
-"""A world has one, which is not in the picture."""
 
 
 class Photographer(Protocol):
@@ -93,9 +90,7 @@ class Camera:
         Raises:
             ValueError: If its geometry does not compile.
         """
-        world = build_world(
-            replace(scene, interaction_areas=()), airframe_by_name(_VEHICLE), vehicle=False
-        )
+        world = build_world(replace(scene, interaction_areas=()))
         if scene.domain == "indoor":
             world = replace(world, solids=cut_at(world.solids, _CUT_M))
         reach_m = self.reach_m.get(scene.domain, max(self.reach_m.values()))

@@ -40,7 +40,7 @@ def draw_flight(story: FlightStory, paths: Sequence[Path]) -> None:
     Raises:
         OSError: If one cannot be written.
     """
-    world = build_world(story.scene, story.airframe, vehicle=False)
+    world = build_world(story.scene)
     flown = thinned(story.track)
     above, aside, is_opened = _backdrops(story, world, flown)
     figure = style.new_figure(*_SIZE_IN)

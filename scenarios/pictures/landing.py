@@ -180,7 +180,7 @@ def _explain(figure: Figure, needs: LandingNeeds) -> None:
 
 def _draw_picture(axes: Axes, story: FlightStory, landing: LandingLayers) -> None:
     """Draw the place from above, to the scale of the maps."""
-    world = build_world(story.scene, story.airframe, vehicle=False)
+    world = build_world(story.scene)
     level_m = _level_m(story)
     west, east, south, north = _extent(landing)
     corners = np.array([(west, south, level_m), (east, north, level_m)])

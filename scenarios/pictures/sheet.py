@@ -19,7 +19,6 @@ from aeroscene.scene import Scene
 from flightsim.cameras import open_camera_renderer
 from flightsim.cameras.framing import frame_points
 from flightsim.looks.cutting import cut_at
-from flightsim.vehicles.catalogue import airframe_by_name
 from flightsim.world import build_world
 from scenarios.pictures.lettering import INK_RGB, PALE_RGB, PAPER_RGB, Picture, write
 
@@ -77,7 +76,7 @@ def _draw_cell(reader: SceneSet[Entry], width: int, entry: Entry) -> Picture:
 def draw_scene(scene: Scene, width: int, aspect: float = ASPECT) -> Picture:
     """Draw a scene from above one corner; indoor scenes are cut open above the furniture."""
     height = round(width / aspect)
-    world = build_world(scene, airframe_by_name("iris"), vehicle=False)
+    world = build_world(scene)
     is_indoor = scene.domain == "indoor"
     if is_indoor:
         cut_m = scene.extent_min_enu_m[2] + _CUT_M

@@ -14,7 +14,6 @@ from aeroscene.solids.shapes import Primitive, object_primitives
 from flightsim.cameras import open_camera_renderer
 from flightsim.cameras.framing import frame_points
 from flightsim.cameras.view import Quality
-from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import build_world
 from scenarios.pictures.lettering import label
 
@@ -44,7 +43,7 @@ def _cell(category: Category, quality: Quality) -> np.ndarray:
     for obj in _variants(category):
         primitives += object_primitives(obj)
         corners_enu_m.append(obj.bbox.corners())
-    world = build_world(_stage(), AIRFRAMES["iris"], vehicle=False, extra=(*_floor(), *primitives))
+    world = build_world(_stage(), extra=(*_floor(), *primitives))
     width, height = _CELL_PX
     eye, target = frame_points(
         np.concatenate(corners_enu_m),

@@ -9,7 +9,7 @@ import pytest
 from autonomy.types import quat_about_up
 from flightsim.cameras import CameraError, open_camera_renderer
 from flightsim.vehicles import airframe_by_name
-from flightsim.world import build_worlds
+from flightsim.world import build_world
 from tests.flightsim.handmade import empty_scene
 
 AWAY_M = 3.0
@@ -18,7 +18,7 @@ AIRFRAMES = ("iris", "hummingbird", "iris")
 
 @pytest.fixture(scope="module")
 def worlds():
-    return build_worlds(empty_scene(), [airframe_by_name(name) for name in AIRFRAMES])
+    return build_world(empty_scene(), *map(airframe_by_name, AIRFRAMES)).views
 
 
 @pytest.fixture(scope="module", params=["gl", "raycast"])

@@ -16,7 +16,7 @@ from flightsim.cameras.segmentation import (
 from flightsim.environment.movers import MovingObstacle
 from flightsim.plant import Plant, PlantCfg
 from flightsim.vehicles.catalogue import AIRFRAMES
-from flightsim.world import build_world, build_worlds
+from flightsim.world import build_world
 from tests.flightsim.handmade import empty_scene
 
 KINDS = ("person", "car", "drone")
@@ -47,7 +47,7 @@ def test_movers_have_the_class_of_their_kind():
 
 
 def test_other_vehicles_are_drones_and_each_is_its_own():
-    first, second = build_worlds(empty_scene(), [AIRFRAMES["iris"]] * 2)
+    first, second = build_world(empty_scene(), *[AIRFRAMES["iris"]] * 2).views
     for world, mate in ((first, -101), (second, -100)):
         assert {-1, mate} <= set(world.geom_object_id.tolist())
         found = Classes(world).of(np.array([-1, mate], dtype=np.int32))

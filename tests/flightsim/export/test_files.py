@@ -8,7 +8,6 @@ from flightsim.export.files import ExportError, staged
 from flightsim.export.glb import write_glb
 from flightsim.export.mjcf import write_mjcf
 from flightsim.export.usd import write_usd
-from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import build_world
 
 
@@ -50,7 +49,7 @@ def test_the_id_of_a_scene_never_decides_where_an_export_lies(write, scene_id, t
     scene_id = scene_id.format(folder=tmp_path)
     objects = tuple(replace(each, scene_id=scene_id) for each in plain.objects)
     scene = replace(plain, scene_id=scene_id, objects=objects)
-    path = write(build_world(scene, AIRFRAMES["iris"], vehicle=False), out)
+    path = write(build_world(scene), out)
     assert path.parent == out
     assert path.is_file()
     written = {each for each in tmp_path.rglob("*") if each.is_file()}

@@ -10,7 +10,7 @@ from flightsim.environment.movers import MovingObstacle
 from flightsim.lidars.ring_scanner import N_BEAMS, RingScanner
 from flightsim.plant import Plant, PlantCfg, PlantError, VehicleGroup
 from flightsim.vehicles import airframe_by_name
-from flightsim.world import build_world, build_worlds
+from flightsim.world import build_world
 from scenarios.bench.figure_eight import hold
 from tests.flightsim.handmade import empty_scene
 
@@ -21,7 +21,7 @@ WALKER = MovingObstacle(
 
 
 def group_of(*airframes, **more):
-    worlds = build_worlds(empty_scene(), airframes, **more)
+    worlds = build_world(empty_scene(), *airframes, **more).views
     return VehicleGroup(worlds, [PlantCfg(seed=3)] * len(worlds))
 
 
@@ -141,7 +141,7 @@ def test_the_traffic_has_one_clock():
 
 
 def test_a_vehicle_of_several_is_no_plant_alone():
-    worlds = build_worlds(empty_scene(), [IRIS, IRIS])
+    worlds = build_world(empty_scene(), IRIS, IRIS).views
     with pytest.raises(PlantError, match="2 vehicles; a VehicleGroup is valid"):
         Plant(worlds[0], PlantCfg(seed=0))
     with pytest.raises(PlantError, match=r"vehicles \[1\] of a world of 2"):

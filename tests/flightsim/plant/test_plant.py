@@ -394,7 +394,7 @@ def test_rates_that_do_not_fit_are_named(worlds, cfg, message):
 
 
 def test_a_world_without_vehicle_is_no_plant():
-    world = build_world(empty_scene(), AIRFRAMES["iris"], vehicle=False)
+    world = build_world(empty_scene())
     with pytest.raises(PlantError, match="vehicle"):
         Plant(world, PlantCfg(seed=0))
 

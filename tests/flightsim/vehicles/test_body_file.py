@@ -12,7 +12,7 @@ from flightsim.plant import Plant, PlantCfg
 from flightsim.vehicles.airframe import AirframeError
 from flightsim.vehicles.body_file import read_body_file
 from flightsim.vehicles.definition import read_airframe
-from flightsim.world import build_world, build_worlds
+from flightsim.world import build_world
 from scenarios.bench.figure_eight import come_back, take_off
 from tests.flightsim.handmade import empty_scene
 
@@ -121,7 +121,7 @@ def test_solid_meshes_bump_into_another_vehicle(tmp_path):
         '<box size="0.2 0.3 0.1"/>', '<mesh filename="hull.obj"/>'
     )
     airframe = read(tmp_path, WITHOUT_MASS, model=solid, more="hits_things = true")
-    world = build_worlds(empty_scene(), [airframe, airframe])[0]
+    world = build_world(empty_scene(), airframe, airframe)
     bumpers = geoms(world, "bumper", "vehicle_2/bumper")
     kinds = world.model.geom_type[bumpers]
     assert np.count_nonzero(kinds == mujoco.mjtGeom.mjGEOM_MESH) == 2

@@ -7,7 +7,7 @@ import pytest
 
 from aeroscene.sources import load_scene
 from flightsim.vehicles import airframe_by_name
-from flightsim.world import WorldError, build_worlds
+from flightsim.world import WorldError, build_world
 from flightsim.world.starts import APART_M, place_vehicles
 from tests.flightsim.handmade import empty_scene, solid
 
@@ -41,12 +41,11 @@ def test_a_low_ceiling_is_no_place_to_start():
 
 def test_more_vehicles_than_the_start_has_room_for_are_refused_in_a_line():
     with pytest.raises(WorldError, match=r"^vehicles 90: .* has room for \d+ .*; valid: 1 to \d+$"):
-        build_worlds(load_scene("42"), [IRIS] * 90)
+        build_world(load_scene("42"), *[IRIS] * 90)
 
 
 def test_every_vehicle_rests_where_it_was_put():
-    worlds = build_worlds(load_scene("42"), [IRIS, airframe_by_name("crazyflie")])
-    for world in worlds:
+    for world in build_world(load_scene("42"), IRIS, airframe_by_name("crazyflie")).views:
         at = world.qpos_address
         x, y, z = world.scene.start_position_enu_m
         stands = (x, y, z + world.airframe.leg_length_m)

@@ -182,7 +182,7 @@ def test_every_kind_of_primitive_is_as_high_as_it_says(shape, top_m):
 
 
 def test_world_without_a_vehicle_has_no_moving_part(scene42):
-    world = build_world(scene42, IRIS, vehicle=False)
+    world = build_world(scene42)
     assert world.model.nv == 0
     assert world.vehicle_body_id == -1
     assert world.new_data().time == 0.0

@@ -12,7 +12,7 @@ from flightsim.cameras.view import PoseCopy
 from flightsim.environment.movers import MovingObstacle
 from flightsim.plant.rays import new_rays
 from flightsim.vehicles.catalogue import airframe_by_name
-from flightsim.world import FIRST_MATE_ID, FIRST_MOVER_ID, VEHICLE_ID, build_world, build_worlds
+from flightsim.world import FIRST_MATE_ID, FIRST_MOVER_ID, VEHICLE_ID, build_world
 from scenarios.environments import EnvironmentInputError, ObservationCfg
 from scenarios.environments.interface.images import FAR_M, CameraImages
 from scenarios.environments.interface.observations import rotation_matrices
@@ -85,7 +85,7 @@ def test_what_moves_is_where_the_physics_has_it_and_oneself_is_unseen():
     path_enu_m = ((4.0, -0.7, 0.0), (9.0, -0.7, 0.0))
     person = MovingObstacle(kind="person", path_enu_m=path_enu_m, speed_mps=1.0)
     airframes = [airframe_by_name(name) for name in ("iris", "hummingbird")]
-    worlds = build_worlds(empty_scene(), airframes, traffic=[person])
+    worlds = build_world(empty_scene(), *airframes, traffic=[person]).views
     model, data = worlds[0].model, worlds[0].new_data()
     turned = (math.cos(0.1), 0.0, 0.0, math.sin(0.1))
     poses = ((0.0, 0.0, 1.5), turned), ((1.5, 0.4, 1.4), (math.cos(1.4), 0.0, 0.0, math.sin(1.4)))

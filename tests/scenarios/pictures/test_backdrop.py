@@ -1,7 +1,6 @@
 import numpy as np
 import pytest
 
-from flightsim.vehicles.catalogue import airframe_by_name
 from flightsim.world import build_world
 from scenarios.pictures.backdrop import open_stage, opened_above, surfaces_m
 from tests.scenarios.landing_scenes import TOP_M, yard
@@ -13,7 +12,7 @@ SIZE_PX = (320, 240)
 
 @pytest.fixture(scope="module")
 def world():
-    return build_world(yard(), airframe_by_name("iris"), vehicle=False)
+    return build_world(yard())
 
 
 @pytest.fixture(scope="module")
