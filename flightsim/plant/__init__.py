@@ -3,7 +3,6 @@
 from flightsim.plant.cfg import NotAlignedError, PhysicsDivergedError, PlantCfg, PlantError
 from flightsim.plant.compiling import compile_kernels
 from flightsim.plant.fleet import Fleet
-from flightsim.plant.group import VehicleGroup
 from flightsim.plant.plant import Plant
 
 __all__ = [
@@ -13,6 +12,5 @@ __all__ = [
     "Plant",
     "PlantCfg",
     "PlantError",
-    "VehicleGroup",
     "compile_kernels",
 ]

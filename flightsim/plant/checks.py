@@ -19,32 +19,8 @@ def unaligned(setpoint: Setpoint, time_us: int) -> NotAlignedError:
     )
 
 
-def check_alone(world: World) -> None:
-    """Refuse a world without a vehicle, and one whose vehicles advance together.
-
-    Raises:
-        PlantError: Naming what would be valid.
-    """
-    if world.vehicle_body_id < 0:
-        raise PlantError("world: it has no vehicle, build it with an airframe")
-    if world.n_vehicles > 1:
-        raise PlantError(f"world: it has {world.n_vehicles} vehicles; a VehicleGroup is valid")
-
-
-def check_together(worlds: Sequence[World]) -> None:
-    """Refuse worlds that are not one world as each of its vehicles has it, in their order.
-
-    Raises:
-        PlantError: Naming how many of which vehicles there are, and what would be valid.
-    """
-    numbers, n = [world.number for world in worlds], worlds[0].n_vehicles
-    is_one = all(world.model is worlds[0].model for world in worlds)
-    if not is_one or numbers != list(range(n)):
-        raise PlantError(f"worlds: vehicles {numbers} of a world of {n}: all World.views are valid")
-
-
-def check_fleet(worlds: Sequence[World], cfgs: Sequence[PlantCfg], n_threads: int | None) -> None:
-    """Refuse worlds and configurations that no fleet can be made of; see `Fleet`.
+def check_worlds(worlds: Sequence[World], cfgs: Sequence[PlantCfg]) -> None:
+    """Refuse worlds and configurations that no plants can be made of; see `Plant` and `Fleet`.
 
     Raises:
         PlantError: Naming what would be valid.
@@ -53,21 +29,33 @@ def check_fleet(worlds: Sequence[World], cfgs: Sequence[PlantCfg], n_threads: in
         raise PlantError(
             f"cfgs: {len(cfgs)} for {len(worlds)} worlds: as many as worlds are valid, at least one"
         )
-    if n_threads is not None and n_threads < 1:
-        raise PlantError(f"n_threads = {n_threads}: 1 or more are valid")
     rates = {(cfg.physics_hz, cfg.control_hz, cfg.advance_hz) for cfg in cfgs}
     if len(rates) > 1:
         raise PlantError(f"cfgs: rates {sorted(rates)}: the same for all are valid")
-    numbers = sorted({len(world.airframe.quadrotor.rotors) for world in worlds})
-    if len(numbers) > 1:
-        raise PlantError(f"worlds: vehicles with {numbers} rotors: the same number is valid")
     for i, (world, cfg) in enumerate(zip(worlds, cfgs, strict=True)):
-        if world.vehicle_body_id < 0:
+        if not world.vehicles:
             raise PlantError(f"world {i}: it has no vehicle, build it with an airframe")
+        if world.number:
+            raise PlantError(
+                f"world {i}: it is the view of vehicle {world.number + 1}; what build_world "
+                "returns is valid"
+            )
         cfg.check(world.model.opt.timestep)
-    n_mates = max(1, worlds[0].n_vehicles)
-    for first in range(0, len(worlds), n_mates):
-        check_together(worlds[first : first + n_mates])
+
+
+def check_alike(worlds: Sequence[World]) -> None:
+    """Refuse worlds whose vehicles do not fit into the arrays of one `Fleet`.
+
+    Raises:
+        PlantError: Naming what would be valid.
+    """
+    each = [vehicle for world in worlds for vehicle in world.vehicles]
+    for what, numbers in (
+        ("rotors", {len(vehicle.airframe.quadrotor.rotors) for vehicle in each}),
+        ("vehicles", {world.n_vehicles for world in worlds}),
+    ):
+        if len(numbers) > 1:
+            raise PlantError(f"worlds: {sorted(numbers)} {what}: the same number is valid")
 
 
 def normalised(setpoint: Setpoint) -> Setpoint | None:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import mujoco
 import numpy as np
@@ -72,8 +71,10 @@ class PlantMemory:
     """All that the kernel reads and writes.
 
     Attributes:
+        world: The world as the vehicle has it.
         data: State of the physics.
-        plants: `PLANT_DTYPE` (1,).
+        row: `PLANT_DTYPE` (n,), the records of all vehicles of the world.
+        plants: `PLANT_DTYPE` (1,), that of this one.
         plant: Its only record, as a view.
         qpos: True pose of the vehicle (7,) in MuJoCo's memory.
         qvel: Its true velocity (6,): linear in the world, angular in the body.
@@ -88,11 +89,10 @@ class PlantMemory:
         world: World,
         cfg: PlantCfg,
         data: mujoco.MjData,
-        *,
-        plants: np.ndarray | None = None,
-        history: np.ndarray | None = None,
-        surroundings: Surroundings | None = None,
-        lead: PlantMemory | None = None,
+        row: np.ndarray,
+        history: np.ndarray,
+        surroundings: Surroundings,
+        lead: PlantMemory | None,
     ) -> None:
         """Fill the record of a vehicle as it stands in `data`.
 
@@ -100,18 +100,17 @@ class PlantMemory:
             world: The world around it.
             cfg: Its configuration.
             data: State of the physics.
-            plants: The record itself, where it is one of many; zeros else.
-            history: The log, where it is a row of many.
-            surroundings: Of the same scene and effects, where they are known already.
+            row: The records of all vehicles of the world.
+            history: Its log.
+            surroundings: Of the scene and the effects.
             lead: Memory of the first vehicle in the same world, whose movers are everyone's; None
                 for the first.
         """
-        self.data = data
-        self.plants = np.zeros(1, PLANT_DTYPE) if plants is None else plants
+        self.world, self.data, self.row = world, data, row
+        self.plants = row[world.number : world.number + 1]
         self.plant: np.void = self.plants[0]
         self.setpoint_flat = self.plants["setpoint"].view("f8")
-        n_rows = cfg.control_hz // cfg.advance_hz
-        self.history = np.zeros(n_rows, HISTORY_DTYPE) if history is None else history
+        self.history = history
         self._stream = ("plant",) if world.number == 0 else ("plant", "vehicle", world.number)
         if lead is None:
             self.movers, self._mover_points = new_movers(world.obstacles)
@@ -119,7 +118,7 @@ class PlantMemory:
         else:
             self.movers, self._mover_points = lead.movers, lead._mover_points
             self.traffic = lead.traffic
-        self._around = surroundings or Surroundings.of(world.scene, cfg.effects)
+        self._around = surroundings
         self._shelter = np.zeros((*self._around.grid.shape, 3))
         self._name_movers(world)
         self._connect(world, cfg, data)
@@ -276,13 +275,31 @@ class PlantMemory:
         e["history_address"] = self.history.ctypes.data
 
 
-def with_own_models(worlds: Sequence[World]) -> list[World]:
-    """The same worlds; those in which something moves have models of their own to note it in."""
-    own: list[World] = []
-    for world in worlds:
-        if not world.obstacles:
-            own.append(world)
-            continue
-        model = copy.copy(world.model) if world.number == 0 else own[-1].model
-        own.append(replace(world, model=model))
-    return own
+def new_memories(
+    views: Sequence[World],
+    cfg: PlantCfg,
+    data: mujoco.MjData,
+    *,
+    row: np.ndarray | None = None,
+    histories: np.ndarray | None = None,
+    surroundings: Surroundings | None = None,
+) -> list[PlantMemory]:
+    """Memory of each vehicle of a world, as it stands in `data`.
+
+    Args:
+        views: The world as each of its vehicles has it.
+        cfg: Configuration of all.
+        data: State of the physics.
+        row: Their records, where they are some of many; zeros by default.
+        histories: Their logs, a row for each, where they are some of many.
+        surroundings: Of the same scene and effects, where they are known already.
+    """
+    row = np.zeros(len(views), PLANT_DTYPE) if row is None else row
+    if histories is None:
+        histories = np.zeros((len(views), cfg.control_hz // cfg.advance_hz), HISTORY_DTYPE)
+    around = surroundings or Surroundings.of(views[0].scene, cfg.effects)
+    memories: list[PlantMemory] = []
+    for view, history in zip(views, histories, strict=True):
+        lead = memories[0] if memories else None
+        memories.append(PlantMemory(view, cfg, data, row, history, around, lead))
+    return memories

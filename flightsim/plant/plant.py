@@ -16,12 +16,12 @@ from flightsim.environment.motion import MAX_RATE, obstacle_states
 from flightsim.environment.movers import ObstacleStates
 from flightsim.environment.wind import WindCfg
 from flightsim.plant.cfg import NotAlignedError, PhysicsDivergedError, PlantCfg, PlantError
-from flightsim.plant.checks import check_alone, normalised, unaligned
+from flightsim.plant.checks import check_worlds, normalised, unaligned
 from flightsim.plant.compiling import compile_kernels
 from flightsim.plant.failures import Failures
 from flightsim.plant.handover import Handover
 from flightsim.plant.kernel import advance
-from flightsim.plant.memory import PlantMemory
+from flightsim.plant.memory import PlantMemory, new_memories
 from flightsim.plant.outside import OutsideAids
 from flightsim.plant.readings import EstimatorStatus, estimator_status
 from flightsim.plant.record import with_rotors
@@ -37,24 +37,30 @@ class Plant:
     """A vehicle in its world, from setpoints to readings of its sensors and its estimator.
 
     Deterministic: the same world, configuration and setpoints give the same history, bit for bit.
+    The vehicles of one world share one state of the physics engine, so that they meet: they touch
+    each other, and the rays of one hit the others. The first one draws the noise that it would draw
+    alone, and its movers are everyone's.
+
+    Attributes:
+        mates: The other vehicles of the world, which advance together with this one.
     """
 
     def __init__(self, world: World, cfg: PlantCfg, *, memory: PlantMemory | None = None) -> None:
-        """Put a vehicle at rest at the world's start.
+        """Put the first vehicle of a world at rest at its start, and its mates at theirs.
 
         Args:
-            world: World of this vehicle alone, unless `VehicleGroup` has made its memory.
-            cfg: Configuration.
-            memory: Its memory among others.
+            world: World as its first vehicle has it, from `build_world`.
+            cfg: Configuration of all its vehicles.
+            memory: Memory of a mate, whose plant the first vehicle's makes; None makes that of all.
 
         Raises:
-            PlantError: If the world has no vehicle, or several, or the configured rates do not fit.
+            PlantError: If the world has no vehicle, or the configured rates do not fit.
         """
+        others: list[PlantMemory] = []
         if memory is None:
-            check_alone(world)
-            cfg.check(world.model.opt.timestep)
+            check_worlds([world], [cfg])
             compile_kernels()
-            memory = PlantMemory(world, cfg, world.new_data())
+            memory, *others = new_memories(world.views, cfg, world.new_data())
         self.world, self.cfg = world, cfg
         self.data = memory.data
         self.battery = Battery(world.airframe.battery)
@@ -66,7 +72,7 @@ class Plant:
         self._n_advances = 0
         self._handover: Handover | None = None
         self._memory = memory
-        self._plants, self._counter = memory.plants.reshape(1, 1), np.zeros(1, np.int64)
+        self._row, self._counter = memory.row.reshape(1, -1), np.zeros(1, np.int64)
         self._advance_us = 1_000_000 // cfg.advance_hz
         self._record = memory.plant
         self._engine: np.void = self._record["engine"]
@@ -89,27 +95,34 @@ class Plant:
         self._read_afresh()
         self.wind = cfg.wind
         self.apply(OFF)
+        self.mates: tuple[Plant, ...] = tuple(
+            Plant(other.world, cfg, memory=other) for other in others
+        )
+        for mate in self.mates:
+            mate.mates = (self, *(other for other in self.mates if other is not mate))
 
     def advance(self) -> None:
-        """Advance by 20 ms, or what `PlantCfg.advance_hz` says; raises what `end_advance` does."""
-        check_alone(self.world)
-        self.begin_advance()
-        if self._handover is None:
-            self._counter[0] = 0
-            advance(self._plants, self._counter)
-        self.end_advance()
-
-    def begin_advance(self) -> None:
-        """Draw what the next advance needs."""
-        if self._n_advances % self.cfg.advance_hz == 0:
-            self._memory.draw_normals()
-
-    def end_advance(self) -> None:
-        """Take note of what the kernel has done.
+        """Advance all vehicles of the world by 20 ms, or what `PlantCfg.advance_hz` says.
 
         Raises:
             PhysicsDivergedError: If the physics engine had to give the state up.
         """
+        plants = (self, *self.mates)
+        for plant in plants:
+            plant._begin_advance()
+        if self._handover is None:
+            self._counter[0] = 0
+            advance(self._row, self._counter)
+        for plant in plants:
+            plant._end_advance()
+
+    def _begin_advance(self) -> None:
+        """Draw what the next advance needs."""
+        if self._n_advances % self.cfg.advance_hz == 0:
+            self._memory.draw_normals()
+
+    def _end_advance(self) -> None:
+        """Take note of what the kernel has done."""
         if self._handover is None:
             self.time_us += self._advance_us
             self.contact_ticks = int(self._engine["contact_ticks"])
@@ -157,14 +170,15 @@ class Plant:
         return self.cfg.state == "truth" or self._filter["is_aligned"] == 1
 
     def align(self, timeout_s: float = 10.0) -> None:
-        """Rest until the estimator is aligned, which takes about a second.
+        """Rest until the estimators of all vehicles of the world are aligned, about a second.
 
         Raises:
-            NotAlignedError: If it is not within `timeout_s` of simulated time.
+            NotAlignedError: If one is not within `timeout_s` of simulated time.
         """
-        end_us = self.time_us + round(1e6 * timeout_s)
-        self.apply(OFF)
-        while not self.is_aligned:
+        end_us, plants = self.time_us + round(1e6 * timeout_s), (self, *self.mates)
+        for plant in plants:
+            plant.apply(OFF)
+        while not all(plant.is_aligned for plant in plants):
             if self.time_us >= end_us:
                 raise NotAlignedError(
                     f"the estimator is not aligned after {timeout_s:g} s: it needs a vehicle at "

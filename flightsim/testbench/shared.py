@@ -10,7 +10,7 @@ from typing import Self
 
 from aeroscene.scene import Scene
 from flightsim.mavlink.links import Link
-from flightsim.plant import VehicleGroup
+from flightsim.plant import Plant
 from flightsim.simulator import Controller, Server, Simulator
 from flightsim.testbench.cfg import MAX_INSTANCES, TestbenchCfg, TestbenchError
 from flightsim.testbench.testbench import Testbench
@@ -59,9 +59,10 @@ class SharedTestbench:
             TestbenchError: If vehicles of another flight stack are asked for, or too many.
         """
         cfgs = _cfgs(cfg, airframes)
-        worlds = build_world(scene, *airframes, traffic=cfg.traffic_cfg).views
+        world = build_world(scene, *airframes, traffic=cfg.traffic_cfg)
         self.cfg, self.scene = cfg, scene
-        self.group = VehicleGroup(worlds, [each.plant_cfg for each in cfgs])
+        self.plant = Plant(world, cfg.plant_cfg)
+        plants = (self.plant, *self.plant.mates)
         if captures is not None:
             captures.mkdir(exist_ok=True)
         with ExitStack() as stack:
@@ -77,13 +78,13 @@ class SharedTestbench:
                         has_video=has_video,
                     )
                 )
-                for i, (each, plant) in enumerate(zip(cfgs, self.group.plants, strict=True))
+                for i, (each, plant) in enumerate(zip(cfgs, plants, strict=True))
             )
             self._stack = stack.pop_all()
         self.observers: list[Callable[[], None]] = []
         """Called after those of all benches, at the end of each tick."""
         self.simulator = Simulator(
-            self.group,
+            self.plant,
             _Controllers([bench.parts[0] for bench in self.benches]),
             _Servers([bench.parts[1] for bench in self.benches]),
             observers=[self._observe],
@@ -106,7 +107,7 @@ class SharedTestbench:
 
     def run(self, seconds: float, until: Callable[[], bool] | None = None) -> None:
         """Advance simulated time at the configured speed, until `until()` holds if it is given."""
-        self.simulator.run(until_us=self.group.time_us + round(seconds * 1e6), stop=until)
+        self.simulator.run(until_us=self.plant.time_us + round(seconds * 1e6), stop=until)
 
     def close(self) -> None:
         """Close every link."""

@@ -12,7 +12,7 @@ import numpy as np
 from aeroscene.scene import Scene
 from aeroscene.sources import load_scene
 from flightsim.mavlink.links import UdpLink
-from flightsim.plant import Plant, PlantCfg, VehicleGroup, compile_kernels
+from flightsim.plant import Plant, PlantCfg, compile_kernels
 from flightsim.plant.cfg import ADVANCE_HZ
 from flightsim.testbench import SharedTestbench, TestbenchCfg
 from flightsim.vehicles.airframe import Airframe
@@ -86,18 +86,17 @@ def _whole_stack(cfg: VehiclesBenchCfg, scene: Scene, airframe: Airframe) -> Ite
 def _plants_alone(cfg: VehiclesBenchCfg, scene: Scene, airframe: Airframe) -> Iterator[Row]:
     """Cost of physics, sensors, estimators and controllers of all, hovering, and of one alone."""
     plant_cfg = PlantCfg(seed=0, aiding="auto")
-    worlds = build_world(scene, *[airframe] * cfg.vehicles).views
-    group = VehicleGroup(worlds, [plant_cfg] * cfg.vehicles)
-    one = Plant(build_world(scene, airframe), plant_cfg)
     spent_s = []
-    for fleet, plants in ((one, (one,)), (group, group.plants)):
-        fleet.align()
+    for n in (1, cfg.vehicles):
+        first = Plant(build_world(scene, *[airframe] * n), plant_cfg)
+        plants = (first, *first.mates)
+        first.align()
         for plant in plants:
             east, north, up = plant.truth.position_enu_m
             plant.apply(hold((east, north, up + _CLIMB_M)))
         cpu_s = time.process_time()
         for _ in range(round(cfg.seconds * ADVANCE_HZ)):
-            fleet.advance()
+            first.advance()
         spent_s.append(time.process_time() - cpu_s)
         if any(plant.truth.position_enu_m[2] < 0.5 * _CLIMB_M for plant in plants):
             raise BenchError("the plants alone did not climb")

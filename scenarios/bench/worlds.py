@@ -104,7 +104,7 @@ def _hovering(worlds: list[World], cfgs: list[PlantCfg], n_threads: int) -> Flee
     for i, (world, plant_cfg) in enumerate(zip(worlds, cfgs, strict=True)):
         x, y, z = world.scene.start_position_enu_m
         place = (x, y, z + _CLIMB_M)
-        fleet.restart(i, plant_cfg, held_at=(place, LEVEL))
+        fleet.restart(i, plant_cfg, held_at=[(place, LEVEL)])
         fleet.align(i)
         fleet.release(i)
         fleet.setpoints["position_enu_m"][i] = place

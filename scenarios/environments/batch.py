@@ -143,8 +143,8 @@ class Batch:
         fleet.restart(
             index,
             cfg.plant_cfg(drawn.plant_seed, drawn.wind),
-            held_at=(start.position_enu_m, start.quat_wxyz),
-            mass_share=drawn.mass_share,
+            held_at=[(start.position_enu_m, start.quat_wxyz)],
+            mass_shares=[drawn.mass_share],
         )
         fleet.align(index)
         if cfg.observation.has_sensors:

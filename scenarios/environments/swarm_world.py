@@ -63,9 +63,8 @@ class SwarmWorld:
         self._cfg = cfg
         largest = max(airframes, key=lambda airframe: airframe.collision_radius_m)
         self._place = Place(build_world(scene, largest))
-        worlds = build_world(scene, *airframes).views
-        self._n = n = len(worlds)
-        self._fleet = Fleet(worlds, [cfg.plant_cfg(0)] * n, n_threads=1)
+        self._n = n = len(airframes)
+        self._fleet = Fleet([build_world(scene, *airframes)], [cfg.plant_cfg(0)], n_threads=1)
         self._observer = Observer(self._fleet, cfg.observation)
         own = self._observer.space
         self._numbers = _numbers_space(own, n)
@@ -116,19 +115,18 @@ class SwarmWorld:
         ]
         # One wind blows in one world.
         plant_cfg = cfg.plant_cfg(drawn[0].plant_seed, drawn[0].wind)
-        fleet.restart_world(
+        fleet.restart(
             0,
-            [plant_cfg] * self._n,
+            plant_cfg,
             held_at=[(start.position_enu_m, start.quat_wxyz) for start in starts],
             mass_shares=[each.mass_share for each in drawn],
         )
-        for i in range(self._n):
-            fleet.align(i)
+        fleet.align(0)
         if cfg.observation.has_sensors:
             fleet.advance_one(0)
+        fleet.release(0)
         now = self.now
         for i, (start, each) in enumerate(zip(starts, drawn, strict=True)):
-            fleet.release(i)
             fleet.records["rotors"]["effectiveness"][i, :n_rotors] = each.rotor_shares
             self._queue.restart(i, each.latency)
             now.target_enu_m[i] = start.target_enu_m

@@ -114,7 +114,7 @@ class SharedSitl:
                     has_video=cfg.video,
                 )
             )
-            benches, plants = self.bench.benches, self.bench.group.plants
+            benches = self.bench.benches
             if cfg.pictures is not None:
                 cfg.pictures.mkdir(exist_ok=True)
             missions = plan_missions(cfg, benches, area) if cfg.demo else [None] * len(benches)
@@ -123,9 +123,7 @@ class SharedSitl:
                     Sitl(
                         _cfg_of(cfg, i, bench.cfg.instance),
                         hangar=hangar,
-                        among=Among(
-                            bench=bench, mission=missions[i], mates=plants[:i] + plants[i + 1 :]
-                        ),
+                        among=Among(bench=bench, mission=missions[i], mates=bench.plant.mates),
                     )
                 )
                 for i, bench in enumerate(benches)

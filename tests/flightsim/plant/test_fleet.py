@@ -51,7 +51,7 @@ def histories_alone(world, plant_cfg):
 
 def histories_together(worlds, cfgs, n_threads):
     with Fleet(worlds, cfgs, n_threads=n_threads) as fleet:
-        rows = [[] for _ in worlds]
+        rows = [[] for _ in fleet.worlds]
         for tick in range(N_TICKS):
             if tick == 60:
                 fleet.setpoints["level"] = AWAY.level
@@ -70,6 +70,18 @@ def test_each_flies_as_it_would_alone_whoever_advances_it(worlds):
     assert together == histories_together(around, cfgs, n_threads=1)
     for i in (0, 1, 2, 6):
         assert together[i] == histories_alone(around[i], cfgs[i])
+
+
+def test_the_vehicles_of_a_world_fly_as_they_would_in_plants_of_one_world():
+    world = build_world(empty_scene(), *[airframe_by_name("iris")] * 2)
+    plant, together = Plant(world, cfg(2)), histories_together([world] * 2, [cfg(5), cfg(2)], 2)
+    for tick in range(N_TICKS):
+        if tick == 60:
+            for each in (plant, *plant.mates):
+                each.apply(AWAY)
+        plant.advance()
+        for each, row in zip((plant, *plant.mates), together[2:], strict=True):
+            assert each.history.tobytes() == row[tick]
 
 
 def test_a_new_start_leaves_nothing_of_the_flight_before_nor_in_other_worlds(worlds):
@@ -101,7 +113,7 @@ def test_worlds_are_shared_but_where_something_moves_in_them(worlds):
 def test_a_hand_holds_a_vehicle_until_it_is_aligned(worlds):
     tilted = (math.cos(0.1), 0.0, math.sin(0.1), 0.0)
     with Fleet(worlds[:1], [cfg(0)], n_threads=1) as fleet:
-        fleet.restart(0, cfg(3), held_at=((2.0, 1.0, 5.0), tilted))
+        fleet.restart(0, cfg(3), held_at=[((2.0, 1.0, 5.0), tilted)])
         fleet.align(0)
         row = fleet.history[0, -1]
         assert row["position_true_enu_m"].tolist() == [2.0, 1.0, 5.0]
@@ -121,7 +133,7 @@ def test_a_heavier_vehicle_falls_as_fast_but_climbs_slower(worlds):
     with Fleet([worlds[0]] * 2, [cfg(0, has_sensors=False, state="truth")] * 2) as fleet:
         for i, share in enumerate((1.0, 1.2)):
             truth = replace(cfg(0, has_sensors=False, state="truth"), wind=WindCfg())
-            fleet.restart(i, truth, held_at=((0.0, 0.0, 5.0), LEVEL), mass_share=share)
+            fleet.restart(i, truth, held_at=[((0.0, 0.0, 5.0), LEVEL)], mass_shares=[share])
             fleet.release(i)
         fleet.motor_speeds_radps[:] = 700.0
         for _ in range(25):

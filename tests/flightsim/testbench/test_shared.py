@@ -28,7 +28,7 @@ def test_each_vehicle_answers_by_its_own_system_id_and_flies_by_its_own_commands
         assert not first.autopilot.is_armed
         assert first.plant.truth.position_enu_m[2] < 0.5
         assert second.plant.truth.position_enu_m[2] > 1.5
-        assert first.plant.time_us == second.plant.time_us == bench.group.time_us
+        assert first.plant.time_us == second.plant.time_us == bench.plant.time_us
 
 
 def test_all_vehicles_of_a_world_speak_to_one_ground_station_as_those_of_px4():
