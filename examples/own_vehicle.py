@@ -51,7 +51,7 @@ def heavy_quadrotor() -> aeroscene.Airframe:
 
 def main() -> aeroscene.TrialResult:
     cfg = aeroscene.SitlCfg(demo=True, bench=aeroscene.TestbenchCfg(speed="max"))
-    with aeroscene.Sitl(cfg, airframe=heavy_quadrotor(), has_network=False) as sitl:
+    with aeroscene.Sitl(cfg, airframes=[heavy_quadrotor()], has_network=False) as sitl:
         return sitl.run()
 
 

@@ -16,7 +16,7 @@ _FORGIVEN_LATENESS_S = 0.1
 _LOCKSTEP_WAIT_S = 0.05
 """Time between two looks at what else could end a run while a client keeps the time."""
 
-Observer = Callable[[], None]
+Observer = Callable[[], object]
 
 
 class Timed(Protocol):

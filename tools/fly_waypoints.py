@@ -199,7 +199,7 @@ def _with_client(
         try:
             bench.run(
                 _LONGEST_LAP_S * options.laps,
-                until=lambda: client.poll() is not None or bench.is_over,
+                until=lambda: client.poll() is not None or bool(bench.fault),
             )
             is_late = client.poll() is None
         finally:

@@ -79,7 +79,7 @@ def run(loss: float, seed: int, *, n_items: int = 500, tries: int = 20) -> Run:
         proxy = LossyProxy(end.getsockname(), loss, seed)
         link = UdpLink(local_port=0, remote_port=proxy.vehicle_port, is_lockstep=True)
         cfg = TestbenchCfg(speed="max")
-        with Testbench(load_scene("field"), cfg, has_network=False, extra_links=[link]) as bench:
+        with Testbench(load_scene("field"), cfg, has_network=False, links=[[link]]) as bench:
             bench.run(3.0)
             start_us = bench.plant.time_us
             client = PatientClient(bench, proxy, end, tries)

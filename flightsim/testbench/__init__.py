@@ -1,7 +1,7 @@
-"""A scene with one vehicle or several, whoever flies them, and MAVLink, in one loop."""
+"""A scene with its vehicles, whoever flies them, and MAVLink, in one loop."""
 
 from flightsim.testbench.cfg import MAX_INSTANCES, TestbenchCfg, TestbenchError
-from flightsim.testbench.shared import SharedTestbench
 from flightsim.testbench.testbench import Testbench
+from flightsim.testbench.vehicle import Vehicle
 
-__all__ = ["MAX_INSTANCES", "SharedTestbench", "Testbench", "TestbenchCfg", "TestbenchError"]
+__all__ = ["MAX_INSTANCES", "Testbench", "TestbenchCfg", "TestbenchError", "Vehicle"]

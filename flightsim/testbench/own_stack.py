@@ -25,8 +25,7 @@ class OwnStack:
     Attributes:
         autopilot: Flies the plant.
         payload: Gimbal and camera.
-        pilot_link: Lockstep MAVLink for a companion inside this process.
-        server: Serves that link, and all others.
+        server: Serves all links.
         habits: What a client must know of it.
     """
 
@@ -39,7 +38,7 @@ class OwnStack:
         cfg: TestbenchCfg,
         *,
         has_network: bool,
-        extra_links: Sequence[Link],
+        links: Sequence[Link],
         captures: Path | None,
         has_video: bool,
     ) -> None:
@@ -66,10 +65,10 @@ class OwnStack:
         video_port = VIDEO_PORT + cfg.instance if has_video else None
         payload_cfg = PayloadCfg(captures=captures, video_port=video_port)
         self.payload = Payload(plant, self.autopilot, frame, payload_cfg)
-        self.pilot_link, signing = InProcessLink(), cfg.signing
-        links: list[Link] = [self.pilot_link, *extra_links]
+        self._pilot_link, signing = InProcessLink(), cfg.signing
+        served: list[Link] = [self._pilot_link, *links]
         if has_network:
-            links += network_links(
+            served += network_links(
                 cfg.instance,
                 cfg.bind,
                 first_instance=cfg.instance - plant.world.number,
@@ -82,7 +81,7 @@ class OwnStack:
             self.autopilot,
             plant,
             frame,
-            links,
+            served,
             system_id=1 + cfg.instance,
             personality=personality,
             has_lockstep=cfg.lockstep,
@@ -105,8 +104,8 @@ class OwnStack:
         return self.autopilot
 
     def pipe(self) -> BytePipe:
-        """MAVLink for a companion inside this process."""
-        return self.pilot_link.client
+        """Lockstep MAVLink for a companion inside this process."""
+        return self._pilot_link.client
 
     def listen(self, listener: Callable[[Severity, str], None]) -> None:
         """Call a function with severity and text of each message to clients."""

@@ -46,7 +46,7 @@ def client_rows(scene: Scene, vehicle: str, seconds: float) -> Iterator[Row]:
                 for profile in profiles
             ]
             cfg = TestbenchCfg(vehicle=vehicle, speed="max")
-            bench = Testbench(scene, cfg, has_network=False, extra_links=links)
+            bench = Testbench(scene, cfg, has_network=False, links=[links])
             benches[name] = stack.enter_context(bench)
             take_off(bench)
         for _ in range(max(1, round(seconds * 1e6 / TICK_US / _TICKS_IN_TURN))):

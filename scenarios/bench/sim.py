@@ -109,7 +109,7 @@ def _fly(
             UdpLink(local_port=0, remote_port=port, profile=profile)
             for port, profile in zip(clients.ports, ("normal", "onboard"), strict=True)
         )
-        bench = Testbench(scene, bench_cfg, has_network=False, extra_links=(gcs, sdk))
+        bench = Testbench(scene, bench_cfg, has_network=False, links=[(gcs, sdk)])
         stack.enter_context(bench)
         take_off(bench)
         if equip is not None:
@@ -195,4 +195,4 @@ def _equip(bench: Testbench, stack: ExitStack, camera_hz: int) -> Iterator[Obser
         return
     cameras = stack.enter_context(Cameras(bench.plant))
     cameras.listen(recorder.log_frame)
-    yield shutter(bench, cameras, camera_hz)
+    yield shutter(bench.vehicles[0], cameras, camera_hz)

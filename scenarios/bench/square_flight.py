@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from flightsim.autopilot.modes import LandedState
-from flightsim.frames import Geodetic, LocalFrame
 from flightsim.simulator import TICK_US
 from flightsim.testbench import Testbench
 from scenarios.bench.configs import BenchError
@@ -16,47 +15,42 @@ _LEG_S = 5.0
 _CORNERS_M = ((10.0, 0.0), (10.0, 10.0), (0.0, 10.0), (0.0, 0.0))
 
 
-def take_off(bench: Testbench, *mates: Testbench) -> None:
-    """Wait until the vehicles are ready, and climb above all that the scene has.
-
-    Args:
-        bench: The vehicle, or the first of several.
-        mates: Others in the same world, which climb at the same time.
+def take_off(bench: Testbench) -> None:
+    """Wait until all vehicles are ready, and climb above all that the scene has.
 
     Raises:
         BenchError: If one does not take off.
     """
-    simulator, plant, benches = bench.simulator, bench.plant, (bench, *mates)
-    while not all(each.autopilot.prearm.is_ok for each in benches):
+    simulator, plant, vehicles = bench.simulator, bench.plant, bench.vehicles
+    while not all(each.autopilot.prearm.is_ok for each in vehicles):
         if plant.time_us >= _READY_S * 1e6:
             break
         simulator.run(until_us=plant.time_us + 25 * TICK_US)
     roofs_m = max(o.bbox.p[2] + o.bbox.s[2] / 2 for o in bench.scene.objects)
     altitude_m = bench.scene.altitude_m + roofs_m + _CLEARANCE_M
-    for each in benches:
+    for each in vehicles:
         for reply in (each.autopilot.takeoff(altitude_m), each.autopilot.arm()):
             if not reply.is_accepted:
                 raise BenchError(f"take-off refused: {reply.reason}")
     simulator.run(until_us=plant.time_us + round(1e6 * _CLIMB_S))
-    if any(each.autopilot.landed_state is LandedState.ON_GROUND for each in benches):
+    if any(each.autopilot.landed_state is LandedState.ON_GROUND for each in vehicles):
         raise BenchError("the vehicle did not take off")
 
 
-def fly_square(bench: Testbench, seconds: float, *mates: Testbench) -> None:
+def fly_square(bench: Testbench, seconds: float) -> None:
     """Fly from corner to corner for some simulated seconds, each vehicle in a square of its own.
 
     Raises:
         BenchError: If a corner is refused.
     """
-    plant, scene, benches = bench.plant, bench.scene, (bench, *mates)
-    frame = LocalFrame(Geodetic(scene.latitude_deg, scene.longitude_deg, scene.altitude_m))
-    places_enu_m = [each.plant.estimate.position_enu_m for each in benches]
+    plant, vehicles = bench.plant, bench.vehicles
+    places_enu_m = [each.plant.estimate.position_enu_m for each in vehicles]
     end_us = plant.time_us + round(seconds * 1e6)
     leg = 0
     while plant.time_us < end_us:
         dx, dy = _CORNERS_M[leg % len(_CORNERS_M)]
-        for each, (east, north, up) in zip(benches, places_enu_m, strict=True):
-            corner = frame.geodetic_from_enu((east + dx, north + dy, up))
+        for each, (east, north, up) in zip(vehicles, places_enu_m, strict=True):
+            corner = bench.frame.geodetic_from_enu((east + dx, north + dy, up))
             reply = each.autopilot.goto(corner)
             if not reply.is_accepted:
                 raise BenchError(f"flight to a corner refused: {reply.reason}")

@@ -14,7 +14,7 @@ from aeroscene.sources import load_scene
 from flightsim.mavlink.links import UdpLink
 from flightsim.plant import Plant, PlantCfg, compile_kernels
 from flightsim.plant.cfg import ADVANCE_HZ
-from flightsim.testbench import SharedTestbench, TestbenchCfg
+from flightsim.testbench import Testbench, TestbenchCfg
 from flightsim.vehicles.airframe import Airframe
 from flightsim.vehicles.catalogue import airframe_by_name
 from flightsim.world import WorldError, build_world
@@ -69,14 +69,17 @@ def _whole_stack(cfg: VehiclesBenchCfg, scene: Scene, airframe: Airframe) -> Ite
             for _ in range(n)
         ]
         bench = stack.enter_context(
-            SharedTestbench(
-                scene, TestbenchCfg(speed="max"), [airframe] * n, has_network=False, links=links
+            Testbench(
+                scene,
+                TestbenchCfg(speed="max"),
+                airframes=[airframe] * n,
+                has_network=False,
+                links=links,
             )
         )
-        first, *mates = bench.benches
-        take_off(first, *mates)
+        take_off(bench)
         cpu_s, wall_s = time.process_time(), time.perf_counter()
-        fly_square(first, cfg.seconds, *mates)
+        fly_square(bench, cfg.seconds)
         cpu_s, wall_s = time.process_time() - cpu_s, time.perf_counter() - wall_s
     what = f"{n} vehicles, whole stack, two UDP clients each"
     yield higher(what, cfg.seconds / cpu_s, _SPEED_UNIT, LEAST_SPEED)

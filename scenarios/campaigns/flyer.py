@@ -250,15 +250,15 @@ class Flyer:
             make = self._pilot.make
             with Sitl(cfg, scene=scene, pilot=make, has_network=False, hangar=self._hangar) as sitl:
                 result = sitl.run()
-        planned = getattr(sitl.companion, "planned_enu_m", None)
+        planned = getattr(sitl.flights[0].companion, "planned_enu_m", None)
         return {
             **result.to_plain(),
-            **(failure(Mishap.HUNG, result.reason) if sitl.bench.stack.fault else {}),
+            **(failure(Mishap.HUNG, result.reason) if sitl.bench.fault else {}),
             # The task names scene and vehicle as they were opened.
             "scene": task.scene,
             "vehicle": task.vehicle,
             "recording": None if sitl.missing else result.recording,
-            "flown_enu_m": sitl.log.track(),
+            "flown_enu_m": sitl.flights[0].log.track(),
             "planned_enu_m": None if planned is None else track_of(planned),
         }
 

@@ -32,7 +32,6 @@ from scenarios.cli.sitl_words import announce, print_results
 from scenarios.cli.status_line import StatusLine
 from scenarios.cli.terminal import Terminal, terminal
 from scenarios.run.cfg import SitlCfg
-from scenarios.run.shared import SharedSitl
 from scenarios.run.sitl import Sitl
 
 if TYPE_CHECKING:
@@ -96,19 +95,19 @@ def run(command: SitlCommand) -> int:
     _refuse_output_over_output(cfg)
     made = [path for path in _folders(cfg) if not path.exists()]
     with lasting():
-        opened = SharedSitl(cfg) if len(cfg.airframes) > 1 else Sitl(cfg)
+        opened = Sitl(cfg)
     with opened as sitl:
-        flights = sitl.flights if isinstance(sitl, SharedSitl) else (sitl,)
         raise_if_interrupted()
         with _stop_on_signals() as should_stop, contextlib.ExitStack() as stack:
-            announce(console, flights)
+            announce(console, sitl)
             for folder in made:
                 console.print(f"Folder {folder} was missing and is made.", soft_wrap=True)
-            n = len(flights)
-            lines = [StatusLine(console, flight, number=i, n=n) for i, flight in enumerate(flights)]
+            lines = [StatusLine(console, flight) for flight in sitl.flights]
             for line in lines:
                 stack.enter_context(line)
-            result = sitl.run(lambda: _refresh(lines) or should_stop())
+            sitl.run(lambda: _refresh(lines) or should_stop())
+        result = sitl.result
+        assert result is not None
         if command.json:
             print_json(result.to_plain())
         else:
@@ -117,7 +116,7 @@ def run(command: SitlCommand) -> int:
                 print(f"Picture: {picture}")
         if sitl.viewer is not None and not should_stop():
             _keep_open(console, sitl.viewer)
-        external = flights[0].bench.external
+        external = sitl.bench.external
     if external is not None and external.fault:
         raise TestbenchError(f"the run was ended by {external.fault}")
     if sitl.missing:

@@ -2,30 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 from flightsim.mavlink.links import is_loopback, local_ports
 from scenarios.cli.terminal import Terminal, shell, styled
-from scenarios.run.shared import SharedResult
+from scenarios.run.results import RunResult
 from scenarios.run.sitl import Sitl
 from scenarios.trials.result import TrialResult
 
 
-def announce(console: Terminal, flights: Sequence[Sitl]) -> None:
+def announce(console: Terminal, sitl: Sitl) -> None:
     """Say what runs, and where clients connect."""
-    sitl = flights[0]
+    first, *mates = sitl.bench.vehicles
     scene, cfg = sitl.bench.scene, sitl.cfg.bench
     console.print(
         styled(
             (f"Scene {scene.scene_id}", "bold"),
             f": {scene.domain}, {len(scene.objects)} objects, "
             f"{len(scene.landing_areas)} landing areas, {len(scene.perching_areas)} to perch on. ",
-            (sitl.bench.airframe.title, "bold"),
+            (first.airframe.title, "bold"),
             f", system {1 + cfg.instance}, seed {cfg.seed}, speed {cfg.speed}.",
         ),
         soft_wrap=True,
     )
-    external = sitl.bench.external
+    external = first.external
     if external is not None and not cfg.autopilot_binary:
         console.print(
             f"Waiting for {external.kind.title}, with the physics at {external.address}. Start it "
@@ -50,18 +50,17 @@ def announce(console: Terminal, flights: Sequence[Sitl]) -> None:
             "MAVLink is not encrypted.",
             soft_wrap=True,
         )
-    if external is None and (video := sitl.bench.payload.video) is not None:
+    if external is None and (video := first.own.payload.video) is not None:
         console.print(f"Video: H.264 by RTP to {video.uri}", soft_wrap=True)
-    for number, flight in enumerate(flights[1:], 2):
-        bench = flight.bench
-        east, north, _ = bench.scene.start_position_enu_m
+    for number, mate in enumerate(mates, 2):
+        east, north, _ = mate.scene.start_position_enu_m
         console.print(
             styled(
                 f"Vehicle {number}: ",
-                (bench.airframe.title, "bold"),
-                f", system {1 + bench.cfg.instance}, "
+                (mate.airframe.title, "bold"),
+                f", system {1 + mate.cfg.instance}, "
                 f"at {east:.1f}, {north:.1f} m: UDP {14550 + cfg.instance}, "
-                f"UDP {14540 + bench.cfg.instance}, TCP {5760 + 10 * bench.cfg.instance}.",
+                f"UDP {14540 + mate.cfg.instance}, TCP {5760 + 10 * mate.cfg.instance}.",
             ),
             soft_wrap=True,
         )
@@ -69,13 +68,11 @@ def announce(console: Terminal, flights: Sequence[Sitl]) -> None:
         console.print(f"Watch at {sitl.viewer.url}", soft_wrap=True)
 
 
-def print_results(console: Terminal, result: TrialResult | SharedResult) -> None:
+def print_results(console: Terminal, result: RunResult) -> None:
     """Print the verdict and the figures of each vehicle."""
-    if isinstance(result, TrialResult):
-        _print_result(console, result)
-        return
     for number, each in enumerate(result.vehicles, 1):
-        console.print(styled((f"Vehicle {number}", "bold"), f", {each.vehicle}"))
+        if len(result.vehicles) > 1:
+            console.print(styled((f"Vehicle {number}", "bold"), f", {each.vehicle}"))
         _print_result(console, each)
 
 

@@ -8,7 +8,7 @@ from typing import Self
 from rich.status import Status
 
 from scenarios.cli.terminal import Terminal, styled
-from scenarios.run.sitl import Sitl
+from scenarios.run.flight import Flight
 
 PERIOD_S = 0.25
 """Wall time between two updates."""
@@ -17,21 +17,22 @@ PERIOD_S = 0.25
 class StatusLine:
     """Prints messages of autopilot and pilot, and on a terminal the state of the flight below."""
 
-    def __init__(self, console: Terminal, sitl: Sitl, *, number: int = 0, n: int = 1) -> None:
-        """Follow a run, that of vehicle `number` of `n`; the first one has the line."""
+    def __init__(self, console: Terminal, flight: Flight) -> None:
+        """Follow a vehicle's flight; the first vehicle has the line."""
         self._console = console
-        self._who = f"vehicle {number + 1}: " if n > 1 else ""
-        self._sitl = sitl
+        world = flight.vehicle.plant.world
+        self._who = f"vehicle {world.number + 1}: " if world.n_vehicles > 1 else ""
+        self._flight = flight
         self._n_transitions = 0
-        sitl.bench.stack.listen(lambda _, text: self._say(text))
-        has_line = console.is_terminal and number == 0
+        flight.vehicle.stack.listen(lambda _, text: self._say(text))
+        has_line = console.is_terminal and world.number == 0
         self._status = Status("starting", console=console) if has_line else None
         self._due_s = 0.0
         self._last: tuple[float, float] | None = None
 
     def refresh(self) -> None:
         """Print new transitions, and update the line every `PERIOD_S`; cheap to call often."""
-        pilot = self._sitl.pilot
+        pilot = self._flight.pilot
         if pilot is not None and len(pilot.transitions) > self._n_transitions:
             for transition in pilot.transitions[self._n_transitions :]:
                 self._say(f"pilot: {transition.target.value}: {transition.reason}")
@@ -43,11 +44,11 @@ class StatusLine:
         self._status.update(styled(self._text(now_s)))
 
     def _say(self, text: str) -> None:
-        sim_s = self._sitl.bench.plant.time_us * 1e-6
+        sim_s = self._flight.vehicle.plant.time_us * 1e-6
         self._console.print(f"{sim_s:8.2f} s  {self._who}{text}", highlight=False, soft_wrap=True)
 
     def _text(self, now_s: float) -> str:
-        plant, autopilot = self._sitl.bench.plant, self._sitl.bench.stack.reports
+        plant, autopilot = self._flight.vehicle.plant, self._flight.vehicle.stack.reports
         sim_s = plant.time_us * 1e-6
         factor = ""
         if self._last is not None:
@@ -60,8 +61,8 @@ class StatusLine:
             f"height {plant.estimate.position_enu_m[2]:.1f} m",
             f"battery {100 * plant.battery.remaining:.0f}%",
         ]
-        if self._sitl.pilot is not None:
-            words.append(f"pilot: {self._sitl.pilot.phase.value}")
+        if self._flight.pilot is not None:
+            words.append(f"pilot: {self._flight.pilot.phase.value}")
         return "  ".join(words)
 
     def __enter__(self) -> Self:

@@ -78,7 +78,7 @@ def _check_cameras(bench: Testbench) -> Iterator[Check]:
     from flightsim.cameras import open_camera_renderer
 
     camera, best_ms, is_blank = bench.airframe.cameras[0].name, math.inf, False
-    with closing(open_camera_renderer(bench.world, _WIDTH_PX, _HEIGHT_PX)) as renderer:
+    with closing(open_camera_renderer(bench.plant.world, _WIDTH_PX, _HEIGHT_PX)) as renderer:
         for _ in range(_N_FRAMES):
             start_s = time.perf_counter()
             frame = renderer.render(bench.plant.data, camera, bench.plant.time_us)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import socket
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Self
@@ -172,8 +172,16 @@ class Recorder:
         """Write a message of its autopilot or pilot."""
         self.first.log_statustext(time_us, severity, text)
 
-    def conclude(self, verdict: Mapping[str, Any]) -> None:
-        """Write buffered data and the run's figures; without live viewers finish the file too."""
+    def conclude(self, verdict: Mapping[str, Any], mates: Sequence[Mapping[str, Any]] = ()) -> None:
+        """Write buffered data and the run's figures; without live viewers finish the file too.
+
+        Args:
+            verdict: Verdict and figures of the vehicle, or of the first of several.
+            mates: Those of the other vehicles.
+        """
+        for vehicle, figures in zip(self.mates.values(), mates, strict=False):
+            vehicle.conclude(figures)
+            vehicle.log_verdict(figures)
         self.flush()
         self.first.conclude(verdict)
         log_verdict(self._stream, self._info, verdict)

@@ -19,7 +19,7 @@ from flightsim.cameras import (
     depth_noise,
     open_camera_renderer,
 )
-from flightsim.testbench import Testbench
+from flightsim.testbench import Vehicle
 from flightsim.vehicles import Airframe
 from flightsim.world import World
 
@@ -51,14 +51,14 @@ class Hangar:
             self._scenes.popitem(last=False)
         return scene
 
-    def cameras(self, bench: Testbench) -> Cameras:
-        """Cameras of the vehicle in a testbench.
+    def cameras(self, vehicle: Vehicle) -> Cameras:
+        """Cameras of a vehicle in a testbench.
 
         Worlds that differ only by the start have one renderer, which stays open, and the hangar's.
         Where something moves, the cameras have a renderer of their own.
         """
-        plant, cfg = bench.plant, bench.cfg
-        number, scene_id = plant.world.number, bench.scene.scene_id
+        plant, cfg = vehicle.plant, vehicle.cfg
+        number, scene_id = plant.world.number, vehicle.scene.scene_id
         name = f"{scene_id}, vehicle {number + 1}" if number else scene_id
         noise = depth_noise(cfg.depth_camera, cfg.seed, name)
         is_alone = plant.world.n_vehicles == 1 and not plant.world.obstacles

@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from aeroscene.scene import InteractionArea
-from flightsim.testbench import Testbench, TestbenchError
+from flightsim.testbench import TestbenchError, Vehicle
 from scenarios.run.cfg import SitlCfg
 
 if TYPE_CHECKING:
@@ -21,13 +21,13 @@ _APART_M = 4.0
 
 
 def plan_missions(
-    cfg: SitlCfg, benches: Sequence[Testbench], area: InteractionArea | None
+    cfg: SitlCfg, vehicles: Sequence[Vehicle], area: InteractionArea | None
 ) -> list[Mission]:
     """Plan a mission for each vehicle, none near another one's.
 
     Args:
         cfg: Configuration of the run.
-        benches: The vehicles of one world.
+        vehicles: The vehicles of one world.
         area: Area of the first vehicle; None draws it too.
 
     Raises:
@@ -41,20 +41,20 @@ def plan_missions(
 
     announce_pilot_kernels(cfg.map)
     missions: list[Mission] = []
-    for number, bench in enumerate(benches):
-        others = [other for other in benches if other is not bench]
+    for number, vehicle in enumerate(vehicles):
+        others = [other for other in vehicles if other is not vehicle]
         taken = [other.scene.start_position_enu_m for other in others]
         taken += [mission.area.centroid for mission in missions]
         try:
             mission = plan_mission(
-                bench.scene,
-                bench.airframe,
-                seed=bench.cfg.seed,
+                vehicle.scene,
+                vehicle.airframe,
+                seed=vehicle.cfg.seed,
                 area=area if number == 0 else None,
                 target=cfg.target,
                 map_source=cfg.map,
                 method=cfg.planner,
-                limits=AMONG_MOVERS.limits if _meets_movers(bench) else None,
+                limits=AMONG_MOVERS.limits if _meets_movers(vehicle) else None,
                 is_free=_apart_from(taken),
             )
         except MissionError as error:
@@ -67,16 +67,16 @@ def plan_missions(
     ]
 
 
-def new_pilot(bench: Testbench, mission: Mission, frames: Frames) -> Pilot:
+def new_pilot(vehicle: Vehicle, mission: Mission, frames: Frames) -> Pilot:
     """Our pilot for a vehicle, which looks out where anything else moves."""
     from scenarios.pilot import Pilot, PilotCfg
 
-    brief = PilotCfg(expects_traffic=_meets_movers(bench))
-    return Pilot(bench.connect(), mission, frames, brief)
+    brief = PilotCfg(expects_traffic=_meets_movers(vehicle))
+    return Pilot(vehicle.connect(), mission, frames, brief)
 
 
-def _meets_movers(bench: Testbench) -> bool:
-    world = bench.plant.world
+def _meets_movers(vehicle: Vehicle) -> bool:
+    world = vehicle.plant.world
     return bool(world.obstacles) or world.n_vehicles > 1
 
 

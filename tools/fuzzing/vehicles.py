@@ -44,9 +44,7 @@ class Vehicle:
         self._stack = contextlib.ExitStack()
         self._access = self._stack.enter_context(Access(link, n_clients))
         cfg = TestbenchCfg(speed="max", seed=1, personality=personality)
-        bench = Testbench(
-            load_scene("field"), cfg, has_network=False, extra_links=self._access.links
-        )
+        bench = Testbench(load_scene("field"), cfg, has_network=False, links=[self._access.links])
         self.bench = self._stack.enter_context(bench)
         self.take_off()
         self.clients = self._access.connect()
@@ -95,7 +93,7 @@ class Vehicle:
         Raises:
             DeadVehicleError: If it is not.
         """
-        client = self.bench.pilot_link.client
+        client = self.bench.stack.pipe()
         client.recv()
         self._n_pings += 1
         payload = _PING.encode(seq=self._n_pings)

@@ -74,9 +74,9 @@ class ExternalFlights:
         link = TcpServerLink(port=self._port, is_lockstep=True)
         cfg = replace(cfg, demo=False, bench=replace(cfg.bench, lockstep=True))
         with Sitl(
-            cfg, scene=scene, pilot=ExternalPilot, has_network=False, hangar=hangar, links=[link]
+            cfg, scene=scene, pilot=ExternalPilot, has_network=False, hangar=hangar, links=[[link]]
         ) as sitl:
-            pilot = sitl.companion
+            pilot = sitl.flights[0].companion
             assert isinstance(pilot, ExternalPilot)
             brief = json.dumps(self._brief(task, sitl.bench, link.port))
             with self._pilot(brief) as program:

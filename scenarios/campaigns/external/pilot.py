@@ -103,11 +103,11 @@ class ExternalPilot:
         if self.is_done or self._has_left or self._bench is None:
             return False
         status = None if self._program is None else self._program.status
-        if self._bench.is_over and self._program is not None and status is None:
+        if self._bench.fault and self._program is not None and status is None:
             status = self._program.wait(_FAREWELL_S)
         if status:
             raise CrashedError(self._last_words(status))
-        if self._bench.is_over or status == 0:
+        if self._bench.fault or status == 0:
             self._has_left = True
             lockstep = self._bench.server.lockstep
             assert lockstep is not None

@@ -95,7 +95,7 @@ def test_the_stack_commands_the_rotors_and_its_run_is_the_plants(tmp_path):
     with Testbench(empty_scene(), cfg(autopilot_binary=str(binary))) as bench:
         rows = []
         bench.observers.append(lambda: rows.append(bench.plant.history.copy()))
-        bench.run(1.0, until=lambda: bench.is_over)
+        bench.run(1.0, until=lambda: bench.fault)
         history = np.concatenate(rows)
     assert np.diff(history["time_us"]).tolist() == [2000] * (len(history) - 1)
     full_radps = bench.airframe.quadrotor.rotors[0].max_speed_radps

@@ -35,7 +35,7 @@ class Flight:
     def __init__(self, loses=frozenset()):
         self.bench = Testbench(yard(), TestbenchCfg(speed="max"), has_network=False)
         self.bench.observers.append(self._on_tick)
-        self.pipe = LossyPipe(self.bench.pilot_link.client, loses)
+        self.pipe = LossyPipe(self.bench.stack.pipe(), loses)
         self.client = MavlinkClient(self.pipe, self.bench.frame)
         self.reference = None
 

@@ -14,7 +14,7 @@ def test_the_flow_is_told_where_there_is_a_sensor(is_fitted):
     cfg = TestbenchCfg(speed="max", optical_flow=is_fitted)
     message_id = LAYOUTS["OPTICAL_FLOW_RAD"].message_id
     with Testbench(empty_scene(), cfg, has_network=False) as bench:
-        pipe, wire = bench.pilot_link.client, Wire()
+        pipe, wire = bench.stack.pipe(), Wire()
         pipe.send(
             wire.encode(
                 "COMMAND_LONG",

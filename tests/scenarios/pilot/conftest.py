@@ -50,7 +50,7 @@ class Demo:
         limits = AMONG_MOVERS.limits if looks_out else None
         mission = planned(known or scene, self.bench.airframe, area=area, limits=limits)
         self.mission = dataclasses.replace(mission, alternates=tuple(alternates))
-        client = MavlinkClient(self.bench.pilot_link.client, self.bench.frame)
+        client = MavlinkClient(self.bench.stack.pipe(), self.bench.frame)
         brief = PilotCfg(expects_traffic=looks_out)
         self.see = self.cameras.render_depth
         self.pilot = Pilot(client, self.mission, self._frame, brief)

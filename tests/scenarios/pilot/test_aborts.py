@@ -82,7 +82,7 @@ def test_a_battery_that_runs_low_sends_it_home(demo):
 def test_a_link_that_falls_silent_is_waited_for_and_then_left_to_the_autopilot(demo):
     demo = demo(yard())
     pilot = demo.fly_to(Phase.NAVIGATE)
-    pipe = demo.bench.pilot_link.client
+    pipe = demo.bench.stack.pipe()
     receive = pipe.recv
     pipe.recv = lambda: receive()[:0]
     demo.fly_to(Phase.HOLD)
@@ -99,7 +99,7 @@ def test_under_a_roof_it_is_left_to_the_autopilot_to_land_where_it_is(demo):
     demo.fly_on(1.0)
     x, y, z = pilot._flight.telemetry.position_enu_m
     also_stands(pilot, (x, y, z + 4.0), (30.0, 30.0, 0.2))
-    pipe = demo.bench.pilot_link.client
+    pipe = demo.bench.stack.pipe()
     receive = pipe.recv
     pipe.recv = lambda: receive()[:0]
     demo.fly_to(Phase.HAND_OVER)
@@ -114,7 +114,7 @@ def test_under_a_roof_it_is_left_to_the_autopilot_to_land_where_it_is(demo):
 def test_with_the_seventh_hold_it_gives_up_and_lands_at_home(demo):
     demo = demo(yard())
     pilot = demo.fly_to(Phase.NAVIGATE)
-    pipe = demo.bench.pilot_link.client
+    pipe = demo.bench.stack.pipe()
     receive = pipe.recv
     for _ in range(7):
         pipe.recv = lambda: receive()[:0]
@@ -131,7 +131,7 @@ def test_with_the_seventh_hold_it_gives_up_and_lands_at_home(demo):
 def test_a_hold_without_a_way_on_ends_after_20_s_in_a_landing_at_home(demo):
     demo = demo(yard())
     pilot = demo.fly_to(Phase.NAVIGATE)
-    pipe = demo.bench.pilot_link.client
+    pipe = demo.bench.stack.pipe()
     receive = pipe.recv
     pipe.recv = lambda: receive()[:0]
     demo.fly_to(Phase.HOLD)
@@ -200,7 +200,7 @@ def test_a_place_that_does_not_let_it_come_to_rest_is_left_and_looked_at_again(d
 def test_a_link_that_comes_back_lets_it_go_on(demo):
     demo = demo(yard())
     pilot = demo.fly_to(Phase.NAVIGATE)
-    pipe = demo.bench.pilot_link.client
+    pipe = demo.bench.stack.pipe()
     receive = pipe.recv
     pipe.recv = lambda: receive()[:0]
     demo.fly_to(Phase.HOLD)

@@ -31,7 +31,7 @@ def fly(cfg, prepare=None, *, expects_traffic=False):
         world = mission.surroundings
         hover = world.field.cells(np.array(mission.hover_enu_m))
         assert world.field.distance_m[tuple(hover)] == 0.0
-        client = MavlinkClient(bench.pilot_link.client, bench.frame)
+        client = MavlinkClient(bench.stack.pipe(), bench.frame)
         brief = PilotCfg(expects_traffic=expects_traffic)
         pilot = Pilot(client, mission, cameras.render_depth, brief)
         if prepare is not None:

@@ -114,7 +114,7 @@ def flight(tmp_path_factory: pytest.TempPathFactory) -> RecordedFlight:
             airframe=bench.airframe,
             info=RunInfo(scene="42", vehicle="iris", seed=5, config=CONFIG, limits=LIMITS),
         )
-        renderer = open_camera_renderer(bench.world, 64, 48)
+        renderer = open_camera_renderer(bench.plant.world, 64, 48)
         plant, autopilot = bench.plant, bench.autopilot
         tape = FlightTape(plant, autopilot, None)
         bench.server.statustext.listeners.append(

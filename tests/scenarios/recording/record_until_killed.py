@@ -17,7 +17,7 @@ with Testbench(load_scene("42"), TestbenchCfg(speed=4.0), has_network=False) as 
         airframe=bench.airframe,
         info=RunInfo(scene="42", vehicle="iris", seed=0),
     )
-    renderer = open_camera_renderer(bench.world, 64, 48)
+    renderer = open_camera_renderer(bench.plant.world, 64, 48)
 
     def observe() -> None:
         recorder.on_tick(bench.plant, bench.autopilot)

@@ -9,7 +9,7 @@ from rerun.chunk import RrdReader
 from scenarios.cli.sitl import main
 from scenarios.run.cfg import SitlCfg
 from scenarios.run.missions import plan_missions
-from scenarios.run.shared import SharedSitl
+from scenarios.run.sitl import Sitl
 from tests.instances import own_instance
 
 BRIEF = ("--scene", "field", "--speed", "max", "--headless-seconds", "2", "--json")
@@ -53,9 +53,9 @@ def test_the_same_seed_gives_the_same_flights(capsys):
 
 def test_pilots_of_one_world_fly_to_areas_apart():
     cfg = SitlCfg(scene="42", vehicles="2")
-    with SharedSitl(cfg, has_network=False) as sitl:
-        missions = plan_missions(cfg, sitl.bench.benches, None)
-        starts = [bench.scene.start_position_enu_m for bench in sitl.bench.benches]
+    with Sitl(cfg, has_network=False) as sitl:
+        missions = plan_missions(cfg, sitl.bench.vehicles, None)
+        starts = [vehicle.scene.start_position_enu_m for vehicle in sitl.bench.vehicles]
     areas = [mission.area.centroid for mission in missions]
     for i, area in enumerate(areas):
         others = areas[:i] + areas[i + 1 :] + starts[:i] + starts[i + 1 :]

@@ -3,7 +3,7 @@
 import pytest
 
 from flightsim.mavlink.links import network_links
-from flightsim.testbench import SharedTestbench, TestbenchCfg, TestbenchError
+from flightsim.testbench import Testbench, TestbenchCfg, TestbenchError
 from flightsim.vehicles import airframe_by_name
 from tests.flightsim.handmade import empty_scene
 
@@ -12,16 +12,15 @@ IRIS = airframe_by_name("iris")
 
 def test_each_vehicle_answers_by_its_own_system_id_and_flies_by_its_own_commands():
     cfg = TestbenchCfg(speed="max", instance=4)
-    with SharedTestbench(
-        empty_scene(), cfg, [IRIS, airframe_by_name("hummingbird")], has_network=False
-    ) as bench:
-        clients = [each.connect() for each in bench.benches]
-        for each, client in zip(bench.benches, clients, strict=True):
-            each.observers.append(lambda each=each, c=client: c.update(each.plant.time_us))
-        first, second = bench.benches
-        bench.run(10.0, until=lambda: all(b.autopilot.prearm.is_ok for b in bench.benches))
+    airframes = [IRIS, airframe_by_name("hummingbird")]
+    with Testbench(empty_scene(), cfg, airframes=airframes, has_network=False) as bench:
+        clients = [each.connect() for each in bench.vehicles]
+        for client in clients:
+            bench.observers.append(lambda c=client: c.update(bench.plant.time_us))
+        first, second = bench.vehicles
+        bench.run(10.0, until=lambda: all(b.autopilot.prearm.is_ok for b in bench.vehicles))
         assert [client.telemetry.system_id for client in clients] == [5, 6]
-        assert [b.autopilot.parameters["MAV_SYS_ID"] for b in bench.benches] == [5, 6]
+        assert [b.autopilot.parameters["MAV_SYS_ID"] for b in bench.vehicles] == [5, 6]
         assert second.autopilot.takeoff(bench.scene.altitude_m + 3.0).is_accepted
         assert second.autopilot.arm().is_accepted
         bench.run(6.0)
@@ -49,12 +48,12 @@ def test_each_vehicle_asks_for_the_ports_of_its_instance_and_the_first_ones_grou
         return []
 
     monkeypatch.setattr("flightsim.testbench.own_stack.network_links", network)
-    with SharedTestbench(empty_scene(), TestbenchCfg(instance=4), [IRIS] * 3):
+    with Testbench(empty_scene(), TestbenchCfg(instance=4), airframes=[IRIS] * 3):
         assert asked == [(4, 4), (5, 4), (6, 4)]
 
 
 def test_what_several_vehicles_cannot_be_is_refused_in_a_line():
     with pytest.raises(TestbenchError, match="vehicles 2 are our autopilot's, and px4 flies"):
-        SharedTestbench(empty_scene(), TestbenchCfg(autopilot="px4"), [IRIS] * 2)
+        Testbench(empty_scene(), TestbenchCfg(autopilot="px4"), airframes=[IRIS] * 2)
     with pytest.raises(TestbenchError, match="vehicles 3 from instance 98 on reach instance 100"):
-        SharedTestbench(empty_scene(), TestbenchCfg(instance=98), [IRIS] * 3)
+        Testbench(empty_scene(), TestbenchCfg(instance=98), airframes=[IRIS] * 3)

@@ -1,0 +1,126 @@
+"""One vehicle of a testbench: its plant, whoever flies it, and MAVLink."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from flightsim.autopilot.autopilot import Autopilot
+from flightsim.bridges import BridgeError, ExternalStack
+from flightsim.frames import LocalFrame
+from flightsim.lidars import Lidar, lidar_by_name
+from flightsim.mavlink.client import MavlinkClient
+from flightsim.mavlink.links import Link, LinkError
+from flightsim.payload import VideoError
+from flightsim.plant import Plant
+from flightsim.simulator import Controller, Server
+from flightsim.testbench.cfg import TestbenchCfg, TestbenchError
+from flightsim.testbench.own_stack import OwnStack
+from flightsim.testbench.remains import note_end
+
+
+class Vehicle:
+    """A vehicle of a testbench, which opens its links and owns what must be closed.
+
+    Attributes:
+        plant: The vehicle in its world.
+        airframe: Its airframe.
+        scene: The scene, with its start.
+        frame: Frame of the scene on the earth.
+        cfg: Settings of the testbench, with the instance of this vehicle.
+        lidar: Lidar that it carries; None without one.
+        stack: Whoever flies: our own flight stack, or an external one.
+        controller: Commands the plant after each tick.
+        server: Talks with those outside.
+    """
+
+    def __init__(
+        self,
+        plant: Plant,
+        frame: LocalFrame,
+        cfg: TestbenchCfg,
+        *,
+        has_network: bool,
+        links: Sequence[Link],
+        captures: Path | None,
+        has_video: bool,
+    ) -> None:
+        """Build the stack of a vehicle and open its links; see `Testbench`."""
+        self.plant, self.frame, self.cfg = plant, frame, cfg
+        self.airframe, self.scene = plant.world.airframe, plant.world.scene
+        self.lidar = Lidar(plant, lidar_by_name(cfg.lidar)) if cfg.lidar else None
+        self._own: OwnStack | None = None
+        self.stack: OwnStack | ExternalStack
+        self.controller: Controller
+        self.server: Server
+        if cfg.autopilot == "builtin":
+            self._own = self.stack = self._build_own(has_network, links, captures, has_video)
+            self.controller, self.server = self._own.autopilot, self._own.server
+            return
+        if captures is not None or has_video:
+            raise TestbenchError(
+                "captures and video are of the camera that our autopilot has, and "
+                f"{cfg.autopilot} flies; valid: --autopilot builtin"
+            )
+        self.stack = self._open_external()
+        self.controller, self.server = self.stack.monitor, self.stack
+
+    def _build_own(
+        self, has_network: bool, links: Sequence[Link], captures: Path | None, has_video: bool
+    ) -> OwnStack:
+        try:
+            return OwnStack(
+                self.plant,
+                self.frame,
+                self.cfg,
+                has_network=has_network,
+                links=links,
+                captures=captures,
+                has_video=has_video,
+            )
+        except VideoError as error:
+            raise TestbenchError(str(error)) from error
+        except LinkError:
+            raise
+        except OSError as error:
+            raise TestbenchError(f"captures {str(captures)!r} cannot be made: {error}") from error
+
+    def _open_external(self) -> ExternalStack:
+        cfg = self.cfg
+        binary = Path(cfg.autopilot_binary) if cfg.autopilot_binary else None
+        try:
+            return ExternalStack(
+                cfg.autopilot, self.plant, self.frame, instance=cfg.instance, binary=binary
+            )
+        except BridgeError as error:
+            raise TestbenchError(str(error)) from error
+
+    @property
+    def own(self) -> OwnStack:
+        """Our own flight stack: autopilot, payload and MAVLink.
+
+        Raises:
+            TestbenchError: If another one flies.
+        """
+        if self._own is None:
+            raise TestbenchError(f"{self.cfg.autopilot} flies; valid: autopilot builtin")
+        return self._own
+
+    @property
+    def external(self) -> ExternalStack | None:
+        """The external flight stack that flies, if one does."""
+        return self.stack if isinstance(self.stack, ExternalStack) else None
+
+    @property
+    def autopilot(self) -> Autopilot:
+        """Our autopilot, where it flies."""
+        return self.own.autopilot
+
+    def connect(self) -> MavlinkClient:
+        """Create a companion by MAVLink; `update` it with `plant.time_us` after each tick."""
+        return MavlinkClient(self.stack.pipe(), self.frame, habits=self.stack.habits)
+
+    def close(self) -> None:
+        """Close every link, and end what flies."""
+        self.stack.close()
+        note_end(self.plant)

@@ -1,0 +1,189 @@
+"""One vehicle's part of a run: its pilot, its log, what is drawn of it, and its verdict."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import ExitStack
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from aeroscene.scene import InteractionArea
+from flightsim.cameras import Cameras
+from flightsim.testbench import Testbench, Vehicle
+from scenarios.run.cfg import SitlCfg
+from scenarios.run.hangar import Hangar
+from scenarios.run.missions import new_pilot
+from scenarios.run.schedule import Schedule
+from scenarios.trials.flight_log import FlightLog
+from scenarios.trials.result import TrialResult, figures
+from scenarios.trials.score import FlightScore, Goal
+from scenarios.trials.verdict import Code, Ending, Judgement, judge
+
+if TYPE_CHECKING:
+    from scenarios.mission.mission import Mission
+    from scenarios.pictures.tape import FlightTape
+    from scenarios.pilot import Pilot
+    from scenarios.run.companion import Aboard, Companion
+
+
+class Flight:
+    """A vehicle's part of a run, from its start to its verdict.
+
+    Attributes:
+        vehicle: The vehicle with its stack.
+        area: Area that was assigned by its number; None leaves it to the draw, or to the companion.
+        log: What score and hash need.
+        pilot: Our own pilot, in a demo.
+        companion: Pilot that flies, our own or the caller's; None in a run for clients alone.
+    """
+
+    def __init__(
+        self,
+        cfg: SitlCfg,
+        bench: Testbench,
+        vehicle: Vehicle,
+        hangar: Hangar,
+        stack: ExitStack,
+        *,
+        area: InteractionArea | None,
+        mission: Mission | None,
+        pilot: Callable[[Aboard], Companion] | None,
+    ) -> None:
+        """Follow a vehicle from now on.
+
+        Args:
+            cfg: Configuration of the run.
+            bench: Testbench whose ticks are followed.
+            vehicle: The vehicle.
+            hangar: Keeps what runs of this process share.
+            stack: Closes what the flight opens, now or later.
+            area: Assigned area.
+            mission: Flown by our own pilot, in a demo.
+            pilot: Makes the caller's pilot.
+        """
+        self.vehicle, self.area = vehicle, area
+        self._cfg, self._hangar, self._stack = cfg, hangar, stack
+        self._cameras: Cameras | None = None
+        self.log = FlightLog(vehicle.plant, is_judged=cfg.demo or pilot is not None)
+        bench.observers.append(self.log.on_tick)
+        self.pilot: Pilot | None = None
+        if mission is not None:
+            self.pilot = new_pilot(vehicle, mission, self.cameras.render_depth)
+        self.companion = self.pilot if pilot is None else pilot(self._aboard())
+        if (companion := self.companion) is not None:
+            bench.observers.append(lambda: companion.update(vehicle.plant.time_us))
+        self._tape = None if cfg.pictures is None else self._open_tape()
+        if self._tape is not None:
+            bench.observers.append(self._tape.on_tick)
+
+    @property
+    def cameras(self) -> Cameras:
+        """The vehicle's cameras, opened when first asked for."""
+        if self._cameras is None:
+            self._cameras = self._stack.enter_context(self._hangar.cameras(self.vehicle))
+        return self._cameras
+
+    def _aboard(self) -> Aboard:
+        from scenarios.run.companion import Aboard
+
+        vehicle = self.vehicle
+        return Aboard(
+            client=vehicle.connect(),
+            link=vehicle.stack.pipe(),
+            # Opens the cameras only where somebody looks.
+            render=lambda camera: self.cameras.render(camera),  # noqa: PLW0108
+            scene=vehicle.scene,
+            airframe=vehicle.airframe,
+            area=self.area,
+            scan=lambda: None if vehicle.lidar is None else vehicle.lidar.latest,
+        )
+
+    def _open_tape(self) -> FlightTape:
+        from scenarios.pictures.tape import FlightTape
+
+        plant = self.vehicle.plant
+        return FlightTape(plant, self.vehicle.stack.reports, self.pilot, plant.mates)
+
+    def schedule(self) -> Schedule:
+        """What of the flight is still to come, from now on."""
+        longest_s = self._cfg.headless_seconds
+        return Schedule(self.vehicle.plant, self.log, self.companion, longest_s)
+
+    def conclude(
+        self, stopped_by: str | None, spent_s: tuple[float, float], recording: str | None
+    ) -> TrialResult:
+        """Judge what was flown.
+
+        Args:
+            stopped_by: What ended the run before its end, if anything did.
+            spent_s: Wall time and CPU time of the run.
+            recording: File that the result names.
+        """
+        goal = self._goal()
+        score = self.log.score(goal)
+        measured = figures(score, None if goal is None else goal.area, self.companion)
+        judgement = self._judge(score, goal, stopped_by)
+        return self._result(measured, judgement, spent_s, recording)
+
+    def draw(self, ending: str, folder: Path) -> list[Path]:
+        """Draw what the tape holds into a folder.
+
+        Raises:
+            PictureError: If it cannot be written.
+        """
+        if self._tape is None or not self._tape.has_any:
+            return []
+        from scenarios.pictures import draw_pictures
+
+        return draw_pictures(self._tape.story(ending), folder, self._cfg.formats)
+
+    def _goal(self) -> Goal | None:
+        """Where the flight should have ended; None if nobody flew."""
+        if self.companion is None:
+            return None
+        area = self.area or self.companion.area
+        if self.pilot is not None:
+            area = self.pilot.mission.area
+        return Goal(
+            area=area,
+            chosen_enu_m=getattr(self.companion, "touchdown_enu_m", None),
+            others=self.vehicle.scene.interaction_areas,
+        )
+
+    def _judge(self, score: FlightScore, goal: Goal | None, stopped_by: str | None) -> Judgement:
+        companion = self.companion
+        if companion is None or goal is None:
+            reason = "ended" if stopped_by is None else f"ended by {stopped_by}"
+            return Judgement(code=Code.ENDED, reason=reason)
+        ending = Ending(word=companion.verdict, is_done=companion.is_done, stopped_by=stopped_by)
+        return judge(score, goal, ending)
+
+    def _result(
+        self,
+        measured: dict[str, Any],
+        judgement: Judgement,
+        spent_s: tuple[float, float],
+        recording: str | None,
+    ) -> TrialResult:
+        vehicle, (wall_s, cpu_s) = self.vehicle, spent_s
+        sim_s, external = vehicle.plant.time_us * 1e-6, vehicle.external
+        x, y, z = (round(c, 3) for c in vehicle.scene.start_position_enu_m)
+        return TrialResult(
+            success=judgement.success,
+            reason=judgement.reason,
+            code=judgement.code,
+            fate=judgement.fate,
+            scene=vehicle.scene.scene_id,
+            vehicle=vehicle.airframe.name,
+            seed=vehicle.cfg.seed,
+            start=(x, y, z),
+            sim_seconds=round(sim_s, 2),
+            wall_seconds=round(wall_s, 2),
+            cpu_seconds=round(cpu_s, 2),
+            real_time_factor=round(sim_s / wall_s, 2),
+            state_hash=self.log.state_hash(),
+            recording=recording,
+            lockstep=external and asdict(external.exchanges),
+            **measured,
+        )
