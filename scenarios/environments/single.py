@@ -14,6 +14,7 @@ from scenarios.environments.cfg import EnvironmentCfg, EnvironmentInputError
 from scenarios.environments.interface.actions import N_ACTIONS, checked_actions
 from scenarios.environments.interface.observations import take
 from scenarios.environments.interface.pictures import RENDER_MODES, Picture, checked_render_mode
+from scenarios.environments.tasks import task_by_name
 
 ACTION_SPACE = spaces.Box(-1.0, 1.0, (N_ACTIONS,), dtype=np.float32)
 
@@ -44,7 +45,7 @@ class AeroSceneEnv(gymnasium.Env[Any, np.ndarray]):
             AirframeError: If there is no such vehicle.
         """
         self.render_mode = checked_render_mode(render_mode)
-        self._batch = Batch(task, [scene], cfg, n_threads=1)
+        self._batch = Batch(task_by_name(task), [scene], cfg, n_threads=1)
         # Films of the environment run as fast as it does.
         self.metadata = {**self.metadata, "render_fps": self._batch.action_hz}
         self.observation_space = self._batch.observer.space

@@ -23,14 +23,14 @@ except ModuleNotFoundError as error:
     ) from error
 
 from aeroscene.scene import Scene
-from aeroscene.sources import load_scene
 from flightsim.vehicles.airframe import Airframe
 from flightsim.vehicles.catalogue import airframe_by_name
+from scenarios.environments.batch import Batch
 from scenarios.environments.cfg import EnvironmentCfg, EnvironmentInputError
-from scenarios.environments.interface.actions import N_ACTIONS, check_motors, checked_actions
+from scenarios.environments.interface.actions import N_ACTIONS, checked_actions
 from scenarios.environments.interface.observations import Observation, take
 from scenarios.environments.interface.pictures import RENDER_MODES, Picture, checked_render_mode
-from scenarios.environments.swarm_world import SwarmWorld
+from scenarios.environments.tasks.swarm import Swarm
 
 _MOST_VEHICLES = 16
 _Step = tuple[
@@ -81,17 +81,15 @@ class AeroSceneSwarm(ParallelEnv[str, Observation, np.ndarray]):
         # Films of the environment run as fast as it does.
         self.metadata = {**self.metadata, "render_fps": cfg.action_hz}
         airframes = _airframes(vehicles, cfg)
-        scene = load_scene(scene) if isinstance(scene, str) else scene
-        self._world = SwarmWorld(scene, airframes, cfg)
         n = len(airframes)
+        self._batch = Batch(Swarm(n), [scene], cfg, airframes=airframes)
         self.possible_agents = [f"vehicle_{i + 1}" for i in range(n)]
         self.agents: list[str] = []
-        self.observation_spaces = dict.fromkeys(self.possible_agents, self._world.space)
+        self.observation_spaces = dict.fromkeys(self.possible_agents, self._batch.observer.space)
         self.action_spaces = {
             agent: spaces.Box(-1.0, 1.0, (N_ACTIONS,), dtype=np.float32)
             for agent in self.possible_agents
         }
-        self._seed, self._n_begun = 0, 0
         self._is_seeded = False
 
     def observation_space(self, agent: str) -> spaces.Space[Any]:
@@ -105,7 +103,7 @@ class AeroSceneSwarm(ParallelEnv[str, Observation, np.ndarray]):
     @property
     def history(self) -> np.ndarray:
         """The last step of each vehicle, `flightsim.plant.record.HISTORY_DTYPE` (n, k)."""
-        return self._world.history
+        return self._batch.history
 
     def reset(
         self,
@@ -119,9 +117,9 @@ class AeroSceneSwarm(ParallelEnv[str, Observation, np.ndarray]):
         """
         if seed is not None or not self._is_seeded:
             fresh = int(np.random.default_rng().integers(2**31)) if seed is None else seed
-            self._seed, self._n_begun, self._is_seeded = fresh, 0, True
-        self._world.begin(self._seed, self._n_begun)
-        self._n_begun += 1
+            self._batch.seed(0, fresh)
+            self._is_seeded = True
+        self._batch.begin(0)
         self.agents = self.possible_agents[:]
         return self._observe(self.agents), {agent: {} for agent in self.agents}
 
@@ -135,25 +133,19 @@ class AeroSceneSwarm(ParallelEnv[str, Observation, np.ndarray]):
         flying = self.agents
         if not flying:
             raise EnvironmentInputError("step: no agent flies; only reset() is valid")
-        world, given = self._world, self._checked(actions)
-        is_flying = np.array([agent in flying for agent in self.possible_agents])
-        reward = world.step(given, is_flying)
-        is_over = world.task.is_over(world.now)
-        is_late = np.asarray(~is_over & world.is_time_up)
+        step = self._batch.step(self._checked(actions))
         infos: dict[str, dict[str, Any]] = {}
         for agent in flying:
             i = self._index(agent)
-            infos[agent] = {"distance_m": float(world.now.distance_m[i])}
-            if is_over[i] or is_late[i]:
-                late = bool(is_late[i])
-                reward[i] += world.task.end_reward(is_time_up=late)
-                infos[agent] |= world.outcome(i, is_time_up=late).to_info()
-        self.agents = [agent for agent in flying if not (is_over | is_late)[self._index(agent)]]
+            infos[agent] = {"distance_m": float(step.distance_m[i])}
+            if i in step.outcomes:
+                infos[agent] |= step.outcomes[i].to_info()
+        self.agents = [agent for agent in flying if self._index(agent) not in step.outcomes]
         return (
             self._observe(flying),
-            {agent: float(reward[self._index(agent)]) for agent in flying},
-            {agent: bool(is_over[self._index(agent)]) for agent in flying},
-            {agent: bool(is_late[self._index(agent)]) for agent in flying},
+            {agent: float(step.reward[self._index(agent)]) for agent in flying},
+            {agent: bool(step.is_terminated[self._index(agent)]) for agent in flying},
+            {agent: bool(step.is_truncated[self._index(agent)]) for agent in flying},
             infos,
         )
 
@@ -167,17 +159,17 @@ class AeroSceneSwarm(ParallelEnv[str, Observation, np.ndarray]):
             return None
         if not self._is_seeded:
             raise EnvironmentInputError("render: before the first episode only reset() is valid")
-        return self._world.picture()
+        return self._batch.picture(0)
 
     def close(self) -> None:
         """Free what the world holds."""
-        self._world.close()
+        self._batch.close()
 
     def _index(self, agent: str) -> int:
         return self.possible_agents.index(agent)
 
     def _observe(self, agents: Sequence[str]) -> dict[str, Observation]:
-        observations = self._world.observe()
+        observations = self._batch.observe()
         return {agent: take(observations, self._index(agent)) for agent in agents}
 
     def _checked(self, actions: Mapping[str, np.ndarray]) -> Float[np.ndarray, "n 4"]:
@@ -223,6 +215,4 @@ def _airframes(vehicles: int | Sequence[str], cfg: EnvironmentCfg) -> list[Airfr
         raise EnvironmentInputError(
             f"vehicles = {vehicles!r}: airframes with the same number of rotors are valid"
         )
-    for airframe in airframes:
-        check_motors(cfg.action, airframe)
     return airframes

@@ -16,6 +16,7 @@ from scenarios.environments.interface.actions import N_ACTIONS, checked_actions
 from scenarios.environments.interface.observations import take
 from scenarios.environments.interface.pictures import RENDER_MODES, Picture, checked_render_mode
 from scenarios.environments.single import ACTION_SPACE, refuse_options
+from scenarios.environments.tasks import task_by_name
 
 
 class AeroSceneVectorEnv(VectorEnv[Any, np.ndarray, np.ndarray]):
@@ -65,7 +66,7 @@ class AeroSceneVectorEnv(VectorEnv[Any, np.ndarray, np.ndarray]):
         self.num_envs = num_envs
         self.render_mode = checked_render_mode(render_mode)
         around = [scenes[i % len(scenes)] for i in range(num_envs)]
-        self._batch = Batch(task, around, cfg, n_threads)
+        self._batch = Batch(task_by_name(task), around, cfg, n_threads)
         # Films of the environments run as fast as these do.
         self.metadata = {**self.metadata, "render_fps": self._batch.action_hz}
         self.single_observation_space = self._batch.observer.space

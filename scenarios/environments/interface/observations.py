@@ -6,6 +6,7 @@ state        velocity; rotation matrix body to world by rows; angular rate    EN
 last_action  the action before
 imu          specific force; angular rate                                     FLU, m/s^2; rad/s
 range        distance below, 30 for none                                      m
+mates        way to each other vehicle of the world; its relative velocity    ENU, m; m/s
 depth        an image, up to 20 m                                             m
 classes      an image: class of each pixel
 objects      an image: object of each pixel
@@ -31,6 +32,8 @@ _NOISE_SIGMAS = np.repeat([0.02, 0.05, 0.01, 0.05], 3)
 """Of position, velocity, attitude and angular rate at noise 1."""
 _STATE = ((3, 100.0), (9, 1.0), (3, 100.0))
 """Size and bound of velocity, rotation matrix and angular rate."""
+_MATE = ((3, 1000.0), (3, 100.0))
+"""Size and bound of the way to another vehicle and of its velocity relative to one's own."""
 
 Observation = Any
 """An array (n, k), or with images a dictionary of `numbers`, `depth` and segments."""
@@ -74,8 +77,10 @@ class Observer:
                 n_threads,
                 rays=fleet.records["engine"]["rays"],
             )
-        self._bounds = _bounds(cfg)
-        self.space = _space(cfg)
+        n_mates = fleet.n_together - 1
+        self._has_numbers = cfg.has_numbers or n_mates > 0
+        self._bounds = _bounds(cfg, n_mates)
+        self.space = _space(cfg, self._bounds if self._has_numbers else None)
 
     @property
     def position_enu_m(self) -> Float[np.ndarray, "n 3"]:
@@ -98,9 +103,8 @@ class Observer:
             before: Observations of this moment, and numbers of the vehicles that have been put
                 elsewhere since; None takes all images anew.
         """
-        cfg = self._cfg
         numbers = None
-        if cfg.has_numbers:
+        if self._has_numbers:
             parts = list(self._parts(target_enu_m, last_action, _NOISE_SIGMAS * noise))
             numbers = np.concatenate(parts, axis=1, dtype=np.float32)
             np.clip(numbers, *self._bounds, out=numbers)
@@ -144,6 +148,9 @@ class Observer:
         if cfg.range:
             range_m = records["range"]["range_m"][:, None]
             yield np.where(np.isfinite(range_m), range_m, MOST_RANGE_M)
+        if self._fleet.n_together > 1:
+            position_true_enu_m, velocity_true_enu_mps, *_ = self._truth
+            yield _mates(position_true_enu_m, velocity_true_enu_mps, self._fleet.n_together)
 
 
 def take(observation: Observation, index: int) -> Observation:
@@ -170,26 +177,33 @@ def _cross_matrices(vectors: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 3
     return np.stack([zero, -z, y, z, zero, -x, -y, x, zero], axis=1).reshape(-1, 3, 3)
 
 
-def _space(cfg: ObservationCfg) -> spaces.Space[Any]:
-    numbers = spaces.Box(*_bounds(cfg), dtype=np.float32)
+def _mates(
+    position_enu_m: Float[np.ndarray, "n 3"], velocity_enu_mps: Float[np.ndarray, "n 3"], k: int
+) -> Float[np.ndarray, "n m"]:
+    """Ways to the others of each k vehicles and their relative velocities, one after the other."""
+    states = np.concatenate([position_enu_m, velocity_enu_mps], axis=1).reshape(-1, k, 6)
+    away = states[:, None] - states[:, :, None]
+    return away[:, ~np.eye(k, dtype=bool)].reshape(-1, 6 * (k - 1))
+
+
+def _space(cfg: ObservationCfg, bounds: tuple[np.ndarray, np.ndarray] | None) -> spaces.Space[Any]:
+    parts: dict[str, spaces.Space[Any]] = {}
+    if bounds is not None:
+        parts["numbers"] = spaces.Box(*bounds, dtype=np.float32)
     if cfg.depth is None:
-        return numbers
+        return parts["numbers"]
     width, height = cfg.depth
-    parts: dict[str, spaces.Space[Any]] = {
-        "depth": spaces.Box(0.0, FAR_M, (height, width), dtype=np.float32)
-    }
+    parts |= {"depth": spaces.Box(0.0, FAR_M, (height, width), dtype=np.float32)}
     for name in cfg.segments:
         kind = SEGMENT_DTYPES[name]
         limits = np.iinfo(kind)
         parts[name] = spaces.Box(limits.min, limits.max, (height, width), dtype=kind)
-    if cfg.has_numbers:
-        parts["numbers"] = numbers
     return spaces.Dict(parts)
 
 
-def _bounds(cfg: ObservationCfg) -> tuple[np.ndarray, np.ndarray]:
+def _bounds(cfg: ObservationCfg, n_mates: int) -> tuple[np.ndarray, np.ndarray]:
     """Least and greatest value of each number."""
-    parts = list(_parts_bounds(cfg))
+    parts = list(_parts_bounds(cfg, n_mates))
     low, high = (
         np.concatenate([np.zeros(0), *(np.full(part[0], part[k]) for part in parts)])
         for k in (1, 2)
@@ -197,7 +211,7 @@ def _bounds(cfg: ObservationCfg) -> tuple[np.ndarray, np.ndarray]:
     return low.astype(np.float32), high.astype(np.float32)
 
 
-def _parts_bounds(cfg: ObservationCfg) -> Iterator[tuple[int, float, float]]:
+def _parts_bounds(cfg: ObservationCfg, n_mates: int) -> Iterator[tuple[int, float, float]]:
     """Size and bounds of each part."""
     if cfg.target:
         yield 3, -1000.0, 1000.0
@@ -209,3 +223,5 @@ def _parts_bounds(cfg: ObservationCfg) -> Iterator[tuple[int, float, float]]:
         yield from ((3, -500.0, 500.0), (3, -100.0, 100.0))
     if cfg.range:
         yield 1, 0.0, MOST_RANGE_M
+    for _ in range(n_mates):
+        yield from ((size, -most, most) for size, most in _MATE)

@@ -69,16 +69,16 @@ class Photographer:
         place = eye.follow(position_enu_m, velocity_enu_mps, self._step_s)
         return self._view(index, place, position_enu_m.tolist())
 
-    def all_together(self) -> Picture:
-        """All vehicles of the first one's world, from the south-west and above."""
+    def together(self, vehicles: Sequence[int]) -> Picture:
+        """All vehicles of a world, from the south-west and above."""
         eye, target = frame_points(
-            _with_room(np.array([self._pose(i)[0] for i in range(len(self._fleet))])),
+            _with_room(np.array([self._pose(i)[0] for i in vehicles])),
             azimuth_rad=math.radians(-135.0),
             elevation_rad=_ELEVATION_RAD,
             vertical_fov_rad=FOV_RAD,
             aspect=WIDTH_PX / HEIGHT_PX,
         )
-        return self._view(0, eye, target)
+        return self._view(vehicles[0], eye, target)
 
     def close(self) -> None:
         """Release the renderers."""

@@ -3,14 +3,26 @@
 from collections.abc import Mapping
 from types import MappingProxyType
 
+from scenarios.environments.cfg import EnvironmentInputError
 from scenarios.environments.tasks.hover import Hover
 from scenarios.environments.tasks.landing import Landing
 from scenarios.environments.tasks.navigation import Navigation
 from scenarios.environments.tasks.task import Situation, Start, Task
 
 TASKS: Mapping[str, type[Task]] = MappingProxyType(
-    {"hover": Hover, "navigation": Navigation, "landing": Landing}
+    {task.name: task for task in (Hover, Navigation, Landing)}
 )
-"""Tasks by their names."""
+"""Tasks of one vehicle by their names."""
 
-__all__ = ["TASKS", "Hover", "Landing", "Navigation", "Situation", "Start", "Task"]
+__all__ = ["TASKS", "Hover", "Landing", "Navigation", "Situation", "Start", "Task", "task_by_name"]
+
+
+def task_by_name(name: str) -> Task:
+    """Task of one vehicle.
+
+    Raises:
+        EnvironmentInputError: If there is none of that name.
+    """
+    if name not in TASKS:
+        raise EnvironmentInputError(f"task = {name!r}: {', '.join(TASKS)} are valid")
+    return TASKS[name]()

@@ -19,10 +19,11 @@ _CRASH = -5.0
 class Hover(Task):
     """Success is to be within 0.25 m of the target for the last second of the episode."""
 
+    name = "hover"
     episode_s = 10.0
     near_m = 0.25
 
-    def draw(self, place: Place, rng: np.random.Generator) -> Start:
+    def draw(self, place: Place, rng: np.random.Generator) -> list[Start]:
         """A target some two metres over the scene's start, and a start within a metre of it."""
         target = draw_free(
             place, rng, place.start_enu_m, (-1.0, -1.0, 1.5), (1.0, 1.0, 2.5), "a target to hover"
@@ -30,12 +31,13 @@ class Hover(Task):
         position = draw_free(
             place, rng, target, (-1.0, -1.0, -0.8), (1.0, 1.0, 0.8), "a start beside the target"
         )
-        return Start(
+        start = Start(
             position_enu_m=position,
             quat_wxyz=draw_attitude(rng),
             target_enu_m=target,
             goal=Goal(stays_up=True),
         )
+        return [start]
 
     def reward(
         self,

@@ -33,11 +33,12 @@ class Landing(Task):
     and within the same step it comes to rest.
     """
 
+    name = "landing"
     episode_s = 20.0
     near_m = 0.5
     settles = True
 
-    def draw(self, place: Place, rng: np.random.Generator) -> Start:
+    def draw(self, place: Place, rng: np.random.Generator) -> list[Start]:
         """An area, and a start one to five metres above it."""
         if not place.areas:
             raise EnvironmentInputError(
@@ -49,12 +50,13 @@ class Landing(Task):
             x, y, z = area.centroid
             position = tuple((area.centroid + rng.uniform(*_APPROACH_M)).tolist())
             if place.is_free(position):
-                return Start(
+                start = Start(
                     position_enu_m=position,
                     quat_wxyz=draw_attitude(rng),
                     target_enu_m=(x, y, z + place.world.airframe.leg_length_m),
                     goal=Goal(area=area, others=place.areas),
                 )
+                return [start]
         raise no_room(place, "an approach")
 
     def reward(

@@ -28,20 +28,22 @@ _REACHED, _CRASH = 10.0, -5.0
 class Navigation(Task):
     """Success is to come within a metre of the target without touching anything."""
 
+    name = "navigation"
     episode_s = 60.0
     near_m = 1.0
 
-    def draw(self, place: Place, rng: np.random.Generator) -> Start:
+    def draw(self, place: Place, rng: np.random.Generator) -> list[Start]:
         """A start over the scene's own, and a target over an area at least three metres away."""
         position = draw_free(
             place, rng, place.start_enu_m, (-0.5, -0.5, 1.5), (0.5, 0.5, 2.5), "a start"
         )
-        return Start(
+        start = Start(
             position_enu_m=position,
             quat_wxyz=draw_attitude(rng),
             target_enu_m=_draw_target(place, rng, position),
             goal=Goal(stays_up=True),
         )
+        return [start]
 
     def reward(
         self, now: Situation, before_m: Float[np.ndarray, " n"], step_s: float

@@ -10,7 +10,14 @@ from jaxtyping import Bool, Float
 
 from autonomy.types import Vector3
 from scenarios.environments.episodes.place import Place
-from scenarios.environments.tasks.task import MOST_DRAWS, Situation, Start, draw_attitude, no_room
+from scenarios.environments.tasks.task import (
+    MOST_DRAWS,
+    Situation,
+    Start,
+    Task,
+    draw_attitude,
+    no_room,
+)
 from scenarios.trials.score import Goal
 from scenarios.trials.verdict import Ending, Verdict
 
@@ -26,18 +33,23 @@ _NEAR_MATE_M = 1.0
 _CRASH = -5.0
 
 
-class Swarm:
+class Swarm(Task):
     """Success of a vehicle is to be within 0.25 m of its target for the last second."""
 
+    name = "swarm"
     episode_s = 20.0
     near_m = 0.25
 
-    def draw(self, place: Place, rng: np.random.Generator, n: int) -> list[Start]:
-        """Starts and targets of n vehicles in one box over the scene's start, each apart.
+    def __init__(self, n_vehicles: int) -> None:
+        self._n_vehicles = n_vehicles
+
+    def draw(self, place: Place, rng: np.random.Generator) -> list[Start]:
+        """Starts and targets of all vehicles in one box over the scene's start, each apart.
 
         Raises:
             EnvironmentInputError: If a hundred draws of one find no free air for it.
         """
+        n = self._n_vehicles
         starts = _draw_apart(place, rng, n, "the starts of a swarm")
         targets = _draw_apart(place, rng, n, "the targets of a swarm")
         return [
@@ -62,9 +74,9 @@ class Swarm:
         each_s = closeness - 0.05 * now.turning_radps - crowding
         return before_m - now.distance_m + step_s * each_s
 
-    def end_reward(self, *, is_time_up: bool) -> float:
+    def end_reward(self, *, is_success: bool, is_time_up: bool) -> float:
         """-5 for an end before the time."""
-        return 0.0 if is_time_up else _CRASH
+        return 0.0 if is_success or is_time_up else _CRASH
 
     def is_over(self, now: Situation) -> Bool[np.ndarray, " n"]:
         """On contact, and 30 metres away."""

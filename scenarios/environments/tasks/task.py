@@ -59,6 +59,8 @@ class Situation:
 class Task(ABC):
     """A task; `Batch` calls it."""
 
+    name: str
+    """By which it is asked for; its draws follow from it too."""
     episode_s: float
     """Longest time of an episode."""
     near_m: float
@@ -67,8 +69,8 @@ class Task(ABC):
     """Whether the rotors are stopped and rest is awaited when an episode is over."""
 
     @abstractmethod
-    def draw(self, place: Place, rng: np.random.Generator) -> Start:
-        """Draw how an episode begins.
+    def draw(self, place: Place, rng: np.random.Generator) -> list[Start]:
+        """Draw how an episode begins for each vehicle of a world.
 
         Raises:
             EnvironmentInputError: If the scene has no place for it.

@@ -15,12 +15,13 @@ from scenarios.environments import (
     RandomisationCfg,
 )
 from scenarios.environments.batch import Batch
+from scenarios.environments.tasks import task_by_name
 from tests.flightsim.handmade import empty_scene
 from tests.scenarios.landing_scenes import ON_LAWN, thing, yard
 
 
 def begun(task, cfg=None, *, n=1, scenes=None):
-    batch = Batch(task, scenes or ["field"] * n, cfg, n_threads=1)
+    batch = Batch(task_by_name(task), scenes or ["field"] * n, cfg, n_threads=1)
     for i in range(len(batch)):
         batch.seed(i, i)
         batch.begin(i)
@@ -262,7 +263,7 @@ def test_a_scene_without_a_place_for_the_task_is_refused():
 
 def test_a_hexacopter_flies_by_velocities_and_its_motors_cannot_be_commanded_each():
     with pytest.raises(EnvironmentInputError, match="action = 'motors': typhoon has 6 motors"):
-        Batch("hover", ["field"], EnvironmentCfg(vehicle="typhoon", action="motors"))
+        Batch(task_by_name("hover"), ["field"], EnvironmentCfg(vehicle="typhoon", action="motors"))
     batch = begun("hover", EnvironmentCfg(vehicle="typhoon", action="velocity"))
     away_m = batch.observe()[0, :3]
     fly(batch, to_target, 2.0)
