@@ -194,5 +194,5 @@ def _equip(bench: Testbench, stack: ExitStack, camera_hz: int) -> Iterator[Obser
     if camera_hz == 0:
         return
     cameras = stack.enter_context(Cameras(bench.plant))
-    cameras.listen(recorder.log_frame)
+    cameras.listen(recorder.first.log_frame)
     yield shutter(bench.vehicles[0], cameras, camera_hz)

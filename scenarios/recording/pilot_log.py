@@ -7,7 +7,6 @@ import numpy as np
 from autonomy.planning import Trajectory
 from flightsim.autopilot.events import Severity
 from scenarios.pilot import Phase, Pilot
-from scenarios.recording.recorder import Recorder
 from scenarios.recording.state_log import StateLog
 from scenarios.recording.vehicle_recorder import VehicleRecorder
 
@@ -19,7 +18,7 @@ _TRACK_PERIOD_US = 200_000
 class PilotLog:
     """Samples the pilot after every tick and records what is new."""
 
-    def __init__(self, pilot: Pilot, recorder: Recorder | VehicleRecorder) -> None:
+    def __init__(self, pilot: Pilot, recorder: VehicleRecorder) -> None:
         self._pilot = pilot
         self._recorder = recorder
         self._plan: Trajectory | None = None

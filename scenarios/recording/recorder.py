@@ -14,7 +14,6 @@ import rerun as rr
 from aeroscene.scene import Scene
 from aeroscene.solids.shapes import Primitive
 from autonomy.types import Vector3
-from flightsim.autopilot.events import Severity
 from flightsim.vehicles.airframe import Airframe
 from scenarios.recording import layout
 from scenarios.recording.blueprint import recording_blueprint
@@ -28,16 +27,12 @@ from scenarios.recording.output import (
     require_room,
     write_out,
 )
-from scenarios.recording.plan_log import PlanLog
 from scenarios.recording.scene import log_scene
-from scenarios.recording.state_log import StateLog
 from scenarios.recording.vehicle_recorder import VehicleRecorder
 
 if TYPE_CHECKING:
     # Reading a recording should not load the simulator.
     from flightsim.autopilot.reports import FlightReports
-    from flightsim.cameras import RgbdFrame
-    from flightsim.lidars import LidarScan
     from flightsim.plant import Plant
 
 _LOOPBACK = "127.0.0.1"
@@ -137,16 +132,6 @@ class Recorder:
             sinks.append(server)
         return sinks
 
-    @property
-    def plans(self) -> PlanLog:
-        """Log of the first vehicle's plans."""
-        return self.first.plans
-
-    @property
-    def states(self) -> StateLog | None:
-        """Log of the first vehicle and its states; None in a summary."""
-        return self.first.states
-
     def on_tick(self, plant: Plant, autopilot: FlightReports | None = None) -> None:
         """Record the last 20 ms of the first vehicle; see `VehicleRecorder`."""
         self.first.on_tick(plant, autopilot)
@@ -155,22 +140,6 @@ class Recorder:
         """Write all buffered data."""
         for vehicle in (self.first, *self.mates.values()):
             vehicle.flush()
-
-    def log_frame(self, frame: RgbdFrame, *, has_colour: bool = True) -> None:
-        """Write a camera frame of the first vehicle; see `VehicleRecorder`."""
-        self.first.log_frame(frame, has_colour=has_colour)
-
-    def log_scan(self, scan: LidarScan) -> None:
-        """Write a scan of the first vehicle's lidar; see `VehicleRecorder`."""
-        self.first.log_scan(scan)
-
-    def log_phase(self, time_us: int, phase: str) -> None:
-        """Write the phase of its pilot from this time on."""
-        self.first.log_phase(time_us, phase)
-
-    def log_statustext(self, time_us: int, severity: Severity, text: str) -> None:
-        """Write a message of its autopilot or pilot."""
-        self.first.log_statustext(time_us, severity, text)
 
     def conclude(self, verdict: Mapping[str, Any], mates: Sequence[Mapping[str, Any]] = ()) -> None:
         """Write buffered data and the run's figures; without live viewers finish the file too.

@@ -118,14 +118,14 @@ def flight(tmp_path_factory: pytest.TempPathFactory) -> RecordedFlight:
         plant, autopilot = bench.plant, bench.autopilot
         tape = FlightTape(plant, autopilot, None)
         bench.server.statustext.listeners.append(
-            lambda severity, text: recorder.log_statustext(plant.time_us, severity, text)
+            lambda severity, text: recorder.first.log_statustext(plant.time_us, severity, text)
         )
-        recorder.plans.log(0, np.array(PLAN_ENU_M), PLAN_S)
-        recorder.log_phase(0, "arm")
+        recorder.first.plans.log(0, np.array(PLAN_ENU_M), PLAN_S)
+        recorder.first.log_phase(0, "arm")
         while plant.time_us < FLIGHT_S * 1e6:
             if plant.time_us == REPLANNED_US:
-                recorder.plans.log(plant.time_us, np.array(NEW_PLAN_ENU_M), PLAN_S)
-                recorder.states.tracks.log(plant.time_us, SEEN)
+                recorder.first.plans.log(plant.time_us, np.array(NEW_PLAN_ENU_M), PLAN_S)
+                recorder.first.states.tracks.log(plant.time_us, SEEN)
             if plant.time_us == 2_000_000:
                 assert autopilot.arm(is_forced=True).is_accepted
             bench.simulator.step()
@@ -135,11 +135,11 @@ def flight(tmp_path_factory: pytest.TempPathFactory) -> RecordedFlight:
             if plant.time_us % FRAME_PERIOD_US == 0:
                 for mount in bench.airframe.rgbd_cameras:
                     frames.append(renderer.render(plant.data, mount.name, plant.time_us))
-                    recorder.log_frame(frames[-1])
-        recorder.log_statustext(plant.time_us, Severity.WARNING, "battery low")
-        recorder.log_phase(plant.time_us, "search")
-        recorder.states.landing.log(plant.time_us - 200_000, LANDING, FIRST_CHOICE_ENU_M)
-        recorder.states.landing.log(plant.time_us, LANDING, CHOICE_ENU_M)
+                    recorder.first.log_frame(frames[-1])
+        recorder.first.log_statustext(plant.time_us, Severity.WARNING, "battery low")
+        recorder.first.log_phase(plant.time_us, "search")
+        recorder.first.states.landing.log(plant.time_us - 200_000, LANDING, FIRST_CHOICE_ENU_M)
+        recorder.first.states.landing.log(plant.time_us, LANDING, CHOICE_ENU_M)
         renderer.close()
         recorder.conclude(VERDICT)
         return RecordedFlight(

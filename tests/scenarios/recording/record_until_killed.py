@@ -22,7 +22,7 @@ with Testbench(load_scene("42"), TestbenchCfg(speed=4.0), has_network=False) as 
     def observe() -> None:
         recorder.on_tick(bench.plant, bench.autopilot)
         if bench.plant.time_us % 200_000 == 0:
-            recorder.log_frame(renderer.render(bench.plant.data, "down", bench.plant.time_us))
+            recorder.first.log_frame(renderer.render(bench.plant.data, "down", bench.plant.time_us))
         if bench.plant.time_us % 1_000_000 == 0:
             print(bench.plant.time_us // 1_000_000, flush=True)  # noqa: T201 - read by the test
 

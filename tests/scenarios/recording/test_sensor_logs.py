@@ -34,8 +34,8 @@ def flown(tmp_path_factory):
             has_segments=True,
         ) as recorder,
     ):
-        cameras.listen(recorder.log_frame)
-        lidar.listeners += [recorder.log_scan, scans.append]
+        cameras.listen(recorder.first.log_frame)
+        lidar.listeners += [recorder.first.log_scan, scans.append]
         for _ in range(8):
             plant.advance()
             lidar.update()

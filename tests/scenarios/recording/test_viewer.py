@@ -67,7 +67,7 @@ def test_live_recording_is_served_on_loopback_and_written_too(flight, tmp_path, 
         opened = _listeners() - listeners_before
         assert {ip for ip, _ in opened} == {"127.0.0.1"}
         assert viewer.url is not None
-        recorder.plans.log(40_000, np.array([(0.0, 0.0, 0.0), (1.0, 1.0, 1.0)]), 1.0)
+        recorder.first.plans.log(40_000, np.array([(0.0, 0.0, 0.0), (1.0, 1.0, 1.0)]), 1.0)
     assert summarise(path).entities == {"/world/trajectory/planned": 1}
     assert summarise(path).is_complete
     assert _listeners() <= listeners_before

@@ -6,6 +6,7 @@ import math
 import pytest
 from rerun.chunk import RrdReader
 
+from flightsim.testbench import TestbenchCfg
 from scenarios.cli.sitl import main
 from scenarios.run.cfg import SitlCfg
 from scenarios.run.missions import plan_missions
@@ -49,6 +50,18 @@ def test_every_vehicle_is_in_the_result_and_in_the_recording(capsys, tmp_path):
 def test_the_same_seed_gives_the_same_flights(capsys):
     hashes = [json.loads(run(capsys, "--vehicles", "2")[1].out)["state_hash"] for _ in range(2)]
     assert hashes[0] == hashes[1]
+
+
+def test_the_one_vehicle_that_is_named_flies(capsys):
+    told = json.loads(run(capsys, "--vehicles", "hummingbird")[1].out)
+    assert told["vehicle"] == "hummingbird"
+
+
+def test_every_vehicle_has_the_cameras_that_were_asked_for():
+    cfg = SitlCfg(scene="field", vehicles="2", bench=TestbenchCfg(camera=("left,yaw=90",)))
+    with Sitl(cfg, has_network=False) as sitl:
+        for flight in sitl.flights:
+            assert "left" in [mount.name for mount in flight.vehicle.airframe.cameras]
 
 
 def test_pilots_of_one_world_fly_to_areas_apart():

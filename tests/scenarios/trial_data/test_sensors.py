@@ -56,8 +56,8 @@ class Flown:
                 has_segments=True,
             ) as recorder,
         ):
-            cameras.listen(recorder.log_frame)
-            lidar.listeners += [recorder.log_scan, self.scans.append]
+            cameras.listen(recorder.first.log_frame)
+            lidar.listeners += [recorder.first.log_scan, self.scans.append]
             for _ in range(TICKS):
                 plant.advance()
                 lidar.update()
