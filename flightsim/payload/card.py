@@ -32,7 +32,7 @@ class Card:
         self.folder = folder
         self.used_bytes = 0
         if folder is not None:
-            folder.mkdir(exist_ok=True)
+            folder.mkdir(parents=True, exist_ok=True)
 
     @property
     def free_bytes(self) -> int:

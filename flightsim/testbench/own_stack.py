@@ -14,9 +14,10 @@ from flightsim.mavlink.links import InProcessLink, Link, network_links
 from flightsim.mavlink.personalities import PERSONALITIES
 from flightsim.mavlink.server import MavlinkServer
 from flightsim.mavlink.vehicle_type import vehicle_parameters
-from flightsim.payload import VIDEO_PORT, Payload, PayloadCfg
+from flightsim.payload import VIDEO_PORT, Payload, PayloadCfg, VideoError
 from flightsim.plant import Plant
-from flightsim.testbench.cfg import TestbenchCfg
+from flightsim.testbench.cfg import TestbenchCfg, TestbenchError
+from flightsim.vehicles.builder import vehicle_name
 
 
 class OwnStack:
@@ -46,8 +47,7 @@ class OwnStack:
 
         Raises:
             PortInUseError: If a MAVLink port is taken.
-            VideoError: If there is nothing to encode video with.
-            OSError: If the folder cannot be made.
+            TestbenchError: If the folder cannot be made, or there is nothing to encode video with.
         """
         personality = PERSONALITIES[cfg.personality]
         self.autopilot = Autopilot(
@@ -63,8 +63,15 @@ class OwnStack:
         )
         follow_parameters(self.autopilot.parameters, plant)
         video_port = VIDEO_PORT + cfg.instance if has_video else None
+        if captures is not None and plant.mates:
+            captures /= vehicle_name(plant.world.number)
         payload_cfg = PayloadCfg(captures=captures, video_port=video_port)
-        self.payload = Payload(plant, self.autopilot, frame, payload_cfg)
+        try:
+            self.payload = Payload(plant, self.autopilot, frame, payload_cfg)
+        except VideoError as error:
+            raise TestbenchError(str(error)) from error
+        except OSError as error:
+            raise TestbenchError(f"captures {str(captures)!r} cannot be made: {error}") from error
         self._pilot_link, signing = InProcessLink(), cfg.signing
         served: list[Link] = [self._pilot_link, *links]
         if has_network:

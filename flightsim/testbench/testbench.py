@@ -22,7 +22,6 @@ from flightsim.testbench.cfg import MAX_INSTANCES, TestbenchCfg, TestbenchError
 from flightsim.testbench.remains import free_ended
 from flightsim.testbench.vehicle import Vehicle
 from flightsim.vehicles import Airframe, airframe_by_name
-from flightsim.vehicles.builder import vehicle_name
 from flightsim.vehicles.camera_options import with_cameras
 from flightsim.world import build_world
 
@@ -83,8 +82,6 @@ class Testbench:
         movers = cfg.traffic_cfg if traffic is None else traffic
         first = Plant(build_world(scene, *airframes, traffic=movers), cfg.plant_cfg)
         self.frame = LocalFrame(Geodetic(scene.latitude_deg, scene.longitude_deg, scene.altitude_m))
-        if captures is not None and first.mates:
-            captures.mkdir(exist_ok=True)
         vehicles: list[Vehicle] = []
         with ExitStack() as stack:
             for i, plant in enumerate((first, *first.mates)):
@@ -94,7 +91,7 @@ class Testbench:
                     replace(cfg, instance=cfg.instance + i, serial="" if i else cfg.serial),
                     has_network=has_network,
                     links=links[i] if i < len(links) else (),
-                    captures=captures / vehicle_name(i) if captures and first.mates else captures,
+                    captures=captures,
                     has_video=has_video,
                 )
                 vehicles.append(stack.enter_context(closing(vehicle)))

@@ -10,8 +10,7 @@ from flightsim.bridges import BridgeError, ExternalStack
 from flightsim.frames import LocalFrame
 from flightsim.lidars import Lidar, lidar_by_name
 from flightsim.mavlink.client import MavlinkClient
-from flightsim.mavlink.links import Link, LinkError
-from flightsim.payload import VideoError
+from flightsim.mavlink.links import Link
 from flightsim.plant import Plant
 from flightsim.simulator import Controller, Server
 from flightsim.testbench.cfg import TestbenchCfg, TestbenchError
@@ -54,7 +53,15 @@ class Vehicle:
         self.controller: Controller
         self.server: Server
         if cfg.autopilot == "builtin":
-            self._own = self.stack = self._build_own(has_network, links, captures, has_video)
+            self._own = self.stack = OwnStack(
+                plant,
+                frame,
+                cfg,
+                has_network=has_network,
+                links=links,
+                captures=captures,
+                has_video=has_video,
+            )
             self.controller, self.server = self._own.autopilot, self._own.server
             return
         if captures is not None or has_video:
@@ -64,26 +71,6 @@ class Vehicle:
             )
         self.stack = self._open_external()
         self.controller, self.server = self.stack.monitor, self.stack
-
-    def _build_own(
-        self, has_network: bool, links: Sequence[Link], captures: Path | None, has_video: bool
-    ) -> OwnStack:
-        try:
-            return OwnStack(
-                self.plant,
-                self.frame,
-                self.cfg,
-                has_network=has_network,
-                links=links,
-                captures=captures,
-                has_video=has_video,
-            )
-        except VideoError as error:
-            raise TestbenchError(str(error)) from error
-        except LinkError:
-            raise
-        except OSError as error:
-            raise TestbenchError(f"captures {str(captures)!r} cannot be made: {error}") from error
 
     def _open_external(self) -> ExternalStack:
         cfg = self.cfg

@@ -184,24 +184,8 @@ class AeroSceneSwarm(ParallelEnv[str, Observation, np.ndarray]):
         return given
 
 
-def parallel_env(
-    vehicles: int | Sequence[str] = 4,
-    scene: str | Scene = "field",
-    cfg: EnvironmentCfg | None = None,
-    render_mode: str | None = None,
-) -> AeroSceneSwarm:
-    """Make `AeroScene/Swarm-v0`, by the name that PettingZoo's environments have for it.
-
-    Args:
-        vehicles: Number of vehicles, or the airframe of each.
-        scene: Scene, or its name.
-        cfg: Configuration.
-        render_mode: "rgb_array" if `render` shall return pictures.
-
-    Raises:
-        EnvironmentInputError: If these are not valid; see `AeroSceneSwarm`.
-    """
-    return AeroSceneSwarm(vehicles, scene, cfg, render_mode)
+parallel_env = AeroSceneSwarm
+"""Makes `AeroScene/Swarm-v0`, by the name that PettingZoo's environments have for it."""
 
 
 def _airframes(vehicles: int | Sequence[str], cfg: EnvironmentCfg) -> list[Airframe]:
