@@ -72,28 +72,18 @@ class OwnStack:
             raise TestbenchError(str(error)) from error
         except OSError as error:
             raise TestbenchError(f"captures {str(captures)!r} cannot be made: {error}") from error
-        self._pilot_link, signing = InProcessLink(), cfg.signing
-        served: list[Link] = [self._pilot_link, *links]
-        if has_network:
-            served += network_links(
-                cfg.instance,
-                cfg.bind,
-                first_instance=cfg.instance - plant.world.number,
-                serial_line=cfg.serial_line,
-                outs=cfg.out_addresses,
-                is_lockstep=cfg.lockstep,
-                signing=signing,
-            )
+        self._pilot_link = InProcessLink()
+        network = _network_links(cfg, plant.world.number) if has_network else ()
         self.server = MavlinkServer(
             self.autopilot,
             plant,
             frame,
-            served,
+            [self._pilot_link, *links, *network],
             system_id=1 + cfg.instance,
             personality=personality,
             has_lockstep=cfg.lockstep,
             ticks_per_burst=cfg.ticks_per_burst,
-            signing=signing,
+            signing=cfg.signing,
             payload=self.payload,
         )
         self.payload.prepare()
@@ -122,3 +112,16 @@ class OwnStack:
         """Close every link, and end what the payload still does."""
         self.server.close()
         self.payload.close()
+
+
+def _network_links(cfg: TestbenchCfg, number: int) -> list[Link]:
+    """Links that clients outside this process connect to, for the vehicle of a number."""
+    return network_links(
+        cfg.instance,
+        cfg.bind,
+        first_instance=cfg.instance - number,
+        serial_line=cfg.serial_line,
+        outs=cfg.out_addresses,
+        is_lockstep=cfg.lockstep,
+        signing=cfg.signing,
+    )

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Self
 
@@ -79,30 +80,24 @@ class Testbench:
         airframes = airframes or (airframe_by_name(cfg.vehicle),)
         _check_number(cfg, len(airframes))
         airframes = [with_cameras(airframe, cfg.camera) for airframe in airframes]
-        movers = cfg.traffic_cfg if traffic is None else traffic
-        first = Plant(build_world(scene, *airframes, traffic=movers), cfg.plant_cfg)
+        world = build_world(
+            scene, *airframes, traffic=cfg.traffic_cfg if traffic is None else traffic
+        )
+        first = Plant(world, cfg.plant_cfg)
         self.frame = LocalFrame(Geodetic(scene.latitude_deg, scene.longitude_deg, scene.altitude_m))
-        vehicles: list[Vehicle] = []
+        vehicle = partial(Vehicle, has_network=has_network, captures=captures, has_video=has_video)
         with ExitStack() as stack:
-            for i, plant in enumerate((first, *first.mates)):
-                vehicle = Vehicle(
-                    plant,
-                    self.frame,
-                    replace(cfg, instance=cfg.instance + i, serial="" if i else cfg.serial),
-                    has_network=has_network,
-                    links=links[i] if i < len(links) else (),
-                    captures=captures,
-                    has_video=has_video,
-                )
-                vehicles.append(stack.enter_context(closing(vehicle)))
+            self.vehicles = tuple(
+                stack.enter_context(closing(vehicle(plant, self.frame, own_cfg, links=own_links)))
+                for plant, own_cfg, own_links in _parts(first, cfg, links)
+            )
             self._stack = stack.pop_all()
-        self.vehicles = tuple(vehicles)
-        self.plant, self.airframe, self.stack = first, airframes[0], vehicles[0].stack
-        self.observers: list[Observer] = [each.lidar.update for each in vehicles if each.lidar]
+        self.plant, self.airframe, self.stack = first, airframes[0], self.vehicles[0].stack
+        self.observers: list[Observer] = [each.lidar.update for each in self.vehicles if each.lidar]
         self.simulator = Simulator(
             first,
-            _Controllers([vehicle.controller for vehicle in vehicles]),
-            _Servers([vehicle.server for vehicle in vehicles]),
+            _Controllers([vehicle.controller for vehicle in self.vehicles]),
+            _Servers([vehicle.server for vehicle in self.vehicles]),
             observers=self.observers,
             speed=cfg.speed,
         )
@@ -169,6 +164,15 @@ class _Servers:
 
     def wait_for_tick(self, timeout_s: float) -> bool:
         return all(server.wait_for_tick(timeout_s) for server in self._servers)
+
+
+def _parts(
+    first: Plant, cfg: TestbenchCfg, links: Sequence[Sequence[Link]]
+) -> Iterator[tuple[Plant, TestbenchCfg, Sequence[Link]]]:
+    """Plant, settings and links of each vehicle: instances count up, the first has the line."""
+    for i, plant in enumerate((first, *first.mates)):
+        own = replace(cfg, instance=cfg.instance + i, serial="" if i else cfg.serial)
+        yield plant, own, links[i] if i < len(links) else ()
 
 
 def _check_number(cfg: TestbenchCfg, n: int) -> None:

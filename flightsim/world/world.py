@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
-from jaxtyping import Bool
+from jaxtyping import Bool, Int
 
 from aeroscene.scene import Scene
 from aeroscene.solids.shapes import Primitive, scene_primitives
@@ -183,8 +183,7 @@ def build_world(
         The world as the first vehicle has it; `World.views` has it as each of them does.
 
     Raises:
-        WorldError: If the start has not enough room, or a vehicle is inside something or cannot
-            stand.
+        WorldError: If a vehicle has no room at its start, is inside something or cannot stand.
         TrafficError: If the scene has no room for the traffic.
     """
     solids = (*scene_primitives(scene), *extra)
@@ -194,8 +193,8 @@ def build_world(
     add_solids(spec, solids)
     add_vehicles(spec, vehicles)
     if isinstance(traffic, TrafficCfg):
-        starts = [vehicle.stand_enu_m for vehicle in vehicles]
-        traffic = plan_traffic(traffic, scene, solids, SurfaceProbe(solids).height_m, starts)
+        stands = [vehicle.stand_enu_m for vehicle in vehicles]
+        traffic = plan_traffic(traffic, scene, solids, SurfaceProbe(solids).height_m, stands)
     movers = MoverSet(traffic)
     if len(vehicles) > 1:
         let_touch_each_other(spec, len(vehicles))
@@ -206,18 +205,12 @@ def build_world(
     _enable_sleep(model)
     _put_movers(model, traffic)
     bodies = [model.body(vehicle_name(k)).id for k in range(len(vehicles))]
-    ids = np.zeros(model.ngeom, dtype=np.int32)
-    ids[: 1 + len(solids)] = [GROUND_ID, *(solid.object_id for solid in solids)]
-    for k, body in enumerate(bodies):
-        ids[model.geom_bodyid == body] = FIRST_MATE_ID - k if k else VEHICLE_ID
-    is_mover = model.body_mocapid[model.geom_bodyid] >= 0
-    ids[is_mover] = FIRST_MOVER_ID - np.arange(len(movers))
+    ids = _geom_ids(model, solids, bodies)
     for vehicle, body in zip(vehicles, bodies, strict=True):
         if (geom := inside_of(model, body)) is not None:
-            raise WorldError(
-                f"start_position_enu_m {vehicle.stand_enu_m} puts the vehicle inside "
-                f"{_describe(scene, int(ids[geom]))}; valid: a free point on a surface"
-            )
+            where = f"{vehicle.stand_enu_m} puts the vehicle inside"
+            what = f"{where} {_describe(scene, int(ids[geom]))}"
+            raise WorldError(f"start_position_enu_m {what}; valid: a free point on a surface")
     return World(
         model=model,
         solids=solids,
@@ -230,6 +223,19 @@ def build_world(
         rest_qpos=settle(model, vehicles, bodies) if vehicles else model.qpos0.copy(),
         vehicles=vehicles,
     )
+
+
+def _geom_ids(
+    model: mujoco.MjModel, solids: Sequence[Primitive], bodies: Sequence[int]
+) -> Int[np.ndarray, " geoms"]:
+    """What each geom belongs to: an object by its id, the ground, a vehicle or a mover."""
+    ids = np.zeros(model.ngeom, dtype=np.int32)
+    ids[: 1 + len(solids)] = [GROUND_ID, *(solid.object_id for solid in solids)]
+    for k, body in enumerate(bodies):
+        ids[model.geom_bodyid == body] = FIRST_MATE_ID - k if k else VEHICLE_ID
+    is_mover = model.body_mocapid[model.geom_bodyid] >= 0
+    ids[is_mover] = FIRST_MOVER_ID - np.arange(np.count_nonzero(is_mover))
+    return ids
 
 
 def _compiled(spec: mujoco.MjSpec, scene: Scene, airframes: Sequence[Airframe]) -> mujoco.MjModel:

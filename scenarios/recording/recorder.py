@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import socket
 from collections.abc import Iterable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Self
@@ -89,14 +90,12 @@ class Recorder:
         self.fault: str | None = None
         self._info = info
         self._stream = _new_stream()
-        self._stream.set_sinks(
-            *self._open_sinks(serve_port),
-            default_blueprint=None
-            if is_summary
-            else recording_blueprint(
+        blueprint = None
+        if not is_summary:
+            blueprint = recording_blueprint(
                 scene, airframe, goal_enu_m, has_segments=has_segments, mates=mates
-            ),
-        )
+            )
+        self._stream.set_sinks(*self._open_sinks(serve_port), default_blueprint=blueprint)
         self._is_open = True
         log_run(self._stream, info, airframe)
         if not is_summary:
@@ -106,14 +105,9 @@ class Recorder:
         self.first = VehicleRecorder(
             self._stream, scene, airframe, is_summary=is_summary, has_traffic=True
         )
+        recorder = partial(VehicleRecorder, is_summary=is_summary, has_traffic=False)
         self.mates = {
-            name: VehicleRecorder(
-                VehicleStream(self._stream, name),
-                scene,
-                mate,
-                is_summary=is_summary,
-                has_traffic=False,
-            )
+            name: recorder(VehicleStream(self._stream, name), scene, mate)
             for name, mate in mates.items()
         }
         """Recorder of each of the other vehicles, by their names."""
