@@ -39,9 +39,10 @@ class FlatBoxes:
     ) -> Scene:
         """The scene of two levels that the boxes are, without interaction areas.
 
-        A fine object without a region belongs to the coarse one whose centre is nearest, as in the
-        paper's coarse-to-fine guidance. `rng` draws the looks; a category of which there is none
-        becomes the first of which there is one.
+        A fine object without a region belongs to the smallest coarse one that it is in, seen from
+        above: a chair by a wall belongs to the room. One that is in none belongs to the coarse one
+        whose centre is nearest, as in the paper's coarse-to-fine guidance. `rng` draws the looks; a
+        category of which there is none becomes the first of which there is one.
 
         Raises:
             SceneError: If a number is not finite.
@@ -96,8 +97,7 @@ class FlatBoxes:
             place = np.append(np.argsort(order), NO_REGION)
             region[n_coarse:] = place[self.region[order]][n_coarse:]
         elif n_coarse:
-            away = np.linalg.norm(center[n_coarse:, None] - center[None, :n_coarse], axis=-1)
-            region[n_coarse:] = away.argmin(axis=1)
+            region[n_coarse:] = _regions(center, self.size_m[order], self.yaw_rad[order], n_coarse)
         return replace(
             self,
             category=category[order],
@@ -113,3 +113,22 @@ class FlatBoxes:
             quat_from_yaw(float(self.yaw_rad[row])),
             tuple(np.maximum(np.round(self.size_m[row], 3), MIN_SIZE_M).tolist()),
         )
+
+
+def _regions(
+    center_enu_m: Float[np.ndarray, "n 3"],
+    size_m: Float[np.ndarray, "n 3"],
+    yaw_rad: Float[np.ndarray, " n"],
+    n_coarse: int,
+) -> Int[np.ndarray, " fine"]:
+    """The coarse object that each fine one belongs to, where layouts do not say it."""
+    offset = center_enu_m[n_coarse:, None] - center_enu_m[None, :n_coarse]
+    cos, sin = np.cos(yaw_rad[:n_coarse]), np.sin(yaw_rad[:n_coarse])
+    along = np.abs(cos * offset[..., 0] + sin * offset[..., 1])
+    across = np.abs(cos * offset[..., 1] - sin * offset[..., 0])
+    half_m = size_m[:n_coarse] / 2
+    is_in = (along <= half_m[:, 0]) & (across <= half_m[:, 1])
+    is_in &= offset[..., 2] >= -half_m[:, 2]
+    area = np.where(is_in, half_m[:, 0] * half_m[:, 1], np.inf)
+    nearest = np.linalg.norm(offset, axis=-1).argmin(axis=1)
+    return np.where(is_in.any(axis=1), area.argmin(axis=1), nearest)
