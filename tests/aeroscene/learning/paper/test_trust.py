@@ -9,6 +9,7 @@ from aeroscene.learning.model.config import ModelCfg, ModelCfgError
 from aeroscene.learning.paper.network.trust import (
     NOISE_TO_SIGNAL,
     Trust,
+    _cautious,
     fitted_trust,
     formula,
 )
@@ -55,6 +56,15 @@ def test_shares_are_those_of_the_noise_and_between_two_noises_between():
     assert shares[0].tolist() == pytest.approx([0.8] * 2 + [0.4] + [0.2] * 4 + [0.6] * 3)
     assert shares[1].tolist() == pytest.approx([0.4] * 2 + [0.2] + [0.1] * 4 + [0.3] * 3)
     assert shares[2:].abs().max() < 1e-6
+
+
+def test_a_share_that_batches_disagree_about_is_taken_lower():
+    square = torch.ones(4, 2)
+    along = torch.tensor([[0.6, 0.6], [0.6, 1.0], [0.6, 0.2], [0.6, 0.6]])
+    agreed, doubtful = _cautious(along, square).tolist()
+    assert agreed == pytest.approx(0.6)
+    # The standard error of the mean of the four.
+    assert doubtful == pytest.approx(0.6 - 0.3266 / 2, abs=1e-3)
 
 
 @pytest.mark.parametrize(
