@@ -10,7 +10,7 @@ from collections import Counter, defaultdict
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from aeroscene.learning.program.kinds import Kind
+from aeroscene.learning.program.kinds import UnitKind
 
 _LEAST_COUNT = 20
 """Bonds that occur less often may have any host."""
@@ -23,7 +23,7 @@ HostKey = str
 """Category of a host, and its own relation."""
 
 
-def bond_of(kind: Kind) -> Bond:
+def bond_of(kind: UnitKind) -> Bond:
     """The bond that a unit's kind has."""
     return f"{kind.category} {kind.relation} {kind.gap} {kind.align} {kind.turn}"
 
@@ -39,7 +39,7 @@ class Companions:
 
     by_bond: Mapping[Bond, Collection[HostKey]] = field(default_factory=dict)
 
-    def nearest(self, kind: Kind, rank: int, hosts: Sequence[HostKey]) -> int:
+    def nearest(self, kind: UnitKind, rank: int, hosts: Sequence[HostKey]) -> int:
         """The rank nearest to the one that was drawn whose host a unit of a kind may have."""
         known = self.by_bond.get(bond_of(kind))
         fitting = [i for i, host in enumerate(hosts) if known is None or host in known]
@@ -49,7 +49,7 @@ class Companions:
 ANY_COMPANIONS = Companions()
 
 
-def measure_companions(pairs: Sequence[tuple[Kind, HostKey]]) -> Companions:
+def measure_companions(pairs: Sequence[tuple[UnitKind, HostKey]]) -> Companions:
     """The hosts of a corpus.
 
     Args:

@@ -8,10 +8,11 @@ rank of the host, the array of a group, and which object of the parent's token b
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Literal
+from typing import Literal, get_args, get_type_hints
 
 import msgspec
 
+from aeroscene.partition import Record
 from aeroscene.relations.relation import Align, Gap, Relation
 from aeroscene.relations.relation import Kind as RelationKind
 from aeroscene.scene import AttributeValue, ObjectDomain, SceneObject
@@ -32,13 +33,11 @@ SHAPING = ("form", "is_enterable", "is_start", "rows", "storeys", "use", "zebra_
 Attributes = tuple[tuple[str, AttributeValue], ...]
 What = tuple[str, str, Attributes]
 """Category, domain and the attributes that shape."""
-FLAGS: Mapping[str, Literal["is_inset", "is_mirrored", "is_placed"]] = {
-    "storey": "is_inset",
-    "pinwheel": "is_mirrored",
-    "item": "is_placed",
-    "bank": "is_placed",
-}
-"""Flags of records, by node."""
+Flag = Literal[0, 1]
+FLAGS = {"is_inset", "is_mirrored", "is_placed"}
+"""Flags of records, which are numbers in the JSON of kinds."""
+NODES = frozenset({"leaf", "slice", "cross", "grid", "pinwheel", "overlay", "bend"})
+"""Nodes of trees."""
 AsLast = Literal["", "size", "plan", "height"]
 AS_LAST_AXES: Mapping[AsLast, tuple[int, ...]] = {
     "size": (0, 1, 2),
@@ -49,8 +48,8 @@ AS_LAST_AXES: Mapping[AsLast, tuple[int, ...]] = {
 """Axes of the extents that are those of the last one; what says most comes first."""
 
 
-class Kind(msgspec.Struct, frozen=True, order=True, omit_defaults=True):
-    """Tokens that differ in numbers and looks only; what does not apply is empty."""
+class Kind(msgspec.Struct, frozen=True, omit_defaults=True):
+    """Tokens that differ in numbers and looks only; scenes and widths have no more than all do."""
 
     node: str
     """A node of `aeroscene.partition.sequences.record`, or scene, unit or member."""
@@ -59,36 +58,11 @@ class Kind(msgspec.Struct, frozen=True, order=True, omit_defaults=True):
     domain: str = ""
     """Of an object indoor or outdoor; of a scene its own."""
     attributes: Attributes = ()
-    """Attributes that decide the shape, sorted by name."""
-    openings: tuple[str, ...] = ()
-    """Which of `OPENINGS` a unit has."""
-    axis: str = ""
-    arity: int = 0
-    """As of the record; where `FLAGS` names a flag of the record, 1 if it is set."""
-    rows: int = 0
-    merge: int = 0
-    quarter: int = 0
-    strip: int = 0
-    relation: str = ""
-    side: int = 0
-    """Side of the host of a unit; of a leaf, for a border."""
-    gap: str = ""
-    align: str = ""
-    slot: int = 0
-    turn: int = 0
-    """Quarter turns of the heading from the host's side; of a site's frame from east."""
-    is_turned: bool = False
-    """Whether the heading is off these quarter turns; where it is not it has no numbers."""
-    is_even: bool = False
-    """Whether the share of a part is that of the last part before it that is the same."""
-    as_last: AsLast = ""
-    """Extents that a unit has of the last one before it that is the same, see `what`."""
-    is_group: bool = False
-    is_on_top: bool = False
-    """Whether the height of a unit counts from its bearer's top, not from its underside."""
-    is_tilted: bool = False
-    is_root: bool = False
-    """Whether the object has no parent in the scene, though it stands on something."""
+    """Attributes that decide the shape, sorted by name; of a scene its theme."""
+
+    # What is asked of any kind: that of those without such a field.
+    strip, turn, relation = 0, 0, ""
+    is_turned, is_even, is_root, is_group = False, False, False, False
 
     @property
     def what(self) -> What:
@@ -96,28 +70,114 @@ class Kind(msgspec.Struct, frozen=True, order=True, omit_defaults=True):
         return self.category, self.domain, self.attributes
 
     @property
-    def is_record(self) -> bool:
-        """Whether the token is a record of a partition."""
-        return self.node not in {"scene", "unit", "member"}
-
-    @property
     def is_coarse(self) -> bool:
         """Whether the token belongs to the coarse part of a skeleton."""
-        return (
-            self.node == "scene" or self.is_record or CATEGORY_IS_COARSE.get(self.category, False)
-        )
+        return self.node not in {"unit", "member"} or CATEGORY_IS_COARSE.get(self.category, False)
 
     def traits(self) -> set[str]:
         """What kinds share: a word for each field that is not empty, and for each attribute."""
-        plain = {
-            f"{name} {value}"
-            for name, value in msgspec.to_builtins(self).items()
-            if name not in {"attributes", "openings"}
-        }
-        return plain | set(self.openings) | {f"{name} {value}" for name, value in self.attributes}
+        said = msgspec.to_builtins(self)
+        names: set[str] = set(said.pop("openings", ()))
+        said.pop("attributes", None)
+        return names | {f"{key} {value}" for key, value in (*said.items(), *self.attributes)}
+
+
+class SiteKind(Kind, frozen=True):
+    """Head of a site."""
+
+    node: Literal["site"]
+    turn: int = 0
+    """Quarter turns of the frame from east."""
+    is_turned: bool = False
+    """Whether the heading is off these quarter turns; where it is not it has no numbers."""
+
+
+class StoreyKind(Kind, frozen=True):
+    """Head of a storey."""
+
+    node: Literal["storey"]
+    is_inset: Flag = msgspec.field(default=0, name="arity")
+    is_first: Flag = msgspec.field(default=0, name="rows")
+    """Whether it says where the frame is; the storeys above have the same."""
+
+
+class SplitKind(Kind, frozen=True):
+    """Record with as many others below it as it says."""
+
+    node: Literal["slice", "cross", "grid", "overlay", "bend", "border"]
+    axis: str = ""
+    arity: int = 0
+    """Parts of a slice, columns, items of an overlay, pieces of a bend, segments of a border."""
+    rows: int = 0
+    """Of a cross or a grid; lanes of a bend."""
+    strip: int = 0
+    """Number of the width, from 1, that this has in its parent; 0 where it has a share."""
+    side: int = 0
+    """Side of its leaf that a border is on."""
+    is_even: bool = False
+    """Whether the share of a part is that of the last part before it that is the same."""
+
+
+class PinwheelKind(Kind, frozen=True):
+    """Four arms about a middle."""
+
+    node: Literal["pinwheel"]
+    is_mirrored: Flag = msgspec.field(default=0, name="arity")
+    strip: int = 0
+    is_even: bool = False
+
+
+class PlacedKind(Kind, frozen=True):
+    """Where a tree is on an overlay, or beside a bend."""
+
+    node: Literal["item", "bank"]
+    is_placed: Flag = msgspec.field(default=0, name="arity")
+
+
+class LeafKind(Kind, frozen=True):
+    """Record with nothing of its partition below it; a part or a segment is no object."""
+
+    node: Literal["leaf", "lane", "part", "segment"]
+    merge: int = 0
+    quarter: int = 0
+    strip: int = 0
+    is_even: bool = False
+    is_root: bool = False
+    """Whether the object has no parent in the scene, though it stands on something."""
+
+
+class MemberKind(Kind, frozen=True):
+    """One of the objects of a unit, in the unit's relation."""
+
+    node: Literal["member"]
+    relation: str = ""
+
+
+class UnitKind(Kind, frozen=True):
+    """An object, or a group, in its relation to a host."""
+
+    node: Literal["unit"]
+    openings: tuple[str, ...] = ()
+    """Which of `OPENINGS` it has."""
+    relation: str = ""
+    side: int = 0
+    """Side of the host."""
+    gap: str = ""
+    align: str = ""
+    slot: int = 0
+    turn: int = 0
+    """Quarter turns of the heading from the host's side."""
+    is_turned: bool = False
+    as_last: AsLast = ""
+    """Extents that it has of the last one before it that is the same, see `what`."""
+    is_group: bool = False
+    is_on_top: bool = False
+    """Whether the height counts from its bearer's top, not from its underside."""
+    is_tilted: bool = False
+    is_root: bool = False
 
     def to_relation(self, host: int) -> Relation:
-        """The relation of a unit to a host of some rank."""
+        """The relation to a host of some rank."""
         return Relation(
             kind=RelationKind[self.relation],
             host=host,
@@ -127,6 +187,14 @@ class Kind(msgspec.Struct, frozen=True, order=True, omit_defaults=True):
             slot=self.slot,
             quadrant=self.turn,
         )
+
+
+KINDS: Mapping[str, type[Kind]] = {"scene": Kind, "width": Kind} | {
+    node: each for each in Kind.__subclasses__() for node in get_args(get_type_hints(each)["node"])
+}
+"""Their types by node."""
+OF_RECORD = {n: set(Record.__slots__) & set(each.__struct_fields__) for n, each in KINDS.items()}
+"""Fields that they have as their records do, by node."""
 
 
 def scene_kind(domain: str, theme: str = "") -> Kind:
@@ -178,8 +246,7 @@ class Word(msgspec.Struct, frozen=True, array_like=True):
     @staticmethod
     def of(obj: SceneObject) -> str:
         """The word of an object, as text."""
-        word = Word(obj.category, obj.domain, shaping(obj))
-        return msgspec.json.encode(word).decode()
+        return msgspec.json.encode(what_of(obj)).decode()
 
     @staticmethod
     def read(text: str) -> Word:

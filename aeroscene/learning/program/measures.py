@@ -64,7 +64,7 @@ BARE_SITE = Rectangle(Place(0.0, 0.0, 0.0), (BARE_M / 2, BARE_M / 2))
 """What stands in for the host of what has none, where the ground has no covers."""
 
 
-def site_rectangle(kind: kinds.Kind, site: Float[np.ndarray, " 19"]) -> Rectangle:
+def site_rectangle(kind: kinds.SiteKind, site: Float[np.ndarray, " 19"]) -> Rectangle:
     """What stands in for the host of what has none: about the origin, as large as the ground.
 
     Args:

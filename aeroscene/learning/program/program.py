@@ -10,7 +10,7 @@ from jaxtyping import Float, Int
 
 from aeroscene.learning.program.clearances import NO_CLEARANCES, Clearances
 from aeroscene.learning.program.companions import ANY_COMPANIONS, Companions
-from aeroscene.learning.program.kinds import Kind
+from aeroscene.learning.program.kinds import Kind, UnitKind
 from aeroscene.relations.relation import Array
 from aeroscene.scene import AttributeValue
 
@@ -106,6 +106,12 @@ class Program:
 
     def __len__(self) -> int:
         return len(self.kinds)
+
+    def unit(self, place: int) -> UnitKind:
+        """The kind of a token that is a unit."""
+        kind = self.kinds[place]
+        assert isinstance(kind, UnitKind)
+        return kind
 
     def with_channels(self, channels: Float[np.ndarray, "n channels"]) -> Program:
         """The same tokens with other numbers."""

@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from aeroscene.learning.program.encoding.encode import EncodedProgram
-from aeroscene.learning.program.kinds import AS_LAST_AXES, Kind
+from aeroscene.learning.program.kinds import AS_LAST_AXES, Kind, UnitKind
 from aeroscene.learning.program.program import REFERENCED, SIZE, Program
 from aeroscene.scene.catalogue import STAIRS
 
@@ -26,8 +26,11 @@ _BETTER = 0.7
 
 def group_of(kind: Kind) -> Hashable:
     """What kinds have in common whose numbers mean the same."""
+    common = kind.node, *kind.what, kind.relation
+    if not isinstance(kind, UnitKind):
+        return common
     pins = kind.gap == "FREE", kind.align == "FREE", kind.turn == 4
-    return kind.node, *kind.what, kind.relation, kind.is_on_top, kind.is_group, pins
+    return *common, kind.is_on_top, kind.is_group, pins
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +53,7 @@ def measure_references(programs: Sequence[EncodedProgram]) -> References:
     rows: defaultdict[Hashable, list[np.ndarray]] = defaultdict(list)
     for each in programs:
         for kind, choices in zip(each.program.kinds, each.choices, strict=True):
-            if kind.node == "unit":
+            if isinstance(kind, UnitKind):
                 rows[group_of(kind)].append(choices)
     found = {key: _least(np.array(some)) for key, some in rows.items() if len(some) >= MIN_COUNT}
     return References(found)
@@ -79,10 +82,9 @@ def with_references(encoded: EncodedProgram, references: References) -> Program:
     table = np.where(missing, 0, table)
     chosen = np.where(missing, encoded.choices[:, :, 0], chosen)
     channels = program.channels.copy()
-    is_unit = np.array([kind.node == "unit" for kind in program.kinds])
-    rows = np.flatnonzero(is_unit)[:, None]
-    channels[rows, list(REFERENCED)] = chosen[is_unit]
     for row, kind in enumerate(program.kinds):
-        # What is as it was the last time has no numbers of its own.
-        channels[row, [SIZE.start + axis for axis in AS_LAST_AXES[kind.as_last]]] = np.nan
+        if isinstance(kind, UnitKind):
+            channels[row, REFERENCED] = chosen[row]
+            # What is as it was the last time has no numbers of its own.
+            channels[row, [SIZE.start + axis for axis in AS_LAST_AXES[kind.as_last]]] = np.nan
     return replace(program, channels=channels, references=table)

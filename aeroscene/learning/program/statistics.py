@@ -17,6 +17,7 @@ from aeroscene.learning.program.companions import (
     measure_companions,
 )
 from aeroscene.learning.program.encoding.encode import EncodedProgram
+from aeroscene.learning.program.kinds import UnitKind
 from aeroscene.learning.program.program import COS, N_CHANNELS, SIN, Program
 from aeroscene.learning.program.references import (
     References,
@@ -126,7 +127,7 @@ def measure_programs(
                 (kind, host)
                 for each in encoded
                 for kind, host in zip(each.program.kinds, each.hosts, strict=True)
-                if kind.node == "unit"
+                if isinstance(kind, UnitKind)
             ]
         ),
         Atoms({group: found for group, found in atoms.items() if found}),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import cast
+from typing import Any, cast
 
 import msgspec
 import numpy as np
@@ -16,7 +16,7 @@ from aeroscene.learning.program.clearances import Clearances
 from aeroscene.learning.program.companions import Bond, Companions, HostKey
 from aeroscene.learning.program.encoding.cfg import WHOLE, EncodingCfg
 from aeroscene.learning.program.encoding.encode import EncodedProgram
-from aeroscene.learning.program.kinds import Attributes, Kind, theme_of
+from aeroscene.learning.program.kinds import KINDS, Attributes, Kind, theme_of
 from aeroscene.learning.program.program import Shape
 from aeroscene.learning.program.references import References, group_of
 from aeroscene.learning.program.statistics import ProgramStatistics, measure_programs
@@ -36,7 +36,7 @@ class _Looks(msgspec.Struct, array_like=True):
 
 
 class _Document(msgspec.Struct, omit_defaults=True):
-    kinds: tuple[Kind, ...]
+    kinds: tuple[dict[str, Any], ...]
     counts: tuple[int, ...]
     shapes: tuple[Shape, ...]
     looks: tuple[_Looks, ...]
@@ -69,7 +69,7 @@ class Language:
         known = self.vocabulary
         looks = tuple(_Looks(*what, tuple(found)) for what, found in known.looks.items())
         document = _Document(
-            known.kinds,
+            tuple(map(msgspec.to_builtins, known.kinds)),
             known.counts,
             known.shapes,
             looks,
@@ -120,15 +120,16 @@ class Language:
         """
         document = msgspec.json.decode(text, type=_Document)
         looks = {(e.category, e.domain, e.attributes): e.found for e in document.looks}
-        vocabulary = ProgramVocabulary(document.kinds, document.counts, document.shapes, looks)
-        rows = zip(document.kinds, arrays["references"].tolist(), strict=True)
+        kinds = [msgspec.convert(k, KINDS.get(str(k.get("node")), Kind)) for k in document.kinds]
+        vocabulary = ProgramVocabulary(tuple(kinds), document.counts, document.shapes, looks)
+        rows = zip(kinds, arrays["references"].tolist(), strict=True)
         statistics = ProgramStatistics(
             **{name: arrays[name].astype(np.float64) for name in _MEASURED},
             **{name: arrays[name] for name in _FLAGS},
             references=References({group_of(kind): tuple(row) for kind, row in rows}),
             clearances=Clearances(document.clearances),
             companions=Companions(document.companions),
-            atoms=_restored_atoms(document.kinds, arrays.get("atoms", np.zeros((0, 4)))),
+            atoms=_restored_atoms(kinds, arrays.get("atoms", np.zeros((0, 4)))),
         )
         syntax = Syntax(
             vocabulary=vocabulary,

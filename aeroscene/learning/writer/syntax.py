@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Bool, Int
 
-from aeroscene.learning.program.kinds import Kind
+from aeroscene.learning.program.kinds import NODES, Kind, SplitKind, UnitKind
 from aeroscene.learning.program.program import Program, Shape
 from aeroscene.learning.program.vocabulary import ProgramVocabulary
 
@@ -23,25 +23,24 @@ FEW = 2
 one roof. What there were more of may be repeated without end."""
 ENOUGH = 8
 """Tokens of a class that must have been seen for what they all have to be called needed."""
-NODES = frozenset({"leaf", "slice", "cross", "grid", "pinwheel", "overlay", "bend"})
 _MANY = np.iinfo(np.int16).max
 
 
 def required_children(kind: Kind) -> list[frozenset[str]]:
     """Which nodes the children of a record are, in order; of other tokens nothing is required."""
     part, segment, item = (frozenset({name}) for name in ("part", "segment", "item"))
-    match kind.node:
-        case "slice":
+    match kind:
+        case SplitKind(node="slice"):
             return [NODES] * kind.arity
-        case "cross" | "grid":
+        case SplitKind(node="cross" | "grid"):
             return [part] * (kind.arity + kind.rows) + [NODES] * (kind.arity * kind.rows)
-        case "pinwheel":
+        case Kind(node="pinwheel"):
             return [NODES] * 5
-        case "overlay":
+        case SplitKind(node="overlay"):
             return [NODES] + [item] * kind.arity
-        case "border":
+        case SplitKind(node="border"):
             return [segment] * kind.arity
-        case "item":
+        case Kind(node="item"):
             return [NODES]
         case _:
             return []
@@ -49,7 +48,7 @@ def required_children(kind: Kind) -> list[frozenset[str]]:
 
 def count_objects(kind: Kind, shape: Shape) -> int:
     """Objects that a token stands for, as the writer counts them."""
-    if kind.node == "unit":
+    if isinstance(kind, UnitKind):
         return len(shape.array().cells(kind.to_relation(0).kind)) if kind.is_group else 1
     return int(kind.node in {"leaf", "lane", "segment"} and bool(kind.category))
 
@@ -99,7 +98,8 @@ class Syntax:
     @cached_property
     def is_as_last(self) -> Bool[np.ndarray, " kinds"]:
         """Kinds with an extent of the last one that is the same."""
-        return np.array([bool(kind.as_last) for kind in self.vocabulary.kinds])
+        kinds = self.vocabulary.kinds
+        return np.array([isinstance(kind, UnitKind) and bool(kind.as_last) for kind in kinds])
 
     @cached_property
     def category(self) -> Int[np.ndarray, " kinds"]:

@@ -179,9 +179,9 @@ class Builder:
             building = building.with_one_ceiling()
         self._buildings[host] = building
         for part, token in building.parts:
-            kind = Kind("leaf") if token is None else self._program.kinds[token]
             openings = {name: round(value, 4) for name, value in part.openings.items()}
-            attributes = dict(kind.attributes) | openings
+            known = () if token is None else self._program.kinds[token].attributes
+            attributes = dict(known) | openings
             draft.add(
                 token, part.category, "indoor", attributes, part.box, parent=host, bearer=host
             )
@@ -191,7 +191,7 @@ class Builder:
 
     def _add_unit(self, place: int, bearer: int | None) -> None:
         program, draft = self._program, self.draft
-        kind = program.kinds[place]
+        kind = program.unit(place)
         if kind.category in AFLOAT and draft.standing.category(bearer) not in WATER:
             bearer = next((obj.id for obj in draft.objects if obj.category in WATER), bearer)
         is_roof = kind.category in ROOFS and bearer is None and bearer in self._buildings
@@ -228,7 +228,7 @@ class Builder:
         """Upper slabs and roofs as rooms and walls ask for, in place of those that were drawn."""
         building = self._buildings.get(host)
         for place, slab in [] if building is None else self._overhead.laid(building):
-            kind = self._program.kinds[place]
+            kind = self._program.unit(place)
             parent = None if kind.is_root else host
             attributes = dict(kind.attributes)
             self.draft.add(

@@ -17,6 +17,7 @@ from aeroscene.learning.program.encoding.cfg import WHOLE, EncodingCfg
 from aeroscene.learning.program.encoding.partitions import Cells, site_node, storey_node
 from aeroscene.learning.program.encoding.units import underside_m, unit_node, unit_size_m
 from aeroscene.learning.program.kinds import (
+    SiteKind,
     What,
     Word,
     looks,
@@ -109,6 +110,7 @@ class _Encoder:
         if parsed is None:
             return
         head, cells = site_node(parsed.site)
+        assert isinstance(head.kind, SiteKind)
         self.root.add(head)
         self.site = site_rectangle(head.kind, head.channels)
         covers = build_site(parsed.site)

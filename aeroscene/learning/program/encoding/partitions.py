@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import msgspec
 
 from aeroscene.learning.program.encoding.units import SAME_RAD
-from aeroscene.learning.program.kinds import FLAGS, Kind, Word, same_part
+from aeroscene.learning.program.kinds import FLAGS, KINDS, OF_RECORD, Kind, Word, same_part
 from aeroscene.learning.program.nesting import Nested, cells, nest
 from aeroscene.learning.program.program import Node
 from aeroscene.learning.program.records import PARTS, channels_of, share_logits
@@ -26,9 +27,7 @@ SIDES = {("y", True): 0, ("x", True): 1, ("y", False): 2, ("x", False): 3}
 
 def site_node(site: SitePartition) -> tuple[Node, Cells]:
     """The node of a site's partition with everything below it, and its leaves' nodes."""
-    records = to_sequence(site)
-    n_widths = sum(record.node == "width" for record in records)
-    head, found = _grown(records, n_widths)
+    head, found = _grown(to_sequence(site))
     quarters, own_rad = nearest_quadrant(site.frame.yaw_rad)
     is_turned = abs(own_rad) > SAME_RAD
     head.kind = msgspec.structs.replace(head.kind, turn=quarters, is_turned=is_turned)
@@ -49,11 +48,9 @@ def storey_node(
         is_first: Whether it says where the frame is; the storeys above have the same.
     """
     records = to_sequence(storey)
-    n_widths = sum(record.node == "width" for record in records)
     n_tree = next((i for i, r in enumerate(records) if r.node == "border"), len(records))
-    head, found = _grown(records[:n_tree], n_widths)
-    _name_doors(head, records)
-    head.kind = _kind(records[n_widths], int(is_first))
+    head, found = _grown(records)
+    head.kind = msgspec.structs.replace(head.kind, is_first=int(is_first))
     head.channels[1:11] = _storey_values(storey, host, below_m)
     if not is_first:
         head.channels[1:7] = math.nan
@@ -80,8 +77,9 @@ def _storey_values(storey: StoreyPartition, host: Rectangle, below_m: float) -> 
     ]
 
 
-def _grown(records: Sequence[Record], n_widths: int) -> tuple[Node, Cells]:
-    """The node of a head, with its widths and its tree below it."""
+def _grown(records: Sequence[Record]) -> tuple[Node, Cells]:
+    """The node of a head, with its widths and its tree below it; widths say what has them."""
+    n_widths = sum(record.node == "width" for record in records)
     nested = nest(iter(records[n_widths:]))
     tree = _with_nodes(nested, math.nan)
     widths = [
@@ -101,13 +99,6 @@ def _first_use(records: Sequence[Record], strip: int) -> str:
     return ""
 
 
-def _name_doors(head: Node, records: Sequence[Record]) -> None:
-    """Let widths say what has them, borders among them."""
-    widths = [child for child in head.children if child.kind.node == "width"]
-    for number, child in enumerate(widths, 1):
-        child.kind = _kind(Record("width", kind=_first_use(records, number)))
-
-
 def _with_nodes(nested: Nested[None], logit: float, *, is_even: bool = False) -> Nested[Node]:
     """A record's tree with a node for each of them."""
     record = nested.record
@@ -117,7 +108,7 @@ def _with_nodes(nested: Nested[None], logit: float, *, is_even: bool = False) ->
         parts = [child.record for child in nested.children[low:high]]
         logits[low:high] = share_logits([part.share for part in parts])
         even[low:high] = _are_even(parts, logits[low:high])
-    node = Node(msgspec.structs.replace(_kind(record), is_even=is_even), channels_of(record))
+    node = Node(_kind(record, is_even=is_even), channels_of(record))
     node.channels[0] = math.nan if is_even else logit
     children = [
         _with_nodes(child, own, is_even=same)
@@ -139,28 +130,21 @@ def _are_even(parts: Sequence[Record], logits: Sequence[float]) -> list[bool]:
     return found
 
 
-def _kind(record: Record, rows: int | None = None) -> Kind:
-    r = record
-    plain = Kind(
-        r.node,
-        axis=r.axis,
-        arity=int(getattr(r, FLAGS[r.node])) if r.node in FLAGS else r.arity,
-        rows=r.rows if rows is None else rows,
-        merge=r.merge,
-        quarter=r.quarter,
-        strip=r.strip,
-    )
-    said: dict[str, object] = {}
-    if r.kind.startswith("["):
-        word = Word.read(r.kind)
-        said = {"category": word.category}
-        if r.node != "width":
+def _kind(record: Record, *, is_even: bool = False) -> Kind:
+    said: dict[str, Any] = {"is_even": True} if is_even else {}
+    if record.kind.startswith("["):
+        word = Word.read(record.kind)
+        said["category"] = word.category
+        if record.node != "width":
             said |= {"domain": word.domain, "attributes": word.attributes}
-    elif r.node == "border":
-        said = {"attributes": (("form", r.kind),) if r.kind else ()}
-    elif r.kind:
-        said = {"category": r.kind}
-    return msgspec.structs.replace(plain, **said)
+    elif record.node == "border":
+        said["attributes"] = (("form", record.kind),) if record.kind else ()
+    else:
+        said["category"] = record.kind
+    names = OF_RECORD[record.node]
+    said |= {name: getattr(record, name) for name in names}
+    said |= {name: int(said[name]) for name in FLAGS & names}
+    return KINDS[record.node](**said)
 
 
 def _add_borders(storey: StoreyPartition, records: list[Record], found: Cells) -> list[Node]:
@@ -175,17 +159,13 @@ def _add_borders(storey: StoreyPartition, records: list[Record], found: Cells) -
             nested.children.clear()
         node = _with_nodes(nested, math.nan).token
         owner, side, beyond = owner_of(line, rooms, len(found))
-        node.kind = _border_kind(node.kind, side, is_wall=is_wall)
+        # One that is all open, or all wall, needs no segments.
+        arity = 0 if is_wall else nested.record.arity
+        category = "wall" if is_wall else "mixed" if arity else "open"
+        node.kind = msgspec.structs.replace(node.kind, category=category, arity=arity, side=side)
         node.host = beyond
         borders.append(found[owner][0].add(node))
     return borders
-
-
-def _border_kind(kind: Kind, side: int, *, is_wall: bool) -> Kind:
-    """The kind of a border; one that is all open, or all wall, needs no segments."""
-    category = "wall" if is_wall else "mixed" if kind.arity else "open"
-    arity = 0 if is_wall else kind.arity
-    return Kind("border", category, attributes=kind.attributes, arity=arity, side=side)
 
 
 def first_leaves(rooms: Sequence[int]) -> dict[int, int]:

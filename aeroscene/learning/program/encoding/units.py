@@ -12,7 +12,8 @@ from aeroscene.learning.program.kinds import (
     AS_LAST_AXES,
     OPENINGS,
     AsLast,
-    Kind,
+    MemberKind,
+    UnitKind,
     looks,
     openings,
     shaping,
@@ -81,7 +82,7 @@ def unit_node(
     host_box = up_to_level(host_category, _box(unit.host_id, objects))
     around = Surroundings(_box(unit.parent_id, objects), host_box)
     base_m = underside_m(first.bbox)
-    node.choices = choices_of(around, size_m, yaw_rad, base_m, is_on_top=node.kind.is_on_top)
+    node.choices = choices_of(around, size_m, yaw_rad, base_m, is_on_top=kind.is_on_top)
     node.channels[[RISE, 5, 6, 7]] = node.choices[:, 0]
     node.channels[OPENING] = opening_values(first)
     tilt = unit.members[0].tilt_wxyz
@@ -89,7 +90,7 @@ def unit_node(
         rotation = Rotation.from_quat(tilt, scalar_first=True)
         node.channels[TILT] = rotation.as_rotvec()[:2]
     if unit.is_group:
-        node.children += _members(unit, members, size_m, base_m, node.kind)
+        node.children += _members(unit, members, size_m, base_m, kind)
     return node
 
 
@@ -107,9 +108,9 @@ def _as_last(size_m: Vector3, last_m: Vector3 | None) -> AsLast:
     return next(name for name, axes in AS_LAST_AXES.items() if all(is_same[i] for i in axes))
 
 
-def _kind(unit: Unit, obj: SceneObject, *, is_root: bool, as_last: AsLast) -> Kind:
+def _kind(unit: Unit, obj: SceneObject, *, is_root: bool, as_last: AsLast) -> UnitKind:
     r = unit.relation
-    return Kind(
+    return UnitKind(
         "unit",
         obj.category,
         obj.domain,
@@ -174,13 +175,13 @@ def _members(
     members: Sequence[SceneObject],
     size_m: Vector3,
     base_m: float,
-    kind: Kind,
+    kind: UnitKind,
 ) -> list[Node]:
     """A node for each member, or none where all are alike."""
     found: list[Node] = []
     differs = False
     for member, obj in zip(unit.members, members, strict=True):
-        node = Node(Kind("member", kind.category, kind.domain, relation=kind.relation))
+        node = Node(MemberKind("member", kind.category, kind.domain, relation=kind.relation))
         c, residual = node.channels, member.residual
         rise_m = underside_m(obj.bbox) - base_m
         c[[U, V, RISE]] = residual.u_m, residual.v_m, rise_m

@@ -10,10 +10,10 @@ from aeroscene.corpus.curation import curate_layout
 from aeroscene.learning.program import DecodingCfg, decode, encode
 from aeroscene.learning.program.companions import bond_of, measure_companions
 from aeroscene.learning.program.decoding.units.reading import read_unit
-from aeroscene.learning.program.kinds import Kind
+from aeroscene.learning.program.kinds import UnitKind
 
 AS_DRAWN = DecodingCfg(mends=False, makes_room=False)
-CUP = Kind("unit", "cup", relation="SIDE", gap="NEAR", align="FREE", turn=4)
+CUP = UnitKind("unit", "cup", relation="SIDE", gap="NEAR", align="FREE", turn=4)
 
 
 def test_hosts_of_a_bond_are_those_that_it_often_has():

@@ -17,6 +17,7 @@ from aeroscene.learning.program import (
     decode,
     encode,
 )
+from aeroscene.learning.program.kinds import UnitKind
 from aeroscene.learning.program.references import measure_references
 from aeroscene.learning.program.statistics import (
     ProgramStatistics,
@@ -162,11 +163,10 @@ def test_kind_that_the_corpus_has_not_is_the_nearest(measured: Measured) -> None
     _, vocabulary, _ = measured
     for kind in vocabulary.kinds:
         assert vocabulary.kinds[vocabulary.nearest(kind)] == kind
-    unit = next(kind for kind in vocabulary.kinds if kind.category == "tree")
-    unknown = type(unit)("unit", "tree", "outdoor", relation="OVER", side=3, gap="WIDE", turn=2)
+    unknown = UnitKind("unit", "tree", "outdoor", relation="OVER", side=3, gap="WIDE", turn=2)
     assert vocabulary.kinds[vocabulary.nearest(unknown)].category == "tree"
     with pytest.raises(KeyError, match="unit zeppelin"):
-        vocabulary.nearest(type(unit)("unit", "zeppelin"))
+        vocabulary.nearest(UnitKind("unit", "zeppelin"))
 
 
 def test_stairs_count_from_the_level_that_they_lead_to(measured: Measured) -> None:

@@ -11,7 +11,7 @@ from aeroscene.learning.program.companions import host_key
 from aeroscene.learning.program.decoding.draft.neighbours import Neighbours
 from aeroscene.learning.program.decoding.draft.supports import is_on_any
 from aeroscene.learning.program.decoding.draft.trees import TreeReader
-from aeroscene.learning.program.kinds import CATEGORY_IDS
+from aeroscene.learning.program.kinds import CATEGORY_IDS, SiteKind
 from aeroscene.learning.program.measures import BARE_SITE, site_rectangle
 from aeroscene.learning.program.program import Program
 from aeroscene.relations.hosts import Standing
@@ -51,11 +51,9 @@ class Draft:
         """The token of each object, and which of the token's objects it is."""
         self.pitches_m: dict[int, tuple[float, float]] = {}
         """Of each token that stands for an array what is between its rows, and its columns."""
-        kinds = self.program.kinds
-        heads = [i for i in self.children[0] if kinds[i].node == "site"]
-        self._site = BARE_SITE
-        if heads:
-            self._site = site_rectangle(kinds[heads[0]], self.program.channels[heads[0]])
+        heads = ((self.program.kinds[i], self.program.channels[i]) for i in self.children[0])
+        sites = (site_rectangle(kind, c) for kind, c in heads if isinstance(kind, SiteKind))
+        self._site = next(sites, BARE_SITE)
 
     def begin_with(self, given: Given) -> None:
         """Let objects stand that are given, in the order of their scene."""

@@ -10,19 +10,18 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import Any
 
 import msgspec
 
-from aeroscene.learning.program.kinds import FLAGS, Kind, Word, same_part
+from aeroscene.learning.program.kinds import FLAGS, NODES, OF_RECORD, Kind, SiteKind, same_part
 from aeroscene.learning.program.nesting import Nested
 from aeroscene.learning.program.program import Program
 from aeroscene.learning.program.records import PARTS, shares_of, values_of
 from aeroscene.partition import Record
 from aeroscene.partition.tree import VOID
 from aeroscene.relations.plane import QUARTER
-from aeroscene.scene import ObjectDomain
 
-NODES = frozenset({"leaf", "slice", "cross", "grid", "pinwheel", "overlay", "bend"})
 Grown = Nested[int | None]
 """A record with the place of its token; None where a record had to be made up."""
 
@@ -74,7 +73,7 @@ class TreeReader:
         kind = self._program.kinds[place]
         record = record_of(kind)
         values = values_of(record, self._program.channels[place])
-        if record.node == "site":
+        if isinstance(kind, SiteKind):
             values = (*values[:2], values[2] + kind.turn * QUARTER, *values[3:])
         return replace(record, values=values)
 
@@ -151,25 +150,13 @@ def record_of(kind: Kind) -> Record:
     if kind.node == "border":
         said = str(dict(kind.attributes).get("form", ""))
     elif kind.domain:
-        said = msgspec.json.encode(Word(kind.category, _domain(kind), kind.attributes)).decode()
+        said = msgspec.json.encode(kind.what).decode()
     elif kind.node != "width":
         said = kind.category
-    flag = FLAGS.get(kind.node)
-    record = Record(
-        kind.node,
-        axis=kind.axis,
-        arity=0 if flag else kind.arity,
-        rows=0 if kind.node == "storey" else kind.rows,
-        kind=said,
-        merge=kind.merge,
-        quarter=kind.quarter,
-        strip=kind.strip,
-    )
-    return replace(record, **{flag: bool(kind.arity)}) if flag else record
-
-
-def _domain(kind: Kind) -> ObjectDomain:
-    return "indoor" if kind.domain == "indoor" else "outdoor"
+    names = OF_RECORD[kind.node]
+    own: dict[str, Any] = {name: getattr(kind, name) for name in names}
+    own |= {name: bool(own[name]) for name in FLAGS & names}
+    return Record(kind=said, **own)
 
 
 def _void() -> Grown:

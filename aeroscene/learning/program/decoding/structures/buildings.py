@@ -13,6 +13,7 @@ from aeroscene.learning.program.decoding.structures.roofs import roofs_over, wit
 from aeroscene.learning.program.decoding.structures.storeys import Level, stacked, upper_slabs
 from aeroscene.learning.program.decoding.structures.strips import settled
 from aeroscene.learning.program.encoding.partitions import first_leaves, owner_of
+from aeroscene.learning.program.kinds import SplitKind
 from aeroscene.learning.program.nesting import cells
 from aeroscene.learning.program.program import Program
 from aeroscene.partition import (
@@ -167,8 +168,8 @@ class _Storey:
         known: defaultdict[tuple[int, int, int], list[int]] = defaultdict(list)
         for leaf, token in enumerate(self._leaves):
             for each in [] if token is None else children[token]:
-                if kinds[each].node == "border":
-                    known[leaf, kinds[each].side, int(self._program.host[each])].append(each)
+                if isinstance(kind := kinds[each], SplitKind) and kind.node == "border":
+                    known[leaf, kind.side, int(self._program.host[each])].append(each)
         is_closed = self._closed(known)
         first = first_leaves(rooms)
         found: list[Border] = []

@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation
 
 from aeroscene.learning.program.decoding.draft import Draft
 from aeroscene.learning.program.encoding.units import pitch_base_m, underside_m
-from aeroscene.learning.program.kinds import AS_LAST_AXES, CATEGORY_IDS, OPENINGS, What
+from aeroscene.learning.program.kinds import AS_LAST_AXES, CATEGORY_IDS, OPENINGS, UnitKind, What
 from aeroscene.learning.program.measures import (
     Surroundings,
     own_heading_rad,
@@ -63,7 +63,7 @@ def read_unit(draft: Draft, token: int, bearer: int | None, last_m: Vector3 | No
         last_m: Extents of the last unit that is the same, for what is as large; None without one.
     """
     program, box_of = draft.program, draft.box
-    kind = program.kinds[token]
+    kind = program.unit(token)
     members = [i for i in draft.children[token] if program.kinds[i].node == "member"]
     c = np.nan_to_num(program.channels[token]).tolist()
     relation, host = _related(draft, token, bearer)
@@ -117,10 +117,11 @@ def with_own_sizes(program: Program) -> Program:
     """
     channels, references = program.channels.copy(), program.references.copy()
     like: dict[What, int] = {}
-    for token, kind in enumerate(program.kinds):
-        if kind.node == "unit" and not kind.as_last:
+    units = [(i, kind) for i, kind in enumerate(program.kinds) if isinstance(kind, UnitKind)]
+    for token, kind in units:
+        if not kind.as_last:
             like.setdefault(kind.what, token)
-    for token, kind in enumerate(program.kinds):
+    for token, kind in units:
         other = like.get(kind.what)
         for axis in AS_LAST_AXES[kind.as_last] if other is not None else ():
             channels[token, SIZE.start + axis] = program.channels[other, SIZE.start + axis]
@@ -142,7 +143,7 @@ def openings_of(program: Program, place: int, box: OrientedBox) -> dict[str, Att
     values = dict(zip(OPENINGS, program.channels[place, OPENING].tolist(), strict=True))
     half_m = box.s[1] / 2
     found: dict[str, AttributeValue] = {}
-    for name in program.kinds[place].openings:
+    for name in program.unit(place).openings:
         value = 0.0 if math.isnan(values[name]) else values[name]
         if name.endswith("offset_m"):
             width_m = values[name.replace("offset_m", "m")]
@@ -162,7 +163,7 @@ def _related(draft: Draft, token: int, bearer: int | None) -> tuple[Relation, in
     that such a unit may have.
     """
     program, standing, box_of = draft.program, draft.standing, draft.box
-    kind = program.kinds[token]
+    kind = program.unit(token)
     relation = kind.to_relation(0)
     hosts = standing.possible_hosts(relation.kind, CATEGORY_IDS[kind.category], bearer)
     if not hosts:
@@ -251,7 +252,7 @@ def _array(
 
 
 def _tilt(program: Program, token: int) -> Quaternion | None:
-    if not program.kinds[token].is_tilted:
+    if not program.unit(token).is_tilted:
         return None
     x, y = np.nan_to_num(program.channels[token, TILT]).tolist()
     w, i, j, k = Rotation.from_rotvec((x, y, 0.0)).as_quat(scalar_first=True).tolist()

@@ -98,7 +98,8 @@ def test_a_program_whose_rows_are_unevenly_apart_decodes_to_shelves_back_to_back
     behind_another = next(
         token
         for token, kind in enumerate(program.kinds)
-        if (kind.relation, kind.side, kind.gap, kind.is_group) == ("SIDE", 2, "TOUCH", True)
+        if kind.node == "unit"
+        and (kind.relation, kind.side, kind.gap, kind.is_group) == ("SIDE", 2, "TOUCH", True)
     )
     channels = program.channels.copy()
     channels[behind_another, PITCH.start] -= 0.35
