@@ -7,8 +7,9 @@ else of the networks is the same. So a model that knows one corpus learns anothe
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import torch
@@ -27,6 +28,8 @@ _ARRAYS_LAST = ("rest.3.weight", "rest.3.bias")
 """Rows of which the last ones are for the arrays of groups."""
 _NETWORKS = {"writer": "writer", "denoiser": "model"}
 """Section of the network of each part."""
+_NO_SIZES = {"n_kinds", "dropout", "least_share", "trust"}
+"""Fields of these sections that weights do not depend on, or that the language says."""
 
 
 @dataclass(frozen=True)
@@ -71,9 +74,10 @@ def read_begun(path: Path) -> Begun:
     return Begun(path, found.known, found.parts, sections_from_plain(found.facts.configs))
 
 
-def _sizes_of(cfg: object) -> dict[str, object]:
-    """What of a network's section says which weights it has, but for what the language says."""
-    return {k: v for k, v in vars(cfg).items() if k not in {"n_kinds", "dropout", "least_share"}}
+def _sizes_of(cfg: Any) -> dict[str, object]:
+    """What of a network's section says which weights it has."""
+    names = {field.name for field in fields(cfg)}
+    return {name: getattr(cfg, name) for name in sorted(names - _NO_SIZES)}
 
 
 def carried(

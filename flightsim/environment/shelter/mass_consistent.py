@@ -15,10 +15,13 @@ with equal weights of horizontal and vertical changes.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from jaxtyping import Bool, Float
 
 _TOLERANCE = 1e-5
+_MOST_ITERATIONS = 2000
 
 Faces = tuple[np.ndarray, np.ndarray, np.ndarray]
 """Velocities across the faces of cells along x, y, z: one more along each's own axis than cells."""
@@ -82,7 +85,6 @@ def _divergence(faces: Faces) -> np.ndarray:
 def _solve(is_solid: np.ndarray, divergence: np.ndarray) -> np.ndarray:
     """Multiplier of the divergence, times the edge of a cell."""
     from scipy import sparse
-    from scipy.sparse.linalg import cg
 
     n = is_solid.size
     index = np.arange(n).reshape(is_solid.shape)
@@ -99,8 +101,30 @@ def _solve(is_solid: np.ndarray, divergence: np.ndarray) -> np.ndarray:
     diagonal[diagonal == 0.0] = 1.0
     off = sparse.coo_array((-np.ones(len(row)), (row, column)), shape=(n, n)).tocsr()
     matrix = sparse.diags_array(diagonal.ravel()) + off + off.T
-    precondition = sparse.diags_array(1.0 / diagonal.ravel())
-    solution, info = cg(matrix, divergence.ravel(), rtol=_TOLERANCE, M=precondition, maxiter=2000)
-    if info < 0:
-        raise ArithmeticError(f"conjugate gradients broke down ({info})")
+    solution = _conjugate_gradients(matrix, divergence.ravel(), 1.0 / diagonal.ravel())
     return solution.reshape(is_solid.shape)
+
+
+def _conjugate_gradients(
+    matrix: Any, right: Float[np.ndarray, " n"], inverse_diagonal: Float[np.ndarray, " n"]
+) -> Float[np.ndarray, " n"]:
+    """Solution of a symmetric system, to the same bits however many threads BLAS has.
+
+    SciPy's `cg` takes dot products by BLAS, whose order of summation depends on the number of its
+    threads: one seed would be several flights in wind.
+    """
+    solution, residual = np.zeros_like(right), right.copy()
+    least = (_TOLERANCE**2) * np.sum(right * right)
+    direction, before = np.zeros_like(right), 1.0
+    for _ in range(_MOST_ITERATIONS):
+        if np.sum(residual * residual) <= least:
+            break
+        preconditioned = inverse_diagonal * residual
+        now = np.sum(residual * preconditioned)
+        direction = preconditioned + (now / before) * direction
+        image = matrix @ direction
+        step = now / np.sum(direction * image)
+        solution += step * direction
+        residual -= step * image
+        before = now
+    return solution

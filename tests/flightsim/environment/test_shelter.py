@@ -1,6 +1,9 @@
 """Wind among buildings: mass-consistent, potential where it should be, less in the lee."""
 
 import math
+import os
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -102,3 +105,24 @@ def test_a_solved_field_is_kept_and_a_damaged_one_replaced(tmp_path, monkeypatch
     np.testing.assert_array_equal(once, again)
     kept_shelter(grid, BLOCK, (math.cos(0.3), math.sin(0.3)))
     assert len(list((tmp_path / "winds").iterdir())) == 2
+
+
+def test_a_field_has_the_same_bits_however_many_threads_blas_has():
+    code = (
+        "import hashlib, numpy as np; from flightsim.environment.shelter import Grid;"
+        "from flightsim.environment.shelter.shelter import solve_shelter;"
+        "block = np.array([[0.0, 0.0, 1.0, 0.0, 10.0, 10.0, 12.0]]);"
+        "grid = Grid((-41.0, -41.0, 0.0), (41, 41, 14));"
+        "print(hashlib.md5(solve_shelter(grid, block, (0.6, 0.8)).tobytes()).hexdigest())"
+    )
+    bits = {
+        subprocess.run(
+            [sys.executable, "-c", code],
+            env=os.environ | {"OPENBLAS_NUM_THREADS": n_threads, "OMP_NUM_THREADS": n_threads},
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
+        for n_threads in ("1", "2")
+    }
+    assert len(bits) == 1
