@@ -108,7 +108,7 @@ def test_all_options_are_looked_at():
     assert {option.command for option in NUMERIC} >= {
         *(("sitl",), ("fly",), ("campaign",), ("generate",), ("train",), ("evaluate",)),
         *(("dataset", name) for name in ("build", "stats", "validate", "show", "unpack")),
-        *(("bench", name) for name in ("sim", "plan", "worlds", "vehicles", "generate")),
+        *(("bench", name) for name in ("sim", "worlds", "vehicles", "generate", "control")),
     }
 
 

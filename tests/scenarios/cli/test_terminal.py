@@ -26,6 +26,7 @@ from scenarios.dataset.drops import DropReport
 from scenarios.dataset.validate import Report
 from scenarios.doctor.check import Check
 from scenarios.doctor.diagnosis import Diagnosis
+from scenarios.run.results import RunResult
 from scenarios.trials.result import TrialResult
 from scenarios.trials.verdict import Code
 from tests.aeroscene.layouts.samples import house, write_lines
@@ -98,7 +99,8 @@ def test_the_verdict_of_sitl_keeps_its_reason_and_quotes_the_recording(shown):
     values: dict[str, Any] = dict.fromkeys(field.name for field in fields(TrialResult))
     values |= {"success": False, "reason": HOSTILE, "code": next(iter(Code)), "contacts": ()}
     values |= {"sim_seconds": 1.0, "wall_seconds": 1.0, "real_time_factor": 1.0}
-    print_results(terminal(width=200), _result(values | {"recording": "a b/$(x).rrd"}))
+    result = _result(values | {"recording": "a b/$(x).rrd"})
+    print_results(terminal(width=200), RunResult(1, (result,)))
     said = shown()
     assert HOSTILE in said
     assert said.endswith("Replay it with: aeroscene replay 'a b/$(x).rrd'")
