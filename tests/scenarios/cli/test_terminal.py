@@ -100,7 +100,7 @@ def test_the_verdict_of_sitl_keeps_its_reason_and_quotes_the_recording(shown):
     values |= {"success": False, "reason": HOSTILE, "code": next(iter(Code)), "contacts": ()}
     values |= {"sim_seconds": 1.0, "wall_seconds": 1.0, "real_time_factor": 1.0}
     result = _result(values | {"recording": "a b/$(x).rrd"})
-    print_results(terminal(width=200), RunResult(1, (result,)))
+    print_results(terminal(width=200), RunResult(first_system=1, vehicles=(result,)))
     said = shown()
     assert HOSTILE in said
     assert said.endswith("Replay it with: aeroscene replay 'a b/$(x).rrd'")
