@@ -10,12 +10,8 @@ from jaxtyping import Float, Shaped
 
 from autonomy.jit import kernel
 
-BLOCK = np.dtype(
-    [
-        (name, np.float64)
-        for name in ("x_m", "y_m", "half_x_m", "half_y_m", "cos", "sin", "base_m", "top_m")
-    ]
-)
+_COLUMNS = ("x_m", "y_m", "half_x_m", "half_y_m", "cos", "sin", "base_m", "top_m")
+BLOCK = np.dtype([(name, np.float64) for name in _COLUMNS])
 """An upright box: its middle, half its extents along its axes, the cosine and sine of its heading,
 and the heights of its lower and upper face."""
 Blocks = Shaped[np.ndarray, " k"]

@@ -81,7 +81,8 @@ def find_place(
     if may_push:
         size = boxes.half_m.prod(axis=1)
         others &= ~layout.is_fine | (size >= size[row])
-    taken = np.concatenate([_rows(boxes, np.flatnonzero(others)), _all_rows(obstacles)])
+    in_the_way = _rows(obstacles, np.arange(len(obstacles)))
+    taken = np.concatenate([_rows(boxes, np.flatnonzero(others)), in_the_way])
     region, furthest_m = _region(layout, row, host)
     swing_m = _swing_m(layout, row)
     x, y, turn = nearest_free(
@@ -127,10 +128,6 @@ def _rows(boxes: Boxes, rows: Int[np.ndarray, " k"]) -> Blocks:
     blocks["cos"], blocks["sin"] = np.cos(boxes.yaw_rad[rows]), np.sin(boxes.yaw_rad[rows])
     blocks["base_m"], blocks["top_m"] = boxes.base_m[rows], boxes.top_m[rows]
     return blocks
-
-
-def _all_rows(boxes: Boxes) -> Blocks:
-    return _rows(boxes, np.arange(len(boxes)))
 
 
 def _bounds(layout: Layout) -> Float[np.ndarray, " 4"]:
