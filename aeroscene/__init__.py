@@ -19,26 +19,26 @@ if TYPE_CHECKING:
     from aeroscene.version import __version__
     from flightsim import *  # noqa: F403 - the names are those of its `__all__`
     from scenarios import *  # noqa: F403
+
+    __all__ = [  # of this package alone; at run time the names of all three
+        "CATALOGUE",
+        "Category",
+        "Finding",
+        "Generator",
+        "InteractionArea",
+        "OrientedBox",
+        "Request",
+        "Scene",
+        "SceneError",
+        "SceneObject",
+        "__version__",
+        "category_id",
+        "derive_interaction_areas",
+        "generate_scene",
+        "load_scene",
+        "read_scene",
+        "validate",
+        "write_scene",
+    ]
 else:
     __getattr__, __dir__ = public_names(__name__, __file__)
-
-__all__ = [
-    "CATALOGUE",
-    "Category",
-    "Finding",
-    "Generator",
-    "InteractionArea",
-    "OrientedBox",
-    "Request",
-    "Scene",
-    "SceneError",
-    "SceneObject",
-    "__version__",
-    "category_id",
-    "derive_interaction_areas",
-    "generate_scene",
-    "load_scene",
-    "read_scene",
-    "validate",
-    "write_scene",
-]

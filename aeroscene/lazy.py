@@ -23,7 +23,8 @@ def public_names(
     Args:
         package: Name of the package, its `__name__`.
         file: Its source, its `__file__`, with one `if TYPE_CHECKING` of absolute imports. A
-            `from other import *` stands for all that `other` names in its `__all__`.
+            `from other import *` stands for all that `other` names in its `__all__`. A package that
+            has such an import leaves its own `__all__` to `__getattr__`.
     """
 
     @cache
@@ -40,6 +41,8 @@ def public_names(
         }
 
     def load(name: str) -> object:
+        if name == "__all__":
+            return sorted(homes())
         if name not in homes():
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
         value = getattr(import_module(homes()[name]), name)
