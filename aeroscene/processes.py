@@ -1,8 +1,7 @@
 """Parallel work on scenes in a number of processes, results in order.
 
-Processes share no state with the parent, on Linux as on macOS; see `fresh_processes` for how they
-start. They ignore Ctrl-C and SIGTERM, which are the parent's to handle, and end with the parent
-however it ends.
+Processes share no state with the parent; see `fresh_processes` for how they start. They ignore
+Ctrl-C and SIGTERM, which are the parent's to handle, and end with the parent however it ends.
 """
 
 from __future__ import annotations
@@ -95,8 +94,9 @@ class Workers(Generic[_T, _R]):
         self._results: Any = self._executor._result_queue
         self._pending: deque[Future[_R]] = deque()
         try:
-            for _ in range(ahead):
-                self._submit()
+            with _naming_death():
+                for _ in range(ahead):
+                    self._submit()
         except BaseException:
             self.close()
             raise
@@ -113,13 +113,9 @@ class Workers(Generic[_T, _R]):
         """
         if not self._pending:
             raise StopIteration
-        try:
+        with _naming_death():
             result = self._pending.popleft().result()
             self._submit()
-        except BrokenProcessPool:
-            raise WorkerDiedError(
-                "a worker process was ended from outside (too little memory?); valid: fewer --jobs"
-            ) from None
         return result
 
     def __enter__(self) -> Self:
@@ -156,6 +152,16 @@ class Workers(Generic[_T, _R]):
             with without_interrupts():
                 self._pending.append(self._executor.submit(_call, item))
             return
+
+
+@contextmanager
+def _naming_death() -> Iterator[None]:
+    try:
+        yield
+    except BrokenProcessPool:
+        raise WorkerDiedError(
+            "a worker process was ended from outside (too little memory?); valid: fewer --jobs"
+        ) from None
 
 
 def fresh_processes(*modules: str) -> SpawnContext | ForkServerContext:
@@ -206,6 +212,8 @@ _function: Callable[[Any], Any]
 
 def _begin(function: Callable[[Any], Any], environment: Mapping[str, str]) -> None:
     global _function  # noqa: PLW0603 - a process has no other place for it
+    for each in (signal.SIGINT, signal.SIGTERM):  # a server that began elsewhere hands on its mask
+        signal.signal(each, signal.SIG_IGN)
     _function = function
     become(environment)
     end_with_parent()
