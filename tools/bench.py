@@ -1,4 +1,4 @@
-"""Measure what we build on: planner, estimator, landing, encounters, grades of difficulty.
+"""Measure what we build on: planner, estimator, landing, contacts, grades of difficulty.
 
     python tools/bench.py plan
     python tools/bench.py estimate --count 20 --json
@@ -16,6 +16,7 @@ from typing import Annotated
 
 import tyro
 from measuring.configs import (
+    ApproachesBenchCfg,
     DifficultyBenchCfg,
     EncountersBenchCfg,
     EstimateBenchCfg,
@@ -34,6 +35,7 @@ NAMES = {
     DifficultyBenchCfg: "difficulty",
     LandBenchCfg: "land",
     EncountersBenchCfg: "encounters",
+    ApproachesBenchCfg: "approaches",
 }
 
 Bench = (
@@ -42,12 +44,13 @@ Bench = (
     | Annotated[DifficultyBenchCfg, tyro.conf.subcommand("difficulty", prefix_name=False)]
     | Annotated[LandBenchCfg, tyro.conf.subcommand("land", prefix_name=False)]
     | Annotated[EncountersBenchCfg, tyro.conf.subcommand("encounters", prefix_name=False)]
+    | Annotated[ApproachesBenchCfg, tyro.conf.subcommand("approaches", prefix_name=False)]
 )
 
 
 @dataclass(frozen=True, kw_only=True)
 class BenchCfg:
-    """Measure the planner, the estimator, landing, encounters, or grades of difficulty.
+    """Measure the planner, the estimator, landing, encounters, approaches, or grades of difficulty.
 
     Exit status 0 if every target is met, else 1.
     """

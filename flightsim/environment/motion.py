@@ -136,8 +136,8 @@ def let_touch(
     vehicle_enu_m: np.ndarray,
     geom_conaffinity: np.ndarray,
     body_conaffinity: np.ndarray,
-) -> None:
-    """Enable the contacts of movers near a vehicle.
+) -> bool:
+    """Enable the contacts of movers near a vehicle; whether there is one.
 
     Those of movers far from every vehicle stay disabled: checking them would cost a third of a
     physics step.
@@ -148,6 +148,7 @@ def let_touch(
         geom_conaffinity: The model's array, written for the movers' geoms.
         body_conaffinity: The model's array, written for the movers' bodies.
     """
+    is_near = False
     for i in range(len(movers)):
         m = movers[i]
         gap_squared = 0.0
@@ -156,6 +157,8 @@ def let_touch(
             gap_squared += (m.position_enu_m[k] + lift - vehicle_enu_m[k]) ** 2
         if gap_squared < (m.radius_m + _CONTACT_MARGIN_M) ** 2:
             geom_conaffinity[m.geom] = body_conaffinity[m.body] = m.contact_bits
+            is_near = True
+    return is_near
 
 
 @kernel

@@ -71,6 +71,9 @@ class PlantCfg:
     """Calls a simulated second; a setpoint holds until the next one."""
     has_sensors: bool = True
     """Whether anything is measured and estimated; without, the state is the truth."""
+    free_flight: bool = True
+    """Whether the kernel itself takes the steps in which nothing can touch the vehicle, which is
+    faster; without, MuJoCo takes every step. Both agree to rounding."""
     wind: WindCfg = CALM
     effects: Effects = ALL_EFFECTS
     """What of the physics is on."""

@@ -15,8 +15,9 @@ from flightsim.environment.motion import MOVER_DTYPE, let_touch, move_traffic
 from flightsim.environment.rooms import ROOM_COLUMNS
 from flightsim.environment.steel import STEEL_COLUMNS
 from flightsim.environment.wind import AIR_NORMALS, move_air
+from flightsim.plant.free_flight import is_free, step_free
 from flightsim.plant.mujoco_calls import (
-    call_mj_step,
+    call_engine,
     doubles,
     integers,
     pointers,
@@ -69,10 +70,9 @@ def _advance(plants: np.ndarray) -> None:
     for i in range(lead.ticks_per_advance):
         for k in range(len(plants)):
             _command(plants[k])
-        if lead.n_movers > 0:
-            _move_traffic(plants)
+        is_near_mover = lead.n_movers > 0 and _move_traffic(plants)
         if lead.is_held == 0:
-            _step_physics(plants)
+            _step_physics(plants, is_near_mover)
         for k in range(len(plants)):
             _measure(plants[k], i)
     if lead.is_held == 0:
@@ -141,8 +141,8 @@ def _tell_state(
 
 
 @kernel
-def _move_traffic(plants: np.ndarray) -> None:
-    """Advance the movers of a world by a control tick; those near any vehicle can be touched."""
+def _move_traffic(plants: np.ndarray) -> bool:
+    """Advance the movers of a world by a control tick; whether one is near enough to be touched."""
     e = plants[0].engine
     movers = rows(e.movers_address, e.n_movers, MOVER_DTYPE)
     geom_bits = integers(e.geom_bits_address, e.n_geoms)
@@ -156,12 +156,15 @@ def _move_traffic(plants: np.ndarray) -> None:
         geom_bits,
         body_bits,
     )
+    is_near = False
     for k in range(len(plants)):
-        let_touch(movers, doubles(plants[k].engine.qpos_address, 3), geom_bits, body_bits)
+        vehicle_enu_m = doubles(plants[k].engine.qpos_address, 3)
+        is_near |= let_touch(movers, vehicle_enu_m, geom_bits, body_bits)
+    return is_near
 
 
 @kernel
-def _step_physics(plants: np.ndarray) -> None:
+def _step_physics(plants: np.ndarray, is_near_mover: bool) -> None:
     """Step to the next control tick, and note which vehicle touched something on the way."""
     lead = plants[0].engine
     for _ in range(lead.steps_per_tick):
@@ -171,13 +174,36 @@ def _step_physics(plants: np.ndarray) -> None:
             qpos, qvel = doubles(e.qpos_address, 7), doubles(e.qvel_address, 6)
             applied = doubles(e.applied_address, 6)
             step_rotors(r, command, qpos[3:7], qvel[0:3], qvel[3:6], applied)
-        call_mj_step(lead.step_address, lead.model_address, lead.data_address)
-        for k in range(len(plants)):
-            e = plants[k].engine
-            constraint = doubles(e.constraint_address, 6)
-            for n in range(6):
-                if constraint[n] != 0.0:
-                    e.is_touching = 1
+        if not is_near_mover and is_free(plants):
+            _step_freely(plants)
+        else:
+            _step_engine(plants)
+    if lead.n_movers > 0 or len(plants) > 1:
+        # Rays meet whatever moves where it is now; a step leaves it where it was before.
+        call_engine(lead.kinematics_address, lead.model_address, lead.data_address)
+
+
+@kernel
+def _step_freely(plants: np.ndarray) -> None:
+    """Take a step in which no vehicle touches anything."""
+    for k in range(len(plants)):
+        e, r = plants[k].engine, plants[k].rotors
+        qpos, qvel = doubles(e.qpos_address, 7), doubles(e.qvel_address, 6)
+        step_free(plants[k].free_flight, r, doubles(e.applied_address, 3), qpos, qvel)
+    doubles(plants[0].engine.time_address, 1)[0] += plants[0].free_flight.dt_s
+
+
+@kernel
+def _step_engine(plants: np.ndarray) -> None:
+    """Let MuJoCo take a step, and note which vehicle touched something."""
+    lead = plants[0].engine
+    call_engine(lead.step_address, lead.model_address, lead.data_address)
+    for k in range(len(plants)):
+        e = plants[k].engine
+        constraint = doubles(e.constraint_address, 6)
+        for n in range(6):
+            if constraint[n] != 0.0:
+                e.is_touching = 1
 
 
 @kernel

@@ -24,6 +24,7 @@ from flightsim.environment.steel import steel_dipoles
 from flightsim.environment.wind import AIR_NORMALS, WindCfg, new_air, set_wind
 from flightsim.looks.movers import MOVER_CONTACT_BIT
 from flightsim.plant.cfg import PlantCfg, estimator_cfg_for
+from flightsim.plant.free_flight import new_free_flight
 from flightsim.plant.mujoco_calls import functions, time_address
 from flightsim.plant.rays import new_rays
 from flightsim.plant.record import HISTORY_DTYPE, PLANT_DTYPE
@@ -164,7 +165,9 @@ class PlantMemory:
         e["has_power"], e["has_sensors"] = 1, cfg.has_sensors
         e["knows_truth"] = cfg.state == "truth"
         e["step_address"], e["clock_address"] = functions().step, functions().clock
+        e["kinematics_address"] = functions().kinematics
         e["rays"] = new_rays(world, data)[0]
+        self.plant["free_flight"] = new_free_flight(world, data, is_on=cfg.free_flight)[0]
         e["model_address"], e["data_address"] = model._address, data._address
         e["time_address"] = time_address(data)
         joint = model.body_jntadr[body]

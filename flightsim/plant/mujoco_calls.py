@@ -32,6 +32,8 @@ class Functions(NamedTuple):
 
     step: int
     """`mj_step`."""
+    kinematics: int
+    """`mj_kinematics`."""
     ray_geom: int
     """`mju_rayGeom`."""
     ray_mesh: int
@@ -47,6 +49,7 @@ def functions() -> Functions:
     library = ctypes.CDLL(str(next(folder.glob("libmujoco.*"))))
     return Functions(
         step=_address(library.mj_step),
+        kinematics=_address(library.mj_kinematics),
         ray_geom=_address(library.mju_rayGeom),
         ray_mesh=_address(library.mj_rayMesh),
         clock=ctypes.addressof(ctypes.c_void_p.in_dll(library, "mjcb_time")),
@@ -79,13 +82,16 @@ _in_kernel: Any = intrinsic
 
 
 @_in_kernel
-def call_mj_step(_typing: Any, _function: Any, _model: Any, _data: Any) -> Any:
-    """`void mj_step(const mjModel* m, mjData* d)`; its address and both pointers as integers."""
+def call_engine(_typing: Any, _function: Any, _model: Any, _data: Any) -> Any:
+    """`void mj_step(const mjModel* m, mjData* d)` or another function of the same type.
+
+    Its address and both pointers are integers.
+    """
     signature = types.void(types.intp, types.intp, types.intp)
 
     def codegen(context: Any, builder: Any, _signature: Any, args: Any) -> Any:
-        step = ir.FunctionType(ir.VoidType(), [_POINTER, _POINTER])
-        target = builder.inttoptr(args[0], step.as_pointer())
+        function = ir.FunctionType(ir.VoidType(), [_POINTER, _POINTER])
+        target = builder.inttoptr(args[0], function.as_pointer())
         builder.call(target, [builder.inttoptr(arg, _POINTER) for arg in args[1:]])
         return context.get_dummy_value()
 

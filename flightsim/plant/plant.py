@@ -265,6 +265,11 @@ class Plant:
         return tuple(self._filter["wind_enu_mps"].tolist())
 
     @property
+    def n_free_steps(self) -> int:
+        """Physics steps since the start that were taken without MuJoCo, nothing being near."""
+        return int(self._record["free_flight"]["n_steps"])
+
+    @property
     def record_address(self) -> int:
         """Where the plant's record (`PLANT_DTYPE`) is, for kernels that read it."""
         return self._memory.plants.ctypes.data

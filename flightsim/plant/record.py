@@ -12,6 +12,7 @@ from autonomy.jit import fields
 from autonomy.model.quadrotor import MAX_ROTORS
 from flightsim.environment.motion import TRAFFIC_DTYPE
 from flightsim.environment.wind import AIR_DTYPE
+from flightsim.plant.free_flight import FREE_FLIGHT_DTYPE
 from flightsim.plant.rays import RAYS_DTYPE
 from flightsim.plant.sensing import SENSORS
 from flightsim.plant.sky import SKY_DTYPE
@@ -28,7 +29,7 @@ ENGINE_DTYPE = np.dtype(
         ("has_sensors", "i8"),  # or nothing is measured and estimated
         ("is_held", "i8"),  # by a hand: the vehicle stays where it is
         ("is_lost", "i8"),  # the engine gave its state up and began anew
-        *fields("step_address", "clock_address", kind="i8"),  # of MuJoCo
+        *fields("step_address", "kinematics_address", "clock_address", kind="i8"),  # of MuJoCo
         ("rays", RAYS_DTYPE),
         *fields("model_address", "data_address", "time_address", kind="i8"),
         # of the vehicle, in MuJoCo's memory: pose (7,), velocity (6,), wrench to apply (6,)
@@ -97,6 +98,7 @@ def without_gaps(history: np.ndarray) -> np.ndarray:
 PLANT_DTYPE = np.dtype(
     [
         ("engine", ENGINE_DTYPE),
+        ("free_flight", FREE_FLIGHT_DTYPE),
         ("rotors", ROTORS_DTYPE),
         ("surfaces", SURFACES_DTYPE),
         ("vibration", VIBRATION_DTYPE),

@@ -74,6 +74,9 @@ class TestbenchCfg:
     """Carry a sensor of optical flow that looks down, and tell of it by MAVLink."""
     without: str = ""
     """Effects of the physics to leave out, such as ground,ceiling; docs/physics.md names them."""
+    free_flight: bool = True
+    """Step a vehicle that nothing can touch without MuJoCo, which is faster and differs by rounding
+    alone; see docs/physics.md."""
     speed: Annotated[float | Literal["max"], Range(0.0, is_above=True, word="max")] = 1.0
     """Simulated seconds per wall second, or max for as fast as it goes."""
     instance: Annotated[int, Range(0, MAX_INSTANCES - 1)] = 0
@@ -240,6 +243,7 @@ class TestbenchCfg:
             aiding=self.aiding,
             wind=self.wind_cfg,
             effects=self.effects,
+            free_flight=self.free_flight,
             optical_flow=OpticalFlowCfg(is_fitted=self.optical_flow),
         )
         stack = STACKS.get(self.autopilot)

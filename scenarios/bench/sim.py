@@ -52,6 +52,8 @@ class _Flight:
     shares_us: dict[str, float]
     """Wall time of each part per tick."""
     n_messages: int
+    free_share: float
+    """Share of the physics steps that the kernel took itself."""
 
 
 def rows(cfg: SimBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
@@ -94,6 +96,7 @@ def _whole_stack(cfg: SimBenchCfg, scene: Scene) -> Iterator[Row]:
         yield lower(f"tick of 20 ms: {part}", tick_us, "us")
     rate = flight.n_messages / sim_s
     yield higher("MAVLink received by both clients", rate, "messages / simulated s")
+    yield higher("physics steps in free flight", 100.0 * flight.free_share, "%")
 
 
 def _fly(
@@ -115,7 +118,7 @@ def _fly(
         if equip is not None:
             bench.observers += equip(bench, stack)
         before, start_us = bench.simulator.timing, bench.plant.time_us
-        n_messages = clients.n_messages()
+        n_messages, n_free = clients.n_messages(), bench.plant.n_free_steps
         cpu_s, wall_s = time.process_time(), time.perf_counter()
         fly_square(bench, seconds)
         cpu_s, wall_s = time.process_time() - cpu_s, time.perf_counter() - wall_s
@@ -134,6 +137,7 @@ def _fly(
             wall_s,
             {part: 1e6 * part_s / n_ticks for part, part_s in parts.items()},
             n_messages,
+            (bench.plant.n_free_steps - n_free) / (sim_s * bench.plant.cfg.physics_hz),
         )
 
 

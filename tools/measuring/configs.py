@@ -137,3 +137,27 @@ class EncountersBenchCfg(AnyBenchCfg):
     def title(self) -> str:
         """Title of the results."""
         return f"{self.count} encounters, seed {self.seed}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class ApproachesBenchCfg(AnyBenchCfg):
+    """Let vehicles without power fly at everything, with free flight and by MuJoCo's steps alone.
+
+    Half of them fly at a solid of a shipped scene, from any side in which there is room, the other
+    half at another vehicle, at 1 to 20 m/s, turned and turning anyhow. Whoever touches something
+    must do so in the same physics step in both, and come there on the same way.
+    """
+
+    count: Annotated[int, COUNT] = 1000
+    """Number of approaches, about two milliseconds each."""
+    scenes: Annotated[int, SCENES] = 4
+    """Number of shipped scenes over which they are spread."""
+    vehicle: str = "iris"
+    """Airframe by its name; an unknown one is answered with the valid names."""
+    seed: Annotated[int, SEEDS] = 0
+    """Seed of the approaches."""
+
+    @property
+    def title(self) -> str:
+        """Title of the results."""
+        return f"{self.count} approaches in {self.scenes} scenes, {self.vehicle}, seed {self.seed}"
