@@ -99,7 +99,7 @@ class ControlBenchCfg(AnyBenchCfg):
         return f"{self.flights} flights in wind, {self.count} recoveries, seed {self.seed}"
 
 
-PeerName = Literal["gym-pybullet-drones", "pyflyt"]
+PeerName = Literal["gym-pybullet-drones", "pyflyt", "crazyflow"]
 """Environments of other projects, to compare ours with."""
 
 

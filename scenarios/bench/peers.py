@@ -1,12 +1,14 @@
-"""Hover environments of other projects beside ours, one environment at a time on one core.
+"""Hover environments of other projects beside ours, one at a time, and many at once.
 
-Neither project is a dependency: each is measured where it is installed, with its own vehicle,
-physics rate and reward. Their steps are not as long as ours, so simulated time is told too.
+None of the projects is a dependency: each is measured where it is installed, as its documentation
+starts it, with its own vehicle and reward. Their physics has our 500 Hz where they let it; where a
+step is not as long as ours, physics steps and simulated time are what can be compared.
 """
 
 from __future__ import annotations
 
 import contextlib
+import functools
 import importlib
 import importlib.util
 import os
@@ -22,7 +24,8 @@ from scenarios.bench.configs import BenchError, PeerName
 from scenarios.bench.row import Row, higher
 
 _WARM_UP_S = 1.0
-"""Simulated time that is not counted: PyFlyt compiles its kernels meanwhile."""
+"""Simulated time that is not counted: some compile their kernels meanwhile."""
+_N_TOGETHER = 64
 
 
 class Peer(NamedTuple):
@@ -31,10 +34,13 @@ class Peer(NamedTuple):
     title: str
     step_hz: float
     """Steps of the environment in a simulated second."""
+    physics_hz: float
     make: Callable[[], Any]
     package: str
     source: str
     """Where the package comes from."""
+    n_worlds: int = 1
+    """Environments that are stepped together; they begin their next episodes by themselves."""
 
 
 def _pyflyt() -> Any:
@@ -44,7 +50,12 @@ def _pyflyt() -> Any:
 
 def _gym_pybullet_drones() -> Any:
     environments = importlib.import_module("gym_pybullet_drones.envs.HoverAviary")
-    return environments.HoverAviary(ctrl_freq=48)
+    return environments.HoverAviary(pyb_freq=500, ctrl_freq=50)
+
+
+def _crazyflow(n_worlds: int) -> Any:
+    environments = importlib.import_module("crazyflow.envs.reach_pos_env")
+    return environments.ReachPosEnv(num_envs=n_worlds, freq=50, device="cpu")
 
 
 def _ours() -> Any:
@@ -52,22 +63,60 @@ def _ours() -> Any:
     return single.AeroSceneEnv("hover")
 
 
-# The rates nearest to our 50 Hz that divide the 120 Hz and the 240 Hz of their loops.
-PEERS: Mapping[PeerName, Peer] = MappingProxyType(
+def _ours_together() -> Any:
+    vector = importlib.import_module("scenarios.environments.vector")
+    return vector.AeroSceneVectorEnv("hover", _N_TOGETHER, n_threads=1)
+
+
+PEERS: Mapping[PeerName, tuple[Peer, ...]] = MappingProxyType(
     {
-        "gym-pybullet-drones": Peer(
-            "gym-pybullet-drones HoverAviary, rotor speeds",
-            48.0,
-            _gym_pybullet_drones,
-            "gym_pybullet_drones",
-            "the repository utiasDSL/gym-pybullet-drones",
+        "gym-pybullet-drones": (
+            Peer(
+                "gym-pybullet-drones HoverAviary, rotor speeds",
+                50.0,
+                500.0,
+                _gym_pybullet_drones,
+                "gym_pybullet_drones",
+                "the repository utiasDSL/gym-pybullet-drones",
+            ),
         ),
-        "pyflyt": Peer(
-            "PyFlyt QuadXHover, body rates", 40.0, _pyflyt, "PyFlyt", "pip install PyFlyt"
+        "pyflyt": (
+            Peer(
+                "PyFlyt QuadXHover, body rates",
+                # The rate nearest to ours that divides the 120 Hz of its loop.
+                40.0,
+                240.0,
+                _pyflyt,
+                "PyFlyt",
+                "pip install PyFlyt",
+            ),
+        ),
+        "crazyflow": tuple(
+            Peer(
+                f"crazyflow ReachPosEnv on CPU, attitude, {n_worlds} together",
+                50.0,
+                500.0,
+                functools.partial(_crazyflow, n_worlds),
+                "crazyflow",
+                "pip install crazyflow, and SCIPY_ARRAY_API=1 in the environment",
+                n_worlds,
+            )
+            for n_worlds in (1, _N_TOGETHER)
         ),
     }
 )
-OURS = Peer("AeroScene/Hover-v0, one world, body rates", 50.0, _ours, "scenarios", "")
+OURS = (
+    Peer("AeroScene/Hover-v0, body rates", 50.0, 500.0, _ours, "scenarios", ""),
+    Peer(
+        f"AeroScene/Hover-v0, body rates, {_N_TOGETHER} together",
+        50.0,
+        500.0,
+        _ours_together,
+        "scenarios",
+        "",
+        _N_TOGETHER,
+    ),
+)
 
 
 def check_installed(names: Sequence[PeerName]) -> None:
@@ -77,35 +126,38 @@ def check_installed(names: Sequence[PeerName]) -> None:
         BenchError: Naming the first of them.
     """
     for name in names:
-        if importlib.util.find_spec(PEERS[name].package) is None:
-            raise _not_installed(PEERS[name], f"no module {PEERS[name].package}")
+        first = PEERS[name][0]
+        if importlib.util.find_spec(first.package) is None:
+            raise _unavailable(first, f"no module {first.package}")
 
 
 def peer_rows(names: Sequence[PeerName], seconds: float) -> Iterator[Row]:
-    """Steps of our single environment, then of each peer, with the action in its box's middle.
+    """Steps of our environments, then of each peer's, with the action in the middle of its box.
 
     Args:
         names: The peers, keys of `PEERS`.
         seconds: Simulated time that each is stepped.
 
     Raises:
-        BenchError: If one of them, or what it needs, is not installed.
+        BenchError: If one of them, or what it needs, is not installed or does not start.
     """
-    for peer in (OURS, *(PEERS[name] for name in names)):
+    for peer in (*OURS, *(peer for name in names for peer in PEERS[name])):
         try:
             with _quiet_stdout():
                 cpu_s = stepping_s(peer, seconds)
-        except ImportError as error:
-            raise _not_installed(peer, str(error)) from None
-        n_steps = round(seconds * peer.step_hz)
+        except (ImportError, RuntimeError) as error:
+            raise _unavailable(peer, str(error)) from None
+        sim_s = peer.n_worlds * seconds
         unit = f"steps of {1e3 / peer.step_hz:.3g} ms / CPU s"
-        yield higher(peer.title, n_steps / cpu_s, unit)
-        yield higher(peer.title, seconds / cpu_s, "simulated s / CPU s")
+        yield higher(peer.title, sim_s * peer.step_hz / cpu_s, unit)
+        yield higher(peer.title, sim_s * peer.physics_hz / cpu_s, "physics steps / CPU s")
+        yield higher(peer.title, sim_s / cpu_s, "simulated s / CPU s")
 
 
-def _not_installed(peer: Peer, why: str) -> BenchError:
+def _unavailable(peer: Peer, why: str) -> BenchError:
     name = peer.title.split()[0]
-    return BenchError(f"peers: {name} is not installed ({why}); valid: {peer.source}, or no peer")
+    reason = " ".join(why.split())
+    return BenchError(f"peers: {name} cannot be had ({reason}); valid: {peer.source}, or no peer")
 
 
 def stepping_s(peer: Peer, seconds: float) -> float:
@@ -123,8 +175,9 @@ def stepping_s(peer: Peer, seconds: float) -> float:
         environment.reset(seed=0)
         space = environment.action_space
         action = (0.5 * (np.asarray(space.low) + np.asarray(space.high))).astype(space.dtype)
-        _step(environment, action, round(_WARM_UP_S * peer.step_hz))
-        return _step(environment, action, round(seconds * peer.step_hz))
+        step = _step if peer.n_worlds == 1 else _step_together
+        step(environment, action, round(_WARM_UP_S * peer.step_hz))
+        return step(environment, action, round(seconds * peer.step_hz))
     finally:
         environment.close()
 
@@ -139,6 +192,17 @@ def _step(environment: Any, action: np.ndarray, n: int) -> float:
         if is_terminated or is_truncated:
             environment.reset()
     return spent_s
+
+
+def _step_together(environment: Any, action: np.ndarray, n: int) -> float:
+    """CPU seconds of n steps of many environments, which reset themselves."""
+    reward: Any = None
+    begun_s = time.process_time()
+    for _ in range(n):
+        reward = environment.step(action)[1]
+    # Some compute behind our back until somebody looks at what came of it.
+    np.asarray(reward)
+    return time.process_time() - begun_s
 
 
 @contextlib.contextmanager
