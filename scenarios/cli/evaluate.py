@@ -49,7 +49,8 @@ class EvaluateCfg:
 
     Every method is given the same scenes and the same budget. Ctrl-C leaves the work as it is, and
     the same command goes on from there; so does a larger --scenes. OUT then has TABLE.json, .md and
-    .png, pictures in TABLE-scenes.png, and what was trained and drawn under methods/.
+    .png, pictures in TABLE-scenes.png, learning curves in TABLE-curves.png, and what was trained
+    and drawn under methods/.
     """
 
     table: Literal["synthesis", "ablation", "choices", "damage"] = "synthesis"
@@ -188,6 +189,7 @@ def _tell(
     entrants: Sequence[Entrant],
     rows: Sequence[Row],
 ) -> None:
+    from scenarios.evaluation.curves import CURVES, draw_learning_curves
     from scenarios.evaluation.drawing import PROJECTED
     from scenarios.evaluation.gallery import GALLERY, draw_gallery, shown_stage
     from scenarios.evaluation.rows import stage_name
@@ -227,12 +229,17 @@ def _tell(
         {title: stage for title, (_, stage) in shown.items()},
         evaluation.camera,
     )
+    curves = cfg.out / f"{cfg.table}-{CURVES}"
+    looks = [evaluation.curves(entrant) for entrant in entrants]
+    files += [gallery]
+    if draw_learning_curves(curves, {title: each for one in looks for title, each in one.items()}):
+        files += [curves]
     if cfg.json:
         said = {"rows": to_plain(rows), "leads": msgspec.to_builtins(leads)}
-        print_json({**head, "files": [str(path) for path in (*files, gallery)], **said})
+        print_json({**head, "files": [str(path) for path in files], **said})
         return
     _print_table(rows, [*list(evaluation.judge.metrics())[:2], "CR", "CFC", "SP", "OP", "flies"])
-    print(f"All figures: {', '.join(str(path) for path in (*files, gallery))}")
+    print(f"All figures: {', '.join(str(path) for path in files)}")
 
 
 def _leads(

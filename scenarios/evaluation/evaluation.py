@@ -17,7 +17,7 @@ from aeroscene.learning.baselines.fitting import Lessons, Spent
 from aeroscene.learning.baselines.model import BaselineCfg
 from aeroscene.learning.baselines.named import Fitted
 from aeroscene.learning.training.config import Budget
-from aeroscene.learning.training.journal import least_held_out_at
+from aeroscene.learning.training.journal import held_out_losses, least_held_out_at
 from aeroscene.metrics.appearance.features import FeatureNetwork
 from aeroscene.metrics.appearance.frechet import LEAST_PICTURES
 from aeroscene.metrics.scorecard import Yardstick
@@ -116,6 +116,15 @@ class Evaluation:
     def draws(self, entrant: Entrant, count: int) -> list[Draw]:
         """The draws of an entrant, as far as they are there."""
         return list(self._drawer(entrant).drawn(self._count(entrant, count)))
+
+    def curves(self, entrant: Entrant) -> dict[str, list[tuple[float, float]]]:
+        """How an entrant's training went, if it has one, by the title of each of its stages."""
+        stages = held_out_losses(self._place(entrant) / _TRAINING)
+        is_whole = len(stages) == 1
+        return {
+            entrant.title if is_whole else f"{entrant.title}: {stage}": looks
+            for stage, looks in stages.items()
+        }
 
     def _entrant_rows(
         self, entrant: Entrant, count: int, n_flown: int, tell: OnProgress

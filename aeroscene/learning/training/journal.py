@@ -66,3 +66,19 @@ def least_held_out_at(folder: Path) -> float | None:
             if record["is_best"]:
                 least[record["stage"]] = record["step"]
     return max((least[stage] / last[stage] for stage in least), default=None)
+
+
+def held_out_losses(folder: Path) -> dict[str, list[tuple[float, float]]]:
+    """CPU seconds since its stage began, and held-out loss, of each look at a training, by stage.
+
+    Looks stand between steps, whose lines say the time.
+    """
+    looks: dict[str, list[tuple[float, float]]] = {}
+    now_s: dict[str, float] = {}
+    for record in read_log(folder):
+        stage = record.get("stage", "")
+        if record.get("seconds") is not None:
+            now_s[stage] = record["seconds"]
+        elif record.get("held_out") is not None:
+            looks.setdefault(stage, []).append((now_s.get(stage, 0.0), record["held_out"]))
+    return looks

@@ -2,6 +2,7 @@ from aeroscene.learning.training.journal import (
     LOG,
     append_line,
     forget_after,
+    held_out_losses,
     least_held_out_at,
     read_log,
 )
@@ -42,3 +43,10 @@ def test_when_the_held_out_loss_was_least(tmp_path):
             append_line(tmp_path, line)
             append_line(tmp_path, {"stage": stage, "step": 100 * number + 10, "total": loss})
     assert least_held_out_at(tmp_path) == 0.75
+
+
+def test_looks_at_the_held_out_loss_have_the_time_of_the_step_before_them(tmp_path):
+    for stage, seconds, loss in (("prior", 2.0, 0.9), ("denoiser", 5.0, 3.0), ("denoiser", 9.0, 2)):
+        append_line(tmp_path, {"stage": stage, "step": 1, "seconds": seconds, "total": loss})
+        append_line(tmp_path, {"stage": stage, "step": 1, "held_out": loss, "is_best": True})
+    assert held_out_losses(tmp_path) == {"prior": [(2.0, 0.9)], "denoiser": [(5.0, 3.0), (9.0, 2)]}
