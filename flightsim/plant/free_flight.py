@@ -70,9 +70,7 @@ def new_free_flight(world: World, data: mujoco.MjData, *, is_on: bool) -> np.nda
         ("warm_start", data.qacc_warmstart[model.jnt_dofadr[model.body_jntadr[body]] :]),
     ):
         f[f"{name}_address"] = array.ctypes.data
-    is_own = (model.geom_bodyid == body) & _may_touch(model)
-    reaches_m = np.linalg.norm(model.geom_pos[is_own], axis=1) + model.geom_rbound[is_own]
-    f["reach_m"] = reaches_m.max(initial=0.0) + _MARGIN_M
+    f["reach_m"] = _reach_m(model, body) + _MARGIN_M
     f["mass_kg"], f["inertia_flu_kgm2"] = model.body_mass[body], model.body_inertia[body]
     f["gravity_enu_mps2"], f["dt_s"] = model.opt.gravity, model.opt.timestep
     return records
@@ -178,6 +176,18 @@ def _turn(quat_wxyz: np.ndarray, rate_flu_radps: np.ndarray, dt_s: float) -> Non
 def _apart_m(first_m: np.ndarray, second_m: np.ndarray) -> float:
     x, y, z = first_m[0] - second_m[0], first_m[1] - second_m[1], first_m[2] - second_m[2]
     return math.sqrt(x * x + y * y + z * z)
+
+
+def _reach_m(model: mujoco.MjModel, body: int) -> float:
+    """Distance from a body's origin within which it may touch what stands, or another body's reach.
+
+    MuJoCo lets two geoms touch where they are nearer than the sum of their margins.
+    """
+    touching = _may_touch(model)
+    is_own, stands = touching & (model.geom_bodyid == body), touching & (model.geom_bodyid == 0)
+    reaches_m = np.linalg.norm(model.geom_pos[is_own], axis=1) + model.geom_rbound[is_own]
+    reaches_m += model.geom_margin[is_own]
+    return float(reaches_m.max(initial=0.0) + model.geom_margin[stands].max(initial=0.0))
 
 
 def _is_plain(world: World) -> bool:

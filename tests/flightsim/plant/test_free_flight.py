@@ -12,7 +12,7 @@ from flightsim.environment.movers import MovingObstacle
 from flightsim.environment.wind import WindCfg
 from flightsim.plant import PhysicsDivergedError, Plant, PlantCfg
 from flightsim.plant.clearance import clear_m
-from flightsim.plant.free_flight import new_free_flight
+from flightsim.plant.free_flight import is_free, new_free_flight
 from flightsim.plant.rays import new_rays
 from flightsim.vehicles.catalogue import airframe_by_name
 from flightsim.world import build_world
@@ -130,3 +130,21 @@ def test_vehicles_that_are_apart_fly_freely_and_those_that_meet_do_not():
     first.data.qpos[7:10] = first.data.qpos[:3] + (0.0, 0.0, 0.5)
     first.advance()
     assert first.n_free_steps == 10
+
+
+def test_two_vehicles_have_no_room_wherever_mujoco_finds_a_contact():
+    """Their hulls have margins: rotors that point at each other touch before they meet."""
+    world = build_world(empty_scene(), IRIS, IRIS)
+    first = Plant(world, PlantCfg(seed=0, state="truth"))
+    x, y, _ = IRIS.quadrotor.rotors[0].position_flu_m
+    yaw = -math.atan2(y, x)
+    quats = [(math.cos(half), 0.0, 0.0, math.sin(half)) for half in (yaw / 2, (yaw + math.pi) / 2)]
+    data, n_contacts = world.new_data(), 0
+    for apart_m in np.arange(0.6, 1.0, 0.002).tolist():
+        data.qpos[:] = (0.0, 0.0, 9.0, *quats[0], apart_m, 0.0, 9.0, *quats[1])
+        mujoco.mj_fwdPosition(world.model, data)
+        first.data.qpos[:] = data.qpos
+        n_contacts += data.ncon > 0
+        assert not (data.ncon > 0 and is_free(first._row[0]))
+    assert 50 < n_contacts < 150
+    assert is_free(first._row[0])
