@@ -55,9 +55,9 @@ def test_a_minute_of_curves_in_gusts_is_the_same_flight_both_ways(name):
 def test_flight_without_power_turning_fast_is_the_same_both_ways():
     """The gyroscopic torque is greatest here."""
     histories = []
-    for is_free in (True, False):
+    for free_flight in (True, False):
         world = build_world(empty_scene(), IRIS)
-        plant = Plant(world, PlantCfg(seed=0, free_flight=is_free, state="truth"))
+        plant = Plant(world, PlantCfg(seed=0, free_flight=free_flight, state="truth"))
         plant.data.qpos[2], plant.data.qvel[:] = 60.0, (3.0, -2.0, 4.0, 9.0, -7.0, 5.0)
         histories.append([])
         for _ in range(100):
@@ -140,11 +140,14 @@ def test_two_vehicles_have_no_room_wherever_mujoco_finds_a_contact():
     yaw = -math.atan2(y, x)
     quats = [(math.cos(half), 0.0, 0.0, math.sin(half)) for half in (yaw / 2, (yaw + math.pi) / 2)]
     data, n_contacts = world.new_data(), 0
-    for apart_m in np.arange(0.6, 1.0, 0.002).tolist():
+    first.data.qpos[:] = (0.0, 0.0, 9.0, *quats[0], 1.0, 0.0, 9.0, *quats[1])
+    assert is_free(first._row[0])
+    # From afar, as in flight: each comes to the end of the room that it has known.
+    for apart_m in np.arange(1.0, 0.6, -0.001).tolist():
         data.qpos[:] = (0.0, 0.0, 9.0, *quats[0], apart_m, 0.0, 9.0, *quats[1])
         mujoco.mj_fwdPosition(world.model, data)
         first.data.qpos[:] = data.qpos
+        is_known_free = is_free(first._row[0])
         n_contacts += data.ncon > 0
-        assert not (data.ncon > 0 and is_free(first._row[0]))
-    assert 50 < n_contacts < 150
-    assert is_free(first._row[0])
+        assert not (data.ncon > 0 and is_known_free)
+    assert n_contacts > 100
