@@ -151,11 +151,12 @@ class Batch:
         fleet.restart(
             world,
             # One wind blows in one world.
-            cfg.plant_cfg(drawn[0].plant_seed, drawn[0].wind),
+            drawn[0].plant_seed,
+            drawn[0].wind,
             held_at=[(start.position_enu_m, start.quat_wxyz) for start in starts],
             mass_shares=[each.mass_share for each in drawn],
         )
-        fleet.align(world)
+        fleet.align([world])
         if cfg.observation.has_sensors:
             fleet.advance_one(world)
         fleet.release(world)

@@ -3,7 +3,6 @@
 import math
 import threading
 import time
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -91,7 +90,7 @@ def test_a_new_start_leaves_nothing_of_the_flight_before_nor_in_other_worlds(wor
             if tick == 30:
                 fleet.setpoints["level"][1] = ControlLevel.IDLE
             if tick == 40:
-                fleet.restart(1, cfg(5))
+                fleet.restart(1, 5, WIND)
                 rows[1].clear()
             fleet.advance()
             for i, row in enumerate(fleet.history):
@@ -113,8 +112,8 @@ def test_worlds_are_shared_but_where_something_moves_in_them(worlds):
 def test_a_hand_holds_a_vehicle_until_it_is_aligned(worlds):
     tilted = (math.cos(0.1), 0.0, math.sin(0.1), 0.0)
     with Fleet(worlds[:1], [cfg(0)], n_threads=1) as fleet:
-        fleet.restart(0, cfg(3), held_at=[((2.0, 1.0, 5.0), tilted)])
-        fleet.align(0)
+        fleet.restart(0, 3, WIND, held_at=[((2.0, 1.0, 5.0), tilted)])
+        fleet.align([0])
         row = fleet.history[0, -1]
         assert row["position_true_enu_m"].tolist() == [2.0, 1.0, 5.0]
         np.testing.assert_allclose(row["quat_est_wxyz"], tilted, atol=0.02)
@@ -132,8 +131,7 @@ def test_a_heavier_vehicle_falls_as_fast_but_climbs_slower(worlds):
     heights_m = []
     with Fleet([worlds[0]] * 2, [cfg(0, has_sensors=False, state="truth")] * 2) as fleet:
         for i, share in enumerate((1.0, 1.2)):
-            truth = replace(cfg(0, has_sensors=False, state="truth"), wind=WindCfg())
-            fleet.restart(i, truth, held_at=[((0.0, 0.0, 5.0), LEVEL)], mass_shares=[share])
+            fleet.restart(i, 0, held_at=[((0.0, 0.0, 5.0), LEVEL)], mass_shares=[share])
             fleet.release(i)
         fleet.motor_speeds_radps[:] = 700.0
         for _ in range(25):
