@@ -18,7 +18,8 @@ from flightsim.vehicles.catalogue import airframe_by_name
 from flightsim.world import World, build_world
 from scenarios.environments.cfg import EnvironmentCfg, EnvironmentInputError
 from scenarios.environments.episodes.draws import Draws, draw_conditions
-from scenarios.environments.episodes.ending import EpisodeLog, Outcome
+from scenarios.environments.episodes.ending import Outcome, judge_episode
+from scenarios.environments.episodes.flights import Flights
 from scenarios.environments.episodes.place import Place
 from scenarios.environments.interface.actions import Actuation, check_motors
 from scenarios.environments.interface.latency import ActionQueue
@@ -26,6 +27,7 @@ from scenarios.environments.interface.observations import N_NOISES, Observation,
 from scenarios.environments.interface.pictures import Photographer, Picture
 from scenarios.environments.tasks import Situation, Start, Task
 from scenarios.trials.limits import LIMITS
+from scenarios.trials.score import is_still, rotors_turn
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +51,6 @@ class _Episode:
     drawn: Draws
     rng: np.random.Generator
     """That of its world."""
-    log: EpisodeLog
 
 
 class Batch:
@@ -101,6 +102,8 @@ class Batch:
         self._actuation = Actuation(fleet, cfg.action)
         self._queue = ActionQueue(n, cfg.longest_latency)
         self._step_s = 1.0 / cfg.action_hz
+        self._flights = Flights(fleet, self._step_s)
+        self._is_touching: np.ndarray = fleet.history["is_touching"]
         self._photographer = Photographer(fleet, self._step_s)
         self._longest_s = cfg.episode_s or task.episode_s
         self._seeds, self._n_begun = [0] * len(worlds), [0] * len(worlds)
@@ -163,8 +166,7 @@ class Batch:
         self._n_begun[world] += 1
         vehicles = fleet.vehicles_of(world)
         for i, start, each in zip(vehicles, starts, drawn, strict=True):
-            log = EpisodeLog(i, fleet.history[i].nbytes)
-            self._let_go(i, _Episode(start=start, drawn=each, rng=rng, log=log))
+            self._let_go(i, _Episode(start=start, drawn=each, rng=rng))
         self._draw_noise(vehicles)
 
     def _let_go(self, index: int, episode: _Episode) -> None:
@@ -173,6 +175,7 @@ class Batch:
         rotor_shares = self._fleet.records["rotors"]["effectiveness"][index]
         rotor_shares[: len(drawn.rotor_shares)] = drawn.rotor_shares
         self._queue.restart(index, drawn.latency)
+        self._flights.begin(index)
         self._photographer.begin(index)
         self._episodes[index], self._is_flying[index] = episode, True
         self._begun_s[index] = self._fleet.time_s[index]
@@ -199,22 +202,18 @@ class Batch:
         for i in np.flatnonzero(~self._is_flying).tolist():
             self._actuation.stop(i)
         self._fleet.advance()
-        rows = self._fleet.history.tobytes()
-        for i in np.flatnonzero(self._is_flying).tolist():
-            self._episodes[i].log.add(rows)
         self._look()
         reward = self._task.reward(now, before_m, self._step_s)
         is_over = self._task.is_over(now)
         seconds = self._fleet.time_s - self._begun_s
         is_time_up = (seconds >= self._longest_s - 1e-6) & ~is_over
-        outcomes = {
-            i: self._end(i, float(seconds[i]), is_time_up=bool(is_time_up[i]))
-            for i in np.flatnonzero(self._is_flying & (is_over | is_time_up)).tolist()
-        }
-        for i, outcome in outcomes.items():
-            is_success, is_late = bool(outcome.judgement.success), bool(is_time_up[i])
-            reward[i] += self._task.end_reward(is_success=is_success, is_time_up=is_late)
-            self._is_flying[i] = False
+        outcomes: dict[int, Outcome] = {}
+        ended = np.flatnonzero(self._is_flying & (is_over | is_time_up)).tolist()
+        if ended:
+            outcomes = self._end(ended, seconds, is_time_up)
+            for i, outcome in outcomes.items():
+                is_success, is_late = bool(outcome.judgement.success), bool(is_time_up[i])
+                reward[i] += self._task.end_reward(is_success=is_success, is_time_up=is_late)
         if self._cfg.randomisation.noise > 0.0:
             self._draw_noise(range(len(self._fleet)))
         return Step(reward, is_over, is_time_up, now.distance_m.copy(), outcomes)
@@ -236,32 +235,57 @@ class Batch:
         """Bring the situation up to date."""
         now = self._now
         now.distance_m[:] = np.linalg.norm(now.target_enu_m - now.position_enu_m, axis=1)
-        is_touching = np.any(self._fleet.history["is_touching"] > 0, axis=1)
+        is_touching = self._is_touching.any(axis=1)
         is_near = np.asarray(now.distance_m <= self._task.near_m)
         _count(now.near_s, is_near, self._step_s)
         _count(now.touch_s, is_touching, self._step_s)
+        self._flights.take(self._is_flying, is_touching)
 
-    def _end(self, index: int, seconds: float, *, is_time_up: bool) -> Outcome:
-        """Judge an episode that is over, in a task that says so after all has come to rest."""
-        episode, airframe = self._episodes[index], self._fleet.worlds[index].airframe
+    def _end(
+        self, ended: Sequence[int], seconds: np.ndarray, is_time_up: np.ndarray
+    ) -> dict[int, Outcome]:
+        """Judge episodes that are over, in a task that says so after all has come to rest."""
+        rest: dict[int, np.ndarray] = {}
+        if self._task.settles:
+            touching = [i for i in ended if self._now.touch_s[i] > 0.0]
+            # One vehicle for each world: a vehicle's number is its world's.
+            self._fleet.share(touching, lambda i: rest.update({i: self._settle(i)}))
+        return {
+            i: self._judge(i, rest.get(i), float(seconds[i]), is_time_up=bool(is_time_up[i]))
+            for i in ended
+        }
+
+    def _judge(
+        self, index: int, rest: np.ndarray | None, seconds: float, *, is_time_up: bool
+    ) -> Outcome:
+        """Judge an episode that is over, `rest` being how the vehicle came to rest."""
+        self._is_flying[index] = False
         ending = self._task.ending(self._now, index, seconds, is_time_up=is_time_up)
-        if self._task.settles and self._now.touch_s[index] > 0.0:
-            self._settle(index)
-        place = self._places[index // self._fleet.n_together]
-        contacts = place.contacts if episode.start.goal.area is not None else None
-        judgement = episode.log.judge(airframe, episode.start.goal, ending, contacts)
+        history, n_before = self._flights.of(index)
+        if rest is not None:
+            history = np.concatenate([history, rest])
+        judgement = judge_episode(
+            history,
+            n_before,
+            self._fleet.worlds[index].airframe,
+            self._episodes[index].start.goal,
+            ending,
+            self._places[index // self._fleet.n_together].contacts,
+        )
         return Outcome(judgement, seconds)
 
-    def _settle(self, index: int) -> None:
-        """Stop the rotors, and wait until the vehicle rests."""
-        fleet, log = self._fleet, self._episodes[index].log
-        airframe, n_rest = fleet.worlds[index].airframe, round(LIMITS.rest_s / self._step_s)
+    def _settle(self, index: int) -> np.ndarray:
+        """Stop the rotors, and wait until the vehicle rests; rows of that time."""
+        airframe, rows, n_still = self._fleet.worlds[index].airframe, [], 0
         self._actuation.stop(index)
-        for n in range(round(LIMITS.longest_settle_s / self._step_s)):
-            if n >= n_rest and log.is_still(airframe, n_rest):
-                return
-            fleet.advance_one(index // fleet.n_together)
-            log.add(fleet.history.tobytes())
+        for _ in range(round(LIMITS.longest_settle_s / self._step_s)):
+            self._fleet.advance_one(index)
+            rows.append(self._flights.last(index))
+            n_still = n_still + 1 if is_still(rows[-1]) else 0
+            is_long_enough = n_still >= round(LIMITS.rest_s / self._step_s)
+            if is_long_enough and not rotors_turn(rows[-1][-1:], airframe)[0]:
+                break
+        return np.concatenate(rows)
 
     def _draw_noise(self, vehicles: Iterable[int]) -> None:
         for i in vehicles:

@@ -10,6 +10,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -98,12 +100,15 @@ class _Landing:
         others: Sequence[InteractionArea],
         touched: Touched | None,
     ) -> None:
+        self._history, self._leg_m = history, [0.0, 0.0, airframe.leg_length_m]
         self._is_touching = history["is_touching"] > 0
         self._time_s = history["time_us"] * 1e-6
-        leg_m = [0.0, 0.0, airframe.leg_length_m]
-        self._soles_enu_m = history["position_true_enu_m"] - leg_m
         self._assigned, self._touched = assigned, touched
         self._areas = others if assigned is None else (assigned, *others)
+
+    @cached_property
+    def _soles_enu_m(self) -> np.ndarray:
+        return self._history["position_true_enu_m"] - self._leg_m
 
     def first_on_assigned(self, lift_off: int) -> int | None:
         """First row on the assigned area's own surface; None if there is none."""
@@ -199,10 +204,10 @@ def n_ticks(time_s: np.ndarray, seconds: float) -> int:
 def _free_flights(history: np.ndarray) -> list[tuple[int, int]]:
     """Begin and end (the row after) of each stretch without contact that is long enough."""
     is_free = history["is_touching"] == 0
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], is_free, [False]]).astype(np.int8)))
-    pairs = zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
-    n_least = n_ticks(history["time_us"] * 1e-6, LIMITS.lift_off_s)
-    return [(begin, end) for begin, end in pairs if end - begin >= n_least]
+    changes = np.flatnonzero(is_free[1:] != is_free[:-1]) + 1
+    stretches = pairwise([0, *changes.tolist(), len(is_free)])
+    n_least = n_ticks(history["time_us"][:2] * 1e-6, LIMITS.lift_off_s)
+    return [(a, b) for a, b in stretches if b - a >= n_least and is_free[a]]
 
 
 def _n_episodes(is_touching: np.ndarray, gap_ticks: int) -> int:
