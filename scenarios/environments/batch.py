@@ -109,7 +109,7 @@ class Batch:
         self._seeds, self._n_begun = [0] * len(worlds), [0] * len(worlds)
         self._episodes: dict[int, _Episode] = {}
         self._begun_s, self._is_flying = np.zeros(n), np.zeros(n, bool)
-        self._noise = np.zeros((n, N_NOISES))
+        self._noise = np.zeros((n, N_NOISES)) if cfg.randomisation.noise > 0.0 else None
         self._now = Situation(
             position_enu_m=fleet.history["position_true_enu_m"][:, -1],
             velocity_enu_mps=fleet.history["velocity_true_enu_mps"][:, -1],
@@ -137,12 +137,26 @@ class Batch:
         """Let a world's next episode be the first of a seed."""
         self._seeds[world], self._n_begun[world] = seed, 0
 
-    def begin(self, world: int) -> None:
-        """Begin a world's next episode: hold its vehicles until they are aligned, and let go.
+    def begin(self, worlds: Sequence[int]) -> None:
+        """Begin the next episodes of worlds: hold vehicles until they are aligned, and let go.
 
         Raises:
-            EnvironmentInputError: If the scene has no place for it.
+            EnvironmentInputError: If a scene has no place for it.
         """
+        fleet, begun = self._fleet, [self._hold(world) for world in worlds]
+        fleet.align(worlds)
+        if self._cfg.observation.has_sensors:
+            fleet.share(worlds, fleet.advance_one)
+        for world, episodes in zip(worlds, begun, strict=True):
+            fleet.release(world)
+            self._n_begun[world] += 1
+            vehicles = fleet.vehicles_of(world)
+            for i, episode in zip(vehicles, episodes, strict=True):
+                self._let_go(i, episode)
+            self._draw_noise(vehicles)
+
+    def _hold(self, world: int) -> list[_Episode]:
+        """Draw the next episode of each vehicle of a world, and hold it where it begins."""
         place, cfg, fleet = self._places[world], self._cfg, self._fleet
         stream = ("environment", self._task.name, self._n_begun[world])
         rng = generator(self._seeds[world], place.world.scene.scene_id, *stream)
@@ -159,15 +173,10 @@ class Batch:
             held_at=[(start.position_enu_m, start.quat_wxyz) for start in starts],
             mass_shares=[each.mass_share for each in drawn],
         )
-        fleet.align([world])
-        if cfg.observation.has_sensors:
-            fleet.advance_one(world)
-        fleet.release(world)
-        self._n_begun[world] += 1
-        vehicles = fleet.vehicles_of(world)
-        for i, start, each in zip(vehicles, starts, drawn, strict=True):
-            self._let_go(i, _Episode(start=start, drawn=each, rng=rng))
-        self._draw_noise(vehicles)
+        return [
+            _Episode(start=start, drawn=each, rng=rng)
+            for start, each in zip(starts, drawn, strict=True)
+        ]
 
     def _let_go(self, index: int, episode: _Episode) -> None:
         """Begin a vehicle's part of an episode."""
@@ -214,8 +223,7 @@ class Batch:
             for i, outcome in outcomes.items():
                 is_success, is_late = bool(outcome.judgement.success), bool(is_time_up[i])
                 reward[i] += self._task.end_reward(is_success=is_success, is_time_up=is_late)
-        if self._cfg.randomisation.noise > 0.0:
-            self._draw_noise(range(len(self._fleet)))
+        self._draw_noise(range(len(self._fleet)))
         return Step(reward, is_over, is_time_up, now.distance_m.copy(), outcomes)
 
     def picture(self, world: int) -> Picture:
@@ -288,6 +296,8 @@ class Batch:
         return np.concatenate(rows)
 
     def _draw_noise(self, vehicles: Iterable[int]) -> None:
+        if self._noise is None:
+            return
         for i in vehicles:
             episode = self._episodes[i]
             if episode.drawn.noise_level > 0.0:

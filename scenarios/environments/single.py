@@ -66,7 +66,7 @@ class AeroSceneEnv(gymnasium.Env[Any, np.ndarray]):
             given = int(self.np_random.integers(2**31)) if seed is None else seed
             self._batch.seed(0, given)
             self._is_seeded = True
-        self._batch.begin(0)
+        self._batch.begin([0])
         return take(self._batch.observe(), 0), {}
 
     def step(self, action: np.ndarray) -> tuple[Any, float, bool, bool, dict[str, Any]]:

@@ -119,7 +119,7 @@ class AeroSceneSwarm(ParallelEnv[str, Observation, np.ndarray]):
             fresh = int(np.random.default_rng().integers(2**31)) if seed is None else seed
             self._batch.seed(0, fresh)
             self._is_seeded = True
-        self._batch.begin(0)
+        self._batch.begin([0])
         self.agents = self.possible_agents[:]
         return self._observe(self.agents), {agent: {} for agent in self.agents}
 

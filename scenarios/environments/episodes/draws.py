@@ -32,11 +32,13 @@ def draw_conditions(
     """Draw the conditions of an episode; as many numbers whatever is configured."""
     plant_seed = int(rng.integers(2**31))
     speed_mps, from_deg = rng.uniform(0.0, cfg.wind_mps), rng.uniform(0.0, 360.0)
-    sigma_mps = SIGMA_OVER_W20 * speed_mps
-    blowing = WindCfg(speed_mps=speed_mps, from_deg=from_deg, turbulence_mps=sigma_mps)
+    wind = CALM
+    if speed_mps > 0.0:
+        sigma_mps = SIGMA_OVER_W20 * speed_mps
+        wind = WindCfg(speed_mps=speed_mps, from_deg=from_deg, turbulence_mps=sigma_mps)
     return Draws(
         plant_seed=plant_seed,
-        wind=blowing if speed_mps > 0.0 else CALM,
+        wind=wind,
         mass_share=1.0 + rng.uniform(-cfg.mass, cfg.mass),
         rotor_shares=1.0 + rng.uniform(-cfg.rotors, cfg.rotors, n_rotors),
         noise_level=rng.uniform(0.0, cfg.noise),

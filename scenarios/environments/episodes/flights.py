@@ -87,7 +87,8 @@ class Flights:
         return self._named(self._words[index].take(self._columns, axis=1))
 
     def _named(self, words: np.ndarray) -> np.ndarray:
-        return words.reshape(-1).view(self._dtype)
+        words = words.reshape(-1, len(self._columns))
+        return np.ndarray(len(words), self._dtype, words)
 
     def _enlarge(self) -> None:
         """Make room for twice as many advances."""

@@ -115,10 +115,24 @@ def draw_free(
         EnvironmentInputError: If a hundred draws find none.
     """
     for _ in range(MOST_DRAWS):
-        x, y, z = (middle_enu_m + rng.uniform(low_m, high_m)).tolist()
-        if place.is_free((x, y, z)):
-            return (x, y, z)
+        point = draw_point(rng, middle_enu_m, low_m, high_m)
+        if place.is_free(point):
+            return point
     raise no_room(place, what)
+
+
+def draw_point(
+    rng: np.random.Generator, middle_enu_m: Vector3, low_m: Vector3, high_m: Vector3
+) -> Vector3:
+    """A uniformly drawn point of a box around a point."""
+    # As `rng.uniform(low_m, high_m)` draws it, which takes ten times as long.
+    x, y, z = (
+        c + (low + (high - low) * share)
+        for c, low, high, share in zip(
+            middle_enu_m, low_m, high_m, rng.random(3).tolist(), strict=True
+        )
+    )
+    return (x, y, z)
 
 
 def no_room(place: Place, what: str) -> EnvironmentInputError:
