@@ -123,8 +123,9 @@ class Fleet:
         Raises:
             PhysicsDivergedError: If the physics engine had to give a state up.
         """
-        if (due := np.flatnonzero(self._ticks % self._tick_hz == 0)).size:
-            self._draw(due.tolist())
+        is_due = self._ticks % self._tick_hz == 0
+        if is_due.any():
+            self._draw(np.flatnonzero(is_due).tolist())
         self._engine["has_new_setpoint"] = 1
         self._counter[0] = 0
         self._share(lambda: advance(self._by_world, self._counter))
@@ -245,10 +246,13 @@ class Fleet:
     def _share(self, work: Callable[[], None]) -> None:
         """Let all threads do the same work, and wait for them."""
         pool, n_helpers = self._pool, self._n_helpers
+        if pool is None:
+            work()
+            return
         # Nobody may restore MuJoCo's clock of stages while others still step.
         stage_clock, self._clock.value = self._clock.value, None
         try:
-            helpers = [pool.submit(work) for _ in range(n_helpers)] if pool else []
+            helpers = [pool.submit(work) for _ in range(n_helpers)]
             try:
                 work()
             finally:
@@ -295,7 +299,8 @@ class Fleet:
         self._log_bytes[vehicles.start : vehicles.stop] = 0
         for i in vehicles:
             memory = self._memories[i]
-            memory.set_wind(wind)
+            if wind is not CALM:
+                memory.set_wind(wind)
             memory.setpoint_flat[:] = _OFF
             self._first_position_enu_m[i] = memory.qpos[:3]
             self._first_quat_wxyz[i] = memory.qpos[3:]

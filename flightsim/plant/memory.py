@@ -23,7 +23,7 @@ from flightsim.environment.motion import new_movers, new_traffic, place_mover
 from flightsim.environment.rooms import indoor_rooms
 from flightsim.environment.shelter import Grid, blocks_of, grid_for, kept_shelter
 from flightsim.environment.steel import steel_dipoles
-from flightsim.environment.wind import AIR_NORMALS, WindCfg, new_air, set_wind
+from flightsim.environment.wind import AIR_NORMALS, CALM, WindCfg, new_air, set_wind
 from flightsim.looks.movers import MOVER_CONTACT_BIT
 from flightsim.plant.cfg import PlantCfg, estimator_cfg_for
 from flightsim.plant.free_flight import new_free_flight
@@ -129,6 +129,7 @@ class PlantMemory:
         self._build_vehicle(world, cfg)
         self._lay_out_normals(cfg)
         self._point_to_arrays()
+        self.set_wind(CALM)
         self._keep()
         self._draw_start(cfg.seed)
 

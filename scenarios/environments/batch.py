@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -103,22 +102,13 @@ class Batch:
         self._queue = ActionQueue(n, cfg.longest_latency)
         self._step_s = 1.0 / cfg.action_hz
         self._flights = Flights(fleet, self._step_s)
-        self._is_touching: np.ndarray = fleet.history["is_touching"]
         self._photographer = Photographer(fleet, self._step_s)
         self._longest_s = cfg.episode_s or task.episode_s
         self._seeds, self._n_begun = [0] * len(worlds), [0] * len(worlds)
         self._episodes: dict[int, _Episode] = {}
         self._begun_s, self._is_flying = np.zeros(n), np.zeros(n, bool)
         self._noise = np.zeros((n, N_NOISES)) if cfg.randomisation.noise > 0.0 else None
-        self._now = Situation(
-            position_enu_m=fleet.history["position_true_enu_m"][:, -1],
-            velocity_enu_mps=fleet.history["velocity_true_enu_mps"][:, -1],
-            rate_flu_radps=fleet.history["angular_rate_true_flu_radps"][:, -1],
-            target_enu_m=np.zeros((n, 3)),
-            distance_m=np.zeros(n),
-            near_s=np.zeros(n),
-            touch_s=np.zeros(n),
-        )
+        self._now = Situation(fleet, task.near_m, self._step_s)
 
     def __len__(self) -> int:
         return len(self._places)
@@ -180,7 +170,7 @@ class Batch:
 
     def _let_go(self, index: int, episode: _Episode) -> None:
         """Begin a vehicle's part of an episode."""
-        start, drawn, now = episode.start, episode.drawn, self._now
+        start, drawn = episode.start, episode.drawn
         rotor_shares = self._fleet.records["rotors"]["effectiveness"][index]
         rotor_shares[: len(drawn.rotor_shares)] = drawn.rotor_shares
         self._queue.restart(index, drawn.latency)
@@ -188,9 +178,7 @@ class Batch:
         self._photographer.begin(index)
         self._episodes[index], self._is_flying[index] = episode, True
         self._begun_s[index] = self._fleet.time_s[index]
-        now.target_enu_m[index] = start.target_enu_m
-        now.near_s[index] = now.touch_s[index] = 0.0
-        now.distance_m[index] = math.dist(start.target_enu_m, start.position_enu_m)
+        self._now.begin(index, start.target_enu_m)
 
     def observe(self, before: tuple[Observation, Sequence[int]] | None = None) -> Observation:
         """Observations of all vehicles now; for `before` see `Observer.observe`."""
@@ -208,21 +196,22 @@ class Batch:
         """
         now, before_m = self._now, self._now.distance_m.copy()
         self._actuation.apply(self._queue.delayed(actions), self.observer.position_enu_m)
-        for i in np.flatnonzero(~self._is_flying).tolist():
-            self._actuation.stop(i)
+        if not self._is_flying.all():
+            self._actuation.stop(~self._is_flying)
         self._fleet.advance()
-        self._look()
+        now.look()
+        self._flights.take(self._is_flying, now.is_touching)
         reward = self._task.reward(now, before_m, self._step_s)
         is_over = self._task.is_over(now)
         seconds = self._fleet.time_s - self._begun_s
         is_time_up = (seconds >= self._longest_s - 1e-6) & ~is_over
         outcomes: dict[int, Outcome] = {}
-        ended = np.flatnonzero(self._is_flying & (is_over | is_time_up)).tolist()
-        if ended:
-            outcomes = self._end(ended, seconds, is_time_up)
-            for i, outcome in outcomes.items():
-                is_success, is_late = bool(outcome.judgement.success), bool(is_time_up[i])
-                reward[i] += self._task.end_reward(is_success=is_success, is_time_up=is_late)
+        has_ended = self._is_flying & (is_over | is_time_up)
+        if has_ended.any():
+            outcomes = self._end(np.flatnonzero(has_ended).tolist(), seconds, is_time_up)
+        for i, outcome in outcomes.items():
+            is_success, is_late = bool(outcome.judgement.success), bool(is_time_up[i])
+            reward[i] += self._task.end_reward(is_success=is_success, is_time_up=is_late)
         self._draw_noise(range(len(self._fleet)))
         return Step(reward, is_over, is_time_up, now.distance_m.copy(), outcomes)
 
@@ -238,16 +227,6 @@ class Batch:
         self._photographer.close()
         self.observer.close()
         self._fleet.close()
-
-    def _look(self) -> None:
-        """Bring the situation up to date."""
-        now = self._now
-        now.distance_m[:] = np.linalg.norm(now.target_enu_m - now.position_enu_m, axis=1)
-        is_touching = self._is_touching.any(axis=1)
-        is_near = np.asarray(now.distance_m <= self._task.near_m)
-        _count(now.near_s, is_near, self._step_s)
-        _count(now.touch_s, is_touching, self._step_s)
-        self._flights.take(self._is_flying, is_touching)
 
     def _end(
         self, ended: Sequence[int], seconds: np.ndarray, is_time_up: np.ndarray
@@ -303,12 +282,6 @@ class Batch:
             if episode.drawn.noise_level > 0.0:
                 normals = episode.rng.standard_normal(N_NOISES)
                 self._noise[i] = episode.drawn.noise_level * normals
-
-
-def _count(time_s: np.ndarray, goes_on: np.ndarray, step_s: float) -> None:
-    """Add a step to times for which something has gone on, in place."""
-    time_s += step_s
-    time_s[~goes_on] = 0.0
 
 
 def _checked_cfg(cfg: EnvironmentCfg | None, n_threads: int | None) -> EnvironmentCfg:

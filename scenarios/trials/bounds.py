@@ -102,9 +102,12 @@ class _Landing:
     ) -> None:
         self._history, self._leg_m = history, [0.0, 0.0, airframe.leg_length_m]
         self._is_touching = history["is_touching"] > 0
-        self._time_s = history["time_us"] * 1e-6
         self._assigned, self._touched = assigned, touched
         self._areas = others if assigned is None else (assigned, *others)
+
+    @cached_property
+    def _time_s(self) -> np.ndarray:
+        return self._history["time_us"] * 1e-6
 
     @cached_property
     def _soles_enu_m(self) -> np.ndarray:
@@ -140,8 +143,12 @@ class _Landing:
 
     def n_brushes(self, lift_off: int, touchdown: int) -> int:
         """Stretches of contact between two rows, whatever was touched."""
-        free = self._is_touching[lift_off:touchdown]
-        return _n_episodes(free, n_ticks(self._time_s, LIMITS.contact_gap_s))
+        ticks = np.flatnonzero(self._is_touching[lift_off:touchdown])
+        if not ticks.size:
+            return 0
+        # Stretches that are close together count as one.
+        n_gap = n_ticks(self._time_s, LIMITS.contact_gap_s)
+        return 1 + int(np.count_nonzero(np.diff(ticks) > n_gap))
 
     def contacts_before(self, touchdown: int, contacts: Sequence[Contact]) -> tuple[Contact, ...]:
         """Contacts up to the touchdown, but for the one with the surface that it came down on."""
@@ -208,9 +215,3 @@ def _free_flights(history: np.ndarray) -> list[tuple[int, int]]:
     stretches = pairwise([0, *changes.tolist(), len(is_free)])
     n_least = n_ticks(history["time_us"][:2] * 1e-6, LIMITS.lift_off_s)
     return [(a, b) for a, b in stretches if b - a >= n_least and is_free[a]]
-
-
-def _n_episodes(is_touching: np.ndarray, gap_ticks: int) -> int:
-    """Stretches of contact, counting those that are closer than `gap_ticks` as one."""
-    ticks = np.flatnonzero(is_touching)
-    return 0 if ticks.size == 0 else 1 + int(np.count_nonzero(np.diff(ticks) > gap_ticks))

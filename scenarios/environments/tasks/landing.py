@@ -7,9 +7,9 @@ from jaxtyping import Bool, Float
 
 from scenarios.environments.cfg import EnvironmentInputError
 from scenarios.environments.episodes.place import Place
+from scenarios.environments.tasks.situation import Situation
 from scenarios.environments.tasks.task import (
     MOST_DRAWS,
-    Situation,
     Start,
     Task,
     draw_attitude,

@@ -12,6 +12,7 @@ from jaxtyping import Bool, Float
 from autonomy.types import Quaternion, Vector3, quat_about_up
 from scenarios.environments.cfg import EnvironmentInputError
 from scenarios.environments.episodes.place import Place
+from scenarios.environments.tasks.situation import Situation
 from scenarios.trials.score import Goal
 from scenarios.trials.verdict import Ending
 
@@ -28,32 +29,6 @@ class Start:
     quat_wxyz: Quaternion
     target_enu_m: Vector3
     goal: Goal
-
-
-@dataclass(eq=False)
-class Situation:
-    """Where the vehicles are, by the truth; n vehicles."""
-
-    position_enu_m: Float[np.ndarray, "n 3"]
-    velocity_enu_mps: Float[np.ndarray, "n 3"]
-    rate_flu_radps: Float[np.ndarray, "n 3"]
-    target_enu_m: Float[np.ndarray, "n 3"]
-    distance_m: Float[np.ndarray, " n"]
-    """Distance from the target."""
-    near_s: Float[np.ndarray, " n"]
-    """Time for which it has been within the task's `near_m`."""
-    touch_s: Float[np.ndarray, " n"]
-    """Time for which it has touched something."""
-
-    @property
-    def speed_mps(self) -> Float[np.ndarray, " n"]:
-        """Speed of each vehicle."""
-        return np.linalg.norm(self.velocity_enu_mps, axis=1)
-
-    @property
-    def turning_radps(self) -> Float[np.ndarray, " n"]:
-        """Size of each vehicle's angular rate."""
-        return np.linalg.norm(self.rate_flu_radps, axis=1)
 
 
 class Task(ABC):
