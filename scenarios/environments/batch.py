@@ -161,7 +161,7 @@ class Batch:
             drawn[0].plant_seed,
             drawn[0].wind,
             held_at=[(start.position_enu_m, start.quat_wxyz) for start in starts],
-            mass_shares=[each.mass_share for each in drawn],
+            mass_shares=[each.mass_share for each in drawn] if cfg.randomisation.mass > 0.0 else (),
         )
         return [
             _Episode(start=start, drawn=each, rng=rng)

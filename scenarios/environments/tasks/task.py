@@ -11,6 +11,7 @@ from jaxtyping import Bool, Float
 
 from autonomy.types import Quaternion, Vector3, quat_about_up
 from scenarios.environments.cfg import EnvironmentInputError
+from scenarios.environments.episodes.draws import uniform
 from scenarios.environments.episodes.place import Place
 from scenarios.environments.tasks.situation import Situation
 from scenarios.trials.score import Goal
@@ -100,14 +101,8 @@ def draw_point(
     rng: np.random.Generator, middle_enu_m: Vector3, low_m: Vector3, high_m: Vector3
 ) -> Vector3:
     """A uniformly drawn point of a box around a point."""
-    # As `rng.uniform(low_m, high_m)` draws it, which takes ten times as long.
-    x, y, z = (
-        c + (low + (high - low) * share)
-        for c, low, high, share in zip(
-            middle_enu_m, low_m, high_m, rng.random(3).tolist(), strict=True
-        )
-    )
-    return (x, y, z)
+    (x, y, z), (x0, y0, z0), (x1, y1, z1) = middle_enu_m, low_m, high_m
+    return (x + uniform(rng, x0, x1), y + uniform(rng, y0, y1), z + uniform(rng, z0, z1))
 
 
 def no_room(place: Place, what: str) -> EnvironmentInputError:
@@ -120,7 +115,7 @@ def no_room(place: Place, what: str) -> EnvironmentInputError:
 
 def draw_attitude(rng: np.random.Generator) -> Quaternion:
     """Any heading, tilted by up to 20 degrees to any side."""
-    w, _, _, z = quat_about_up(rng.uniform(-math.pi, math.pi))
-    half, side = 0.5 * rng.uniform(0.0, _MOST_TILT_RAD), rng.uniform(-math.pi, math.pi)
+    w, _, _, z = quat_about_up(uniform(rng, -math.pi, math.pi))
+    half, side = 0.5 * uniform(rng, 0.0, _MOST_TILT_RAD), uniform(rng, -math.pi, math.pi)
     c, a, b = math.cos(half), math.sin(half) * math.cos(side), math.sin(half) * math.sin(side)
     return (w * c, w * a - z * b, w * b + z * a, z * c)
