@@ -185,7 +185,9 @@ class Fleet:
         mujoco.mj_setState(model, data, self._at_rest[world], _STATE)
         for i, pose in zip(vehicles, held_at, strict=False):
             self._memories[i].qpos[:] = [*pose[0], *pose[1]]
-        mujoco.mj_forward(model, data)
+        # All that anybody reads before the next step: where geoms and lights are.
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_camlight(model, data)
         for i in vehicles:
             self._memories[i].restart(seed)
         self._begin(world, wind)

@@ -112,7 +112,7 @@ class PlantMemory:
         self.world, self.data, self.row = world, data, row
         self.plants = row[world.number : world.number + 1]
         self.plant: np.void = self.plants[0]
-        self._bytes = self.plants.view(np.uint8)
+        self._written = _written(self.plants, cfg)
         self.setpoint_flat = self.plants["setpoint"].view("f8")
         self.history = history
         self._stream = ("plant",) if world.number == 0 else ("plant", "vehicle", world.number)
@@ -138,7 +138,7 @@ class PlantMemory:
 
         It is then what a new memory of this seed has, without the work that no seed changes.
         """
-        self._bytes[:], self.movers[:] = self._kept
+        self._restore()
         self._draw_start(seed)
 
     def load(self, world: World) -> None:
@@ -148,7 +148,7 @@ class PlantMemory:
             world: The world with its model, which may be another one of the same sizes.
         """
         self.world = world
-        self._bytes[:], self.movers[:] = self._kept
+        self._restore()
         self._connect(world, self._cfg, self.data)
         self._keep()
 
@@ -189,7 +189,13 @@ class PlantMemory:
 
     def _keep(self) -> None:
         """Keep the records as they are before anything is drawn, for `restart`."""
-        self._kept = self._bytes.copy(), self.movers.copy()
+        self._kept = [part.copy() for part in self._written], self.movers.copy()
+
+    def _restore(self) -> None:
+        parts, movers = self._kept
+        for written, kept in zip(self._written, parts, strict=True):
+            written[:] = kept
+        self.movers[:] = movers
 
     def _name_movers(self, world: World) -> None:
         """Record the body and the geom of each mover in the model."""
@@ -332,6 +338,16 @@ class PlantMemory:
             self._around.grid.shape,
         )
         e["history_address"] = self.history.ctypes.data
+
+
+def _written(plants: np.ndarray, cfg: PlantCfg) -> list[np.ndarray]:
+    """Bytes of a record that a flight changes: without sensors, neither theirs nor the filter's."""
+    record = plants.view(np.uint8)
+    if cfg.has_sensors:
+        return [record]
+    places = PLANT_DTYPE.fields or {}
+    first, last = places[SENSORS[0].name][1], places["state"][1]
+    return [record[:first], record[last:]]
 
 
 def new_memories(
