@@ -7,17 +7,19 @@ counts as a contact before the touchdown even if no free flight follows it.
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float
 
 from aeroscene.scene import InteractionArea
 from aeroscene.scene.catalogue import BRIDGES, DECKS, FLOORS, GROUND, PADS, ROOFS, ROOMS, WATER
+from autonomy.types import Vector3
 from flightsim.vehicles.airframe import Airframe
 from scenarios.trials.contacts import Contact
 from scenarios.trials.limits import LIMITS
@@ -105,11 +107,11 @@ class _Landing:
         self._assigned, self._touched = assigned, touched
         self._areas = others if assigned is None else (assigned, *others)
 
-    @cached_property
+    @functools.cached_property
     def _time_s(self) -> np.ndarray:
         return self._history["time_us"] * 1e-6
 
-    @cached_property
+    @functools.cached_property
     def _soles_enu_m(self) -> np.ndarray:
         return self._history["position_true_enu_m"] - self._leg_m
 
@@ -199,8 +201,15 @@ def is_in_footprint(area: InteractionArea, x_m: np.ndarray, y_m: np.ndarray) -> 
     """Whether each point lies over (or under) an area's polygon."""
     import shapely
 
-    footprint = shapely.Polygon([corner[:2] for corner in area.polygon])
-    return shapely.contains_xy(footprint, x_m, y_m)
+    return shapely.contains_xy(_footprint(tuple(area.polygon)), x_m, y_m)
+
+
+@functools.lru_cache(maxsize=256)
+def _footprint(corners_enu_m: tuple[Vector3, ...]) -> Any:
+    """Polygon of an area on the ground plane; a flight asks for the same ones again and again."""
+    import shapely
+
+    return shapely.Polygon([corner[:2] for corner in corners_enu_m])
 
 
 def n_ticks(time_s: np.ndarray, seconds: float) -> int:
