@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import accumulate
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -345,7 +346,7 @@ def _written(plants: np.ndarray, cfg: PlantCfg) -> list[np.ndarray]:
     record = plants.view(np.uint8)
     if cfg.has_sensors:
         return [record]
-    places = PLANT_DTYPE.fields or {}
+    places: Any = PLANT_DTYPE.fields
     first, last = places[SENSORS[0].name][1], places["state"][1]
     return [record[:first], record[last:]]
 

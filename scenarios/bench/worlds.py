@@ -102,7 +102,7 @@ def _hovering(worlds: list[World], cfgs: list[PlantCfg], n_threads: int) -> Flee
     """Vehicles that hold their places above the start, estimators aligned where there are any."""
     fleet = Fleet(worlds, cfgs, n_threads=n_threads)
     starts_enu_m = np.array([world.scene.start_position_enu_m for world in worlds])
-    places_enu_m = starts_enu_m + [0.0, 0.0, _CLIMB_M]
+    places_enu_m = starts_enu_m + np.array([0.0, 0.0, _CLIMB_M])
     for i, (place, plant_cfg) in enumerate(zip(places_enu_m.tolist(), cfgs, strict=True)):
         fleet.restart(i, plant_cfg.seed, plant_cfg.wind, held_at=[(place, LEVEL)])
     fleet.align(range(len(worlds)))

@@ -192,8 +192,10 @@ class Batch:
             actions: Checked actions.
 
         Raises:
+            EnvironmentInputError: If no episode has begun.
             PhysicsDivergedError: If the physics engine had to give a state up.
         """
+        self._require_episodes("step")
         now, before_m = self._now, self._now.distance_m.copy()
         self._actuation.apply(self._queue.delayed(actions), self.observer.position_enu_m)
         if not self._is_flying.all():
@@ -216,7 +218,12 @@ class Batch:
         return Step(reward, is_over, is_time_up, now.distance_m.copy(), outcomes)
 
     def picture(self, world: int) -> Picture:
-        """A world's vehicle as it is now, from behind and above, or its vehicles together."""
+        """A world's vehicle as it is now, from behind and above, or its vehicles together.
+
+        Raises:
+            EnvironmentInputError: If no episode has begun.
+        """
+        self._require_episodes("render")
         vehicles = self._fleet.vehicles_of(world)
         if len(vehicles) > 1:
             return self._photographer.together(vehicles)
@@ -228,29 +235,31 @@ class Batch:
         self.observer.close()
         self._fleet.close()
 
+    def _require_episodes(self, what: str) -> None:
+        if not self._episodes:
+            raise EnvironmentInputError(f"{what}: before the first episode only reset() is valid")
+
     def _end(
         self, ended: Sequence[int], seconds: np.ndarray, is_time_up: np.ndarray
     ) -> dict[int, Outcome]:
         """Judge episodes that are over, in a task that says so after all has come to rest."""
-        rest: dict[int, np.ndarray] = {}
+        rest: dict[int, list[np.ndarray]] = {}
         if self._task.settles:
             touching = [i for i in ended if self._now.touch_s[i] > 0.0]
             # One vehicle for each world: a vehicle's number is its world's.
             self._fleet.share(touching, lambda i: rest.update({i: self._settle(i)}))
         return {
-            i: self._judge(i, rest.get(i), float(seconds[i]), is_time_up=bool(is_time_up[i]))
+            i: self._judge(i, rest.get(i, []), float(seconds[i]), is_time_up=bool(is_time_up[i]))
             for i in ended
         }
 
     def _judge(
-        self, index: int, rest: np.ndarray | None, seconds: float, *, is_time_up: bool
+        self, index: int, rest: Sequence[np.ndarray], seconds: float, *, is_time_up: bool
     ) -> Outcome:
-        """Judge an episode that is over, `rest` being how the vehicle came to rest."""
+        """Judge an episode that is over, after which the vehicle came to rest."""
         self._is_flying[index] = False
         ending = self._task.ending(self._now, index, seconds, is_time_up=is_time_up)
-        history, n_before = self._flights.of(index)
-        if rest is not None:
-            history = np.concatenate([history, rest])
+        history, n_before = self._flights.of(index, rest)
         judgement = judge_episode(
             history,
             n_before,
@@ -261,18 +270,19 @@ class Batch:
         )
         return Outcome(judgement, seconds)
 
-    def _settle(self, index: int) -> np.ndarray:
-        """Stop the rotors, and wait until the vehicle rests; rows of that time."""
-        airframe, rows, n_still = self._fleet.worlds[index].airframe, [], 0
+    def _settle(self, index: int) -> list[np.ndarray]:
+        """Stop the rotors, and wait until the vehicle rests; its flights of that time."""
+        fleet, rows, n_still = self._fleet, [], 0
         self._actuation.stop(index)
         for _ in range(round(LIMITS.longest_settle_s / self._step_s)):
-            self._fleet.advance_one(index)
+            fleet.advance_one(index)
             rows.append(self._flights.last(index))
-            n_still = n_still + 1 if is_still(rows[-1]) else 0
+            n_still = n_still + 1 if is_still(fleet.history[index]) else 0
             is_long_enough = n_still >= round(LIMITS.rest_s / self._step_s)
-            if is_long_enough and not rotors_turn(rows[-1][-1:], airframe)[0]:
+            last = fleet.history[index, -1:]
+            if is_long_enough and not rotors_turn(last, fleet.worlds[index].airframe)[0]:
                 break
-        return np.concatenate(rows)
+        return rows
 
     def _draw_noise(self, vehicles: Iterable[int]) -> None:
         if self._noise is None:

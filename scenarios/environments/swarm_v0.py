@@ -155,11 +155,7 @@ class AeroSceneSwarm(ParallelEnv[str, Observation, np.ndarray]):
         Raises:
             EnvironmentInputError: If no episode has begun.
         """
-        if self.render_mode is None:
-            return None
-        if not self._is_seeded:
-            raise EnvironmentInputError("render: before the first episode only reset() is valid")
-        return self._batch.picture(0)
+        return None if self.render_mode is None else self._batch.picture(0)
 
     def close(self) -> None:
         """Free what the world holds."""

@@ -109,8 +109,6 @@ class AeroSceneVectorEnv(VectorEnv[Any, np.ndarray, np.ndarray]):
         Raises:
             EnvironmentInputError: If the actions have another shape or are not finite.
         """
-        if not self._is_seeded:
-            raise EnvironmentInputError("step: before the first episode only reset() is valid")
         step = self._batch.step(checked_actions(actions, (self.num_envs, N_ACTIONS)))
         observations = self._batch.observe()
         info: dict[str, Any] = {"distance_m": step.distance_m}
@@ -127,19 +125,17 @@ class AeroSceneVectorEnv(VectorEnv[Any, np.ndarray, np.ndarray]):
         Raises:
             EnvironmentInputError: If no episode has begun.
         """
-        if self.render_mode is None:
-            return None
-        if not self._is_seeded:
-            raise EnvironmentInputError("render: before the first episode only reset() is valid")
-        return tuple(self._batch.picture(i) for i in range(self.num_envs))
+        return (
+            None
+            if self.render_mode is None
+            else tuple(self._batch.picture(i) for i in range(self.num_envs))
+        )
 
     def close_extras(self, **_kwargs: Any) -> None:
         """End the threads."""
         self._batch.close()
 
-    def _ends(
-        self, observations: Observation, outcomes: Mapping[int, Outcome]
-    ) -> dict[str, Any]:
+    def _ends(self, observations: Observation, outcomes: Mapping[int, Outcome]) -> dict[str, Any]:
         """What `info` says of episodes that are over, as `_add_info` puts it together.
 
         That would take as long as all else that an end costs.
@@ -153,7 +149,9 @@ class AeroSceneVectorEnv(VectorEnv[Any, np.ndarray, np.ndarray]):
         final_info: dict[str, np.ndarray] = {}
         for name, value in infos[0].items():
             is_text = isinstance(value, str)
-            values = np.full(self.num_envs, None if is_text else 0, object if is_text else type(value))
+            values = np.full(
+                self.num_envs, None if is_text else 0, object if is_text else type(value)
+            )
             values[ended] = [info[name] for info in infos]
             final_info |= {name: values, f"_{name}": is_over.copy()}
         return {

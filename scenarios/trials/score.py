@@ -99,6 +99,7 @@ class Figures:
     """
 
     nearest_mover_m: float | None = None
+    """Nobody has measured it here."""
 
     def __init__(
         self, history: np.ndarray, airframe: Airframe, goal: Goal, touched: Touched | None = None
@@ -112,38 +113,47 @@ class Figures:
 
     @property
     def has_flown(self) -> bool:
+        """Whether the vehicle left the ground."""
         return self._bounds.lift_off < len(self._history)
 
     @property
     def is_down(self) -> bool:
+        """Whether the flight ended on the ground, or on something else."""
         return self._landed is not None
 
     @property
     def lift_off_s(self) -> float | None:
+        """Time at which the vehicle left the ground."""
         return _time_s(self._history[self._bounds.lift_off]) if self.has_flown else None
 
     @property
     def reached_s(self) -> float | None:
+        """Time at which it was first in flight above the assigned area."""
         return reached_s(self._history[self._bounds.lift_off :], self._goal.area)
 
     @property
     def touchdown_s(self) -> float | None:
+        """Time at which it came down for good."""
         return None if self._landed is None else _time_s(self._landed[0])
 
     @property
     def contacts_before_touchdown(self) -> int:
+        """Number of contacts between lift-off and touchdown."""
         return self._bounds.n_contacts
 
     @property
     def touched_before(self) -> tuple[Contact, ...]:
+        """Those contacts."""
         return self._bounds.before
 
     @property
     def contacts(self) -> tuple[Contact, ...]:
+        """All that was touched after lift-off."""
         return () if self._touched is None else tuple(self._touched.contacts)
 
     @cached_property
     def landed_area(self) -> int | None:
+        """Area that all soles ended on."""
         if self._landed is None:
             return None
         goal, soles_enu_m = self._goal, self._soles_enu_m
@@ -153,46 +163,58 @@ class Figures:
 
     @property
     def n_soles(self) -> int:
+        """Number of soles that the vehicle has."""
         return len(self._airframe.soles_flu_m)
 
     @property
     def n_soles_inside(self) -> int:
+        """Number of soles that ended on the assigned area."""
         if self._landed is None or self._goal.area is None:
             return 0
         return int(is_over_area(self._soles_enu_m, self._goal.area).sum())
 
     @property
     def touchdown_error_m(self) -> float | None:
+        """Horizontal distance of the resting place from the chosen point."""
         return None if self._landed is None else _error_m(self._rest, self._goal)
 
     @cached_property
     def touchdown_speed_mps(self) -> float | None:
+        """Speed at touchdown."""
         return None if self._landed is None else impact_mps(self._history, self._bounds.touchdown)
 
     @cached_property
     def slide_m(self) -> float | None:
+        """Greatest horizontal distance from the place of the touchdown after it."""
         return None if self._landed is None else _slide_m(self._landed)
 
     @cached_property
     def tilt_at_rest_deg(self) -> float:
+        """Tilt in the end."""
         return math.degrees(_tilt_rad(self._rest["quat_true_wxyz"]))
 
     @cached_property
     def is_at_rest(self) -> bool:
+        """Whether the vehicle was at rest in the end."""
         return is_at_rest(self._history)
 
     @cached_property
     def stopped_after_s(self) -> float | None:
+        """Time from the touchdown until the rotors stood still for good."""
         return None if self._landed is None else _stopped_after_s(self._landed, self._airframe)
 
     @cached_property
     def rotor_spin_ups(self) -> int:
+        """Times that the rotors took the weight again after the touchdown."""
         return 0 if self._landed is None else _spin_ups(self._landed, self._airframe)
 
     @cached_property
     def _soles_enu_m(self) -> Float[np.ndarray, "n 3"]:
         return _soles_enu_m(self._rest, self._airframe)
 
+
+AnyScore = FlightScore | Figures
+"""Figures of a flight, measured already or when asked for."""
 
 _MEASURED = (
     *("lift_off_s", "reached_s", "touchdown_s", "contacts_before_touchdown", "touched_before"),
@@ -267,9 +289,13 @@ def is_at_rest(history: np.ndarray) -> bool:
 
 def is_still(history: np.ndarray) -> bool:
     """Whether the vehicle was at rest in all rows of a history."""
-    speed_mps = np.linalg.norm(history["velocity_true_enu_mps"], axis=1)
-    rate_radps = np.linalg.norm(history["angular_rate_true_flu_radps"], axis=1)
-    return bool(speed_mps.max() <= LIMITS.rest_mps and rate_radps.max() <= LIMITS.rest_radps)
+    return all(
+        float(np.linalg.norm(history[name], axis=1).max()) <= most
+        for name, most in (
+            ("velocity_true_enu_mps", LIMITS.rest_mps),
+            ("angular_rate_true_flu_radps", LIMITS.rest_radps),
+        )
+    )
 
 
 def rotors_turn(history: np.ndarray, airframe: Airframe) -> Bool[np.ndarray, " n"]:

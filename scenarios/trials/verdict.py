@@ -15,7 +15,7 @@ from typing import Protocol
 from aeroscene.scene import InteractionArea
 from scenarios.trials.contacts import Contact
 from scenarios.trials.limits import LIMITS
-from scenarios.trials.score import Figures, FlightScore, Goal
+from scenarios.trials.score import AnyScore, Goal
 
 
 class Code(StrEnum):
@@ -122,7 +122,7 @@ class Judgement:
 _Objection = tuple[bool, Code, str]
 
 
-def judge(score: FlightScore | Figures, goal: Goal, ending: Ending) -> Judgement:
+def judge(score: AnyScore, goal: Goal, ending: Ending) -> Judgement:
     """Judge a flight: the first objection decides, and nothing is measured for those after it."""
     if goal.area is None:
         objections = chain(
@@ -153,7 +153,7 @@ def judge(score: FlightScore | Figures, goal: Goal, ending: Ending) -> Judgement
     return Judgement(code=code, reason=reason, fate=fate_of(score, goal))
 
 
-def fate_of(score: FlightScore | Figures, goal: Goal) -> Fate | None:
+def fate_of(score: AnyScore, goal: Goal) -> Fate | None:
     """State in which a flight left the vehicle; None if it never left the ground."""
     if not score.has_flown:
         return None
@@ -169,7 +169,7 @@ def fate_of(score: FlightScore | Figures, goal: Goal) -> Fate | None:
     return Fate.SAFE_DOWN if score.is_at_rest else Fate.LOST
 
 
-def _to_any_flight(score: FlightScore | Figures, ending: Ending) -> Iterator[_Objection]:
+def _to_any_flight(score: AnyScore, ending: Ending) -> Iterator[_Objection]:
     word = ending.word.reason
     is_stopped = ending.stopped_by is not None and not ending.is_done
     yield is_stopped, Code.STOPPED, f"stopped by {ending.stopped_by}: {word}"
@@ -178,12 +178,12 @@ def _to_any_flight(score: FlightScore | Figures, ending: Ending) -> Iterator[_Ob
     yield is_grounded, Code.NEVER_FLEW, f"never left the ground{why}"
 
 
-def _to_the_rest(score: FlightScore | Figures) -> Iterator[_Objection]:
+def _to_the_rest(score: AnyScore) -> Iterator[_Objection]:
     has_fallen = score.is_down and score.tilt_at_rest_deg > LIMITS.tilt_deg
     yield has_fallen, Code.FELL_OVER, f"fell over: {score.tilt_at_rest_deg:.0f} degrees at rest"
 
 
-def _to_contacts(score: FlightScore | Figures, goal: Goal) -> Iterator[_Objection]:
+def _to_contacts(score: AnyScore, goal: Goal) -> Iterator[_Objection]:
     """Objections to contacts of a flight that wants no landing."""
     touched = goal.stays_up and (score.is_down or score.contacts_before_touchdown > 0)
     yield touched, Code.CONTACT, "touched something"
@@ -195,13 +195,13 @@ def _to_a_word(ending: Ending) -> Iterator[_Objection]:
     yield not ending.word.success, Code.GAVE_UP, ending.word.reason
 
 
-def _to_the_way(score: FlightScore | Figures) -> Iterator[_Objection]:
+def _to_the_way(score: AnyScore) -> Iterator[_Objection]:
     touched = ", ".join(_in_words(contact) for contact in score.touched_before) or "something"
     n = score.contacts_before_touchdown
     yield n > 0, Code.CONTACT, f"touched {touched} before touchdown"
 
 
-def _to_movers(score: FlightScore | Figures) -> Iterator[_Objection]:
+def _to_movers(score: AnyScore) -> Iterator[_Objection]:
     gap_m = math.inf if score.nearest_mover_m is None else score.nearest_mover_m
     yield gap_m < LIMITS.mover_m, Code.NEAR_MISS, f"something that moves came within {gap_m:.2f} m"
 
@@ -211,9 +211,7 @@ def _in_words(contact: Contact) -> str:
     return f"{contact.what} at {contact.time_s:.1f} s and {contact.speed_mps:.1f} m/s"
 
 
-def _to_the_place(
-    score: FlightScore | Figures, area: InteractionArea, ending: Ending
-) -> Iterator[_Objection]:
+def _to_the_place(score: AnyScore, area: InteractionArea, ending: Ending) -> Iterator[_Objection]:
     word, n = ending.word.reason, score.n_soles_inside
     is_there = score.landed_area == area.id
     yield not is_there and not ending.is_done, Code.TIME_UP, f"the time was up: {word}"
@@ -229,7 +227,7 @@ def _to_the_place(
     )
 
 
-def _to_the_touchdown(score: FlightScore | Figures) -> Iterator[_Objection]:
+def _to_the_touchdown(score: AnyScore) -> Iterator[_Objection]:
     yield not score.is_at_rest, Code.MOVING, "the vehicle still moves"
     yield score.stopped_after_s is None, Code.ROTORS_TURN, "the rotors still turn"
     n = score.rotor_spin_ups

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from jaxtyping import Bool
@@ -38,7 +40,7 @@ class Flights:
         n, self._n_ticks = history.shape
         self._words = history.view(_WORD).reshape(n, self._n_ticks, -1)
         self._dtype = np.dtype([(name, history.dtype[name]) for name in _NAMES])
-        places = history.dtype.fields or {}
+        places: Any = history.dtype.fields
         self._columns = np.concatenate(
             [
                 places[name][1] // _WORD.itemsize
@@ -75,20 +77,24 @@ class Flights:
         if self._n_kept.max() >= len(self._ring):
             self._enlarge()
 
-    def of(self, index: int) -> tuple[np.ndarray, int]:
-        """Rows of a vehicle's flight, and the number of rows before them that are not kept."""
+    def of(self, index: int, rest: Sequence[np.ndarray] = ()) -> tuple[np.ndarray, int]:
+        """Rows of a vehicle's flight, and the number of rows before them that are not kept.
+
+        Args:
+            index: Number of the vehicle.
+            rest: What `last` returned of advances that followed those of all vehicles.
+        """
         n_kept = int(self._n_kept[index])
         kept = np.arange(self._n_taken - n_kept, self._n_taken) % len(self._ring)
         n_dropped = self._n_taken - int(self._begun[index]) - n_kept
-        return self._named(self._ring[kept, index]), n_dropped * self._n_ticks
+        words = self._ring[kept, index].reshape(-1, len(self._columns))
+        if rest:
+            words = np.concatenate([words, *rest])
+        return np.ndarray(len(words), self._dtype, words), n_dropped * self._n_ticks
 
     def last(self, index: int) -> np.ndarray:
-        """Rows of a vehicle's last advance, which `take` has not taken."""
-        return self._named(self._words[index].take(self._columns, axis=1))
-
-    def _named(self, words: np.ndarray) -> np.ndarray:
-        words = words.reshape(-1, len(self._columns))
-        return np.ndarray(len(words), self._dtype, words)
+        """Rows of a vehicle's last advance without their names, for `of`."""
+        return self._words[index].take(self._columns, axis=1)
 
     def _enlarge(self) -> None:
         """Make room for twice as many advances."""
