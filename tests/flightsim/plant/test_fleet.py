@@ -102,6 +102,42 @@ def test_a_new_start_leaves_nothing_of_the_flight_before_nor_in_other_worlds(wor
             assert plant.history.tobytes() == row
 
 
+def test_a_start_with_the_mass_of_before_leaves_nothing_of_another_mass_nor_wind(worlds):
+    def flight(fleet, seed, wind, share):
+        fleet.restart(0, seed, wind, held_at=[((0.0, 0.0, 5.0), LEVEL)], mass_shares=[share])
+        fleet.align([0])
+        fleet.release(0)
+        fleet.motor_speeds_radps[:] = 600.0
+        rows = []
+        for _ in range(30):
+            fleet.advance()
+            rows.append(fleet.history.tobytes())
+        return rows
+
+    for more in ({}, {"has_sensors": False, "state": "truth"}):
+        with Fleet(worlds[:1], [cfg(0, **more)], n_threads=1) as fleet:
+            first = flight(fleet, 1, WindCfg(), 1.0)
+            heavy = flight(fleet, 1, WIND, 1.3)
+            assert heavy != first
+            assert flight(fleet, 1, WindCfg(), 1.0) == first
+            assert flight(fleet, 1, WIND, 1.3) == heavy
+        with Fleet(worlds[:1], [cfg(7, **more)], n_threads=1) as fleet:
+            assert flight(fleet, 1, WIND, 1.3) == heavy
+
+
+def test_worlds_align_together_as_each_alone(worlds):
+    rows = []
+    for n_threads in (1, 3):
+        with Fleet(worlds[:1] * 4, [cfg(i) for i in range(4)], n_threads=n_threads) as fleet:
+            for i in range(4):
+                fleet.restart(i, i, held_at=[((0.0, 0.0, 5.0), LEVEL)])
+            for each in (range(4),) if n_threads > 1 else ([i] for i in range(4)):
+                fleet.align(each)
+            rows.append(fleet.history.tobytes())
+            assert fleet.records["filter"]["is_aligned"].all()
+    assert rows[0] == rows[1]
+
+
 def test_worlds_are_shared_but_where_something_moves_in_them(worlds):
     with Fleet([worlds[0]] * 2 + [worlds[2]] * 2, [cfg(i) for i in range(4)]) as fleet:
         models = [world.model for world in fleet.worlds]
