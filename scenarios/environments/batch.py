@@ -260,13 +260,17 @@ class Batch:
         self._is_flying[index] = False
         ending = self._task.ending(self._now, index, seconds, is_time_up=is_time_up)
         history, n_before = self._flights.of(index, rest)
+        goal, place = (
+            self._episodes[index].start.goal,
+            self._places[index // self._fleet.n_together],
+        )
         judgement = judge_episode(
             history,
             n_before,
             self._fleet.worlds[index].airframe,
-            self._episodes[index].start.goal,
+            goal,
             ending,
-            self._places[index // self._fleet.n_together].contacts,
+            place.contacts if goal.area is not None else None,
         )
         return Outcome(judgement, seconds)
 

@@ -136,10 +136,7 @@ class AeroSceneVectorEnv(VectorEnv[Any, np.ndarray, np.ndarray]):
         self._batch.close()
 
     def _ends(self, observations: Observation, outcomes: Mapping[int, Outcome]) -> dict[str, Any]:
-        """What `info` says of episodes that are over, as `_add_info` puts it together.
-
-        That would take as long as all else that an end costs.
-        """
+        """What `info` says of all episodes that are over: what `_add_info` makes of one by one."""
         ended, infos = list(outcomes), [outcome.to_info() for outcome in outcomes.values()]
         is_over = np.zeros(self.num_envs, dtype=bool)
         is_over[ended] = True

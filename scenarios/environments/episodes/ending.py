@@ -41,7 +41,7 @@ def judge_episode(
     airframe: Airframe,
     goal: Goal,
     ending: Ending,
-    contacts: ContactFinder,
+    contacts: ContactFinder | None = None,
 ) -> Judgement:
     """Verdict on an episode.
 
@@ -51,10 +51,11 @@ def judge_episode(
         airframe: Vehicle that flew.
         goal: Where it should have landed, if it should.
         ending: How the episode ended.
-        contacts: Finds what was touched, so that only the area's own surface counts as the area.
+        contacts: Finds what was touched, so that only the area's own surface counts as the area;
+            needed if the goal has an area.
     """
     touched = None
-    if goal.area is not None:
+    if goal.area is not None and contacts is not None:
         touched = Touched(contacts=_touched(history, n_before, contacts))
     return judge(Figures(history, airframe, goal, touched), goal, ending)
 

@@ -1,5 +1,7 @@
 """What is kept of flights, and that no verdict misses what is not."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -67,7 +69,7 @@ def test_rows_begin_a_second_before_the_first_contact_and_then_stay():
         whole = np.concatenate(histories[i])
         assert len(rows) == 5 * n_kept
         assert n_before == len(whole) - len(rows)
-        for name in rows.dtype.names:
+        for name in rows.dtype.names or ():
             np.testing.assert_array_equal(rows[name], whole[name][n_before:])
     flights.begin(0)
     fleet.advance()
@@ -97,6 +99,7 @@ def test_looks_at_what_is_touched_come_at_the_same_ticks_whatever_is_kept():
             looked.append(history["time_us"][counts].tolist())
             return ()
 
+    finder: Any = Finder()
     batch = batch_of("landing", "velocity", n=2)
     batch.begin(range(2))
     for _ in range(60):
@@ -104,7 +107,7 @@ def test_looks_at_what_is_touched_come_at_the_same_ticks_whatever_is_kept():
     (history, n_before), start = batch._flights.of(0), batch._episodes[0].start
     ending = batch._task.ending(batch._now, 0, 1.2, is_time_up=True)
     world = batch._fleet.worlds[0]
-    judge_episode(history, n_before, world.airframe, start.goal, ending, Finder())
+    judge_episode(history, n_before, world.airframe, start.goal, ending, finder)
     assert n_before > 0
     assert looked[0]
     assert all((time_us // 4_000 - 1) % 10 == 0 for time_us in looked[0])
