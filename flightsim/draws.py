@@ -21,7 +21,9 @@ def seed_sequence(seed: int, scene_id: str, *stream: str | int) -> np.random.See
     """
     name = "\n".join([scene_id, *map(str, stream)])
     words = np.frombuffer(hashlib.blake2b(name.encode(), digest_size=16).digest(), dtype="<u4")
-    return np.random.SeedSequence([seed, *words.tolist()])
+    entropy = [seed, *words.tolist()]
+    # numpy takes twice as long for a list, of which it makes the same array.
+    return np.random.SeedSequence(np.array(entropy, np.uint32) if seed < 2**32 else entropy)
 
 
 def generator(seed: int, scene_id: str, *stream: str | int) -> np.random.Generator:

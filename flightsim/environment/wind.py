@@ -17,7 +17,7 @@ import numpy as np
 
 from autonomy.jit import fields, kernel
 from autonomy.types import ZERO3, Vector3
-from flightsim.environment.dryden import N_NORMALS, N_STATES, stationary_states, step_turbulence
+from flightsim.environment.dryden import N_NORMALS, N_STATES, step_turbulence
 from flightsim.environment.rooms import exposure
 from flightsim.environment.shelter import flow_at
 
@@ -159,16 +159,13 @@ AIR_DTYPE = np.dtype(
 )
 
 
-def new_air(generator: np.random.Generator, *, dt_s: float) -> np.ndarray:
-    """Calm air, in an array of shape (1,).
+def new_air(dt_s: float) -> np.ndarray:
+    """Calm air for ticks of `dt_s`, in an array of shape (1,).
 
-    Args:
-        generator: Random stream for the initial turbulence.
-        dt_s: Length of a control tick.
+    Before it becomes turbulent, its `states` are to be drawn (`dryden.stationary_states`).
     """
     airs = np.zeros(1, AIR_DTYPE)
     airs["dt_s"] = dt_s
-    airs["states"][0] = stationary_states(generator)
     set_wind(airs[0], WindCfg())
     return airs
 

@@ -9,8 +9,8 @@ from __future__ import annotations
 import copy
 import ctypes
 import os
-from collections.abc import Callable, Iterable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor, wait
 from dataclasses import replace
 from typing import Self
 
@@ -20,6 +20,7 @@ import numpy as np
 from autonomy.control.record import setpoint_row
 from autonomy.types import OFF, Quaternion, Vector3
 from flightsim.environment.effects import Effects
+from flightsim.environment.wind import CALM, WindCfg
 from flightsim.plant.cfg import NotAlignedError, PhysicsDivergedError, PlantCfg, PlantError
 from flightsim.plant.checks import check_alike, check_worlds
 from flightsim.plant.compiling import compile_kernels
@@ -29,6 +30,8 @@ from flightsim.plant.record import HISTORY_DTYPE, PLANT_DTYPE, with_rotors
 from flightsim.world import World
 
 _LONGEST_ALIGNMENT_S = 10.0
+_OFF = setpoint_row(OFF)
+_STATE = mujoco.mjtState.mjSTATE_INTEGRATION
 
 
 class Fleet:
@@ -74,18 +77,29 @@ class Fleet:
         n_rotors = _n_rotors(self.worlds[0])
         self._log = np.zeros((n, rate.control_hz // rate.advance_hz), HISTORY_DTYPE)
         self.history = with_rotors(self._log, n_rotors)
+        self._log_bytes = self._log.view(np.uint8).reshape(n, -1)
+        self._first_position_enu_m = self.history["position_true_enu_m"][:, -1]
+        self._first_quat_wxyz = self.history["quat_true_wxyz"][:, -1]
         self.setpoints = self.records["setpoint"]
         self.motor_speeds_radps = self.records["controller"]["given_speed_radps"][:, :n_rotors]
+        self._rotors_at_hover = (
+            self.records["rotors"]["speed_radps"][:, :n_rotors],
+            self.records["controller"]["rotor_model_radps"][:, :n_rotors],
+            self.history["rotor_speed_radps"][:, -1],
+        )
+        airframes = [world.airframe for world in self.worlds]
+        self._hover_radps = np.array([[a.quadrotor.hover_speed_radps] for a in airframes])
         self._engine = self.records["engine"]
         self._ticks: np.ndarray = self._engine["tick"]
         self._tick_s, self._tick_hz = 1.0 / rate.control_hz, rate.control_hz
         self._counter = np.zeros(1, np.int64)
-        self._surroundings: dict[tuple[int, Effects], Surroundings] = {}
         self._by_world = self.records.reshape(-1, self.n_together)
         self._datas = [world.new_data() for world in self.worlds[:: self.n_together]]
-        self._memories: dict[int, PlantMemory] = {}
+        self._at_rest = [_state_of(world.model, data) for world, data in self._by_data()]
+        self._has_own_model = [bool(world.obstacles) for world in worlds]
+        self._memories = self._new_memories(cfgs)
         for i, cfg in enumerate(cfgs):
-            self._begin(i, cfg)
+            self._begin(i, cfg.wind)
         n_helpers = min(n_threads or os.cpu_count() or 1, len(worlds)) - 1
         self._pool = ThreadPoolExecutor(n_helpers, "fleet") if n_helpers else None
         self._n_helpers = n_helpers
@@ -109,36 +123,46 @@ class Fleet:
         Raises:
             PhysicsDivergedError: If the physics engine had to give a state up.
         """
-        if (due := np.flatnonzero(self._ticks % self._tick_hz == 0)).size:
-            self._draw(due.tolist())
+        is_due = self._ticks % self._tick_hz == 0
+        if is_due.any():
+            self._draw(np.flatnonzero(is_due).tolist())
         self._engine["has_new_setpoint"] = 1
         self._counter[0] = 0
-        # Nobody may restore MuJoCo's clock of stages while others still step.
-        stage_clock, self._clock.value = self._clock.value, None
-        try:
-            self._share(lambda: advance(self._by_world, self._counter))
-        finally:
-            self._clock.value = stage_clock
+        self._share(lambda: advance(self._by_world, self._counter))
         self._check_physics(range(len(self)))
 
     def advance_one(self, world: int) -> None:
-        """Advance one world alone, by its number.
+        """Advance one world alone, by its number; several threads may do so with different ones.
 
         Raises:
             PhysicsDivergedError: If the physics engine had to give its state up.
         """
         vehicles = self.vehicles_of(world)
         if self._ticks[vehicles.start] % self._tick_hz == 0:
-            self._draw(vehicles)
-        self._engine["has_new_setpoint"][vehicles] = 1
-        self._counter[0] = 0
-        advance(self._by_world[world : world + 1], self._counter)
+            for i in vehicles:
+                self._memories[i].draw_normals()
+        self._engine["has_new_setpoint"][vehicles.start : vehicles.stop] = 1
+        advance(self._by_world[world : world + 1], np.zeros(1, np.int64))
         self._check_physics(vehicles)
+
+    def share(self, worlds: Sequence[int], work: Callable[[int], None]) -> None:
+        """Do the same work in several worlds, such as `advance_one`, on all threads."""
+        waiting = iter(worlds)
+
+        def take() -> None:
+            for world in waiting:
+                work(world)
+
+        if len(worlds) > 1:
+            self._share(take)
+        else:
+            take()
 
     def restart(
         self,
         world: int,
-        cfg: PlantCfg,
+        seed: int,
+        wind: WindCfg = CALM,
         *,
         held_at: Sequence[tuple[Vector3, Quaternion]] = (),
         mass_shares: Sequence[float] = (),
@@ -147,51 +171,53 @@ class Fleet:
 
         Args:
             world: Number of the world.
-            cfg: New configuration of its vehicles, with the rates of the old one.
+            seed: New seed of its vehicles, whose configuration is otherwise the old one.
+            wind: New wind.
             held_at: Pose of each vehicle, ENU, body to world, where a hand holds it until
                 `release`; by default they stand at their starts.
             mass_shares: Mass and inertia of each over those that its controller believes; by
                 default they stay what they are.
         """
         vehicles = self.vehicles_of(world)
-        for i, share in zip(vehicles, mass_shares, strict=False):
-            self._load(i, share)
-        view, data = self.worlds[vehicles.start], self._datas[world]
-        mujoco.mj_resetData(view.model, data)
-        data.qpos[:] = view.rest_qpos
+        if mass_shares:
+            self._load(world, mass_shares)
+        model, data = self.worlds[vehicles.start].model, self._datas[world]
+        mujoco.mj_setState(model, data, self._at_rest[world], _STATE)
         for i, pose in zip(vehicles, held_at, strict=False):
-            first = self.worlds[i].qpos_address
-            data.qpos[first : first + 7] = [*pose[0], *pose[1]]
-        mujoco.mj_forward(view.model, data)
-        self._by_world[world].view(np.uint8).fill(0)
-        self._begin(world, cfg)
-        self._engine["is_held"][vehicles] = len(held_at) > 0
+            self._memories[i].qpos[:] = [*pose[0], *pose[1]]
+        # All that anybody reads before the next step: where geoms and lights are.
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_camlight(model, data)
+        for i in vehicles:
+            self._memories[i].restart(seed)
+        self._begin(world, wind)
+        self._engine["is_held"][vehicles.start : vehicles.stop] = len(held_at) > 0
 
-    def align(self, world: int) -> None:
-        """Let the vehicles of one world rest or be held until their estimators are aligned.
+    def align(self, worlds: Sequence[int]) -> None:
+        """Let the vehicles of worlds rest or be held until their estimators are aligned.
 
         Raises:
             NotAlignedError: If one is not within ten seconds.
         """
+        if self._engine["knows_truth"][0] == 0:
+            self.share(worlds, self._align)
+
+    def _align(self, world: int) -> None:
         vehicles = self.vehicles_of(world)
-        if self._engine["knows_truth"][vehicles.start] == 1:
-            return
+        is_aligned = self.records["filter"]["is_aligned"][vehicles.start : vehicles.stop]
         for _ in range(round(_LONGEST_ALIGNMENT_S * self._tick_hz)):
-            if self.records["filter"]["is_aligned"][vehicles].all():
+            if is_aligned.all():
                 return
             self.advance_one(world)
         raise NotAlignedError(f"world {world}: an estimator is not aligned after ten seconds")
 
     def release(self, world: int) -> None:
         """Let go of the vehicles of one world that are held, with rotors at the speed of hover."""
-        vehicles = self.vehicles_of(world)
-        for i in vehicles:
-            speed_radps = self.worlds[i].airframe.quadrotor.hover_speed_radps
-            n_rotors = _n_rotors(self.worlds[i])
-            self.records["rotors"]["speed_radps"][i, :n_rotors] = speed_radps
-            self.records["controller"]["rotor_model_radps"][i, :n_rotors] = speed_radps
-            self.history["rotor_speed_radps"][i] = speed_radps
-        self._datas[world].time = self._ticks[vehicles.start] * self._tick_s
+        first = world * self.n_together
+        vehicles = slice(first, first + self.n_together)
+        for speeds_radps in self._rotors_at_hover:
+            speeds_radps[vehicles] = self._hover_radps[vehicles]
+        self._datas[world].time = self._ticks[first] * self._tick_s
         self._engine["is_held"][vehicles] = 0
 
     def vehicles_of(self, world: int) -> range:
@@ -222,8 +248,19 @@ class Fleet:
     def _share(self, work: Callable[[], None]) -> None:
         """Let all threads do the same work, and wait for them."""
         pool, n_helpers = self._pool, self._n_helpers
-        helpers = [pool.submit(work) for _ in range(n_helpers)] if pool else []
-        work()
+        if pool is None:
+            work()
+            return
+        # Nobody may restore MuJoCo's clock of stages while others still step.
+        stage_clock, self._clock.value = self._clock.value, None
+        try:
+            helpers = [pool.submit(work) for _ in range(n_helpers)]
+            try:
+                work()
+            finally:
+                wait(helpers)
+        finally:
+            self._clock.value = stage_clock
         for helper in helpers:
             helper.result()
 
@@ -236,42 +273,61 @@ class Fleet:
                 "not a number"
             )
 
-    def _begin(self, world: int, cfg: PlantCfg) -> None:
-        """Fill the records, set wind and setpoints, and write the starts into the log."""
-        vehicles = slice(world * self.n_together, (world + 1) * self.n_together)
-        views, log = self.worlds[vehicles], self._log[vehicles]
-        key = id(views[0].scene), cfg.effects
-        if key not in self._surroundings:
-            self._surroundings[key] = Surroundings.of(views[0].scene, cfg.effects)
-        memories = new_memories(
-            views,
-            cfg,
-            self._datas[world],
-            row=self._by_world[world],
-            histories=log,
-            surroundings=self._surroundings[key],
-        )
-        log.view(np.uint8).fill(0)
-        for i, memory in enumerate(memories, vehicles.start):
-            self._memories[i] = memory
-            memory.set_wind(cfg.wind)
-            memory.setpoint_flat[:] = setpoint_row(OFF)
-            row: np.void = self.history[i, -1]
-            row["position_true_enu_m"], row["quat_true_wxyz"] = memory.qpos[:3], memory.qpos[3:]
+    def _by_data(self) -> Iterator[tuple[World, mujoco.MjData]]:
+        """Each world, as its first vehicle has it, and its state."""
+        return zip(self.worlds[:: self.n_together], self._datas, strict=True)
 
-    def _load(self, index: int, mass_share: float) -> None:
-        """Give a vehicle a share of its mass, in a model of its world's own."""
-        world = self.worlds[index]
-        quadrotor, body = world.airframe.quadrotor, world.vehicle_body_id
-        mass_kg = mass_share * quadrotor.mass_kg
-        if world.model.body_mass[body] == mass_kg:
+    def _new_memories(self, cfgs: Sequence[PlantCfg]) -> list[PlantMemory]:
+        surroundings: dict[tuple[int, Effects], Surroundings] = {}
+        memories: list[PlantMemory] = []
+        for i, (cfg, data) in enumerate(zip(cfgs, self._datas, strict=True)):
+            vehicles = slice(i * self.n_together, (i + 1) * self.n_together)
+            views, key = self.worlds[vehicles], (id(self.worlds[vehicles][0].scene), cfg.effects)
+            if key not in surroundings:
+                surroundings[key] = Surroundings.of(views[0].scene, cfg.effects)
+            memories += new_memories(
+                views,
+                cfg,
+                data,
+                row=self._by_world[i],
+                histories=self._log[vehicles],
+                surroundings=surroundings[key],
+            )
+        return memories
+
+    def _begin(self, world: int, wind: WindCfg) -> None:
+        """Set the wind and the setpoints, and write the starts into the log."""
+        vehicles = self.vehicles_of(world)
+        self._log_bytes[vehicles.start : vehicles.stop] = 0
+        for i in vehicles:
+            memory = self._memories[i]
+            if wind is not CALM:
+                memory.set_wind(wind)
+            memory.setpoint_flat[:] = _OFF
+            self._first_position_enu_m[i] = memory.qpos[:3]
+            self._first_quat_wxyz[i] = memory.qpos[3:]
+
+    def _load(self, world: int, mass_shares: Sequence[float]) -> None:
+        """Give vehicles a share of their masses, in a model of their world's own."""
+        vehicles = self.vehicles_of(world)
+        views = self.worlds[vehicles.start : vehicles.stop]
+        masses_kg = [
+            share * view.airframe.quadrotor.mass_kg
+            for share, view in zip(mass_shares, views, strict=True)
+        ]
+        model = views[0].model
+        bodies = [view.vehicle_body_id for view in views]
+        if model.body_mass[bodies].tolist() == masses_kg:
             return
-        model = copy.copy(world.model)
-        model.body_mass[body] = mass_kg
-        model.body_inertia[body] = mass_share * np.array(quadrotor.inertia_flu_kgm2)
-        mujoco.mj_setConst(model, self.data(index))
-        for i in self.vehicles_of(index // self.n_together):
+        if not self._has_own_model[world]:
+            model, self._has_own_model[world] = copy.copy(model), True
+        for body, mass_kg, share, view in zip(bodies, masses_kg, mass_shares, views, strict=True):
+            model.body_mass[body] = mass_kg
+            model.body_inertia[body] = share * np.array(view.airframe.quadrotor.inertia_flu_kgm2)
+        mujoco.mj_setConst(model, self._datas[world])
+        for i in vehicles:
             self.worlds[i] = replace(self.worlds[i], model=model)
+            self._memories[i].load(self.worlds[i])
 
 
 def _with_own_model(world: World) -> World:
@@ -284,3 +340,10 @@ def _with_own_model(world: World) -> World:
 
 def _n_rotors(world: World) -> int:
     return len(world.airframe.quadrotor.rotors)
+
+
+def _state_of(model: mujoco.MjModel, data: mujoco.MjData) -> np.ndarray:
+    """All that the engine's next steps follow from."""
+    state = np.empty(mujoco.mj_stateSize(model, _STATE))
+    mujoco.mj_getState(model, data, state, _STATE)
+    return state

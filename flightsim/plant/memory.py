@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import accumulate
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -15,13 +17,14 @@ from autonomy.control.cfg import controller_cfg_for
 from autonomy.estimation import new_filter
 from autonomy.model.quadrotor import GRAVITY_MPS2
 from flightsim.draws import generator, seed_sequence
+from flightsim.environment.dryden import stationary_states
 from flightsim.environment.effects import Effects
 from flightsim.environment.magnetic_field import FIELD_ENU_UT
 from flightsim.environment.motion import new_movers, new_traffic, place_mover
 from flightsim.environment.rooms import indoor_rooms
 from flightsim.environment.shelter import Grid, blocks_of, grid_for, kept_shelter
 from flightsim.environment.steel import steel_dipoles
-from flightsim.environment.wind import AIR_NORMALS, WindCfg, new_air, set_wind
+from flightsim.environment.wind import AIR_NORMALS, CALM, WindCfg, new_air, set_wind
 from flightsim.looks.movers import MOVER_CONTACT_BIT
 from flightsim.plant.cfg import PlantCfg, estimator_cfg_for
 from flightsim.plant.free_flight import new_free_flight
@@ -110,6 +113,7 @@ class PlantMemory:
         self.world, self.data, self.row = world, data, row
         self.plants = row[world.number : world.number + 1]
         self.plant: np.void = self.plants[0]
+        self._written = _written(self.plants, cfg)
         self.setpoint_flat = self.plants["setpoint"].view("f8")
         self.history = history
         self._stream = ("plant",) if world.number == 0 else ("plant", "vehicle", world.number)
@@ -119,19 +123,41 @@ class PlantMemory:
         else:
             self.movers, self._mover_points = lead.movers, lead._mover_points
             self.traffic = lead.traffic
-        self._around = surroundings
+        self._around, self._cfg = surroundings, cfg
         self._shelter = np.zeros((*self._around.grid.shape, 3))
         self._name_movers(world)
         self._connect(world, cfg, data)
         self._build_vehicle(world, cfg)
-        self._switch_on(world, cfg)
+        self._lay_out_normals(cfg)
         self._point_to_arrays()
+        self.set_wind(CALM)
+        self._keep()
+        self._draw_start(cfg.seed)
+
+    def restart(self, seed: int) -> None:
+        """Fill the record anew of a vehicle as it stands in `data` now, in calm air.
+
+        It is then what a new memory of this seed has, without the work that no seed changes.
+        """
+        self._restore()
+        self._draw_start(seed)
+
+    def load(self, world: World) -> None:
+        """Take masses that have changed in the model, from the next start on.
+
+        Args:
+            world: The world with its model, which may be another one of the same sizes.
+        """
+        self.world = world
+        self._restore()
+        self._connect(world, self._cfg, self.data)
+        self._keep()
 
     def draw_normals(self) -> None:
         """Draw the noise of the next second."""
         for stream in self._streams:
             stream.draw()
-        if self.plant["air"]["turbulence_mps"] > 0.0:
+        if self._air_stream is not None and self.plant["air"]["turbulence_mps"] > 0.0:
             self._air_stream.draw()
 
     def set_wind(self, cfg: WindCfg) -> None:
@@ -145,7 +171,32 @@ class PlantMemory:
         set_wind(self.plant["air"], cfg, has_rooms=has_rooms, is_sheltered=is_sheltered)
         self.plant["rotors"]["wind_enu_mps"] = cfg.steady_enu_mps
         if was_smooth and cfg.turbulence_mps > 0.0:
-            self._air_stream.draw()
+            self._stir()
+
+    def _stir(self) -> None:
+        """Draw the turbulence of the next second, at first also that of now."""
+        if self._air_stream is None:
+            states = stationary_states(self._generator(*self._stream, _FIRST_AIR_STREAM))
+            self.plant["air"]["states"] = states
+            self._air_stream = self._normal_stream(_AIR_STREAM, self._air_normals)
+        self._air_stream.draw()
+
+    def _generator(self, *stream: str | int) -> np.random.Generator:
+        return generator(self._seed, self.world.scene.scene_id, *stream)
+
+    def _normal_stream(self, number: int, block: np.ndarray) -> NormalStream:
+        scene_id = self.world.scene.scene_id
+        return NormalStream(seed_sequence(self._seed, scene_id, *self._stream, number), block)
+
+    def _keep(self) -> None:
+        """Keep the records as they are before anything is drawn, for `restart`."""
+        self._kept = [part.copy() for part in self._written], self.movers.copy()
+
+    def _restore(self) -> None:
+        parts, movers = self._kept
+        for written, kept in zip(self._written, parts, strict=True):
+            written[:] = kept
+        self.movers[:] = movers
 
     def _name_movers(self, world: World) -> None:
         """Record the body and the geom of each mover in the model."""
@@ -189,11 +240,9 @@ class PlantMemory:
         e["vehicle_body"] = body
 
     def _build_vehicle(self, world: World, cfg: PlantCfg) -> None:
-        """Fill the records of the air, the rotors and the controller."""
+        """Fill the records of the air, the rotors, the controller and the filter."""
         quadrotor, dt_s = world.airframe.quadrotor, 1.0 / cfg.control_hz
-        scene_id = world.scene.scene_id
-        first_air = generator(cfg.seed, scene_id, *self._stream, _FIRST_AIR_STREAM)
-        self.plant["air"] = new_air(first_air, dt_s=dt_s)[0]
+        self.plant["air"] = new_air(dt_s)[0]
         self.plant["air"]["shelter_cell_m"] = self._around.grid.cell_m
         self.plant["air"]["shelter_origin_enu_m"] = self._around.grid.origin_enu_m
         self.plant["traffic"] = new_traffic(dt_s)[0]
@@ -204,42 +253,65 @@ class PlantMemory:
             effects=cfg.effects,
         )[0]
         self.plant["surfaces"] = new_surfaces(cfg.effects)[0]
-        self.plant["vibration"] = new_vibration(
-            world.airframe,
-            generator(cfg.seed, scene_id, *self._stream, _VIBRATION_STREAM),
-            dt_s=dt_s,
-            is_on=cfg.effects.vibration,
-        )[0]
         gains = cfg.controller or controller_cfg_for(quadrotor)
         self.plant["controller"] = new_controller(quadrotor, gains, dt_s=dt_s)[0]
-        estimator = cfg.estimator or estimator_cfg_for(cfg)
-        believed = generator(cfg.seed, scene_id, *self._stream, _START_STREAM)
-        start = believed.normal(self.qpos[:3], estimator.start_sigma_m)
         self.plant["filter"] = new_filter(
-            estimator,
+            cfg.estimator or estimator_cfg_for(cfg),
             dt_s=dt_s,
             field_enu_ut=FIELD_ENU_UT,
             gravity_mps2=GRAVITY_MPS2,
             drag=drag_model(world.airframe, cfg.effects),
-            start_enu_m=None if cfg.aiding == "gnss" else tuple(start.tolist()),
         )[0]
+
+    def _lay_out_normals(self, cfg: PlantCfg) -> None:
+        """Make room for the noise of a second: a block for each sensor, then one for the air."""
+        sensors = SENSORS if cfg.has_sensors else ()
+        sizes = [
+            getattr(sensor.cfg(cfg), "rate_hz", cfg.control_hz) * sensor.n_normals
+            for sensor in sensors
+        ]
+        ends = list(accumulate(sizes, initial=0))
+        self._normals = np.zeros(ends[-1] + cfg.control_hz * AIR_NORMALS)
+        *blocks, self._air_normals = np.split(self._normals, ends[1:])
+        self._sensors = list(zip(sensors, ends, blocks, strict=False))
+        self.plant["air"]["first_normal"] = ends[-1]
+
+    def _draw_start(self, seed: int) -> None:
+        """Draw what differs between flights: the sky, each sensor's errors and noise, the start.
+
+        Nobody looks at any of it where nothing is measured. The air is drawn when it is stirred.
+        """
+        self._seed = seed
+        self._air_stream: NormalStream | None = None
+        self._streams: list[NormalStream] = []
+        if self._cfg.has_sensors:
+            self._switch_on(self.world, self._cfg)
 
     def _switch_on(self, world: World, cfg: PlantCfg) -> None:
         """Fill the records of the sky and the sensors, and give each its noise."""
-        scene_id = world.scene.scene_id
         self.plant["sky"] = new_sky(
             GRADES[cfg.gnss].constellations,
             world.scene.latitude_deg,
             # One sky stands over all vehicles of a world.
-            generator(cfg.seed, scene_id, "plant", _SKY_STREAM),
+            self._generator("plant", _SKY_STREAM),
             cfg.effects,
         )[0]
-        bounds, amperes = [0], amperes_per_cubed_speed(world.airframe.battery)
-        sensors = SENSORS if cfg.has_sensors else ()
-        for sensor in sensors:
+        self.plant["vibration"] = new_vibration(
+            world.airframe,
+            self._generator(*self._stream, _VIBRATION_STREAM),
+            dt_s=1.0 / cfg.control_hz,
+            is_on=cfg.effects.vibration,
+        )[0]
+        if cfg.aiding != "gnss":
+            sigma_m = (cfg.estimator or estimator_cfg_for(cfg)).start_sigma_m
+            believed = self._generator(*self._stream, _START_STREAM)
+            f: np.void = self.plant["filter"]
+            f["has_start"], f["start_enu_m"] = 1, believed.normal(self.qpos[:3], sigma_m)
+        amperes = amperes_per_cubed_speed(world.airframe.battery)
+        for sensor, first, block in self._sensors:
             start = SensorStart(
                 tick_hz=cfg.control_hz,
-                rng=generator(cfg.seed, scene_id, *self._stream, *sensor.start_streams),
+                rng=self._generator(*self._stream, *sensor.start_streams),
                 position_enu_m=self.qpos[:3],
                 velocity_enu_mps=self.qvel[:3],
                 quat_wxyz=self.qpos[3:7],
@@ -248,17 +320,8 @@ class PlantMemory:
             )
             self.plant[sensor.name] = sensor.new(sensor.cfg(cfg), start)[0]
             record = self.plant[sensor.name]
-            record["first_normal"] = bounds[-1]
-            record["is_enabled"] = cfg.has(sensor.name)
-            bounds.append(bounds[-1] + record["rate_hz"] * sensor.n_normals)
-        self.plant["air"]["first_normal"] = bounds[-1]
-        self._normals = np.zeros(bounds[-1] + cfg.control_hz * AIR_NORMALS)
-        blocks = np.split(self._normals, bounds[1:])
-        numbers = [*(sensor.stream for sensor in sensors), _AIR_STREAM]
-        *self._streams, self._air_stream = (
-            NormalStream(seed_sequence(cfg.seed, scene_id, *self._stream, number), block)
-            for number, block in zip(numbers, blocks, strict=True)
-        )
+            record["first_normal"], record["is_enabled"] = first, cfg.has(sensor.name)
+            self._streams.append(self._normal_stream(sensor.stream, block))
 
     def _point_to_arrays(self) -> None:
         """Tell the kernel where the arrays without a fixed size are."""
@@ -276,6 +339,16 @@ class PlantMemory:
             self._around.grid.shape,
         )
         e["history_address"] = self.history.ctypes.data
+
+
+def _written(plants: np.ndarray, cfg: PlantCfg) -> list[np.ndarray]:
+    """Bytes of a record that a flight changes: without sensors, neither theirs nor the filter's."""
+    record = plants.view(np.uint8)
+    if cfg.has_sensors:
+        return [record]
+    places: Any = PLANT_DTYPE.fields
+    first, last = places[SENSORS[0].name][1], places["state"][1]
+    return [record[:first], record[last:]]
 
 
 def new_memories(

@@ -107,6 +107,7 @@ PeerName = Literal["gym-pybullet-drones", "pyflyt", "crazyflow"]
 class WorldsBenchCfg(AnyBenchCfg):
     """Fly many vehicles, each in a world of its own, on one thread and on two; step environments.
 
+    Environments are stepped by actions that keep all up, and by actions that end episodes.
     Targets are for two quiet cores; figures in CPU seconds hold on a busy machine too.
     """
 

@@ -15,6 +15,7 @@ from flightsim.plant.cfg import ADVANCE_HZ
 from flightsim.vehicles.catalogue import airframe_by_name
 from flightsim.world import World, build_world
 from scenarios.bench.configs import BenchError, WorldsBenchCfg
+from scenarios.bench.episode_ends import end_rows
 from scenarios.bench.peers import check_installed, peer_rows
 from scenarios.bench.row import OnProgress, Row, higher, lower
 
@@ -53,6 +54,8 @@ def rows(cfg: WorldsBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
     yield from _true_state_rows(around, cfg)
     on_progress("environments", 0.6)
     yield from _environment_rows(cfg)
+    on_progress("ends of episodes", 0.8)
+    yield from end_rows(cfg)
     if cfg.peers:
         on_progress("peers", 0.9)
         yield from peer_rows(cfg.peers, cfg.seconds)
@@ -101,13 +104,14 @@ def _fly(worlds: list[World], cfgs: list[PlantCfg], seconds: float) -> tuple[lis
 def _hovering(worlds: list[World], cfgs: list[PlantCfg], n_threads: int) -> Fleet:
     """Vehicles that hold their places above the start, estimators aligned where there are any."""
     fleet = Fleet(worlds, cfgs, n_threads=n_threads)
-    for i, (world, plant_cfg) in enumerate(zip(worlds, cfgs, strict=True)):
-        x, y, z = world.scene.start_position_enu_m
-        place = (x, y, z + _CLIMB_M)
-        fleet.restart(i, plant_cfg, held_at=[(place, LEVEL)])
-        fleet.align(i)
+    starts_enu_m = np.array([world.scene.start_position_enu_m for world in worlds])
+    places_enu_m = starts_enu_m + np.array([0.0, 0.0, _CLIMB_M])
+    for i, (place, plant_cfg) in enumerate(zip(places_enu_m.tolist(), cfgs, strict=True)):
+        fleet.restart(i, plant_cfg.seed, plant_cfg.wind, held_at=[(place, LEVEL)])
+    fleet.align(range(len(worlds)))
+    for i in range(len(worlds)):
         fleet.release(i)
-        fleet.setpoints["position_enu_m"][i] = place
+    fleet.setpoints["position_enu_m"] = places_enu_m
     fleet.setpoints["level"] = ControlLevel.TRAJECTORY
     return fleet
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -18,7 +17,8 @@ from flightsim.vehicles.catalogue import airframe_by_name
 from flightsim.world import World, build_world
 from scenarios.environments.cfg import EnvironmentCfg, EnvironmentInputError
 from scenarios.environments.episodes.draws import Draws, draw_conditions
-from scenarios.environments.episodes.ending import EpisodeLog, Outcome
+from scenarios.environments.episodes.ending import Outcome, judge_episode
+from scenarios.environments.episodes.flights import Flights
 from scenarios.environments.episodes.place import Place
 from scenarios.environments.interface.actions import Actuation, check_motors
 from scenarios.environments.interface.latency import ActionQueue
@@ -26,6 +26,7 @@ from scenarios.environments.interface.observations import N_NOISES, Observation,
 from scenarios.environments.interface.pictures import Photographer, Picture
 from scenarios.environments.tasks import Situation, Start, Task
 from scenarios.trials.limits import LIMITS
+from scenarios.trials.score import is_still, rotors_turn
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +50,6 @@ class _Episode:
     drawn: Draws
     rng: np.random.Generator
     """That of its world."""
-    log: EpisodeLog
 
 
 class Batch:
@@ -101,21 +101,14 @@ class Batch:
         self._actuation = Actuation(fleet, cfg.action)
         self._queue = ActionQueue(n, cfg.longest_latency)
         self._step_s = 1.0 / cfg.action_hz
+        self._flights = Flights(fleet, self._step_s)
         self._photographer = Photographer(fleet, self._step_s)
         self._longest_s = cfg.episode_s or task.episode_s
         self._seeds, self._n_begun = [0] * len(worlds), [0] * len(worlds)
         self._episodes: dict[int, _Episode] = {}
         self._begun_s, self._is_flying = np.zeros(n), np.zeros(n, bool)
-        self._noise = np.zeros((n, N_NOISES))
-        self._now = Situation(
-            position_enu_m=fleet.history["position_true_enu_m"][:, -1],
-            velocity_enu_mps=fleet.history["velocity_true_enu_mps"][:, -1],
-            rate_flu_radps=fleet.history["angular_rate_true_flu_radps"][:, -1],
-            target_enu_m=np.zeros((n, 3)),
-            distance_m=np.zeros(n),
-            near_s=np.zeros(n),
-            touch_s=np.zeros(n),
-        )
+        self._noise = np.zeros((n, N_NOISES)) if cfg.randomisation.noise > 0.0 else None
+        self._now = Situation(fleet, task.near_m, self._step_s)
 
     def __len__(self) -> int:
         return len(self._places)
@@ -134,12 +127,26 @@ class Batch:
         """Let a world's next episode be the first of a seed."""
         self._seeds[world], self._n_begun[world] = seed, 0
 
-    def begin(self, world: int) -> None:
-        """Begin a world's next episode: hold its vehicles until they are aligned, and let go.
+    def begin(self, worlds: Sequence[int]) -> None:
+        """Begin the next episodes of worlds: hold vehicles until they are aligned, and let go.
 
         Raises:
-            EnvironmentInputError: If the scene has no place for it.
+            EnvironmentInputError: If a scene has no place for it.
         """
+        fleet, begun = self._fleet, [self._hold(world) for world in worlds]
+        fleet.align(worlds)
+        if self._cfg.observation.has_sensors:
+            fleet.share(worlds, fleet.advance_one)
+        for world, episodes in zip(worlds, begun, strict=True):
+            fleet.release(world)
+            self._n_begun[world] += 1
+            vehicles = fleet.vehicles_of(world)
+            for i, episode in zip(vehicles, episodes, strict=True):
+                self._let_go(i, episode)
+            self._draw_noise(vehicles)
+
+    def _hold(self, world: int) -> list[_Episode]:
+        """Draw the next episode of each vehicle of a world, and hold it where it begins."""
         place, cfg, fleet = self._places[world], self._cfg, self._fleet
         stream = ("environment", self._task.name, self._n_begun[world])
         rng = generator(self._seeds[world], place.world.scene.scene_id, *stream)
@@ -151,33 +158,27 @@ class Batch:
         fleet.restart(
             world,
             # One wind blows in one world.
-            cfg.plant_cfg(drawn[0].plant_seed, drawn[0].wind),
+            drawn[0].plant_seed,
+            drawn[0].wind,
             held_at=[(start.position_enu_m, start.quat_wxyz) for start in starts],
-            mass_shares=[each.mass_share for each in drawn],
+            mass_shares=[each.mass_share for each in drawn] if cfg.randomisation.mass > 0.0 else (),
         )
-        fleet.align(world)
-        if cfg.observation.has_sensors:
-            fleet.advance_one(world)
-        fleet.release(world)
-        self._n_begun[world] += 1
-        vehicles = fleet.vehicles_of(world)
-        for i, start, each in zip(vehicles, starts, drawn, strict=True):
-            log = EpisodeLog(i, fleet.history[i].nbytes)
-            self._let_go(i, _Episode(start=start, drawn=each, rng=rng, log=log))
-        self._draw_noise(vehicles)
+        return [
+            _Episode(start=start, drawn=each, rng=rng)
+            for start, each in zip(starts, drawn, strict=True)
+        ]
 
     def _let_go(self, index: int, episode: _Episode) -> None:
         """Begin a vehicle's part of an episode."""
-        start, drawn, now = episode.start, episode.drawn, self._now
+        start, drawn = episode.start, episode.drawn
         rotor_shares = self._fleet.records["rotors"]["effectiveness"][index]
         rotor_shares[: len(drawn.rotor_shares)] = drawn.rotor_shares
         self._queue.restart(index, drawn.latency)
+        self._flights.begin(index)
         self._photographer.begin(index)
         self._episodes[index], self._is_flying[index] = episode, True
         self._begun_s[index] = self._fleet.time_s[index]
-        now.target_enu_m[index] = start.target_enu_m
-        now.near_s[index] = now.touch_s[index] = 0.0
-        now.distance_m[index] = math.dist(start.target_enu_m, start.position_enu_m)
+        self._now.begin(index, start.target_enu_m)
 
     def observe(self, before: tuple[Observation, Sequence[int]] | None = None) -> Observation:
         """Observations of all vehicles now; for `before` see `Observer.observe`."""
@@ -191,35 +192,38 @@ class Batch:
             actions: Checked actions.
 
         Raises:
+            EnvironmentInputError: If no episode has begun.
             PhysicsDivergedError: If the physics engine had to give a state up.
         """
+        self._require_episodes("step")
         now, before_m = self._now, self._now.distance_m.copy()
         self._actuation.apply(self._queue.delayed(actions), self.observer.position_enu_m)
-        for i in np.flatnonzero(~self._is_flying).tolist():
-            self._actuation.stop(i)
+        if not self._is_flying.all():
+            self._actuation.stop(~self._is_flying)
         self._fleet.advance()
-        rows = self._fleet.history.tobytes()
-        for i in np.flatnonzero(self._is_flying).tolist():
-            self._episodes[i].log.add(rows)
-        self._look()
+        now.look()
+        self._flights.take(self._is_flying, now.is_touching)
         reward = self._task.reward(now, before_m, self._step_s)
         is_over = self._task.is_over(now)
         seconds = self._fleet.time_s - self._begun_s
         is_time_up = (seconds >= self._longest_s - 1e-6) & ~is_over
-        outcomes = {
-            i: self._end(i, float(seconds[i]), is_time_up=bool(is_time_up[i]))
-            for i in np.flatnonzero(self._is_flying & (is_over | is_time_up)).tolist()
-        }
+        outcomes: dict[int, Outcome] = {}
+        has_ended = self._is_flying & (is_over | is_time_up)
+        if has_ended.any():
+            outcomes = self._end(np.flatnonzero(has_ended).tolist(), seconds, is_time_up)
         for i, outcome in outcomes.items():
             is_success, is_late = bool(outcome.judgement.success), bool(is_time_up[i])
             reward[i] += self._task.end_reward(is_success=is_success, is_time_up=is_late)
-            self._is_flying[i] = False
-        if self._cfg.randomisation.noise > 0.0:
-            self._draw_noise(range(len(self._fleet)))
+        self._draw_noise(range(len(self._fleet)))
         return Step(reward, is_over, is_time_up, now.distance_m.copy(), outcomes)
 
     def picture(self, world: int) -> Picture:
-        """A world's vehicle as it is now, from behind and above, or its vehicles together."""
+        """A world's vehicle as it is now, from behind and above, or its vehicles together.
+
+        Raises:
+            EnvironmentInputError: If no episode has begun.
+        """
+        self._require_episodes("render")
         vehicles = self._fleet.vehicles_of(world)
         if len(vehicles) > 1:
             return self._photographer.together(vehicles)
@@ -231,49 +235,67 @@ class Batch:
         self.observer.close()
         self._fleet.close()
 
-    def _look(self) -> None:
-        """Bring the situation up to date."""
-        now = self._now
-        now.distance_m[:] = np.linalg.norm(now.target_enu_m - now.position_enu_m, axis=1)
-        is_touching = np.any(self._fleet.history["is_touching"] > 0, axis=1)
-        is_near = np.asarray(now.distance_m <= self._task.near_m)
-        _count(now.near_s, is_near, self._step_s)
-        _count(now.touch_s, is_touching, self._step_s)
+    def _require_episodes(self, what: str) -> None:
+        if not self._episodes:
+            raise EnvironmentInputError(f"{what}: before the first episode only reset() is valid")
 
-    def _end(self, index: int, seconds: float, *, is_time_up: bool) -> Outcome:
-        """Judge an episode that is over, in a task that says so after all has come to rest."""
-        episode, airframe = self._episodes[index], self._fleet.worlds[index].airframe
+    def _end(
+        self, ended: Sequence[int], seconds: np.ndarray, is_time_up: np.ndarray
+    ) -> dict[int, Outcome]:
+        """Judge episodes that are over, in a task that says so after all has come to rest."""
+        rest: dict[int, list[np.ndarray]] = {}
+        if self._task.settles:
+            touching = [i for i in ended if self._now.touch_s[i] > 0.0]
+            # One vehicle for each world: a vehicle's number is its world's.
+            self._fleet.share(touching, lambda i: rest.update({i: self._settle(i)}))
+        return {
+            i: self._judge(i, rest.get(i, []), float(seconds[i]), is_time_up=bool(is_time_up[i]))
+            for i in ended
+        }
+
+    def _judge(
+        self, index: int, rest: Sequence[np.ndarray], seconds: float, *, is_time_up: bool
+    ) -> Outcome:
+        """Judge an episode that is over, after which the vehicle came to rest."""
+        self._is_flying[index] = False
         ending = self._task.ending(self._now, index, seconds, is_time_up=is_time_up)
-        if self._task.settles and self._now.touch_s[index] > 0.0:
-            self._settle(index)
-        place = self._places[index // self._fleet.n_together]
-        contacts = place.contacts if episode.start.goal.area is not None else None
-        judgement = episode.log.judge(airframe, episode.start.goal, ending, contacts)
+        history, n_before = self._flights.of(index, rest)
+        goal, place = (
+            self._episodes[index].start.goal,
+            self._places[index // self._fleet.n_together],
+        )
+        judgement = judge_episode(
+            history,
+            n_before,
+            self._fleet.worlds[index].airframe,
+            goal,
+            ending,
+            place.contacts if goal.area is not None else None,
+        )
         return Outcome(judgement, seconds)
 
-    def _settle(self, index: int) -> None:
-        """Stop the rotors, and wait until the vehicle rests."""
-        fleet, log = self._fleet, self._episodes[index].log
-        airframe, n_rest = fleet.worlds[index].airframe, round(LIMITS.rest_s / self._step_s)
+    def _settle(self, index: int) -> list[np.ndarray]:
+        """Stop the rotors, and wait until the vehicle rests; its flights of that time."""
+        fleet, rows, n_still = self._fleet, [], 0
         self._actuation.stop(index)
-        for n in range(round(LIMITS.longest_settle_s / self._step_s)):
-            if n >= n_rest and log.is_still(airframe, n_rest):
-                return
-            fleet.advance_one(index // fleet.n_together)
-            log.add(fleet.history.tobytes())
+        for _ in range(round(LIMITS.longest_settle_s / self._step_s)):
+            fleet.advance_one(index)
+            rows.append(self._flights.last(index))
+            n_still = n_still + 1 if is_still(fleet.history[index]) else 0
+            is_long_enough = n_still >= round(LIMITS.rest_s / self._step_s)
+            last = fleet.history[index, -1:]
+            if is_long_enough and not rotors_turn(last, fleet.worlds[index].airframe)[0]:
+                break
+        return rows
 
     def _draw_noise(self, vehicles: Iterable[int]) -> None:
+        if self._noise is None:
+            return
         for i in vehicles:
             episode = self._episodes[i]
             if episode.drawn.noise_level > 0.0:
                 normals = episode.rng.standard_normal(N_NOISES)
                 self._noise[i] = episode.drawn.noise_level * normals
-
-
-def _count(time_s: np.ndarray, goes_on: np.ndarray, step_s: float) -> None:
-    """Add a step to times for which something has gone on, in place."""
-    time_s += step_s
-    time_s[~goes_on] = 0.0
 
 
 def _checked_cfg(cfg: EnvironmentCfg | None, n_threads: int | None) -> EnvironmentCfg:

@@ -66,7 +66,7 @@ class AeroSceneEnv(gymnasium.Env[Any, np.ndarray]):
             given = int(self.np_random.integers(2**31)) if seed is None else seed
             self._batch.seed(0, given)
             self._is_seeded = True
-        self._batch.begin(0)
+        self._batch.begin([0])
         return take(self._batch.observe(), 0), {}
 
     def step(self, action: np.ndarray) -> tuple[Any, float, bool, bool, dict[str, Any]]:
@@ -75,8 +75,6 @@ class AeroSceneEnv(gymnasium.Env[Any, np.ndarray]):
         Raises:
             EnvironmentInputError: If the action has another shape or is not finite.
         """
-        if not self._is_seeded:
-            raise EnvironmentInputError("step: before the first episode only reset() is valid")
         step = self._batch.step(checked_actions(action, (N_ACTIONS,))[None])
         info: dict[str, Any] = {"distance_m": float(step.distance_m[0])}
         if step.outcomes:
@@ -91,11 +89,7 @@ class AeroSceneEnv(gymnasium.Env[Any, np.ndarray]):
         Raises:
             EnvironmentInputError: If no episode has begun.
         """
-        if self.render_mode is None:
-            return None
-        if not self._is_seeded:
-            raise EnvironmentInputError("render: before the first episode only reset() is valid")
-        return self._batch.picture(0)
+        return None if self.render_mode is None else self._batch.picture(0)
 
     def close(self) -> None:
         """Free what the world holds."""

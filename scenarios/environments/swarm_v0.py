@@ -119,7 +119,7 @@ class AeroSceneSwarm(ParallelEnv[str, Observation, np.ndarray]):
             fresh = int(np.random.default_rng().integers(2**31)) if seed is None else seed
             self._batch.seed(0, fresh)
             self._is_seeded = True
-        self._batch.begin(0)
+        self._batch.begin([0])
         self.agents = self.possible_agents[:]
         return self._observe(self.agents), {agent: {} for agent in self.agents}
 
@@ -155,11 +155,7 @@ class AeroSceneSwarm(ParallelEnv[str, Observation, np.ndarray]):
         Raises:
             EnvironmentInputError: If no episode has begun.
         """
-        if self.render_mode is None:
-            return None
-        if not self._is_seeded:
-            raise EnvironmentInputError("render: before the first episode only reset() is valid")
-        return self._batch.picture(0)
+        return None if self.render_mode is None else self._batch.picture(0)
 
     def close(self) -> None:
         """Free what the world holds."""

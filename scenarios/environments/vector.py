@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,8 +12,9 @@ from gymnasium.vector.utils import batch_space
 from aeroscene.scene import Scene
 from scenarios.environments.batch import Batch
 from scenarios.environments.cfg import EnvironmentCfg, EnvironmentInputError
+from scenarios.environments.episodes.ending import Outcome
 from scenarios.environments.interface.actions import N_ACTIONS, checked_actions
-from scenarios.environments.interface.observations import take
+from scenarios.environments.interface.observations import Observation, take
 from scenarios.environments.interface.pictures import RENDER_MODES, Picture, checked_render_mode
 from scenarios.environments.single import ACTION_SPACE, refuse_options
 from scenarios.environments.tasks import task_by_name
@@ -96,7 +97,7 @@ class AeroSceneVectorEnv(VectorEnv[Any, np.ndarray, np.ndarray]):
         for i, given in enumerate(self._seeds(seed)):
             if given is not None:
                 self._batch.seed(i, given)
-            self._batch.begin(i)
+        self._batch.begin(range(self.num_envs))
         self._is_seeded = True
         return self._batch.observe(), {}
 
@@ -108,17 +109,14 @@ class AeroSceneVectorEnv(VectorEnv[Any, np.ndarray, np.ndarray]):
         Raises:
             EnvironmentInputError: If the actions have another shape or are not finite.
         """
-        if not self._is_seeded:
-            raise EnvironmentInputError("step: before the first episode only reset() is valid")
         step = self._batch.step(checked_actions(actions, (self.num_envs, N_ACTIONS)))
         observations = self._batch.observe()
         info: dict[str, Any] = {"distance_m": step.distance_m}
-        for i, outcome in step.outcomes.items():
-            last = {"final_obs": take(observations, i), "final_info": outcome.to_info()}
-            info = self._add_info(info, last, i)
-            self._batch.begin(i)
         if step.outcomes:
-            observations = self._batch.observe((observations, list(step.outcomes)))
+            info |= self._ends(observations, step.outcomes)
+            ended = list(step.outcomes)
+            self._batch.begin(ended)
+            observations = self._batch.observe((observations, ended))
         return observations, step.reward, step.is_terminated, step.is_truncated, info
 
     def render(self) -> tuple[Picture, ...] | None:
@@ -127,15 +125,38 @@ class AeroSceneVectorEnv(VectorEnv[Any, np.ndarray, np.ndarray]):
         Raises:
             EnvironmentInputError: If no episode has begun.
         """
-        if self.render_mode is None:
-            return None
-        if not self._is_seeded:
-            raise EnvironmentInputError("render: before the first episode only reset() is valid")
-        return tuple(self._batch.picture(i) for i in range(self.num_envs))
+        return (
+            None
+            if self.render_mode is None
+            else tuple(self._batch.picture(i) for i in range(self.num_envs))
+        )
 
     def close_extras(self, **_kwargs: Any) -> None:
         """End the threads."""
         self._batch.close()
+
+    def _ends(self, observations: Observation, outcomes: Mapping[int, Outcome]) -> dict[str, Any]:
+        """What `info` says of all episodes that are over: what `_add_info` makes of one by one."""
+        ended, infos = list(outcomes), [outcome.to_info() for outcome in outcomes.values()]
+        is_over = np.zeros(self.num_envs, dtype=bool)
+        is_over[ended] = True
+        final_obs = np.full(self.num_envs, None, dtype=object)
+        for i in ended:
+            final_obs[i] = take(observations, i)
+        final_info: dict[str, np.ndarray] = {}
+        for name, value in infos[0].items():
+            is_text = isinstance(value, str)
+            values = np.full(
+                self.num_envs, None if is_text else 0, object if is_text else type(value)
+            )
+            values[ended] = [info[name] for info in infos]
+            final_info |= {name: values, f"_{name}": is_over.copy()}
+        return {
+            "final_obs": final_obs,
+            "_final_obs": is_over,
+            "final_info": final_info,
+            "_final_info": is_over.copy(),
+        }
 
     def _seeds(self, seed: int | list[int | None] | None) -> Sequence[int | None]:
         if isinstance(seed, int):

@@ -7,15 +7,19 @@ counts as a contact before the touchdown even if no free flight follows it.
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float
 
 from aeroscene.scene import InteractionArea
 from aeroscene.scene.catalogue import BRIDGES, DECKS, FLOORS, GROUND, PADS, ROOFS, ROOMS, WATER
+from autonomy.types import Vector3
 from flightsim.vehicles.airframe import Airframe
 from scenarios.trials.contacts import Contact
 from scenarios.trials.limits import LIMITS
@@ -98,12 +102,18 @@ class _Landing:
         others: Sequence[InteractionArea],
         touched: Touched | None,
     ) -> None:
+        self._history, self._leg_m = history, [0.0, 0.0, airframe.leg_length_m]
         self._is_touching = history["is_touching"] > 0
-        self._time_s = history["time_us"] * 1e-6
-        leg_m = [0.0, 0.0, airframe.leg_length_m]
-        self._soles_enu_m = history["position_true_enu_m"] - leg_m
         self._assigned, self._touched = assigned, touched
         self._areas = others if assigned is None else (assigned, *others)
+
+    @functools.cached_property
+    def _time_s(self) -> np.ndarray:
+        return self._history["time_us"] * 1e-6
+
+    @functools.cached_property
+    def _soles_enu_m(self) -> np.ndarray:
+        return self._history["position_true_enu_m"] - self._leg_m
 
     def first_on_assigned(self, lift_off: int) -> int | None:
         """First row on the assigned area's own surface; None if there is none."""
@@ -135,8 +145,12 @@ class _Landing:
 
     def n_brushes(self, lift_off: int, touchdown: int) -> int:
         """Stretches of contact between two rows, whatever was touched."""
-        free = self._is_touching[lift_off:touchdown]
-        return _n_episodes(free, n_ticks(self._time_s, LIMITS.contact_gap_s))
+        ticks = np.flatnonzero(self._is_touching[lift_off:touchdown])
+        if not ticks.size:
+            return 0
+        # Stretches that are close together count as one.
+        n_gap = n_ticks(self._time_s, LIMITS.contact_gap_s)
+        return 1 + int(np.count_nonzero(np.diff(ticks) > n_gap))
 
     def contacts_before(self, touchdown: int, contacts: Sequence[Contact]) -> tuple[Contact, ...]:
         """Contacts up to the touchdown, but for the one with the surface that it came down on."""
@@ -187,8 +201,15 @@ def is_in_footprint(area: InteractionArea, x_m: np.ndarray, y_m: np.ndarray) -> 
     """Whether each point lies over (or under) an area's polygon."""
     import shapely
 
-    footprint = shapely.Polygon([corner[:2] for corner in area.polygon])
-    return shapely.contains_xy(footprint, x_m, y_m)
+    return shapely.contains_xy(_footprint(tuple(area.polygon)), x_m, y_m)
+
+
+@functools.lru_cache(maxsize=256)
+def _footprint(corners_enu_m: tuple[Vector3, ...]) -> Any:
+    """Polygon of an area on the ground plane; a flight asks for the same ones again and again."""
+    import shapely
+
+    return shapely.Polygon([corner[:2] for corner in corners_enu_m])
 
 
 def n_ticks(time_s: np.ndarray, seconds: float) -> int:
@@ -199,13 +220,7 @@ def n_ticks(time_s: np.ndarray, seconds: float) -> int:
 def _free_flights(history: np.ndarray) -> list[tuple[int, int]]:
     """Begin and end (the row after) of each stretch without contact that is long enough."""
     is_free = history["is_touching"] == 0
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], is_free, [False]]).astype(np.int8)))
-    pairs = zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
-    n_least = n_ticks(history["time_us"] * 1e-6, LIMITS.lift_off_s)
-    return [(begin, end) for begin, end in pairs if end - begin >= n_least]
-
-
-def _n_episodes(is_touching: np.ndarray, gap_ticks: int) -> int:
-    """Stretches of contact, counting those that are closer than `gap_ticks` as one."""
-    ticks = np.flatnonzero(is_touching)
-    return 0 if ticks.size == 0 else 1 + int(np.count_nonzero(np.diff(ticks) > gap_ticks))
+    changes = np.flatnonzero(is_free[1:] != is_free[:-1]) + 1
+    stretches = pairwise([0, *changes.tolist(), len(is_free)])
+    n_least = n_ticks(history["time_us"][:2] * 1e-6, LIMITS.lift_off_s)
+    return [(a, b) for a, b in stretches if b - a >= n_least and is_free[a]]

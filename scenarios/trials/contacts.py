@@ -82,6 +82,8 @@ class ContactFinder:
         model.geom_conaffinity[is_mover[model.geom_bodyid]] = MOVER_CONTACT_BIT
         bodies = [model.body(vehicle_name(k)).id for k in range(world.n_vehicles)]
         self._poses = [model.jnt_qposadr[model.body_jntadr[body]] for body in bodies]
+        self._body_of: list[int] = model.geom_bodyid.tolist()
+        self._thing_of: list[int] = world.geom_object_id.tolist()
         self._data = mujoco.MjData(model)
         # Bounds and masks of bodies follow from those of their geoms.
         mujoco.mj_setConst(model, self._data)
@@ -104,15 +106,18 @@ class ContactFinder:
         """
         flights = list(mates)
         flights.insert(self._world.number, history)
+        poses = [
+            (self._data.qpos[at : at + 7], flight["position_true_enu_m"], flight["quat_true_wxyz"])
+            for at, flight in zip(self._poses, flights, strict=True)
+        ]
         found: list[Contact] = []
         latest: dict[int, int] = {}
         for row in np.flatnonzero(counts & (history["is_touching"] > 0)).tolist():
             time_s = float(history["time_us"][row]) * 1e-6
             self._data.mocap_pos[:] = movers.position_enu_m[row]
             self._data.mocap_quat[:] = movers.quat_wxyz[row]
-            for at, flight in zip(self._poses, flights, strict=True):
-                self._data.qpos[at : at + 3] = flight["position_true_enu_m"][row]
-                self._data.qpos[at + 3 : at + 7] = flight["quat_true_wxyz"][row]
+            for qpos, positions_enu_m, quats_wxyz in poses:
+                qpos[:3], qpos[3:] = positions_enu_m[row], quats_wxyz[row]
             for thing, point_enu_m in self._touched().items():
                 last = latest.get(thing)
                 if last is not None and time_s - found[last].until_s <= LIMITS.contact_gap_s:
@@ -133,21 +138,27 @@ class ContactFinder:
 
     def _touched(self) -> dict[int, Vector3]:
         """Points of contact by the id of what is touched; the nearest thing if none quite is."""
-        data, world = self._data, self._world
-        mujoco.mj_fwdPosition(self._model, data)
-        bodies = self._model.geom_bodyid[data.contact.geom].reshape(-1, 2)
-        own = np.flatnonzero(np.any(bodies == world.vehicle_body_id, axis=1))
-        if not len(own):
+        mujoco.mj_kinematics(self._model, self._data)
+        mujoco.mj_collision(self._model, self._data)
+        # Plain numbers: there are a few contacts, for which an array takes longer than the physics,
+        # and so does an object for each.
+        contact, vehicle, body_of = self._data.contact, self._world.vehicle_body_id, self._body_of
+        own: list[tuple[float, int, int]] = []
+        pairs: list[tuple[int, int]] = contact.geom.tolist()
+        for row, ((a, b), dist_m) in enumerate(zip(pairs, contact.dist.tolist(), strict=True)):
+            if body_of[a] == vehicle:
+                own.append((dist_m, self._thing_of[b], row))
+            elif body_of[b] == vehicle:
+                own.append((dist_m, self._thing_of[a], row))
+        if not own:
             return {}
-        # Whole arrays: an object for each contact costs more than the physics.
-        contact = data.contact
-        geoms, dist_m, points_enu_m = contact.geom[own], contact.dist[own], contact.pos[own]
-        is_vehicle = self._model.geom_bodyid[geoms[:, 0]] == world.vehicle_body_id
-        things = world.geom_object_id[np.where(is_vehicle, geoms[:, 1], geoms[:, 0])]
-        touched = np.flatnonzero(dist_m <= max(float(dist_m.min()), 0.0))
+        reach_m = max(min(own)[0], 0.0)
         # The deepest contact of each thing comes last.
-        order = touched[np.argsort(-dist_m[touched], kind="stable")].tolist()
-        return {int(things[i]): vector3(points_enu_m[i]) for i in order}
+        own.sort(key=lambda each: -each[0])
+        points_enu_m = contact.pos
+        return {
+            thing: vector3(points_enu_m[row]) for dist_m, thing, row in own if dist_m <= reach_m
+        }
 
 
 def impact_mps(history: np.ndarray, row: int) -> float:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -91,6 +92,138 @@ class Goal:
     """Whether a flight without an assigned area may touch nothing once it is in the air."""
 
 
+class Figures:
+    """Figures of one flight, as `FlightScore` has them, each measured when it is asked for.
+
+    A verdict needs few of them, and an episode of an environment needs nothing but its verdict.
+    """
+
+    nearest_mover_m: float | None = None
+    """Nobody has measured it here."""
+
+    def __init__(
+        self, history: np.ndarray, airframe: Airframe, goal: Goal, touched: Touched | None = None
+    ) -> None:
+        """Look at a flight; for the arguments see `score_flight`."""
+        self._history, self._airframe, self._goal = history, airframe, goal
+        self._touched, self._rest = touched, history[-1]
+        self._bounds = bounds_of(history, airframe, goal.area, goal.others, touched)
+        end = self._bounds.touchdown
+        self._landed = history[end:] if end < len(history) else None
+
+    @property
+    def has_flown(self) -> bool:
+        """Whether the vehicle left the ground."""
+        return self._bounds.lift_off < len(self._history)
+
+    @property
+    def is_down(self) -> bool:
+        """Whether the flight ended on the ground, or on something else."""
+        return self._landed is not None
+
+    @property
+    def lift_off_s(self) -> float | None:
+        """Time at which the vehicle left the ground."""
+        return _time_s(self._history[self._bounds.lift_off]) if self.has_flown else None
+
+    @property
+    def reached_s(self) -> float | None:
+        """Time at which it was first in flight above the assigned area."""
+        return reached_s(self._history[self._bounds.lift_off :], self._goal.area)
+
+    @property
+    def touchdown_s(self) -> float | None:
+        """Time at which it came down for good."""
+        return None if self._landed is None else _time_s(self._landed[0])
+
+    @property
+    def contacts_before_touchdown(self) -> int:
+        """Number of contacts between lift-off and touchdown."""
+        return self._bounds.n_contacts
+
+    @property
+    def touched_before(self) -> tuple[Contact, ...]:
+        """Those contacts."""
+        return self._bounds.before
+
+    @property
+    def contacts(self) -> tuple[Contact, ...]:
+        """All that was touched after lift-off."""
+        return () if self._touched is None else tuple(self._touched.contacts)
+
+    @cached_property
+    def landed_area(self) -> int | None:
+        """Area that all soles ended on."""
+        if self._landed is None:
+            return None
+        goal, soles_enu_m = self._goal, self._soles_enu_m
+        candidates = goal.others if goal.area is None else (goal.area, *goal.others)
+        landed = (area.id for area in candidates if is_over_area(soles_enu_m, area).all())
+        return next(landed, None)
+
+    @property
+    def n_soles(self) -> int:
+        """Number of soles that the vehicle has."""
+        return len(self._airframe.soles_flu_m)
+
+    @property
+    def n_soles_inside(self) -> int:
+        """Number of soles that ended on the assigned area."""
+        if self._landed is None or self._goal.area is None:
+            return 0
+        return int(is_over_area(self._soles_enu_m, self._goal.area).sum())
+
+    @property
+    def touchdown_error_m(self) -> float | None:
+        """Horizontal distance of the resting place from the chosen point."""
+        return None if self._landed is None else _error_m(self._rest, self._goal)
+
+    @cached_property
+    def touchdown_speed_mps(self) -> float | None:
+        """Speed at touchdown."""
+        return None if self._landed is None else impact_mps(self._history, self._bounds.touchdown)
+
+    @cached_property
+    def slide_m(self) -> float | None:
+        """Greatest horizontal distance from the place of the touchdown after it."""
+        return None if self._landed is None else _slide_m(self._landed)
+
+    @cached_property
+    def tilt_at_rest_deg(self) -> float:
+        """Tilt in the end."""
+        return math.degrees(_tilt_rad(self._rest["quat_true_wxyz"]))
+
+    @cached_property
+    def is_at_rest(self) -> bool:
+        """Whether the vehicle was at rest in the end."""
+        return is_at_rest(self._history)
+
+    @cached_property
+    def stopped_after_s(self) -> float | None:
+        """Time from the touchdown until the rotors stood still for good."""
+        return None if self._landed is None else _stopped_after_s(self._landed, self._airframe)
+
+    @cached_property
+    def rotor_spin_ups(self) -> int:
+        """Times that the rotors took the weight again after the touchdown."""
+        return 0 if self._landed is None else _spin_ups(self._landed, self._airframe)
+
+    @cached_property
+    def _soles_enu_m(self) -> Float[np.ndarray, "n 3"]:
+        return _soles_enu_m(self._rest, self._airframe)
+
+
+AnyScore = FlightScore | Figures
+"""Figures of a flight, measured already or when asked for."""
+
+_MEASURED = (
+    *("lift_off_s", "reached_s", "touchdown_s", "contacts_before_touchdown", "touched_before"),
+    *("contacts", "landed_area", "n_soles", "n_soles_inside", "touchdown_error_m"),
+    *("touchdown_speed_mps", "slide_m", "tilt_at_rest_deg", "is_at_rest", "stopped_after_s"),
+    "rotor_spin_ups",
+)
+
+
 def score_flight(
     history: np.ndarray, airframe: Airframe, goal: Goal, touched: Touched | None = None
 ) -> FlightScore:
@@ -102,35 +235,13 @@ def score_flight(
         goal: Where it should have ended.
         touched: What it touched; None if only is known when it touched something.
     """
-    time_s = history["time_us"] * 1e-6
-    bounds = bounds_of(history, airframe, goal.area, goal.others, touched)
-    lift_off, touchdown = bounds.lift_off, bounds.touchdown
+    figures = Figures(history, airframe, goal, touched)
     errors = EstimationErrors()
     errors.add(history)
-    rest = history[-1]
-    soles_enu_m = _soles_enu_m(rest, airframe)
-    candidates = goal.others if goal.area is None else (goal.area, *goal.others)
-    end = touchdown if touchdown < len(history) else None
-    landed = (area.id for area in candidates if is_over_area(soles_enu_m, area).all())
     return FlightScore(
         position_rmse_m=errors.position_rmse_m,
         attitude_rmse_deg=errors.attitude_rmse_deg,
-        lift_off_s=float(time_s[lift_off]) if lift_off < len(history) else None,
-        reached_s=reached_s(history[lift_off:], goal.area),
-        touchdown_s=None if end is None else float(time_s[end]),
-        contacts_before_touchdown=bounds.n_contacts,
-        touched_before=bounds.before,
-        contacts=() if touched is None else tuple(touched.contacts),
-        landed_area=next(landed, None) if end is not None else None,
-        n_soles=len(soles_enu_m),
-        n_soles_inside=_n_soles_inside(soles_enu_m, goal.area) if end is not None else 0,
-        touchdown_error_m=_error_m(rest, goal) if end is not None else None,
-        touchdown_speed_mps=None if end is None else impact_mps(history, end),
-        slide_m=None if end is None else _slide_m(history[end:]),
-        tilt_at_rest_deg=math.degrees(_tilt_rad(rest["quat_true_wxyz"])),
-        is_at_rest=is_at_rest(history),
-        stopped_after_s=None if end is None else _stopped_after_s(history[end:], airframe),
-        rotor_spin_ups=0 if end is None else _spin_ups(history[end:], airframe),
+        **{name: getattr(figures, name) for name in _MEASURED},
     )
 
 
@@ -145,8 +256,8 @@ def reached_s(flown: np.ndarray, area: InteractionArea | None) -> float | None:
     return float(flown["time_us"][rows[0]]) * 1e-6 if rows.size else None
 
 
-def _n_soles_inside(soles_enu_m: np.ndarray, area: InteractionArea | None) -> int:
-    return 0 if area is None else int(is_over_area(soles_enu_m, area).sum())
+def _time_s(row: np.void) -> float:
+    return float(row["time_us"]) * 1e-6
 
 
 def _error_m(rest: np.void, goal: Goal) -> float | None:
@@ -173,10 +284,18 @@ def _slide_m(landed: np.ndarray) -> float:
 
 def is_at_rest(history: np.ndarray) -> bool:
     """Whether the vehicle was at rest in the last part of a history."""
-    last = history[-n_ticks(history["time_us"] * 1e-6, LIMITS.rest_s) :]
-    speed_mps = np.linalg.norm(last["velocity_true_enu_mps"], axis=1)
-    rate_radps = np.linalg.norm(last["angular_rate_true_flu_radps"], axis=1)
-    return bool(speed_mps.max() <= LIMITS.rest_mps and rate_radps.max() <= LIMITS.rest_radps)
+    return is_still(history[-n_ticks(history["time_us"][:2] * 1e-6, LIMITS.rest_s) :])
+
+
+def is_still(history: np.ndarray) -> bool:
+    """Whether the vehicle was at rest in all rows of a history."""
+    return all(
+        float(np.linalg.norm(history[name], axis=1).max()) <= most
+        for name, most in (
+            ("velocity_true_enu_mps", LIMITS.rest_mps),
+            ("angular_rate_true_flu_radps", LIMITS.rest_radps),
+        )
+    )
 
 
 def rotors_turn(history: np.ndarray, airframe: Airframe) -> Bool[np.ndarray, " n"]:

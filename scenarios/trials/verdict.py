@@ -9,12 +9,13 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import StrEnum
+from itertools import chain
 from typing import Protocol
 
 from aeroscene.scene import InteractionArea
 from scenarios.trials.contacts import Contact
 from scenarios.trials.limits import LIMITS
-from scenarios.trials.score import FlightScore, Goal
+from scenarios.trials.score import AnyScore, Goal
 
 
 class Code(StrEnum):
@@ -121,19 +122,26 @@ class Judgement:
 _Objection = tuple[bool, Code, str]
 
 
-def judge(score: FlightScore, goal: Goal, ending: Ending) -> Judgement:
-    """Judge a flight: the first objection decides."""
-    objections = [*_to_any_flight(score, ending)]
+def judge(score: AnyScore, goal: Goal, ending: Ending) -> Judgement:
+    """Judge a flight: the first objection decides, and nothing is measured for those after it."""
     if goal.area is None:
-        objections += _to_the_rest(score)
-        touched = goal.stays_up and (score.is_down or score.contacts_before_touchdown > 0)
-        objections += [(touched, Code.CONTACT, "touched something"), *_to_a_word(ending)]
+        objections = chain(
+            _to_any_flight(score, ending),
+            _to_the_rest(score),
+            _to_contacts(score, goal),
+            _to_a_word(ending),
+        )
         code, reason = Code.DONE, ending.word.reason
     else:
-        # A collision before a fall: the fall is what followed it.
-        objections += [*_to_the_way(score), *_to_the_rest(score)]
-        objections += [*_to_movers(score), *_to_the_place(score, goal.area, ending)]
-        objections += _to_the_touchdown(score)
+        objections = chain(
+            _to_any_flight(score, ending),
+            # A collision before a fall: the fall is what followed it.
+            _to_the_way(score),
+            _to_the_rest(score),
+            _to_movers(score),
+            _to_the_place(score, goal.area, ending),
+            _to_the_touchdown(score),
+        )
         error_m = score.touchdown_error_m or 0.0
         code = Code.LANDED
         reason = f"landed on area {goal.area.id}, {error_m:.2f} m from the chosen point"
@@ -145,20 +153,23 @@ def judge(score: FlightScore, goal: Goal, ending: Ending) -> Judgement:
     return Judgement(code=code, reason=reason, fate=fate_of(score, goal))
 
 
-def fate_of(score: FlightScore, goal: Goal) -> Fate | None:
+def fate_of(score: AnyScore, goal: Goal) -> Fate | None:
     """State in which a flight left the vehicle; None if it never left the ground."""
     if not score.has_flown:
         return None
     # A flight without an area may touch things on purpose.
     has_hit = goal.area is not None and score.contacts_before_touchdown > 0
-    is_hard = (score.touchdown_speed_mps or 0.0) > LIMITS.touchdown_speed_mps
-    is_tilted = score.tilt_at_rest_deg > LIMITS.tilt_deg
-    if has_hit or (score.is_down and (is_hard or is_tilted)):
+    if has_hit:
         return Fate.COLLIDED
-    return Fate.SAFE_DOWN if score.is_down and score.is_at_rest else Fate.LOST
+    if not score.is_down:
+        return Fate.LOST
+    is_tilted = score.tilt_at_rest_deg > LIMITS.tilt_deg
+    if is_tilted or (score.touchdown_speed_mps or 0.0) > LIMITS.touchdown_speed_mps:
+        return Fate.COLLIDED
+    return Fate.SAFE_DOWN if score.is_at_rest else Fate.LOST
 
 
-def _to_any_flight(score: FlightScore, ending: Ending) -> Iterator[_Objection]:
+def _to_any_flight(score: AnyScore, ending: Ending) -> Iterator[_Objection]:
     word = ending.word.reason
     is_stopped = ending.stopped_by is not None and not ending.is_done
     yield is_stopped, Code.STOPPED, f"stopped by {ending.stopped_by}: {word}"
@@ -167,9 +178,15 @@ def _to_any_flight(score: FlightScore, ending: Ending) -> Iterator[_Objection]:
     yield is_grounded, Code.NEVER_FLEW, f"never left the ground{why}"
 
 
-def _to_the_rest(score: FlightScore) -> Iterator[_Objection]:
+def _to_the_rest(score: AnyScore) -> Iterator[_Objection]:
     has_fallen = score.is_down and score.tilt_at_rest_deg > LIMITS.tilt_deg
     yield has_fallen, Code.FELL_OVER, f"fell over: {score.tilt_at_rest_deg:.0f} degrees at rest"
+
+
+def _to_contacts(score: AnyScore, goal: Goal) -> Iterator[_Objection]:
+    """Objections to contacts of a flight that wants no landing."""
+    touched = goal.stays_up and (score.is_down or score.contacts_before_touchdown > 0)
+    yield touched, Code.CONTACT, "touched something"
 
 
 def _to_a_word(ending: Ending) -> Iterator[_Objection]:
@@ -178,13 +195,13 @@ def _to_a_word(ending: Ending) -> Iterator[_Objection]:
     yield not ending.word.success, Code.GAVE_UP, ending.word.reason
 
 
-def _to_the_way(score: FlightScore) -> Iterator[_Objection]:
+def _to_the_way(score: AnyScore) -> Iterator[_Objection]:
     touched = ", ".join(_in_words(contact) for contact in score.touched_before) or "something"
     n = score.contacts_before_touchdown
     yield n > 0, Code.CONTACT, f"touched {touched} before touchdown"
 
 
-def _to_movers(score: FlightScore) -> Iterator[_Objection]:
+def _to_movers(score: AnyScore) -> Iterator[_Objection]:
     gap_m = math.inf if score.nearest_mover_m is None else score.nearest_mover_m
     yield gap_m < LIMITS.mover_m, Code.NEAR_MISS, f"something that moves came within {gap_m:.2f} m"
 
@@ -194,9 +211,7 @@ def _in_words(contact: Contact) -> str:
     return f"{contact.what} at {contact.time_s:.1f} s and {contact.speed_mps:.1f} m/s"
 
 
-def _to_the_place(
-    score: FlightScore, area: InteractionArea, ending: Ending
-) -> Iterator[_Objection]:
+def _to_the_place(score: AnyScore, area: InteractionArea, ending: Ending) -> Iterator[_Objection]:
     word, n = ending.word.reason, score.n_soles_inside
     is_there = score.landed_area == area.id
     yield not is_there and not ending.is_done, Code.TIME_UP, f"the time was up: {word}"
@@ -212,7 +227,7 @@ def _to_the_place(
     )
 
 
-def _to_the_touchdown(score: FlightScore) -> Iterator[_Objection]:
+def _to_the_touchdown(score: AnyScore) -> Iterator[_Objection]:
     yield not score.is_at_rest, Code.MOVING, "the vehicle still moves"
     yield score.stopped_after_s is None, Code.ROTORS_TURN, "the rotors still turn"
     n = score.rotor_spin_ups

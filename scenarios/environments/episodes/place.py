@@ -34,6 +34,8 @@ class Place:
         self._model.geom_margin[is_hull] = _ROOM_M
         self._data = mujoco.MjData(self._model)
         mujoco.mj_setConst(self._model, self._data)
+        self._data.qpos[3:7] = LEVEL
+        self._position_enu_m = self._data.qpos[:3]
 
     @cached_property
     def contacts(self) -> ContactFinder:
@@ -47,10 +49,10 @@ class Place:
 
     def is_free(self, position_enu_m: Vector3) -> bool:
         """Whether a vehicle has room around itself at a position within the flight volume."""
-        scene = self.world.scene
-        bounds = zip(scene.extent_min_enu_m, position_enu_m, scene.extent_max_enu_m, strict=True)
-        if not all(low <= c <= high for low, c, high in bounds):
+        (x, y, z), scene = position_enu_m, self.world.scene
+        (x0, y0, z0), (x1, y1, z1) = scene.extent_min_enu_m, scene.extent_max_enu_m
+        if not (x0 <= x <= x1 and y0 <= y <= y1 and z0 <= z <= z1):
             return False
-        self._data.qpos[:7] = [*position_enu_m, *LEVEL]
+        self._position_enu_m[:] = position_enu_m
         mujoco.mj_fwdPosition(self._model, self._data)
         return self._data.ncon == 0

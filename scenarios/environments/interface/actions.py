@@ -10,7 +10,7 @@ position  displacement east, north, up over 2 m from where it is; yaw rate over 
 from __future__ import annotations
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from autonomy.model.quadrotor import GRAVITY_MPS2
 from autonomy.types import ControlLevel
@@ -53,7 +53,7 @@ def checked_actions(actions: object, shape: tuple[int, ...]) -> Float[np.ndarray
         raise EnvironmentInputError(
             f"action[{place}] = {array[where]}: finite numbers of -1 to 1 are valid"
         )
-    return np.clip(array, -1.0, 1.0)
+    return np.minimum(np.maximum(array, -1.0), 1.0)
 
 
 def check_motors(level: ActionLevel, airframe: Airframe) -> None:
@@ -106,10 +106,10 @@ class Actuation:
                 away_m = _MOST_DISPLACEMENT_M * actions[:, :3]
                 setpoints["position_enu_m"] = position_enu_m + away_m
 
-    def stop(self, index: int) -> None:
-        """Stop the rotors of one vehicle from its next advance on."""
-        self._fleet.setpoints["level"][index] = ControlLevel.OFF
-        self._fleet.motor_speeds_radps[index] = 0.0
+    def stop(self, which: int | Bool[np.ndarray, " n"]) -> None:
+        """Stop the rotors of one vehicle, or of several, from the next advance on."""
+        self._fleet.setpoints["level"][which] = ControlLevel.OFF
+        self._fleet.motor_speeds_radps[which] = 0.0
 
     def _thrust_share(self, number: Float[np.ndarray, "n k"]) -> Float[np.ndarray, "n k"]:
         """Share of the greatest thrust: none at -1, that of hover at 0, all at 1."""

@@ -91,7 +91,7 @@ class Observer:
         self,
         target_enu_m: Float[np.ndarray, "n 3"],
         last_action: Float[np.ndarray, "n 4"],
-        noise: Float[np.ndarray, "n 12"],
+        noise: Float[np.ndarray, "n 12"] | None = None,
         before: tuple[Observation, Sequence[int]] | None = None,
     ) -> Observation:
         """Observations of all vehicles now, in arrays of their own.
@@ -99,13 +99,13 @@ class Observer:
         Args:
             target_enu_m: Their targets.
             last_action: Their actions before.
-            noise: Standard normals times the level of noise of each.
+            noise: Standard normals times the level of noise of each; None for no noise.
             before: Observations of this moment, and numbers of the vehicles that have been put
                 elsewhere since; None takes all images anew.
         """
         numbers = None
         if self._has_numbers:
-            parts = list(self._parts(target_enu_m, last_action, _NOISE_SIGMAS * noise))
+            parts = list(self._parts(target_enu_m, last_action, noise))
             numbers = np.concatenate(parts, axis=1, dtype=np.float32)
             np.clip(numbers, *self._bounds, out=numbers)
         if self._cameras is None:
@@ -128,18 +128,23 @@ class Observer:
             self._cameras.close()
 
     def _parts(
-        self, target_enu_m: np.ndarray, last_action: np.ndarray, error: np.ndarray
+        self, target_enu_m: np.ndarray, last_action: np.ndarray, noise: np.ndarray | None
     ) -> Iterator[np.ndarray]:
         cfg, records = self._cfg, self._fleet.records
         position_enu_m, velocity_enu_mps, quat_wxyz, rate_flu_radps = self._known
+        way_enu_m, rotation = target_enu_m - position_enu_m, rotation_matrices(quat_wxyz)
+        if noise is not None:
+            error = _NOISE_SIGMAS * noise
+            way_enu_m -= error[:, :3]
+            velocity_enu_mps = velocity_enu_mps + error[:, 3:6]
+            rotation += rotation @ _cross_matrices(error[:, 6:9])
+            rate_flu_radps = rate_flu_radps + error[:, 9:]
         if cfg.target:
-            yield target_enu_m - position_enu_m - error[:, :3]
+            yield way_enu_m
         if cfg.state != "none":
-            rotation = rotation_matrices(quat_wxyz)
-            turned = rotation + rotation @ _cross_matrices(error[:, 6:9])
-            yield velocity_enu_mps + error[:, 3:6]
-            yield turned.reshape(-1, 9)
-            yield rate_flu_radps + error[:, 9:]
+            yield velocity_enu_mps
+            yield rotation.reshape(-1, 9)
+            yield rate_flu_radps
         if cfg.last_action:
             yield last_action
         if cfg.imu:
@@ -160,15 +165,22 @@ def take(observation: Observation, index: int) -> Observation:
     return observation[index]
 
 
+_IDENTITY = np.eye(3).ravel()
+_FACTOR = 2.0 - 4.0 * _IDENTITY
+_WX, _WY, _WZ, _XX, _XY, _XZ, _YY, _YZ, _ZZ = 1, 2, 3, 5, 6, 7, 10, 11, 15
+_FIRST_PRODUCT = np.array([_YY, _XY, _XZ, _XY, _XX, _YZ, _XZ, _YZ, _XX])
+_SECOND_PRODUCT = np.array([_ZZ, _WZ, _WY, _WZ, _ZZ, _WX, _WY, _WX, _YY])
+_SIGN = np.array([1.0, -1.0, 1.0, 1.0, 1.0, -1.0, -1.0, 1.0, 1.0])
+"""An entry of a rotation matrix is one of the identity and twice a sum of two products of the
+quaternion's numbers, less twice it on the diagonal."""
+
+
 def rotation_matrices(quat_wxyz: Float[np.ndarray, "n 4"]) -> Float[np.ndarray, "n 3 3"]:
     """Rotation matrices of unit quaternions."""
-    w, x, y, z = quat_wxyz.T
-    rows = [
-        *(1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)),
-        *(2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)),
-        *(2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)),
-    ]
-    return np.stack(rows, axis=1).reshape(-1, 3, 3)
+    # Few calls of numpy for all entries: each costs more than its numbers.
+    products = (quat_wxyz[:, :, None] * quat_wxyz[:, None]).reshape(-1, 16)
+    sums = products[:, _FIRST_PRODUCT] + _SIGN * products[:, _SECOND_PRODUCT]
+    return (_IDENTITY + _FACTOR * sums).reshape(-1, 3, 3)
 
 
 def _cross_matrices(vectors: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 3 3"]:

@@ -7,7 +7,8 @@ from scenarios.environments.cfg import EnvironmentInputError
 from scenarios.environments.tasks.hover import Hover
 from scenarios.environments.tasks.landing import Landing
 from scenarios.environments.tasks.navigation import Navigation
-from scenarios.environments.tasks.task import Situation, Start, Task
+from scenarios.environments.tasks.situation import Situation
+from scenarios.environments.tasks.task import Start, Task
 
 TASKS: Mapping[str, type[Task]] = MappingProxyType(
     {task.name: task for task in (Hover, Navigation, Landing)}

@@ -6,7 +6,8 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from scenarios.environments.episodes.place import Place
-from scenarios.environments.tasks.task import Situation, Start, Task, draw_attitude, draw_free
+from scenarios.environments.tasks.situation import Situation
+from scenarios.environments.tasks.task import Start, Task, draw_attitude, draw_free
 from scenarios.trials.score import Goal
 from scenarios.trials.verdict import Ending, Verdict
 

@@ -7,12 +7,13 @@ from jaxtyping import Bool, Float
 
 from scenarios.environments.cfg import EnvironmentInputError
 from scenarios.environments.episodes.place import Place
+from scenarios.environments.tasks.situation import Situation
 from scenarios.environments.tasks.task import (
     MOST_DRAWS,
-    Situation,
     Start,
     Task,
     draw_attitude,
+    draw_point,
     no_room,
 )
 from scenarios.trials.score import Goal
@@ -48,7 +49,7 @@ class Landing(Task):
         for _ in range(MOST_DRAWS):
             area = place.areas[rng.integers(len(place.areas))]
             x, y, z = area.centroid
-            position = tuple((area.centroid + rng.uniform(*_APPROACH_M)).tolist())
+            position = draw_point(rng, area.centroid, *_APPROACH_M)
             if place.is_free(position):
                 start = Start(
                     position_enu_m=position,

@@ -9,10 +9,11 @@ from jaxtyping import Bool, Float
 
 from autonomy.types import Vector3
 from scenarios.environments.cfg import EnvironmentInputError
+from scenarios.environments.episodes.draws import uniform
 from scenarios.environments.episodes.place import Place
+from scenarios.environments.tasks.situation import Situation
 from scenarios.environments.tasks.task import (
     MOST_DRAWS,
-    Situation,
     Start,
     Task,
     draw_attitude,
@@ -75,7 +76,7 @@ def _draw_target(place: Place, rng: np.random.Generator, start_enu_m: Vector3) -
     far = [area for area in place.areas if math.dist(area.centroid, start_enu_m) > _LEAST_WAY_M]
     for _ in range(MOST_DRAWS if far else 0):
         x, y, z = far[rng.integers(len(far))].centroid
-        target = (x, y, z + rng.uniform(1.0, 3.0))
+        target = (x, y, z + uniform(rng, 1.0, 3.0))
         if place.is_free(target):
             return target
     scene, vehicle = place.world.scene.scene_id, place.world.airframe.name

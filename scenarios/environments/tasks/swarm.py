@@ -10,12 +10,13 @@ from jaxtyping import Bool, Float
 
 from autonomy.types import Vector3
 from scenarios.environments.episodes.place import Place
+from scenarios.environments.tasks.situation import Situation
 from scenarios.environments.tasks.task import (
     MOST_DRAWS,
-    Situation,
     Start,
     Task,
     draw_attitude,
+    draw_point,
     no_room,
 )
 from scenarios.trials.score import Goal
@@ -104,7 +105,7 @@ def nearest_mate_m(position_enu_m: Float[np.ndarray, "n 3"]) -> Float[np.ndarray
 def _draw_apart(place: Place, rng: np.random.Generator, n: int, what: str) -> list[Vector3]:
     """Free points apart from each other, in a box over the scene's start that n need."""
     half_m = max(_LEAST_HALF_M, _APART_M * math.sqrt(n))
-    low, high = np.array([-half_m, -half_m, _LOW_M]), np.array([half_m, half_m, _HIGH_M])
+    low, high = (-half_m, -half_m, _LOW_M), (half_m, half_m, _HIGH_M)
     drawn: list[Vector3] = []
     for _ in range(n):
         drawn.append(_draw_one(place, rng, (low, high), drawn, what))
@@ -114,13 +115,13 @@ def _draw_apart(place: Place, rng: np.random.Generator, n: int, what: str) -> li
 def _draw_one(
     place: Place,
     rng: np.random.Generator,
-    box_m: tuple[np.ndarray, np.ndarray],
+    box_m: tuple[Vector3, Vector3],
     taken: Sequence[Vector3],
     what: str,
 ) -> Vector3:
     for _ in range(MOST_DRAWS):
-        x, y, z = (place.start_enu_m + rng.uniform(*box_m)).tolist()
-        is_apart = all(math.dist((x, y, z), other) >= _APART_M for other in taken)
-        if is_apart and place.is_free((x, y, z)):
-            return (x, y, z)
+        point = draw_point(rng, place.start_enu_m, *box_m)
+        is_apart = all(math.dist(point, other) >= _APART_M for other in taken)
+        if is_apart and place.is_free(point):
+            return point
     raise no_room(place, what)

@@ -11,7 +11,9 @@ from jaxtyping import Bool, Float
 
 from autonomy.types import Quaternion, Vector3, quat_about_up
 from scenarios.environments.cfg import EnvironmentInputError
+from scenarios.environments.episodes.draws import uniform
 from scenarios.environments.episodes.place import Place
+from scenarios.environments.tasks.situation import Situation
 from scenarios.trials.score import Goal
 from scenarios.trials.verdict import Ending
 
@@ -28,32 +30,6 @@ class Start:
     quat_wxyz: Quaternion
     target_enu_m: Vector3
     goal: Goal
-
-
-@dataclass(eq=False)
-class Situation:
-    """Where the vehicles are, by the truth; n vehicles."""
-
-    position_enu_m: Float[np.ndarray, "n 3"]
-    velocity_enu_mps: Float[np.ndarray, "n 3"]
-    rate_flu_radps: Float[np.ndarray, "n 3"]
-    target_enu_m: Float[np.ndarray, "n 3"]
-    distance_m: Float[np.ndarray, " n"]
-    """Distance from the target."""
-    near_s: Float[np.ndarray, " n"]
-    """Time for which it has been within the task's `near_m`."""
-    touch_s: Float[np.ndarray, " n"]
-    """Time for which it has touched something."""
-
-    @property
-    def speed_mps(self) -> Float[np.ndarray, " n"]:
-        """Speed of each vehicle."""
-        return np.linalg.norm(self.velocity_enu_mps, axis=1)
-
-    @property
-    def turning_radps(self) -> Float[np.ndarray, " n"]:
-        """Size of each vehicle's angular rate."""
-        return np.linalg.norm(self.rate_flu_radps, axis=1)
 
 
 class Task(ABC):
@@ -115,10 +91,18 @@ def draw_free(
         EnvironmentInputError: If a hundred draws find none.
     """
     for _ in range(MOST_DRAWS):
-        x, y, z = (middle_enu_m + rng.uniform(low_m, high_m)).tolist()
-        if place.is_free((x, y, z)):
-            return (x, y, z)
+        point = draw_point(rng, middle_enu_m, low_m, high_m)
+        if place.is_free(point):
+            return point
     raise no_room(place, what)
+
+
+def draw_point(
+    rng: np.random.Generator, middle_enu_m: Vector3, low_m: Vector3, high_m: Vector3
+) -> Vector3:
+    """A uniformly drawn point of a box around a point."""
+    (x, y, z), (x0, y0, z0), (x1, y1, z1) = middle_enu_m, low_m, high_m
+    return (x + uniform(rng, x0, x1), y + uniform(rng, y0, y1), z + uniform(rng, z0, z1))
 
 
 def no_room(place: Place, what: str) -> EnvironmentInputError:
@@ -131,7 +115,7 @@ def no_room(place: Place, what: str) -> EnvironmentInputError:
 
 def draw_attitude(rng: np.random.Generator) -> Quaternion:
     """Any heading, tilted by up to 20 degrees to any side."""
-    w, _, _, z = quat_about_up(rng.uniform(-math.pi, math.pi))
-    half, side = 0.5 * rng.uniform(0.0, _MOST_TILT_RAD), rng.uniform(-math.pi, math.pi)
+    w, _, _, z = quat_about_up(uniform(rng, -math.pi, math.pi))
+    half, side = 0.5 * uniform(rng, 0.0, _MOST_TILT_RAD), uniform(rng, -math.pi, math.pi)
     c, a, b = math.cos(half), math.sin(half) * math.cos(side), math.sin(half) * math.sin(side)
     return (w * c, w * a - z * b, w * b + z * a, z * c)

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from flightsim.environment.dryden import stationary_states
 from flightsim.environment.wind import (
     TURBULENCE_MPS,
     WindCfg,
@@ -23,7 +24,8 @@ UNSHELTERED = np.zeros((1, 1, 1, 3))
 
 
 def air_of(cfg, seed=0, dt_s=0.004):
-    airs = new_air(np.random.default_rng(seed), dt_s=dt_s)
+    airs = new_air(dt_s)
+    airs["states"][0] = stationary_states(np.random.default_rng(seed))
     set_wind(airs[0], cfg, has_rooms=True)
     return airs[0]
 

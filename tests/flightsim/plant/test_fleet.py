@@ -3,7 +3,6 @@
 import math
 import threading
 import time
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -91,7 +90,7 @@ def test_a_new_start_leaves_nothing_of_the_flight_before_nor_in_other_worlds(wor
             if tick == 30:
                 fleet.setpoints["level"][1] = ControlLevel.IDLE
             if tick == 40:
-                fleet.restart(1, cfg(5))
+                fleet.restart(1, 5, WIND)
                 rows[1].clear()
             fleet.advance()
             for i, row in enumerate(fleet.history):
@@ -101,6 +100,42 @@ def test_a_new_start_leaves_nothing_of_the_flight_before_nor_in_other_worlds(wor
         for row in rows[i]:
             plant.advance()
             assert plant.history.tobytes() == row
+
+
+def test_a_start_with_the_mass_of_before_leaves_nothing_of_another_mass_nor_wind(worlds):
+    def flight(fleet, seed, wind, share):
+        fleet.restart(0, seed, wind, held_at=[((0.0, 0.0, 5.0), LEVEL)], mass_shares=[share])
+        fleet.align([0])
+        fleet.release(0)
+        fleet.motor_speeds_radps[:] = 600.0
+        rows = []
+        for _ in range(30):
+            fleet.advance()
+            rows.append(fleet.history.tobytes())
+        return rows
+
+    for more in ({}, {"has_sensors": False, "state": "truth"}):
+        with Fleet(worlds[:1], [cfg(0, **more)], n_threads=1) as fleet:
+            first = flight(fleet, 1, WindCfg(), 1.0)
+            heavy = flight(fleet, 1, WIND, 1.3)
+            assert heavy != flight(fleet, 1, WIND, 1.0)
+            assert flight(fleet, 1, WindCfg(), 1.0) == first
+            assert flight(fleet, 1, WIND, 1.3) == heavy
+        with Fleet(worlds[:1], [cfg(7, **more)], n_threads=1) as fleet:
+            assert flight(fleet, 1, WIND, 1.3) == heavy
+
+
+def test_worlds_align_together_as_each_alone(worlds):
+    rows = []
+    for n_threads in (1, 3):
+        with Fleet(worlds[:1] * 4, [cfg(i) for i in range(4)], n_threads=n_threads) as fleet:
+            for i in range(4):
+                fleet.restart(i, i, held_at=[((0.0, 0.0, 5.0), LEVEL)])
+            for each in (range(4),) if n_threads > 1 else ([i] for i in range(4)):
+                fleet.align(each)
+            rows.append(fleet.history.tobytes())
+            assert fleet.records["filter"]["is_aligned"].all()
+    assert rows[0] == rows[1]
 
 
 def test_worlds_are_shared_but_where_something_moves_in_them(worlds):
@@ -113,8 +148,8 @@ def test_worlds_are_shared_but_where_something_moves_in_them(worlds):
 def test_a_hand_holds_a_vehicle_until_it_is_aligned(worlds):
     tilted = (math.cos(0.1), 0.0, math.sin(0.1), 0.0)
     with Fleet(worlds[:1], [cfg(0)], n_threads=1) as fleet:
-        fleet.restart(0, cfg(3), held_at=[((2.0, 1.0, 5.0), tilted)])
-        fleet.align(0)
+        fleet.restart(0, 3, WIND, held_at=[((2.0, 1.0, 5.0), tilted)])
+        fleet.align([0])
         row = fleet.history[0, -1]
         assert row["position_true_enu_m"].tolist() == [2.0, 1.0, 5.0]
         np.testing.assert_allclose(row["quat_est_wxyz"], tilted, atol=0.02)
@@ -132,8 +167,7 @@ def test_a_heavier_vehicle_falls_as_fast_but_climbs_slower(worlds):
     heights_m = []
     with Fleet([worlds[0]] * 2, [cfg(0, has_sensors=False, state="truth")] * 2) as fleet:
         for i, share in enumerate((1.0, 1.2)):
-            truth = replace(cfg(0, has_sensors=False, state="truth"), wind=WindCfg())
-            fleet.restart(i, truth, held_at=[((0.0, 0.0, 5.0), LEVEL)], mass_shares=[share])
+            fleet.restart(i, 0, held_at=[((0.0, 0.0, 5.0), LEVEL)], mass_shares=[share])
             fleet.release(i)
         fleet.motor_speeds_radps[:] = 700.0
         for _ in range(25):

@@ -142,6 +142,10 @@ def test_target_is_met_in_the_direction_that_is_better(value, target, better, is
 def test_worlds_are_flown_on_one_thread_and_on_two_and_environments_stepped():
     cfg = WorldsBenchCfg(worlds=2, scenes=("field",), seconds=1.0)
     rows = list(worlds_rows(cfg, lambda *_: None))
-    assert all(row.value > 0.0 for row in rows)
-    targets = {(row.metric, row.unit): row.target for row in rows if row.target is not None}
-    assert sorted(targets.values()) == [1.8, 650.0, 900.0, 2000.0, 30_000.0]
+    # An end is the slope of a line, which may be anything for a few ends of two worlds.
+    ends = [row for row in rows if row.metric.startswith("an end of")]
+    assert [row.target for row in ends] == [0.1, None, 0.5, None]
+    assert all(row.value > 0.0 for row in rows if row not in ends)
+    targets = {row.target for row in rows if row.target is not None}
+    assert targets == {0.1, 0.5, 1.8, 650.0, 900.0, 2000.0, 30_000.0, 42_000.0}
+    assert any("fall, " in row.metric and "ends in 400 steps" in row.metric for row in rows)

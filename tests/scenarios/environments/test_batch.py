@@ -24,7 +24,7 @@ def begun(task, cfg=None, *, n=1, scenes=None):
     batch = Batch(task_by_name(task), scenes or ["field"] * n, cfg, n_threads=1)
     for i in range(len(batch)):
         batch.seed(i, i)
-        batch.begin(i)
+    batch.begin(range(len(batch)))
     return batch
 
 
@@ -211,7 +211,7 @@ def test_each_world_is_judged_by_its_own_flight():
         actions[:, 2] = (-0.8, -0.2)
         for i, outcome in batch.step(actions).outcomes.items():
             codes.setdefault(i, outcome.judgement.code)
-            batch.begin(i)
+            batch.begin([i])
     assert codes == {0: "hard_touchdown", 1: "landed"}
 
 
