@@ -25,8 +25,9 @@ from flightsim.plant.cfg import NotAlignedError, PhysicsDivergedError, PlantCfg,
 from flightsim.plant.checks import check_alike, check_worlds
 from flightsim.plant.compiling import compile_kernels
 from flightsim.plant.kernel import advance
-from flightsim.plant.memory import PlantMemory, Surroundings, new_memories
+from flightsim.plant.memory import PlantMemory, new_memories
 from flightsim.plant.record import HISTORY_DTYPE, PLANT_DTYPE, with_rotors
+from flightsim.plant.surroundings import Surroundings
 from flightsim.world import World
 
 _LONGEST_ALIGNMENT_S = 10.0

@@ -3,27 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import accumulate
 from typing import Any
 
 import mujoco
 import numpy as np
-from jaxtyping import Float
 
-from aeroscene.scene import Scene
 from autonomy.control import new_controller
 from autonomy.control.cfg import controller_cfg_for
 from autonomy.estimation import new_filter
 from autonomy.model.quadrotor import GRAVITY_MPS2
 from flightsim.draws import generator, seed_sequence
 from flightsim.environment.dryden import stationary_states
-from flightsim.environment.effects import Effects
 from flightsim.environment.magnetic_field import FIELD_ENU_UT
 from flightsim.environment.motion import new_movers, new_traffic, place_mover
-from flightsim.environment.rooms import indoor_rooms
-from flightsim.environment.shelter import Grid, blocks_of, grid_for, kept_shelter
-from flightsim.environment.steel import steel_dipoles
+from flightsim.environment.shelter import kept_shelter
 from flightsim.environment.wind import AIR_NORMALS, CALM, WindCfg, new_air, set_wind
 from flightsim.looks.movers import MOVER_CONTACT_BIT
 from flightsim.plant.cfg import PlantCfg, estimator_cfg_for
@@ -34,6 +28,7 @@ from flightsim.plant.record import HISTORY_DTYPE, PLANT_DTYPE
 from flightsim.plant.sensing import SENSORS
 from flightsim.plant.sky import new_sky
 from flightsim.plant.surfaces import new_surfaces
+from flightsim.plant.surroundings import Surroundings
 from flightsim.sensors.gnss import GRADES
 from flightsim.sensors.sensor import NormalStream, SensorStart
 from flightsim.sensors.vibration import new_vibration
@@ -44,31 +39,6 @@ from flightsim.world import World
 # Numbers of the streams besides those in `SENSORS`; a number in use never changes.
 _AIR_STREAM, _FIRST_AIR_STREAM, _START_STREAM, _VIBRATION_STREAM = 9, 10, 11, 13
 _SKY_STREAM = 14
-
-
-@dataclass(frozen=True, eq=False)
-class Surroundings:
-    """What the plants of a scene feel of it besides its solids; see `kernel.advance`."""
-
-    rooms: Float[np.ndarray, "n 8"]
-    """Without satellites and wind, `flightsim.environment.rooms`."""
-    steel: Float[np.ndarray, "n 5"]
-    """Near the magnetometer, `flightsim.environment.steel`."""
-    blocks: Float[np.ndarray, "n 7"]
-    """In the wind, `flightsim.environment.shelter`."""
-    grid: Grid
-    """On which the flow around them is known."""
-
-    @classmethod
-    def of(cls, scene: Scene, effects: Effects) -> Surroundings:
-        """Surroundings in a scene, without those whose effect is off."""
-        blocks = blocks_of(scene)[: None if effects.shelter else 0]
-        return cls(
-            rooms=indoor_rooms(scene),
-            steel=steel_dipoles(scene)[: None if effects.steel else 0],
-            blocks=blocks,
-            grid=grid_for(scene, blocks),
-        )
 
 
 class PlantMemory:

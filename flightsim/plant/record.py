@@ -39,7 +39,7 @@ ENGINE_DTYPE = np.dtype(
         *fields("mocap_pos_address", "mocap_quat_address", kind="i8"),
         *fields("geom_bits_address", "body_bits_address", kind="i8"),
         *fields("n_geoms", "n_bodies", kind="i8"),
-        # of what has no fixed size, and its rows (`flightsim.plant.memory.Surroundings`)
+        # of what has no fixed size, and its rows (`flightsim.plant.surroundings`)
         *fields("movers_address", "mover_points_address", "rooms_address", kind="i8"),
         *fields("shelter_address", "steel_address", "normals_address", kind="i8"),
         ("history_address", "i8"),

@@ -25,8 +25,8 @@ from scenarios.environments.interface.latency import ActionQueue
 from scenarios.environments.interface.observations import N_NOISES, Observation, Observer
 from scenarios.environments.interface.pictures import Photographer, Picture
 from scenarios.environments.tasks import Situation, Start, Task
+from scenarios.trials.figures import is_still, rotors_turn
 from scenarios.trials.limits import LIMITS
-from scenarios.trials.score import is_still, rotors_turn
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,9 +15,10 @@ from scenarios.run.cfg import SitlCfg
 from scenarios.run.hangar import Hangar
 from scenarios.run.missions import new_pilot
 from scenarios.run.schedule import Schedule
+from scenarios.trials.figures import Goal
 from scenarios.trials.flight_log import FlightLog
 from scenarios.trials.result import TrialResult, figures
-from scenarios.trials.score import FlightScore, Goal
+from scenarios.trials.score import FlightScore
 from scenarios.trials.verdict import Code, Ending, Judgement, judge
 
 if TYPE_CHECKING:

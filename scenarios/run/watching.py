@@ -18,8 +18,8 @@ from scenarios.recording.vehicle_recorder import VehicleRecorder
 from scenarios.recording.viewer import DATA_PORT, Viewer, ViewerError, free_port
 from scenarios.run.cfg import SitlCfg
 from scenarios.run.flight import Flight
+from scenarios.trials.figures import reached_s
 from scenarios.trials.limits import LIMITS
-from scenarios.trials.score import reached_s
 
 
 def watch(

@@ -14,12 +14,13 @@ from flightsim.plant.cfg import ADVANCE_HZ
 from flightsim.plant.record import without_gaps
 from scenarios.trials.bounds import Touched, lift_off_row
 from scenarios.trials.contacts import Contact, ContactFinder, MoverPoses
+from scenarios.trials.figures import Goal, is_at_rest, rotors_turn
 from scenarios.trials.limits import LIMITS
 from scenarios.trials.measures.effort import measure_effort
 from scenarios.trials.measures.estimation import EstimationErrors
 from scenarios.trials.measures.room import room_to_movers_m, room_to_vehicle_m
 from scenarios.trials.measures.track import TRACK_STEP_S, Track, track_of
-from scenarios.trials.score import FlightScore, Goal, is_at_rest, rotors_turn, score_flight
+from scenarios.trials.score import FlightScore, score_flight
 
 _AWAY_M = 1.5
 """Positions nearer to the start or the resting place count for no clearance: there it lands."""

@@ -3,20 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 
 import numpy as np
-from jaxtyping import Bool, Float
 
-from aeroscene.scene import InteractionArea
-from autonomy.model.quadrotor import GRAVITY_MPS2
-from autonomy.types import Vector3
 from flightsim.vehicles.airframe import Airframe
-from scenarios.trials.bounds import Touched, bounds_of, is_in_footprint, is_over_area, n_ticks
-from scenarios.trials.contacts import Contact, impact_mps
-from scenarios.trials.limits import LIMITS
+from scenarios.trials.bounds import Touched
+from scenarios.trials.contacts import Contact
+from scenarios.trials.figures import Figures, Goal
 from scenarios.trials.measures.effort import Effort
 from scenarios.trials.measures.estimation import EstimationErrors
 
@@ -77,142 +71,6 @@ class FlightScore:
         return self.touchdown_s is not None
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Goal:
-    """Where a flight should end."""
-
-    area: InteractionArea | None = None
-    """Assigned area; None if no landing was asked for."""
-    chosen_enu_m: Vector3 | None = None
-    """Point that the pilot chose to land on. None, or a point beside the area, stands for the
-    area's centroid."""
-    others: Sequence[InteractionArea] = ()
-    """Other areas that the flight may have ended on."""
-    stays_up: bool = False
-    """Whether a flight without an assigned area may touch nothing once it is in the air."""
-
-
-class Figures:
-    """Figures of one flight, as `FlightScore` has them, each measured when it is asked for.
-
-    A verdict needs few of them, and an episode of an environment needs nothing but its verdict.
-    """
-
-    nearest_mover_m: float | None = None
-    """Nobody has measured it here."""
-
-    def __init__(
-        self, history: np.ndarray, airframe: Airframe, goal: Goal, touched: Touched | None = None
-    ) -> None:
-        """Look at a flight; for the arguments see `score_flight`."""
-        self._history, self._airframe, self._goal = history, airframe, goal
-        self._touched, self._rest = touched, history[-1]
-        self._bounds = bounds_of(history, airframe, goal.area, goal.others, touched)
-        end = self._bounds.touchdown
-        self._landed = history[end:] if end < len(history) else None
-
-    @property
-    def has_flown(self) -> bool:
-        """Whether the vehicle left the ground."""
-        return self._bounds.lift_off < len(self._history)
-
-    @property
-    def is_down(self) -> bool:
-        """Whether the flight ended on the ground, or on something else."""
-        return self._landed is not None
-
-    @property
-    def lift_off_s(self) -> float | None:
-        """Time at which the vehicle left the ground."""
-        return _time_s(self._history[self._bounds.lift_off]) if self.has_flown else None
-
-    @property
-    def reached_s(self) -> float | None:
-        """Time at which it was first in flight above the assigned area."""
-        return reached_s(self._history[self._bounds.lift_off :], self._goal.area)
-
-    @property
-    def touchdown_s(self) -> float | None:
-        """Time at which it came down for good."""
-        return None if self._landed is None else _time_s(self._landed[0])
-
-    @property
-    def contacts_before_touchdown(self) -> int:
-        """Number of contacts between lift-off and touchdown."""
-        return self._bounds.n_contacts
-
-    @property
-    def touched_before(self) -> tuple[Contact, ...]:
-        """Those contacts."""
-        return self._bounds.before
-
-    @property
-    def contacts(self) -> tuple[Contact, ...]:
-        """All that was touched after lift-off."""
-        return () if self._touched is None else tuple(self._touched.contacts)
-
-    @cached_property
-    def landed_area(self) -> int | None:
-        """Area that all soles ended on."""
-        if self._landed is None:
-            return None
-        goal, soles_enu_m = self._goal, self._soles_enu_m
-        candidates = goal.others if goal.area is None else (goal.area, *goal.others)
-        landed = (area.id for area in candidates if is_over_area(soles_enu_m, area).all())
-        return next(landed, None)
-
-    @property
-    def n_soles(self) -> int:
-        """Number of soles that the vehicle has."""
-        return len(self._airframe.soles_flu_m)
-
-    @property
-    def n_soles_inside(self) -> int:
-        """Number of soles that ended on the assigned area."""
-        if self._landed is None or self._goal.area is None:
-            return 0
-        return int(is_over_area(self._soles_enu_m, self._goal.area).sum())
-
-    @property
-    def touchdown_error_m(self) -> float | None:
-        """Horizontal distance of the resting place from the chosen point."""
-        return None if self._landed is None else _error_m(self._rest, self._goal)
-
-    @cached_property
-    def touchdown_speed_mps(self) -> float | None:
-        """Speed at touchdown."""
-        return None if self._landed is None else impact_mps(self._history, self._bounds.touchdown)
-
-    @cached_property
-    def slide_m(self) -> float | None:
-        """Greatest horizontal distance from the place of the touchdown after it."""
-        return None if self._landed is None else _slide_m(self._landed)
-
-    @cached_property
-    def tilt_at_rest_deg(self) -> float:
-        """Tilt in the end."""
-        return math.degrees(_tilt_rad(self._rest["quat_true_wxyz"]))
-
-    @cached_property
-    def is_at_rest(self) -> bool:
-        """Whether the vehicle was at rest in the end."""
-        return is_at_rest(self._history)
-
-    @cached_property
-    def stopped_after_s(self) -> float | None:
-        """Time from the touchdown until the rotors stood still for good."""
-        return None if self._landed is None else _stopped_after_s(self._landed, self._airframe)
-
-    @cached_property
-    def rotor_spin_ups(self) -> int:
-        """Times that the rotors took the weight again after the touchdown."""
-        return 0 if self._landed is None else _spin_ups(self._landed, self._airframe)
-
-    @cached_property
-    def _soles_enu_m(self) -> Float[np.ndarray, "n 3"]:
-        return _soles_enu_m(self._rest, self._airframe)
-
-
 AnyScore = FlightScore | Figures
 """Figures of a flight, measured already or when asked for."""
 
@@ -243,91 +101,3 @@ def score_flight(
         attitude_rmse_deg=errors.attitude_rmse_deg,
         **{name: getattr(figures, name) for name in _MEASURED},
     )
-
-
-def reached_s(flown: np.ndarray, area: InteractionArea | None) -> float | None:
-    """Time of the first row above an area, low enough to look at it."""
-    if area is None:
-        return None
-    x, y, z = flown["position_true_enu_m"].T
-    height_m = z - area.centroid[2]
-    is_above = (height_m >= 0.0) & (height_m <= LIMITS.above_m)
-    rows = np.flatnonzero(is_above & is_in_footprint(area, x, y))
-    return float(flown["time_us"][rows[0]]) * 1e-6 if rows.size else None
-
-
-def _time_s(row: np.void) -> float:
-    return float(row["time_us"]) * 1e-6
-
-
-def _error_m(rest: np.void, goal: Goal) -> float | None:
-    if goal.area is None:
-        return None
-    at_enu_m, chosen = goal.area.centroid, goal.chosen_enu_m
-    if chosen is not None and is_in_footprint(goal.area, *np.array(chosen)[:2, None])[0]:
-        at_enu_m = chosen
-    return math.dist(rest["position_true_enu_m"][:2], at_enu_m[:2])
-
-
-def _soles_enu_m(row: np.void, airframe: Airframe) -> Float[np.ndarray, "n 3"]:
-    scalar, axis = row["quat_true_wxyz"][0], row["quat_true_wxyz"][1:]
-    soles_flu_m = np.array(airframe.soles_flu_m)
-    across = 2.0 * np.cross(axis, soles_flu_m)
-    return row["position_true_enu_m"] + soles_flu_m + scalar * across + np.cross(axis, across)
-
-
-def _slide_m(landed: np.ndarray) -> float:
-    """Greatest horizontal distance from where a part of a history begins."""
-    places_m = landed["position_true_enu_m"][:, :2]
-    return float(np.linalg.norm(places_m - places_m[0], axis=1).max())
-
-
-def is_at_rest(history: np.ndarray) -> bool:
-    """Whether the vehicle was at rest in the last part of a history."""
-    return is_still(history[-n_ticks(history["time_us"][:2] * 1e-6, LIMITS.rest_s) :])
-
-
-def is_still(history: np.ndarray) -> bool:
-    """Whether the vehicle was at rest in all rows of a history."""
-    return all(
-        float(np.linalg.norm(history[name], axis=1).max()) <= most
-        for name, most in (
-            ("velocity_true_enu_mps", LIMITS.rest_mps),
-            ("angular_rate_true_flu_radps", LIMITS.rest_radps),
-        )
-    )
-
-
-def rotors_turn(history: np.ndarray, airframe: Airframe) -> Bool[np.ndarray, " n"]:
-    """Whether any rotor turns, for each row of a history."""
-    hover_radps = airframe.quadrotor.hover_speed_radps
-    return np.max(history["rotor_speed_radps"], axis=1) > LIMITS.rotor_share * hover_radps
-
-
-def _stopped_after_s(landed: np.ndarray, airframe: Airframe) -> float | None:
-    turning = np.flatnonzero(rotors_turn(landed, airframe))
-    if not turning.size:
-        return 0.0
-    last = landed[turning[-1]]
-    is_turning = last["time_us"] == landed["time_us"][-1]
-    return None if is_turning else float(last["time_us"] - landed["time_us"][0]) * 1e-6
-
-
-def _spin_ups(landed: np.ndarray, airframe: Airframe) -> int:
-    """Times that thrust rose above the upper share of the weight, each after the lower one."""
-    constants = np.array([r.thrust_constant * r.axis_flu[2] for r in airframe.quadrotor.rotors])
-    share = (landed["rotor_speed_radps"] ** 2 @ constants) / _weight_n(airframe)
-    # Only rows beyond one of the shares matter; what follows a low one and is high is a spin-up.
-    is_high = share[(share < LIMITS.unloaded_share) | (share > LIMITS.loaded_share)] > (
-        LIMITS.loaded_share
-    )
-    return int(np.count_nonzero(is_high[1:] & ~is_high[:-1]))
-
-
-def _weight_n(airframe: Airframe) -> float:
-    return airframe.quadrotor.mass_kg * GRAVITY_MPS2
-
-
-def _tilt_rad(quat_wxyz: np.ndarray) -> float:
-    _, x, y, _ = quat_wxyz
-    return math.acos(max(-1.0, min(1.0, 1.0 - 2.0 * (x * x + y * y))))

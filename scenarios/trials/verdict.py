@@ -14,8 +14,9 @@ from typing import Protocol
 
 from aeroscene.scene import InteractionArea
 from scenarios.trials.contacts import Contact
+from scenarios.trials.figures import Goal
 from scenarios.trials.limits import LIMITS
-from scenarios.trials.score import AnyScore, Goal
+from scenarios.trials.score import AnyScore
 
 
 class Code(StrEnum):

@@ -10,7 +10,7 @@ import numpy as np
 from flightsim.vehicles.airframe import Airframe
 from scenarios.trials.bounds import Touched, lift_off_row
 from scenarios.trials.contacts import Contact, ContactFinder, MoverPoses
-from scenarios.trials.score import Figures, Goal
+from scenarios.trials.figures import Figures, Goal
 from scenarios.trials.verdict import Ending, Judgement, judge
 
 _CONTACT_ROWS = 10

@@ -8,7 +8,7 @@ from jaxtyping import Bool, Float
 from scenarios.environments.episodes.place import Place
 from scenarios.environments.tasks.situation import Situation
 from scenarios.environments.tasks.task import Start, Task, draw_attitude, draw_free
-from scenarios.trials.score import Goal
+from scenarios.trials.figures import Goal
 from scenarios.trials.verdict import Ending, Verdict
 
 _FARTHEST_M = 5.0

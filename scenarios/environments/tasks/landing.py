@@ -16,7 +16,7 @@ from scenarios.environments.tasks.task import (
     draw_point,
     no_room,
 )
-from scenarios.trials.score import Goal
+from scenarios.trials.figures import Goal
 from scenarios.trials.verdict import Ending, Verdict
 
 _FARTHEST_M = 15.0

@@ -19,7 +19,7 @@ from scenarios.environments.tasks.task import (
     draw_attitude,
     draw_free,
 )
-from scenarios.trials.score import Goal
+from scenarios.trials.figures import Goal
 from scenarios.trials.verdict import Ending, Verdict
 
 _LEAST_WAY_M = 3.0

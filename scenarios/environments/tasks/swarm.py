@@ -19,7 +19,7 @@ from scenarios.environments.tasks.task import (
     draw_point,
     no_room,
 )
-from scenarios.trials.score import Goal
+from scenarios.trials.figures import Goal
 from scenarios.trials.verdict import Ending, Verdict
 
 _LOW_M, _HIGH_M = 1.5, 4.0

@@ -14,7 +14,7 @@ from scenarios.environments.cfg import EnvironmentInputError
 from scenarios.environments.episodes.draws import uniform
 from scenarios.environments.episodes.place import Place
 from scenarios.environments.tasks.situation import Situation
-from scenarios.trials.score import Goal
+from scenarios.trials.figures import Goal
 from scenarios.trials.verdict import Ending
 
 MOST_DRAWS = 100

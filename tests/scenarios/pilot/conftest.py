@@ -12,8 +12,8 @@ from flightsim.testbench import Testbench, TestbenchCfg
 from scenarios.mission.mission import plan_mission
 from scenarios.pilot import Pilot, PilotCfg
 from scenarios.pilot.pace import AMONG_MOVERS
+from scenarios.trials.figures import Goal
 from scenarios.trials.flight_log import FlightLog
-from scenarios.trials.score import Goal
 from tests.scenarios.landing_scenes import ON_CONTAINER
 
 # Most flights are to one area of one yard.

@@ -10,8 +10,8 @@ from flightsim.mavlink.client.client import MavlinkClient
 from flightsim.testbench import Testbench, TestbenchCfg
 from scenarios.mission.mission import plan_mission
 from scenarios.pilot import Phase, Pilot, PilotCfg
+from scenarios.trials.figures import Goal
 from scenarios.trials.flight_log import FlightLog
-from scenarios.trials.score import Goal
 from tests.scenarios.landing_scenes import ON_CONTAINER, yard
 
 KINDS = {

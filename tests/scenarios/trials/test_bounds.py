@@ -8,7 +8,8 @@ from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import GROUND_NAME
 from scenarios.trials.bounds import Touched, bounds_of
 from scenarios.trials.contacts import Contact
-from scenarios.trials.score import Goal, score_flight
+from scenarios.trials.figures import Goal
+from scenarios.trials.score import score_flight
 from scenarios.trials.verdict import Code, Ending, Fate, Verdict, judge
 from tests.scenarios.trials.histories import AIR, AREA, BESIDE, LANDED, START, TICK_US, flight
 

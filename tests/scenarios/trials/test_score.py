@@ -12,9 +12,10 @@ from scipy.spatial.transform import Rotation
 from flightsim.vehicles.catalogue import AIRFRAMES
 from scenarios.trials.bounds import is_over_area
 from scenarios.trials.contacts import Contact
+from scenarios.trials.figures import Goal
 from scenarios.trials.measures.estimation import rotation_angle_rad
 from scenarios.trials.result import figures
-from scenarios.trials.score import Goal, score_flight
+from scenarios.trials.score import score_flight
 from tests.scenarios.trials.histories import AIR, AREA, BESIDE, HOVER, LANDED, LEG_M, START, flight
 
 IRIS = AIRFRAMES["iris"]

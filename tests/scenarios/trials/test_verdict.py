@@ -5,8 +5,9 @@ from dataclasses import replace
 import pytest
 
 from scenarios.trials.contacts import Contact
+from scenarios.trials.figures import Goal
 from scenarios.trials.limits import LIMITS
-from scenarios.trials.score import FlightScore, Goal
+from scenarios.trials.score import FlightScore
 from scenarios.trials.verdict import SUCCESSES, Code, Ending, Verdict, judge
 from tests.scenarios.trials.histories import AREA, BESIDE
 

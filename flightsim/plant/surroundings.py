@@ -1,0 +1,39 @@
+"""What the plants of a scene feel of it besides its solids: rooms, steel, the lee of buildings."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from aeroscene.scene import Scene
+from flightsim.environment.effects import Effects
+from flightsim.environment.rooms import indoor_rooms
+from flightsim.environment.shelter import Grid, blocks_of, grid_for
+from flightsim.environment.steel import steel_dipoles
+
+
+@dataclass(frozen=True, eq=False)
+class Surroundings:
+    """What the plants of a scene feel of it besides its solids; see `kernel.advance`."""
+
+    rooms: Float[np.ndarray, "n 8"]
+    """Without satellites and wind, `flightsim.environment.rooms`."""
+    steel: Float[np.ndarray, "n 5"]
+    """Near the magnetometer, `flightsim.environment.steel`."""
+    blocks: Float[np.ndarray, "n 7"]
+    """In the wind, `flightsim.environment.shelter`."""
+    grid: Grid
+    """On which the flow around them is known."""
+
+    @classmethod
+    def of(cls, scene: Scene, effects: Effects) -> Surroundings:
+        """Surroundings in a scene, without those whose effect is off."""
+        blocks = blocks_of(scene)[: None if effects.shelter else 0]
+        return cls(
+            rooms=indoor_rooms(scene),
+            steel=steel_dipoles(scene)[: None if effects.steel else 0],
+            blocks=blocks,
+            grid=grid_for(scene, blocks),
+        )
