@@ -158,7 +158,7 @@ def _way(task: Task) -> Int[np.ndarray, "n 3"]:
         goal,
         required_m=min(task.needed_m, max(at_ends_m, route.resolution_m / 4)),
         comfortable_m=task.seen.cfg.cap_m,
-        is_seen=task.seen.field.distance_m >= task.needed_m,
+        seen=task.seen.seen_room(task.needed_m),
         climb_price=_CLIMB_PRICE,
     )
 
