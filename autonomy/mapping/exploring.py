@@ -117,13 +117,13 @@ def _has_plan(task: Task) -> bool:
 def _require_news(task: Task) -> None:
     """Refuse a new search with every image while there is a plan to fly."""
     seen = task.seen
-    n_new = seen.n_images - task.agenda.searched_at
+    n_new = seen.n_looks - task.agenda.searched_at
     if n_new < SEARCH_IMAGES and _has_plan(task):
         raise PlanningError(
             f"{n_new} images were taken since the last search; valid: fly the plan on and plan "
             f"again after {SEARCH_IMAGES}"
         )
-    task.agenda.searched_at = seen.n_images
+    task.agenda.searched_at = seen.n_looks
 
 
 def _require_place(task: Task) -> None:

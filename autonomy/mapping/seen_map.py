@@ -49,7 +49,7 @@ class SeenMap:
 
     Attributes:
         evidence: Of each cell: free up to `FREE_AT`, occupied from `OCCUPIED_AT` on, else unknown.
-        n_images: Images taken in so far.
+        n_looks: Images so far of the camera that looks ahead.
         is_given: False: the map grows with what is seen.
         eye_enu_m: Camera position of the last image; the start before the first one.
     """
@@ -65,7 +65,8 @@ class SeenMap:
         size = (np.array(high_enu_m) - self.corner_enu_m) / self.cfg.resolution_m
         shape = np.maximum(np.floor(size + 1e-6), 1).astype(np.int64)
         self.evidence = np.zeros(shape, dtype=np.int8)
-        self.n_images = 0
+        self.n_looks = 0
+        self._n_images = 0
         x, y, z = ((np.array(low_enu_m) + high_enu_m) / 2).tolist()
         self.eye_enu_m: Vector3 = (x, y, z)
         self._seen_in = np.zeros(shape, dtype=np.int8)
@@ -81,13 +82,14 @@ class SeenMap:
         self._changed = np.array([shape, np.zeros(3, dtype=np.int64)])
         self._obstacles: Obstacles | None = None
 
-    def observe(self, image: DepthImage) -> None:
-        """Update the map with a depth image."""
+    def observe(self, image: DepthImage, *, is_ahead: bool = True) -> None:
+        """Update the map with a depth image, of the camera that looks ahead or of another one."""
         cfg = self.cfg
-        self.n_images += 1
+        self.n_looks += is_ahead
+        self._n_images += 1
         integrate(
             Cells(self.evidence, self._seen_in, self.corner_enu_m, cfg.resolution_m),
-            1 + self.n_images % _N_NUMBERS,
+            1 + self._n_images % _N_NUMBERS,
             image.pixels,
             cfg.max_range_m,
             image.inverse_depth_sigma_pm,
@@ -165,8 +167,10 @@ class SeenMap:
 
         It is 0 where nothing was ever free: no mover counts there.
         """
-        standing_m = self.distance_to_seen_m(points_enu_m, MOST_OCCUPIED)
-        return np.where(self._at(self._was_free, points_enu_m), standing_m, 0.0)
+        distance_m = np.zeros(len(points_enu_m))
+        was_free = np.flatnonzero(self._at(self._was_free, points_enu_m))
+        distance_m[was_free] = self.distance_to_seen_m(points_enu_m[was_free], MOST_OCCUPIED)
+        return distance_m
 
     def rough_distance_m(self, points_enu_m: Float[np.ndarray, "k 3"]) -> Float[np.ndarray, " k"]:
         """Distance from the middles of the points' cells to everything that was not seen free."""
