@@ -40,6 +40,19 @@ class Gauge(NamedTuple):
     border_z: np.ndarray
 
 
+class States(NamedTuple):
+    """State of each cell, and of its column."""
+
+    bits: np.ndarray
+    """`NOT_FREE` and `OCCUPIED`."""
+    to_not_free: np.ndarray
+    """Number of cells to the nearest one of the same column that is not free, up to reach + 1."""
+    to_occupied: np.ndarray
+    """The same to the nearest occupied one."""
+    stale: np.ndarray
+    """Bits that changed in each block of cells since distances were measured."""
+
+
 class Distances(NamedTuple):
     """Distances from each cell of a volume, m."""
 
@@ -51,6 +64,16 @@ class Distances(NamedTuple):
     """What a search goes by that may pass unseen cells at a price; see `SeenMap.route_m`."""
     n_roomy: np.ndarray
     """Number of cells in each layer with enough room that was seen free."""
+
+
+def unseen_states(shape: tuple[int, ...], gauge: Gauge) -> States:
+    """States in a volume of which nothing was seen."""
+    return States(
+        np.full(shape, NOT_FREE, dtype=np.uint8),
+        np.zeros(shape, dtype=np.uint8),
+        np.full(shape, gauge.reach + 1, dtype=np.uint8),
+        np.zeros([-(-n // gauge.reach) for n in shape], dtype=np.uint8),
+    )
 
 
 def gauge_for(shape: tuple[int, ...], resolution_m: float, cap_m: float) -> Gauge:
@@ -71,34 +94,56 @@ def note_changes(
     high: Int[np.ndarray, " 3"],
     free_at: int,
     occupied_at: int,
-    states: Int[np.ndarray, "nx ny nz"],
-    stale: Int[np.ndarray, "a b c"],
-    edge: int,
+    states: States,
+    reach: int,
 ) -> bool:
     """Bring the states of the cells from `low` to before `high` up to date.
 
-    Sets the bits that changed in the entry of `stale` for the block of the cell.
-
     Returns:
-        Whether any state has changed.
+        Whether any has changed.
     """
+    bits, stale = states.bits, states.stale
     is_any = False
     for i in range(low[0], high[0]):
         for j in range(low[1], high[1]):
+            changed = 0
             for k in range(low[2], high[2]):
                 each = evidence[i, j, k]
-                state = NOT_FREE * (each > free_at) + OCCUPIED * (each >= occupied_at)
-                if state != states[i, j, k]:
-                    stale[i // edge, j // edge, k // edge] |= state ^ states[i, j, k]
-                    states[i, j, k] = state
-                    is_any = True
+                now = NOT_FREE * (each > free_at) + OCCUPIED * (each >= occupied_at)
+                if now != bits[i, j, k]:
+                    changed |= now ^ bits[i, j, k]
+                    stale[i // reach, j // reach, k // reach] |= now ^ bits[i, j, k]
+                    bits[i, j, k] = now
+            first, beyond = low[2] - reach, high[2] + reach
+            if changed & NOT_FREE:
+                _count_steps(bits[i, j], NOT_FREE, first, beyond, reach, states.to_not_free[i, j])
+            if changed & OCCUPIED:
+                _count_steps(bits[i, j], OCCUPIED, first, beyond, reach, states.to_occupied[i, j])
+            is_any = is_any or changed != 0
     return is_any
 
 
 @kernel
+def _count_steps(
+    bits: np.ndarray, bit: int, first: int, beyond: int, reach: int, steps: np.ndarray
+) -> None:
+    """Number of cells to the nearest one of a column with a bit, for a part of the column."""
+    first, beyond, most = max(first, 0), min(beyond, len(bits)), reach + 1
+    n = most
+    for k in range(max(first - reach, 0), beyond):
+        n = 0 if bits[k] & bit else min(n + 1, most)
+        if k >= first:
+            steps[k] = n
+    n = most
+    for k in range(min(beyond + reach, len(bits)) - 1, first - 1, -1):
+        n = 0 if bits[k] & bit else min(n + 1, most)
+        if k < beyond:
+            steps[k] = min(steps[k], n)
+
+
+@kernel
 def renew(
-    states: Int[np.ndarray, "nx ny nz"],
-    stale: Int[np.ndarray, "a b c"],
+    states: States,
     gauge: Gauge,
     needed: float,
     comfortable: float,
@@ -108,30 +153,69 @@ def renew(
 
     Args:
         states: State of each cell.
-        stale: Bits of the states that changed in each block.
         gauge: What distances are measured by.
         needed: Room that the vehicle needs, in single precision.
         comfortable: Distance that a route is given where that much room was not seen free.
         distances: Changed in place.
     """
+    changed = _with_neighbours(states.stale)
+    states.stale[:] = 0
     edge = gauge.reach
-    nx, ny, nz = states.shape
-    for a in range(stale.shape[0]):
-        for b in range(stale.shape[1]):
-            bits, first, beyond = _stale_span(stale, a, b)
-            if bits == 0:
-                continue
-            low = (a * edge, b * edge, first * edge)
-            high = (min((a + 1) * edge, nx), min((b + 1) * edge, ny), min(beyond * edge, nz))
-            if bits & OCCUPIED:
-                _measure(states, OCCUPIED, low, high, gauge, distances.to_occupied)
-            _count_roomy(distances, low, high, needed, -1)
-            if bits & NOT_FREE:
-                _measure(states, NOT_FREE, low, high, gauge, distances.to_not_free)
-                _cut_at_border(distances.to_not_free, low, high, gauge)
-            _count_roomy(distances, low, high, needed, 1)
-            _find_route(distances, low, high, gauge, needed, comfortable)
-    stale[:] = 0
+    nx, ny, nz = states.bits.shape
+    for a in range(changed.shape[0]):
+        for b in range(changed.shape[1]):
+            beyond = 0
+            while beyond < changed.shape[2]:
+                first, bits = beyond, 0
+                while beyond < changed.shape[2] and changed[a, b, beyond]:
+                    bits |= changed[a, b, beyond]
+                    beyond += 1
+                if first == beyond:
+                    beyond += 1
+                    continue
+                low = (a * edge, b * edge, first * edge)
+                high = (min((a + 1) * edge, nx), min((b + 1) * edge, ny), min(beyond * edge, nz))
+                _renew_cells(states, bits, low, high, gauge, needed, comfortable, distances)
+
+
+@kernel
+def _renew_cells(
+    states: States,
+    bits: int,
+    low: tuple[int, int, int],
+    high: tuple[int, int, int],
+    gauge: Gauge,
+    needed: float,
+    comfortable: float,
+    distances: Distances,
+) -> None:
+    if bits & OCCUPIED:
+        _measure(states.to_occupied, low, high, gauge, distances.to_occupied)
+    if bits & NOT_FREE:
+        _count_roomy(distances, low, high, needed, -1)
+        _measure(states.to_not_free, low, high, gauge, distances.to_not_free)
+        _cut_at_border(distances.to_not_free, low, high, gauge)
+        _count_roomy(distances, low, high, needed, 1)
+    _find_route(distances, low, high, gauge, needed, comfortable)
+
+
+@kernel
+def note_freed(
+    evidence: Int[np.ndarray, "nx ny nz"],
+    low: Int[np.ndarray, " 3"],
+    high: Int[np.ndarray, " 3"],
+    free_at: int,
+    most_occupied: int,
+    was_free: Int[np.ndarray, "nx ny nz"],
+) -> None:
+    """Note which cells from `low` to before `high` are free, and forget those that surely stand."""
+    for i in range(low[0], high[0]):
+        for j in range(low[1], high[1]):
+            for k in range(low[2], high[2]):
+                each = evidence[i, j, k]
+                was_free[i, j, k] = (was_free[i, j, k] | (each <= free_at)) & (
+                    each < most_occupied
+                )
 
 
 @kernel
@@ -146,29 +230,39 @@ def renew_routes(
 
 
 @kernel
-def _stale_span(stale: np.ndarray, a: int, b: int) -> tuple[int, int, int]:
-    """Bits that changed in a column of blocks and those beside it, and the blocks concerned."""
-    bits, first, beyond = 0, stale.shape[2], 0
-    for i in range(max(a - 1, 0), min(a + 2, stale.shape[0])):
-        for j in range(max(b - 1, 0), min(b + 2, stale.shape[1])):
-            for k in range(stale.shape[2]):
-                if stale[i, j, k]:
-                    bits |= stale[i, j, k]
-                    first, beyond = min(first, k - 1), max(beyond, k + 2)
-    return bits, max(first, 0), min(beyond, stale.shape[2])
+def _with_neighbours(stale: np.ndarray) -> np.ndarray:
+    """Bits that changed in each block or in one of the 26 beside it."""
+    changed = np.zeros_like(stale)
+    for a in range(stale.shape[0]):
+        for b in range(stale.shape[1]):
+            for c in range(stale.shape[2]):
+                if not stale[a, b, c]:
+                    continue
+                for i in range(max(a - 1, 0), min(a + 2, stale.shape[0])):
+                    for j in range(max(b - 1, 0), min(b + 2, stale.shape[1])):
+                        for k in range(max(c - 1, 0), min(c + 2, stale.shape[2])):
+                            changed[i, j, k] |= stale[a, b, c]
+    return changed
 
 
 @kernel
 def _measure(
-    states: np.ndarray,
-    bit: int,
+    steps: np.ndarray,
     low: tuple[int, int, int],
     high: tuple[int, int, int],
     gauge: Gauge,
     distance: np.ndarray,
 ) -> None:
-    """Distance to the nearest cell with a bit for the cells from `low` to before `high`."""
-    nx, ny, _ = states.shape
+    """Distance to the nearest marked cell for the cells from `low` to before `high`.
+
+    Args:
+        steps: Number of cells to the nearest marked one of the same column.
+        low: First cell.
+        high: Cell beyond the last.
+        gauge: What distances are measured by.
+        distance: Changed in place.
+    """
+    nx, ny, _ = steps.shape
     reach, squares, metres = gauge.reach, gauge.squares, gauge.metres
     i_low, j_low = max(low[0] - reach, 0), max(low[1] - reach, 0)
     i_high, j_high = min(high[0] + reach, nx), min(high[1] + reach, ny)
@@ -179,9 +273,8 @@ def _measure(
     is_across_far = np.empty((i_high - i_low, high[1] - low[1]), dtype=np.bool_)
     for i in range(i_low, i_high):
         for j in range(j_low, j_high):
-            is_far[j - j_low] = _squares_along(
-                states, bit, i, j, low[2], high[2], reach, squares, row[j - j_low]
-            )
+            nearest = _square(steps[i, j, low[2] : high[2]], row[j - j_low])
+            is_far[j - j_low] = nearest == squares[-1]
         for j in range(low[1], high[1]):
             least = across[i - i_low, j - low[1]]
             least[:] = row[j - j_low]
@@ -211,33 +304,15 @@ def _lower(least: np.ndarray, other: np.ndarray, extra: float) -> None:
 
 
 @kernel
-def _squares_along(
-    states: np.ndarray,
-    bit: int,
-    i: int,
-    j: int,
-    low: int,
-    high: int,
-    reach: int,
-    squares: np.ndarray,
-    along: np.ndarray,
-) -> bool:
-    """Squared distance to the nearest cell of a column with a bit; whether all are beyond reach."""
-    most = len(squares) - 1
-    nearest = most
-    steps = most
-    for k in range(max(low - reach, 0), high):
-        steps = 0 if states[i, j, k] & bit else min(steps + 1, most)
-        if k >= low:
-            along[k - low] = squares[steps]
-            nearest = min(nearest, steps)
-    steps = most
-    for k in range(min(high + reach, states.shape[2]) - 1, low - 1, -1):
-        steps = 0 if states[i, j, k] & bit else min(steps + 1, most)
-        if k < high:
-            along[k - low] = min(along[k - low], squares[steps])
-            nearest = min(nearest, steps)
-    return nearest == most
+def _square(steps: np.ndarray, squares: np.ndarray) -> float:
+    """Squared distance, in half cells, of cells so many steps apart; the least of all."""
+    least = np.float32(np.inf)
+    for k in range(len(steps)):
+        halves = np.float32(2) * np.float32(steps[k]) - np.float32(1)
+        halves = halves if halves > np.float32(0) else np.float32(0)
+        squares[k] = halves * halves
+        least = squares[k] if squares[k] < least else least
+    return least
 
 
 @kernel
@@ -283,11 +358,6 @@ def _count_roomy(
         for j in range(low[1], high[1]):
             for k in range(low[2], high[2]):
                 distances.n_roomy[k] += sign * (distances.to_not_free[i, j, k] >= needed)
-
-
-def lengths(shape: tuple[int, ...], edge: int) -> tuple[int, ...]:
-    """Number of blocks along each axis."""
-    return tuple(-(-n // edge) for n in shape)
 
 
 def unseen(shape: tuple[int, ...], cap_m: float) -> Distances:

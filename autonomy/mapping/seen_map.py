@@ -22,13 +22,13 @@ from autonomy.mapping.rays import (
     integrate,
 )
 from autonomy.mapping.renewal import (
-    NOT_FREE,
     gauge_for,
-    lengths,
     note_changes,
+    note_freed,
     renew,
     renew_routes,
     unseen,
+    unseen_states,
 )
 from autonomy.mapping.seen_map_cfg import SeenMapCfg
 from autonomy.perception.depth_image import DepthImage
@@ -74,9 +74,8 @@ class SeenMap:
         self._was_free = np.zeros(shape, dtype=np.bool_)
         self._gauge = gauge_for(self.evidence.shape, self.cfg.resolution_m, self.cfg.cap_m)
         self._distances = unseen(self.evidence.shape, self.cfg.cap_m)
-        # States of the cells for which these distances hold, and the blocks of cells with others.
-        self._states = np.full(shape, NOT_FREE, dtype=np.int8)
-        self._stale = np.zeros(lengths(self.evidence.shape, self._gauge.reach), dtype=np.int8)
+        # States for which these distances hold, but for blocks of cells that it lists as stale.
+        self._states = unseen_states(self.evidence.shape, self._gauge)
         self._needed_m = 0.0
         # First cell, and the cell beyond the last, whose evidence may have changed since then.
         self._changed = np.array([shape, np.zeros(3, dtype=np.int64)])
@@ -97,9 +96,7 @@ class SeenMap:
         self.eye_enu_m = image.position_enu_m
         ends = np.array([image.position_enu_m, *image.corners_enu_m(cfg.max_range_m)])
         block = self.block_about(self.cells(ends), cfg.resolution_m)
-        evidence, was_free = self.evidence[slices(block)], self._was_free[slices(block)]
-        was_free |= evidence <= FREE_AT
-        was_free &= evidence < MOST_OCCUPIED
+        note_freed(self.evidence, *block, FREE_AT, MOST_OCCUPIED, self._was_free)
         self._change(block)
 
     def assume_free_column(
@@ -295,10 +292,10 @@ class SeenMap:
         if np.any(low >= high):
             return
         self._changed = np.array([self.evidence.shape, np.zeros(3, dtype=np.int64)])
-        states, stale, edge = self._states, self._stale, self._gauge.reach
-        if note_changes(self.evidence, low, high, FREE_AT, OCCUPIED_AT, states, stale, edge):
+        states, gauge = self._states, self._gauge
+        if note_changes(self.evidence, low, high, FREE_AT, OCCUPIED_AT, states, gauge.reach):
             needed = _single(self._needed_m)
-            renew(states, stale, self._gauge, needed, self._comfortable_m, self._distances)
+            renew(states, gauge, needed, self._comfortable_m, self._distances)
 
 
 def _single(number: float) -> float:
