@@ -17,9 +17,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Int
 
 from autonomy.jit import kernel
+from autonomy.mapping.rays import FREE_AT, MOST_OCCUPIED, OCCUPIED_AT
 
 NOT_FREE, OCCUPIED = 1, 2
 """Bits of the state of a cell."""
@@ -92,8 +93,6 @@ def note_changes(
     evidence: Int[np.ndarray, "nx ny nz"],
     low: Int[np.ndarray, " 3"],
     high: Int[np.ndarray, " 3"],
-    free_at: int,
-    occupied_at: int,
     states: States,
     reach: int,
 ) -> bool:
@@ -109,7 +108,7 @@ def note_changes(
             changed = 0
             for k in range(low[2], high[2]):
                 each = evidence[i, j, k]
-                now = NOT_FREE * (each > free_at) + OCCUPIED * (each >= occupied_at)
+                now = NOT_FREE * (each > FREE_AT) + OCCUPIED * (each >= OCCUPIED_AT)
                 if now != bits[i, j, k]:
                     changed |= now ^ bits[i, j, k]
                     stale[i // reach, j // reach, k // reach] |= now ^ bits[i, j, k]
@@ -204,8 +203,6 @@ def note_freed(
     evidence: Int[np.ndarray, "nx ny nz"],
     low: Int[np.ndarray, " 3"],
     high: Int[np.ndarray, " 3"],
-    free_at: int,
-    most_occupied: int,
     was_free: Int[np.ndarray, "nx ny nz"],
 ) -> None:
     """Note which cells from `low` to before `high` are free, and forget those that surely stand."""
@@ -213,15 +210,12 @@ def note_freed(
         for j in range(low[1], high[1]):
             for k in range(low[2], high[2]):
                 each = evidence[i, j, k]
-                was_free[i, j, k] = (was_free[i, j, k] | (each <= free_at)) & (
-                    each < most_occupied
-                )
+                is_free = was_free[i, j, k] | (each <= FREE_AT)
+                was_free[i, j, k] = is_free & (each < MOST_OCCUPIED)
 
 
 @kernel
-def renew_routes(
-    gauge: Gauge, needed: float, comfortable: float, distances: Distances
-) -> None:
+def renew_routes(gauge: Gauge, needed: float, comfortable: float, distances: Distances) -> None:
     """Compute all of the route anew, because another room is needed; see `renew`."""
     high = distances.route.shape
     distances.n_roomy[:] = 0
@@ -300,7 +294,7 @@ def _lower(least: np.ndarray, other: np.ndarray, extra: float) -> None:
     """Replace what is more than the other values and something added to all of them."""
     for k in range(len(least)):
         total = other[k] + extra
-        least[k] = total if total < least[k] else least[k]
+        least[k] = min(least[k], total)
 
 
 @kernel
@@ -309,9 +303,9 @@ def _square(steps: np.ndarray, squares: np.ndarray) -> float:
     least = np.float32(np.inf)
     for k in range(len(steps)):
         halves = np.float32(2) * np.float32(steps[k]) - np.float32(1)
-        halves = halves if halves > np.float32(0) else np.float32(0)
+        halves = max(np.float32(0), halves)
         squares[k] = halves * halves
-        least = squares[k] if squares[k] < least else least
+        least = min(least, squares[k])
     return least
 
 

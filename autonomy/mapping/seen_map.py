@@ -9,7 +9,7 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Float, Int
 
 from autonomy.mapping.distances import boxes_about, distance_to_cells, slices
 from autonomy.mapping.rays import (
@@ -96,7 +96,7 @@ class SeenMap:
         self.eye_enu_m = image.position_enu_m
         ends = np.array([image.position_enu_m, *image.corners_enu_m(cfg.max_range_m)])
         block = self.block_about(self.cells(ends), cfg.resolution_m)
-        note_freed(self.evidence, *block, FREE_AT, MOST_OCCUPIED, self._was_free)
+        note_freed(self.evidence, *block, self._was_free)
         self._change(block)
 
     def assume_free_column(
@@ -293,7 +293,7 @@ class SeenMap:
             return
         self._changed = np.array([self.evidence.shape, np.zeros(3, dtype=np.int64)])
         states, gauge = self._states, self._gauge
-        if note_changes(self.evidence, low, high, FREE_AT, OCCUPIED_AT, states, gauge.reach):
+        if note_changes(self.evidence, low, high, states, gauge.reach):
             needed = _single(self._needed_m)
             renew(states, gauge, needed, self._comfortable_m, self._distances)
 

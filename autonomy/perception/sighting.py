@@ -83,8 +83,9 @@ class Sighting:
         """Spread of the points along a heading and across it, without their noise."""
         c, s = math.cos(yaw_rad), math.sin(yaw_rad)
         x, y = self.forward.tolist()
-        noises = _NORMAL_SPREAD * self.depth_sigma_m * abs(c * x + s * y), (
-            _NORMAL_SPREAD * self.depth_sigma_m * abs(c * y - s * x)
+        noises = (
+            _NORMAL_SPREAD * self.depth_sigma_m * abs(c * x + s * y),
+            (_NORMAL_SPREAD * self.depth_sigma_m * abs(c * y - s * x)),
         )
         seen = spreads(self.points_enu_m, c, s, _NEAR_PERCENT, _FAR_PERCENT)
         along_m, across_m = (
@@ -166,9 +167,7 @@ def see(
     doubt_m = _BEHIND_SIGMAS * depth_sigma_m
     cut = (image.pixels.depth, pixels, behind_m + doubt_m)
     is_left, is_right, is_top = (goes_on(*cut, *side, _EDGE_PERCENT) for side in _SIDES[:3])
-    is_bottom = goes_on(
-        image.pixels.depth, pixels, nearer_m - doubt_m, *_SIDES[3], _EDGE_PERCENT
-    )
+    is_bottom = goes_on(image.pixels.depth, pixels, nearer_m - doubt_m, *_SIDES[3], _EDGE_PERCENT)
     is_hidden = is_bottom or -sight[2] > _STEEP * away
     hidden_m = _MOST_HIDDEN_BELOW_M if is_hidden else 2.0 * within_m
     return Sighting(
@@ -188,8 +187,7 @@ def see(
 def between(
     values: Float[np.ndarray, " n"], low_percent: float, high_percent: float
 ) -> tuple[float, float]:
-    """Two percentiles of some values, interpolated like `np.percentile`, which takes 30 times as
-    long for a few hundred values."""
+    """Two percentiles of some values, interpolated as by `np.percentile`, but much faster."""
     ordered = np.sort(values)
     return _percentile(ordered, low_percent), _percentile(ordered, high_percent)
 

@@ -75,9 +75,7 @@ class Surroundings:
         """Distances to the obstacles."""
         return self.map.field
 
-    def observe(
-        self, image: DepthImage, position_enu_m: Vector3, *, is_ahead: bool = True
-    ) -> None:
+    def observe(self, image: DepthImage, position_enu_m: Vector3, *, is_ahead: bool = True) -> None:
         """Add a depth image of any camera to a growing map; a given map ignores it.
 
         A cell counts as free from the second image that shows it free, or when the vehicle fills

@@ -56,8 +56,9 @@ def test_sightings_are_fused_as_by_filterpy(seed):
     modes, expected = begin(mean, covariance), reference(mean, covariance)
     for _ in range(8):
         dt, shift = rng.uniform(0.05, 1.0), 0.05 * rng.normal(size=3)
-        position, noise = modes.means[1, :3] + 0.2 * rng.normal(size=3), random_covariance(
-            rng, 3, 0.1
+        position, noise = (
+            modes.means[1, :3] + 0.2 * rng.normal(size=3),
+            random_covariance(rng, 3, 0.1),
         )
         modes, found, spread = fused(modes, dt, shift, position, noise, CHANGES)
         for mode, (rate, psd) in zip(expected.filters, _MODES, strict=True):
