@@ -298,7 +298,7 @@ def _lower(least: np.ndarray, other: np.ndarray, extra: float) -> None:
 
 
 @kernel
-def _square(steps: np.ndarray, squares: np.ndarray) -> float:
+def _square(steps: np.ndarray, squares: np.ndarray) -> np.float32:
     """Squared distance, in half cells, of cells so many steps apart; the least of all."""
     least = np.float32(np.inf)
     for k in range(len(steps)):

@@ -96,7 +96,7 @@ class SeenMap:
         self.eye_enu_m = image.position_enu_m
         ends = np.array([image.position_enu_m, *image.corners_enu_m(cfg.max_range_m)])
         block = self.block_about(self.cells(ends), cfg.resolution_m)
-        note_freed(self.evidence, *block, self._was_free)
+        note_freed(self.evidence, block[0], block[1], self._was_free)
         self._change(block)
 
     def assume_free_column(
