@@ -1,4 +1,4 @@
-"""Measure what we build on: planner, estimator, landing, contacts, grades of difficulty.
+"""Measure what we build on: planner, estimator, landing, contacts, growing maps, difficulty.
 
     python tools/bench.py plan
     python tools/bench.py estimate --count 20 --json
@@ -20,6 +20,7 @@ from measuring.configs import (
     DifficultyBenchCfg,
     EncountersBenchCfg,
     EstimateBenchCfg,
+    GrowBenchCfg,
     LandBenchCfg,
     PlanBenchCfg,
 )
@@ -36,6 +37,7 @@ NAMES = {
     LandBenchCfg: "land",
     EncountersBenchCfg: "encounters",
     ApproachesBenchCfg: "approaches",
+    GrowBenchCfg: "grow",
 }
 
 Bench = (
@@ -45,12 +47,13 @@ Bench = (
     | Annotated[LandBenchCfg, tyro.conf.subcommand("land", prefix_name=False)]
     | Annotated[EncountersBenchCfg, tyro.conf.subcommand("encounters", prefix_name=False)]
     | Annotated[ApproachesBenchCfg, tyro.conf.subcommand("approaches", prefix_name=False)]
+    | Annotated[GrowBenchCfg, tyro.conf.subcommand("grow", prefix_name=False)]
 )
 
 
 @dataclass(frozen=True, kw_only=True)
 class BenchCfg:
-    """Measure the planner, the estimator, landing, encounters, approaches, or grades of difficulty.
+    """Measure the planner, the estimator, encounters, approaches, growing maps, or difficulty.
 
     Exit status 0 if every target is met, else 1.
     """

@@ -1,4 +1,4 @@
-"""Distances to the marked cells of a block, and boxes that hold them."""
+"""Distances to the nearest cells with evidence, and boxes that hold all that is not free."""
 
 from __future__ import annotations
 
@@ -12,59 +12,6 @@ from autonomy.planning.obstacles import Obstacles
 
 _WALL_M = 10.0
 _REACH_CELLS = 5
-
-
-@kernel
-def distance_to_marked(
-    marked: Bool[np.ndarray, "nx ny nz"], resolution: float, cap: float
-) -> Float[np.ndarray, "nx ny nz"]:
-    """Exact distance from cell centres to the nearest marked cell's surface, capped.
-
-    Separable: along one axis, cells n apart are (2n - 1) / 2 cells apart from centre to surface,
-    and squares add up over the axes. Cells outside the block do not count.
-    """
-    nx, ny, nz = marked.shape
-    reach = math.ceil(cap / resolution + 0.5)
-    squares = np.array([max(2 * n - 1, 0) ** 2 for n in range(reach + 2)], dtype=np.int32)
-    along = _squares_upwards(marked, squares)
-    across = along.copy()
-    for i in range(nx):
-        for j in range(ny):
-            for n in range(max(j - reach, 0), min(j + reach + 1, ny)):
-                extra = squares[abs(n - j)]
-                for k in range(nz):
-                    across[i, j, k] = min(across[i, j, k], along[i, n, k] + extra)
-    distance = np.empty((nx, ny, nz), dtype=np.float32)
-    least = np.empty(nz, dtype=np.int32)
-    for i in range(nx):
-        for j in range(ny):
-            least[:] = across[i, j]
-            for n in range(max(i - reach, 0), min(i + reach + 1, nx)):
-                extra = squares[abs(n - i)]
-                for k in range(nz):
-                    least[k] = min(least[k], across[n, j, k] + extra)
-            for k in range(nz):
-                distance[i, j, k] = min(math.sqrt(least[k]) * 0.5 * resolution, cap)
-    return distance
-
-
-@kernel
-def _squares_upwards(marked: np.ndarray, squares: np.ndarray) -> np.ndarray:
-    """Squared distance to the nearest marked cell of the same column."""
-    nx, ny, nz = marked.shape
-    most = len(squares) - 1
-    along = np.empty((nx, ny, nz), dtype=np.int32)
-    for i in range(nx):
-        for j in range(ny):
-            steps = most
-            for k in range(nz):
-                steps = 0 if marked[i, j, k] else min(steps + 1, most)
-                along[i, j, k] = steps
-            steps = most
-            for k in range(nz - 1, -1, -1):
-                steps = 0 if marked[i, j, k] else min(steps + 1, most)
-                along[i, j, k] = squares[min(along[i, j, k], steps)]
-    return along
 
 
 def boxes_about(
@@ -207,18 +154,6 @@ def distance_to_cells(
                         best = min(best, dx * dx + dy * dy + dz * dz)
         distance[n] = math.sqrt(best) * resolution
     return distance
-
-
-def distance_to_border(
-    block: Int[np.ndarray, "2 3"], shape: tuple[int, ...], resolution_m: float
-) -> Float[np.ndarray, "nx ny nz"]:
-    """Distance from the cell centres of a block to the border of the whole volume."""
-    gaps_m = []
-    for axis in range(3):
-        cells = np.arange(*block[:, axis])
-        gaps_m.append((np.minimum(cells, shape[axis] - 1 - cells) + 0.5) * resolution_m)
-    x, y, z = np.meshgrid(*gaps_m, indexing="ij", sparse=True)
-    return np.minimum(np.minimum(x, y), z).astype(np.float32)
 
 
 def slices(block: Int[np.ndarray, "2 3"]) -> tuple[slice, slice, slice]:

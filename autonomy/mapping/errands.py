@@ -117,8 +117,8 @@ def _look(task: Task, errand: Errand, targets: np.ndarray) -> Trajectory | None:
             task.agenda.errand = at_place
             return gesture
     errand = errand if task.agenda.errand is None else task.agenda.errand
-    since = seen.n_images if errand.facing_since is None else errand.facing_since
-    if errand.needs_nod or seen.n_images - since >= LOOK_IMAGES:
+    since = seen.n_looks if errand.facing_since is None else errand.facing_since
+    if errand.needs_nod or seen.n_looks - since >= LOOK_IMAGES:
         return _give_up(task, targets)
     task.agenda.errand = dataclasses.replace(errand, facing_since=since)
     return turn(task, 0.0)

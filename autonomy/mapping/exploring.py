@@ -117,13 +117,13 @@ def _has_plan(task: Task) -> bool:
 def _require_news(task: Task) -> None:
     """Refuse a new search with every image while there is a plan to fly."""
     seen = task.seen
-    n_new = seen.n_images - task.agenda.searched_at
+    n_new = seen.n_looks - task.agenda.searched_at
     if n_new < SEARCH_IMAGES and _has_plan(task):
         raise PlanningError(
             f"{n_new} images were taken since the last search; valid: fly the plan on and plan "
             f"again after {SEARCH_IMAGES}"
         )
-    task.agenda.searched_at = seen.n_images
+    task.agenda.searched_at = seen.n_looks
 
 
 def _require_place(task: Task) -> None:
@@ -158,7 +158,7 @@ def _way(task: Task) -> Int[np.ndarray, "n 3"]:
         goal,
         required_m=min(task.needed_m, max(at_ends_m, route.resolution_m / 4)),
         comfortable_m=task.seen.cfg.cap_m,
-        is_seen=task.seen.field.distance_m >= task.needed_m,
+        seen=task.seen.seen_room(task.needed_m),
         climb_price=_CLIMB_PRICE,
     )
 

@@ -38,8 +38,8 @@ class Map(Protocol):
         """Doors, windows and other narrow passages, the widest first; none in a growing map."""
         ...
 
-    def observe(self, image: DepthImage) -> None:
-        """Update the map with a depth image of any camera."""
+    def observe(self, image: DepthImage, *, is_ahead: bool = True) -> None:
+        """Update the map with a depth image, of the camera that looks ahead or of another one."""
         ...
 
     def be_at(self, position_enu_m: Vector3, radius_m: float, sole_m: float) -> None:
@@ -81,7 +81,7 @@ class GivenMap:
         """Find the passages, the widest first; takes 1 to 5 s."""
         return tuple(find_openings(self.field, self.obstacles))
 
-    def observe(self, image: DepthImage) -> None:
+    def observe(self, image: DepthImage, *, is_ahead: bool = True) -> None:
         """Learn nothing from an image."""
 
     def be_at(self, position_enu_m: Vector3, radius_m: float, sole_m: float) -> None:

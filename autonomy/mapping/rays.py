@@ -104,15 +104,18 @@ def _mark_ends(
                 continue
             if 2.0 * inverse_sigma * d * d > resolution:
                 continue
-            if not _is_borne_out(depth, v, u, inverse_sigma):
-                continue
             p = eye[0] + d * (rotation[0, 0] * x + rotation[0, 1] * y + rotation[0, 2])
             q = eye[1] + d * (rotation[1, 0] * x + rotation[1, 1] * y + rotation[1, 2])
             r = eye[2] + d * (rotation[2, 0] * x + rotation[2, 1] * y + rotation[2, 2])
             i = math.floor((p - corner[0]) / resolution)
             j = math.floor((q - corner[1]) / resolution)
             k = math.floor((r - corner[2]) / resolution)
-            if _is_inside(i, j, k, evidence) and seen_in[i, j, k] != number:
+            # Most pixels end where another one did, so what takes longest comes last.
+            if (
+                _is_inside(i, j, k, evidence)
+                and seen_in[i, j, k] != number
+                and _is_borne_out(depth, v, u, inverse_sigma)
+            ):
                 seen_in[i, j, k] = number
                 evidence[i, j, k] = min(evidence[i, j, k] + HIT, MOST_OCCUPIED)
 
@@ -162,10 +165,15 @@ def _least_around(values: Float[np.ndarray, "a b"], reach: int) -> Float[np.ndar
     along, least = np.empty_like(values), np.empty_like(values)
     for a in range(rows):
         for b in range(columns):
-            along[a, b] = values[a, max(b - reach, 0) : b + reach + 1].min()
+            lowest = values[a, b]
+            for c in range(max(b - reach, 0), min(b + reach + 1, columns)):
+                lowest = min(lowest, values[a, c])
+            along[a, b] = lowest
     for a in range(rows):
-        for b in range(columns):
-            least[a, b] = along[max(a - reach, 0) : a + reach + 1, b].min()
+        least[a] = along[a]
+        for c in range(max(a - reach, 0), min(a + reach + 1, rows)):
+            for b in range(columns):
+                least[a, b] = min(least[a, b], along[c, b])
     return least
 
 
@@ -188,20 +196,27 @@ def _pass(
     i, i_last, i_turn, i_ahead, i_between = _crossings(cells, pixels, 0, x, y, near, far)
     j, j_last, j_turn, j_ahead, j_between = _crossings(cells, pixels, 1, x, y, near, far)
     k, k_last, k_turn, k_ahead, k_between = _crossings(cells, pixels, 2, x, y, near, far)
+    was_inside = False
     for _ in range(abs(i_last - i) + abs(j_last - j) + abs(k_last - k)):
-        if _is_inside(i, j, k, evidence) and seen_in[i, j, k] != number:
-            seen_in[i, j, k] = number
-            if not is_shadow:
-                evidence[i, j, k] = max(evidence[i, j, k] - MISS, MOST_FREE)
-        if i_ahead <= j_ahead and i_ahead <= k_ahead:
-            i += i_turn
-            i_ahead += i_between
-        elif j_ahead < i_ahead and j_ahead <= k_ahead:
-            j += j_turn
-            j_ahead += j_between
-        else:
-            k += k_turn
-            k_ahead += k_between
+        if _is_inside(i, j, k, evidence):
+            was_inside = True
+            if seen_in[i, j, k] != number:
+                seen_in[i, j, k] = number
+                if not is_shadow:
+                    evidence[i, j, k] = max(evidence[i, j, k] - MISS, MOST_FREE)
+        elif was_inside:
+            # A straight line does not come back.
+            return
+        # Which axis is next cannot be foretold, so choices of values are faster than branches.
+        is_i = i_ahead <= j_ahead and i_ahead <= k_ahead
+        is_j = not is_i and j_ahead < i_ahead and j_ahead <= k_ahead
+        is_k = not is_i and not is_j
+        i += i_turn if is_i else 0
+        j += j_turn if is_j else 0
+        k += k_turn if is_k else 0
+        i_ahead += i_between if is_i else 0.0
+        j_ahead += j_between if is_j else 0.0
+        k_ahead += k_between if is_k else 0.0
 
 
 @kernel

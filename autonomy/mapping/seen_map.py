@@ -9,15 +9,9 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Float, Int
 
-from autonomy.mapping.distances import (
-    boxes_about,
-    distance_to_border,
-    distance_to_cells,
-    distance_to_marked,
-    slices,
-)
+from autonomy.mapping.distances import boxes_about, distance_to_cells, slices
 from autonomy.mapping.rays import (
     FREE_AT,
     HIT,
@@ -27,11 +21,21 @@ from autonomy.mapping.rays import (
     Cells,
     integrate,
 )
+from autonomy.mapping.renewal import (
+    gauge_for,
+    note_changes,
+    note_freed,
+    renew,
+    renew_routes,
+    unseen,
+    unseen_states,
+)
 from autonomy.mapping.seen_map_cfg import SeenMapCfg
 from autonomy.perception.depth_image import DepthImage
 from autonomy.planning.field import DistanceField
 from autonomy.planning.obstacles import Obstacles
 from autonomy.planning.openings import Opening
+from autonomy.planning.search import SeenRoom
 from autonomy.types import Vector3
 
 UNSEEN_LACK = 0.25
@@ -45,7 +49,7 @@ class SeenMap:
 
     Attributes:
         evidence: Of each cell: free up to `FREE_AT`, occupied from `OCCUPIED_AT` on, else unknown.
-        n_images: Images taken in so far.
+        n_looks: Images so far of the camera that looks ahead.
         is_given: False: the map grows with what is seen.
         eye_enu_m: Camera position of the last image; the start before the first one.
     """
@@ -61,26 +65,30 @@ class SeenMap:
         size = (np.array(high_enu_m) - self.corner_enu_m) / self.cfg.resolution_m
         shape = np.maximum(np.floor(size + 1e-6), 1).astype(np.int64)
         self.evidence = np.zeros(shape, dtype=np.int8)
-        self.n_images = 0
+        self.n_looks = 0
+        self._n_images = 0
         x, y, z = ((np.array(low_enu_m) + high_enu_m) / 2).tolist()
         self.eye_enu_m: Vector3 = (x, y, z)
         self._seen_in = np.zeros(shape, dtype=np.int8)
         # Cells that were seen free since they were last known to stand.
         self._was_free = np.zeros(shape, dtype=np.bool_)
-        self._distance_m = np.zeros(shape, dtype=np.float32)
-        self._route_m = np.full(shape, self.cfg.cap_m, dtype=np.float32)
+        self._gauge = gauge_for(self.evidence.shape, self.cfg.resolution_m, self.cfg.cap_m)
+        self._distances = unseen(self.evidence.shape, self.cfg.cap_m)
+        # States for which these distances hold, but for blocks of cells that it lists as stale.
+        self._states = unseen_states(self.evidence.shape, self._gauge)
         self._needed_m = 0.0
-        # First cell, and the cell beyond the last, that changed since the distances were computed.
+        # First cell, and the cell beyond the last, whose evidence may have changed since then.
         self._changed = np.array([shape, np.zeros(3, dtype=np.int64)])
         self._obstacles: Obstacles | None = None
 
-    def observe(self, image: DepthImage) -> None:
-        """Update the map with a depth image."""
+    def observe(self, image: DepthImage, *, is_ahead: bool = True) -> None:
+        """Update the map with a depth image, of the camera that looks ahead or of another one."""
         cfg = self.cfg
-        self.n_images += 1
+        self.n_looks += is_ahead
+        self._n_images += 1
         integrate(
             Cells(self.evidence, self._seen_in, self.corner_enu_m, cfg.resolution_m),
-            1 + self.n_images % _N_NUMBERS,
+            1 + self._n_images % _N_NUMBERS,
             image.pixels,
             cfg.max_range_m,
             image.inverse_depth_sigma_pm,
@@ -88,9 +96,7 @@ class SeenMap:
         self.eye_enu_m = image.position_enu_m
         ends = np.array([image.position_enu_m, *image.corners_enu_m(cfg.max_range_m)])
         block = self.block_about(self.cells(ends), cfg.resolution_m)
-        evidence, was_free = self.evidence[slices(block)], self._was_free[slices(block)]
-        was_free |= evidence <= FREE_AT
-        was_free &= evidence < MOST_OCCUPIED
+        note_freed(self.evidence, block[0], block[1], self._was_free)
         self._change(block)
 
     def assume_free_column(
@@ -158,8 +164,10 @@ class SeenMap:
 
         It is 0 where nothing was ever free: no mover counts there.
         """
-        standing_m = self.distance_to_seen_m(points_enu_m, MOST_OCCUPIED)
-        return np.where(self._at(self._was_free, points_enu_m), standing_m, 0.0)
+        distance_m = np.zeros(len(points_enu_m))
+        was_free = np.flatnonzero(self._at(self._was_free, points_enu_m))
+        distance_m[was_free] = self.distance_to_seen_m(points_enu_m[was_free], MOST_OCCUPIED)
+        return distance_m
 
     def rough_distance_m(self, points_enu_m: Float[np.ndarray, "k 3"]) -> Float[np.ndarray, " k"]:
         """Distance from the middles of the points' cells to everything that was not seen free."""
@@ -185,7 +193,7 @@ class SeenMap:
     def field(self) -> DistanceField:
         """Distance field of everything that was not seen free."""
         self._refresh()
-        return self._as_field(self._distance_m, np.zeros(3, dtype=np.int64))
+        return self._as_field(self._distances.to_not_free, np.zeros(3, dtype=np.int64))
 
     @property
     def obstacles(self) -> Obstacles:
@@ -212,7 +220,7 @@ class SeenMap:
     def field_in(self, block: Int[np.ndarray, "2 3"]) -> DistanceField:
         """Distance field of a block of cells, to everything that was not seen free."""
         self._refresh()
-        part = np.ascontiguousarray(self._distance_m[slices(block)])
+        part = np.ascontiguousarray(self._distances.to_not_free[slices(block)])
         return self._as_field(part, block[0])
 
     def route_m(self, needed_m: float) -> Float[np.ndarray, "nx ny nz"]:
@@ -221,11 +229,17 @@ class SeenMap:
         Where there is less than `needed_m` to what was seen occupied the distance to that, else,
         where that much room was not seen free, a distance that is less than comfortable.
         """
-        if needed_m != self._needed_m:
-            self._needed_m = needed_m
-            self._change(np.array([np.zeros(3, dtype=np.int64), self.evidence.shape]))
         self._refresh()
-        return self._route_m
+        self._need(needed_m)
+        return self._distances.route
+
+    def seen_room(self, needed_m: float) -> SeenRoom:
+        """Cells with as much room that was seen free, for a search."""
+        self._refresh()
+        self._need(needed_m)
+        layers = np.flatnonzero(self._distances.n_roomy)
+        top = int(layers[-1]) if len(layers) else -1
+        return SeenRoom(self._distances.to_not_free, _single(needed_m), top)
 
     def block_about(self, cells: Int[np.ndarray, "n 3"], margin_m: float) -> Int[np.ndarray, "2 3"]:
         """First cell, and the cell beyond the last, of a block that holds cells and a margin."""
@@ -260,29 +274,30 @@ class SeenMap:
         np.maximum(self._changed[1], block[1], out=self._changed[1])
         self._obstacles = None
 
+    def _need(self, needed_m: float) -> None:
+        """Compute the route anew if another room is needed than before."""
+        if needed_m != self._needed_m:
+            self._needed_m = needed_m
+            needed = _single(needed_m)
+            renew_routes(self._gauge, needed, self._comfortable_m, self._distances)
+
+    @property
+    def _comfortable_m(self) -> float:
+        """Distance that a route is given in cells without seen room."""
+        return self.cfg.cap_m - UNSEEN_LACK * (self.cfg.cap_m - self._needed_m)
+
     def _refresh(self) -> None:
-        """Compute the distances anew wherever they may have changed."""
-        if np.any(self._changed[0] >= self._changed[1]):
+        """Compute the distances anew about cells that are free or occupied now and were not."""
+        low, high = self._changed
+        if np.any(low >= high):
             return
-        cfg = self.cfg
-        n = math.ceil(cfg.cap_m / cfg.resolution_m + 0.5)
-        inner = self._within(self._changed + np.array([[-n], [n]]))
-        outer = self._within(self._changed + np.array([[-2 * n], [2 * n]]))
-        evidence = self.evidence[slices(outer)]
-        within = slices(inner - outer[0])
-        free = _distances(evidence > FREE_AT, cfg)[within]
-        route = _distances(evidence >= OCCUPIED_AT, cfg)[within]
-        # Nothing outside the volume is free.
-        border = distance_to_border(inner, self.evidence.shape, cfg.resolution_m)
-        np.minimum(free, border, out=free)
-        np.minimum(route, border, out=route)
-        self._distance_m[slices(inner)] = free
-        comfortable = cfg.cap_m - UNSEEN_LACK * (cfg.cap_m - self._needed_m)
-        is_unseen = (free < self._needed_m) & (route >= self._needed_m)
-        route[is_unseen] = np.minimum(route[is_unseen], np.float32(comfortable))
-        self._route_m[slices(inner)] = route
         self._changed = np.array([self.evidence.shape, np.zeros(3, dtype=np.int64)])
+        states, gauge = self._states, self._gauge
+        if note_changes(self.evidence, low, high, states, gauge.reach):
+            needed = _single(self._needed_m)
+            renew(states, gauge, needed, self._comfortable_m, self._distances)
 
 
-def _distances(marked: Bool[np.ndarray, "nx ny nz"], cfg: SeenMapCfg) -> np.ndarray:
-    return distance_to_marked(np.ascontiguousarray(marked), cfg.resolution_m, cfg.cap_m)
+def _single(number: float) -> float:
+    """A number in single precision, with which distances in single precision are compared."""
+    return float(np.float32(number))

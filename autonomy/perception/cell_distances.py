@@ -8,6 +8,7 @@ objects".
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -74,8 +75,12 @@ def find_cells(
     n_new = 0
     mask = len(keys) - 1
     for i in range(n):
-        x, y, z = points[i, 0] // cell, points[i, 1] // cell, points[i, 2] // cell
-        a, b, c = int(x) & _LOW_BITS, int(y) & _LOW_BITS, int(z) & _LOW_BITS
+        x, y, z = (
+            math.floor(points[i, 0] / cell),
+            math.floor(points[i, 1] / cell),
+            math.floor(points[i, 2] / cell),
+        )
+        a, b, c = x & _LOW_BITS, y & _LOW_BITS, z & _LOW_BITS
         key = (a << (2 * _BITS)) | (b << _BITS) | c
         slot = ((a * 73856093) ^ (b * 19349663) ^ (c * 83492791)) & mask
         while keys[slot] != key and keys[slot] != _EMPTY:

@@ -75,6 +75,20 @@ class DepthImage:
             return 0.0
         return float(np.median(np.abs(curve[is_seen]))) * _SIGMA_PER_MEDIAN
 
+    def posed(
+        self, position_enu_m: Vector3, rotation_enu_from_optical: Float[np.ndarray, "3 3"]
+    ) -> DepthImage:
+        """The same image as if it was taken from another pose; its noise stays known."""
+        moved = replace(
+            self,
+            position_enu_m=position_enu_m,
+            rotation_enu_from_optical=rotation_enu_from_optical,
+        )
+        name = "inverse_depth_sigma_pm"
+        if name in vars(self):
+            vars(moved)[name] = self.inverse_depth_sigma_pm
+        return moved
+
     def without_lone_pixels(self) -> DepthImage:
         """The image without single pixels that no neighbour agrees with, where things are near.
 

@@ -52,9 +52,8 @@ def find_foreground(
     stride_px = _STRIDE_PX if image.fx >= _FINE_PX else 1
     points, pixels, depth_m = sample(image.pixels, stride_px, range_m)
     distance_m = cells.at(points, static_distance_m)
-    is_far = distance_m > within_m
-    points, pixels, depth_m = points[is_far], pixels[is_far], depth_m[is_far]
-    distance_m = distance_m[is_far]
+    far = np.flatnonzero(distance_m > within_m)
+    points, pixels, depth_m, distance_m = points[far], pixels[far], depth_m[far], distance_m[far]
     # Parts of the lines of sight within the error of depth.
     sight = points - image.pixels.eye
     error = _SIGMAS * image.inverse_depth_sigma_pm * depth_m[:, None] * sight
@@ -62,6 +61,8 @@ def find_foreground(
     is_explained = np.zeros(len(points), dtype=bool)
     for share in _ALONG_SIGHT:
         doubtful = np.flatnonzero(is_doubtful & ~is_explained)
+        if not len(doubtful):
+            break
         there = points[doubtful] + share * error[doubtful]
         is_explained[doubtful] = cells.at(there, static_distance_m) <= within_m
     kept = ~is_explained

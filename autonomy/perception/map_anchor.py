@@ -214,10 +214,8 @@ class MapAnchor:
         yaw_rad = float(self._in_use[3])
         c, s = math.cos(yaw_rad), math.sin(yaw_rad)
         turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-        return replace(
-            image,
-            position_enu_m=self._moved(image.position_enu_m),
-            rotation_enu_from_optical=turn @ image.rotation_enu_from_optical,
+        return image.posed(
+            self._moved(image.position_enu_m), turn @ image.rotation_enu_from_optical
         )
 
     def to_estimate(self, reference: FlatReference) -> FlatReference:

@@ -15,10 +15,10 @@ from __future__ import annotations
 import functools
 import heapq
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
-from jaxtyping import Bool, Int, UInt8
+from jaxtyping import Int, UInt8
 
 from autonomy.jit import kernel
 from autonomy.planning.errors import UnreachableError
@@ -27,9 +27,23 @@ from autonomy.planning.grid import Cell, Grid, empty_grid_distance, way_back
 from autonomy.planning.widest import narrowest_place
 
 NARROWNESS_PRICE = 4.0
-Marks = Bool[np.ndarray, "nx ny nz"]
 _MET, _DONE = 1, 2
-_ALL_SEEN = np.ones((1, 1, 1), dtype=np.bool_)
+_LENGTHS = (0.0, 1.0, math.sqrt(2.0), math.sqrt(3.0))
+"""Length of a step by the number of axes along which it leads."""
+
+
+class SeenRoom(NamedTuple):
+    """Where enough room was seen free, in a map that grows."""
+
+    distance: Grid
+    """Distance of each cell to what was not seen free."""
+    needed: float
+    """Distance from which on it is enough."""
+    top: int
+    """Highest layer that holds a cell with enough, -1 if none does."""
+
+
+_ALL_SEEN = SeenRoom(np.zeros((1, 1, 1), dtype=np.float32), 0.0, -1)
 
 
 def shortest_path(
@@ -39,7 +53,7 @@ def shortest_path(
     *,
     required_m: float,
     comfortable_m: float,
-    is_seen: Marks | None = None,
+    seen: SeenRoom | None = None,
     climb_price: float = 0.0,
 ) -> Int[np.ndarray, "n 3"]:
     """Find the cells from start to goal, neighbours in a row, both ends included.
@@ -50,7 +64,7 @@ def shortest_path(
         goal_cell: Index of the last cell.
         required_m: Least distance of cells that may be entered.
         comfortable_m: Distance from which on closeness has no price.
-        is_seen: Whether climbing in a cell costs no more than its length; None for all.
+        seen: Where climbing costs no more than its length; None for everywhere.
         climb_price: Price in cells of a rise by one cell elsewhere.
 
     Raises:
@@ -61,7 +75,7 @@ def shortest_path(
     # From the end that is in the narrow: who comes from the open looks for a cheaper way all about
     # before paying what the narrow costs. Only climbs through unseen space have a direction.
     start_m, goal_m = (float(field.distance_m[tuple(cell)]) for cell in (start_cell, goal_cell))
-    is_forward = is_seen is None and start_m < min(goal_m, comfortable_m)
+    is_forward = seen is None and start_m < min(goal_m, comfortable_m)
     # Fresh zeros from the system: only the pages that the search touches cost time.
     marks = np.zeros(field.distance_m.size, dtype=np.uint8)
     path = search_grid(
@@ -70,8 +84,8 @@ def shortest_path(
         goal_cell if is_forward else start_cell,
         required_m,
         comfortable_m,
-        _ALL_SEEN if is_seen is None else is_seen,
-        0.0 if is_seen is None else climb_price,
+        _ALL_SEEN if seen is None else seen,
+        0.0 if seen is None else climb_price,
         marks,
     )
     return np.ascontiguousarray(path[::-1]) if is_forward else path
@@ -104,6 +118,8 @@ def _require_way(
 
 @kernel
 def _price(distance: Grid, i: int, j: int, k: int, required: float, comfortable: float) -> float:
+    if distance[i, j, k] >= comfortable:
+        return 1.0
     lack = max(0.0, min(1.0, (comfortable - distance[i, j, k]) / (comfortable - required)))
     return 1.0 + NARROWNESS_PRICE * lack * lack
 
@@ -121,21 +137,13 @@ def _is_block_free(
 
 
 @kernel
-def _highest(marks: Marks) -> int:
-    for k in range(marks.shape[2] - 1, -1, -1):
-        if marks[:, :, k].any():
-            return k
-    return -1
-
-
-@kernel
 def search_grid(
     distance: Grid,
     start: Cell,
     goal: Cell,
     required: float,
     comfortable: float,
-    is_seen: Marks,
+    seen: SeenRoom,
     climb_price: float,
     marks: UInt8[np.ndarray, " cells"],
 ) -> Int[np.ndarray, "n 3"]:
@@ -146,7 +154,7 @@ def search_grid(
     """
     nx, ny, nz = distance.shape
     # Unseen cells above seen ones have to be climbed unseen.
-    top = max(_highest(is_seen), goal[2]) if climb_price > 0.0 else nz
+    top = max(seen.top, goal[2]) if climb_price > 0.0 else nz
     # Only what was met is ever read: untouched pages cost nothing.
     cost = np.empty(distance.size, dtype=np.float32)
     came_from = np.empty(distance.size, dtype=np.int32)
@@ -163,26 +171,43 @@ def search_grid(
             break
         i, j, k = here // (ny * nz), here // nz % ny, here % nz
         price_here = _price(distance, i, j, k, required, comfortable)
+        is_seen_here = climb_price > 0.0 and seen.distance[i, j, k] >= seen.needed
+        is_open = _is_open(distance, i, j, k, required)
         for di in range(-1, 2):
             for dj in range(-1, 2):
                 for dk in range(-1, 2):
                     u, v, w = i + di, j + dj, k + dk
                     if not (0 <= u < nx and 0 <= v < ny and 0 <= w < nz):
                         continue
-                    there = (u * ny + v) * nz + w
+                    there = here + (di * ny + dj) * nz + dk
                     if marks[there] == _DONE or distance[u, v, w] < required:
                         continue
-                    length = math.sqrt(di * di + dj * dj + dk * dk)
+                    length = _LENGTHS[abs(di) + abs(dj) + abs(dk)]
                     price = _price(distance, u, v, w, required, comfortable)
                     total = cost[here] + length * 0.5 * (price_here + price)
                     if dk < 0 and climb_price > 0.0:
-                        total += 0.0 if is_seen[u, v, w] and is_seen[i, j, k] else climb_price
+                        is_seen = is_seen_here and seen.distance[u, v, w] >= seen.needed
+                        total += 0.0 if is_seen else climb_price
                     if marks[there] == _MET and total >= cost[there]:
                         continue
-                    if not _is_block_free(distance, i, j, k, u, v, w, required):
+                    if not (is_open or _is_block_free(distance, i, j, k, u, v, w, required)):
                         continue
                     cost[there], came_from[there], marks[there] = total, here, _MET
                     ahead = empty_grid_distance(goal[0] - u, goal[1] - v, goal[2] - w)
                     ahead += climb_price * max(w - top, 0)
                     heapq.heappush(queue, (total + ahead, ahead, there))
     return way_back(came_from, last if marks[last] == _DONE else -1, ny, nz)
+
+
+@kernel
+def _is_open(distance: Grid, i: int, j: int, k: int, required: float) -> bool:
+    """Whether a cell and all that touch it have the required distance."""
+    nx, ny, nz = distance.shape
+    if not (0 < i < nx - 1 and 0 < j < ny - 1 and 0 < k < nz - 1):
+        return False
+    least = distance[i, j, k]
+    for a in range(i - 1, i + 2):
+        for b in range(j - 1, j + 2):
+            for c in range(k - 1, k + 2):
+                least = min(least, distance[a, b, c])
+    return least >= required

@@ -75,7 +75,7 @@ class Surroundings:
         """Distances to the obstacles."""
         return self.map.field
 
-    def observe(self, image: DepthImage, position_enu_m: Vector3) -> None:
+    def observe(self, image: DepthImage, position_enu_m: Vector3, *, is_ahead: bool = True) -> None:
         """Add a depth image of any camera to a growing map; a given map ignores it.
 
         A cell counts as free from the second image that shows it free, or when the vehicle fills
@@ -84,8 +84,9 @@ class Surroundings:
         Args:
             image: The image.
             position_enu_m: Position of the vehicle that takes it.
+            is_ahead: Whether the camera that looks ahead has taken it.
         """
-        self.map.observe(image)
+        self.map.observe(image, is_ahead=is_ahead)
         self.map.be_at(position_enu_m, self.craft.keep_m, self.airframe.leg_length_m)
 
     @functools.cached_property

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Protocol
 
 import numpy as np
+from jaxtyping import Float
 
 from autonomy.perception import DepthImage, camera_pose
 from flightsim.mavlink.client.telemetry import Telemetry
@@ -84,3 +86,36 @@ def posed_image(frame: DepthFrame, mount: CameraMount, telemetry: Telemetry) -> 
         position_enu_m=position_enu_m,
         rotation_enu_from_optical=rotation,
     )
+
+
+def may_show(
+    mount: CameraMount,
+    aspect: float,
+    telemetry: Telemetry,
+    points_enu_m: Float[np.ndarray, "n 3"],
+    reach_m: float,
+) -> bool:
+    """Whether a camera may show something that reaches so far about one of several points.
+
+    Args:
+        mount: The camera.
+        aspect: Width of its images over their height.
+        telemetry: State of the vehicle.
+        points_enu_m: The points.
+        reach_m: Radius of what is about them.
+    """
+    eye_enu_m, rotation = camera_pose(
+        telemetry.position_enu_m,
+        telemetry.quat_wxyz,
+        mount.position_flu_m,
+        mount.pitch_down_rad,
+        mount.yaw_rad,
+    )
+    x, y, z = ((points_enu_m - eye_enu_m) @ rotation).T
+    up = math.tan(mount.vertical_fov_rad / 2)
+    aside = up * aspect
+    # Distances from the planes through the eye and the borders of the image.
+    beyond_m = np.maximum(
+        (np.abs(x) - aside * z) / math.hypot(1.0, aside), (np.abs(y) - up * z) / math.hypot(1.0, up)
+    )
+    return bool(np.any((beyond_m < reach_m) & (z > -reach_m)))

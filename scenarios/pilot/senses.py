@@ -18,7 +18,7 @@ from autonomy.rotation import quat_from_rotation_vector, quat_multiply
 from autonomy.types import FlatReference, Quaternion, Vector3
 from flightsim.mavlink.client.telemetry import Telemetry
 from scenarios.mission.surroundings import Surroundings
-from scenarios.pilot.eyes import Frames, NoDepthError, camera_mount, posed_image
+from scenarios.pilot.eyes import Frames, NoDepthError, camera_mount, may_show, posed_image
 from scenarios.pilot.trust import Trust
 
 if TYPE_CHECKING:
@@ -33,7 +33,11 @@ LOOK_PERIOD_US = 200_000
 ADRIFT_PERIOD_US = 100_000
 """Time between two fixes while nothing else measures the position."""
 LOOK_AGAIN_US = 100_000
-"""Time between two looks while a detection is still unconfirmed."""
+"""Time between two looks at a detection that is still unconfirmed."""
+MOVER_REACH_M = 1.0
+"""Distance from the middle of a mover up to which parts of it may be in view."""
+FIRST_ASPECT = 4.0 / 3.0
+"""Width over height that images are taken to have until the first one has come."""
 FIX_PERIOD_US = 500_000
 """Time between two fixes in the map while the autopilot is unsure of its position."""
 UNSURE_M = 0.1
@@ -91,6 +95,8 @@ class Senses:
         self._estimate = self.telemetry = Telemetry()
         self._time_us = 0
         self._due_us = 0
+        self._all_due_us = 0
+        self._aspect = FIRST_ASPECT
         self._fix_camera = "forward"
         self._trust = Trust()
         self._place: PlaceFix | None = None
@@ -137,11 +143,12 @@ class Senses:
         if self._time_us < self._due_us:
             return False
         if self.looks_ahead:
-            for camera in ("forward",) if self._tracker is None else WATCHING:
+            cameras = self._cameras_due()
+            for camera in cameras:
                 self._glance(camera)
             is_sure = not len(self.in_question())
-            self._due_us = self._time_us + (LOOK_PERIOD_US if is_sure else LOOK_AGAIN_US)
-            return True
+            self._due_us = self._all_due_us if is_sure else self._time_us + LOOK_AGAIN_US
+            return bool(cameras)
         if self._is_unsure:
             period_us = ADRIFT_PERIOD_US if self.is_adrift else FIX_PERIOD_US
             self._due_us = self._time_us + period_us
@@ -158,6 +165,8 @@ class Senses:
         mount = camera_mount(self._world.airframe, camera)
         frame, time_s = self._frames(camera), self._time_us * 1e-6
         image = posed_image(frame, mount, self._now())
+        height, width = frame.depth_m.shape
+        self._aspect = width / height
         if self._world.is_known or self._is_unsure:
             fix = self._anchor.update(time_s, image)
             if self.is_adrift:
@@ -167,7 +176,8 @@ class Senses:
         image = self._anchor.image_to_map(image)
         if self._tracker is not None and self._can_tell_movers:
             self._tracker.update(time_s, image, self._world.map.static_distance_m)
-        self._world.observe(image, self.telemetry.position_enu_m)
+        is_ahead = camera == "forward"
+        self._world.observe(image, self.telemetry.position_enu_m, is_ahead=is_ahead)
         return image
 
     def take_place(self) -> PlaceFix | None:
@@ -236,6 +246,19 @@ class Senses:
     def in_question(self) -> Float[np.ndarray, "n 3"]:
         """Positions (ENU) of possible movers that are still unconfirmed."""
         return np.zeros((0, 3)) if self._tracker is None else self._tracker.in_question()
+
+    def _cameras_due(self) -> list[str]:
+        """Cameras to look with now: all at every full look, else those that show what is in doubt.
+
+        A second look serves to confirm a mover, which only the cameras that see its place can.
+        """
+        if self._time_us >= self._all_due_us:
+            self._all_due_us = self._time_us + LOOK_PERIOD_US
+            return ["forward"] if self._tracker is None else list(WATCHING)
+        doubtful = self.in_question()
+        mounts = [camera_mount(self._world.airframe, camera) for camera in WATCHING]
+        views = [(mount, self._aspect, self.telemetry) for mount in mounts]
+        return [view[0].name for view in views if may_show(*view, doubtful, MOVER_REACH_M)]
 
     def _glance(self, camera: str) -> None:
         """Take an image, ignoring one of bare sky."""

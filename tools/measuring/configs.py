@@ -161,3 +161,24 @@ class ApproachesBenchCfg(AnyBenchCfg):
     def title(self) -> str:
         """Title of the results."""
         return f"{self.count} approaches in {self.scenes} scenes, {self.vehicle}, seed {self.seed}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class GrowBenchCfg(AnyBenchCfg):
+    """Fly trials with a map that grows, among movers, and with both, and measure their CPU time.
+
+    Trials are those of campaigns, trial 0 of one scene after the other; the crowd is six people,
+    three cars and a drone.
+    """
+
+    count: Annotated[int, SCENES] = 8
+    """Number of trials of each kind, some ten CPU seconds each."""
+    vehicle: str = "iris"
+    """Airframe by its name; an unknown one is answered with the valid names."""
+    seed: Annotated[int, SEEDS] = 0
+    """Scene to begin with."""
+
+    @property
+    def title(self) -> str:
+        """Title of the results."""
+        return f"{self.count} trials of each kind, {self.vehicle}, from scene {self.seed}"

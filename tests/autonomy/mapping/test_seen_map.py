@@ -7,9 +7,10 @@ import pytest
 from hypothesis import given, settings
 
 from autonomy.mapping import SeenMap
-from autonomy.mapping.distances import boxes_about, distance_to_marked
+from autonomy.mapping.distances import boxes_about
 from autonomy.mapping.rays import FREE_AT, HIT, MOST_OCCUPIED, OCCUPIED_AT
 from tests.autonomy.depth_scene import box, look_down
+from tests.autonomy.mapping.whole import distance_to_marked
 from tests.autonomy.planning_worlds import seeds
 
 LOW, HIGH = (-6.0, -6.0, 0.0), (14.0, 6.0, 6.0)
@@ -148,20 +149,6 @@ def test_what_the_vehicle_may_stand_on_is_not_free():
     seen.be_at((1.0, 0.0, 2.1), 0.4, 0.1)
     assert state(seen, 1.0, 0.0, 2.1) == "free"
     assert state(seen, 1.0, 0.0, 1.9) == "unknown"
-
-
-@given(seeds)
-def test_distance_is_that_to_the_nearest_marked_cell(seed):
-    rng = np.random.default_rng(seed)
-    marked = rng.random(rng.integers(1, 12, 3)) < rng.uniform(0, 0.1)
-    found = distance_to_marked(marked, 0.5, 1.5)
-    cells, centres = np.argwhere(marked), np.argwhere(np.ones_like(marked))
-    nearest = np.full(len(centres), np.inf)
-    for cell in cells:
-        gap = np.maximum(np.abs(centres - cell) - 0.5, 0.0)
-        away = np.where(np.all(centres == cell, axis=1), 0.0, np.linalg.norm(gap, axis=1))
-        nearest = np.minimum(nearest, 0.5 * away)
-    np.testing.assert_allclose(found.ravel(), np.minimum(nearest, 1.5), atol=1e-6)
 
 
 @given(seeds)

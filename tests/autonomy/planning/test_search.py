@@ -9,7 +9,7 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
 from autonomy.planning import DistanceField, UnreachableError
-from autonomy.planning.search import NARROWNESS_PRICE, search_grid, shortest_path
+from autonomy.planning.search import NARROWNESS_PRICE, SeenRoom, search_grid, shortest_path
 from tests.autonomy.planning_worlds import seeds
 
 REQUIRED, COMFORTABLE = 0.5, 2.0
@@ -146,14 +146,15 @@ def test_climbing_unseen_is_put_off_until_it_can_be_seen():
 
     def path_between(a, b, seen=None):
         return shortest_path(
-            field, a, b, required_m=0.5, comfortable_m=2.0, is_seen=seen, climb_price=4.0
+            field, a, b, required_m=0.5, comfortable_m=2.0, seen=seen, climb_price=4.0
         )
 
-    path = path_between(start, goal, is_seen)
+    seen = SeenRoom(is_seen.astype(np.float32), 1.0, 11)
+    path = path_between(start, goal, seen)
     rises = path[1:][np.diff(path[:, 2]) > 0]
     seen_rises = is_seen[tuple(rises.T)].sum()
     straight = path_between(start, goal)
     assert len(straight) == 30
     assert seen_rises > is_seen[tuple(straight[1:][np.diff(straight[:, 2]) > 0].T)].sum()
-    down = path_between(goal, start, is_seen)
+    down = path_between(goal, start, seen)
     assert len(down) == 30
