@@ -1,23 +1,47 @@
 """One moving obstacle over time: whether it stands, goes straight or turns, and its size.
 
-Filters for these modes of motion run side by side (`motion_modes.py`). An obstacle that stops is
-soon known to stand, and a fast car's velocity is smoothed less than one mode for everything would
-smooth it.
+An interacting multiple-model filter weighs four linear Kalman filters of position and velocity by
+how well each foretells the sightings: one that stands, one of constant velocity and two that turn,
+left and right. An obstacle that stops is soon known to stand, and a fast car's velocity is smoothed
+less than one mode for everything would smooth it.
+
+Source: Blom and Bar-Shalom 1988, as in filterpy.kalman.IMMEstimator.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import lru_cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 from jaxtyping import Float
 
 from autonomy.jit import kernel
 from autonomy.perception.depth_image import DepthImage, Pixels
-from autonomy.perception.motion_modes import CHANGES, ahead, begin, fused
 from autonomy.perception.sighting import LEAST_HALF_M, Footprint, Sighting
 
+if TYPE_CHECKING:
+    from filterpy.kalman import IMMEstimator
+
+_MODES = ((0.0, 0.01), (0.0, 2.0), (0.6, 1.4), (-0.6, 1.4))
+"""Modes standing, straight, left and right: rate of turn in rad/s and power spectral density of
+white acceleration in m^2/s^3 (people turn within a second); for standing, of white velocity."""
+_FIRST_SHARES = (0.3, 0.5, 0.1, 0.1)
+_STAYS = 0.9
+"""Probability that a mode lasts from one sighting to the next."""
+_CHANGES = np.array(
+    [
+        [_STAYS, 0.08, 0.01, 0.01],
+        [0.03, _STAYS, 0.035, 0.035],
+        [0.01, 0.08, _STAYS, 0.01],
+        [0.01, 0.08, 0.01, _STAYS],
+    ]
+)
+_LONGEST_TURN_S = 1.0
+"""Longest time for which an unseen obstacle is predicted to go on turning."""
+_STANDING_VARIANCE = 0.05**2
 _FIRST_SPEED_SIGMA_MPS = 2.5
 _SHRINK = 0.1
 _HEADING_SPEED_MPS = 0.6
@@ -49,7 +73,7 @@ class MoverTrack:
         self.covariance = np.zeros((6, 6))
         self.covariance[:3, :3] = covariance
         self.covariance[3:, 3:] = _FIRST_SPEED_SIGMA_MPS**2 * np.eye(3)
-        self._modes = begin(self.mean, self.covariance)
+        self._filter = _new_filter(self.mean, self.covariance)
         self._predicted: dict[float, tuple[np.ndarray, np.ndarray]] = {}
         self.n_hits, self.n_misses = 1, 0
         self.last_seen_s = self._time_s = time_s
@@ -58,8 +82,17 @@ class MoverTrack:
         """Mean and covariance at a later time, blended from the modes by their probabilities."""
         # Several cameras look at one time, and nothing changes until one of them sees it.
         if time_s not in self._predicted:
-            self._predicted[time_s] = ahead(self._modes, max(time_s - self.last_seen_s, 0.0))
+            self._predicted[time_s] = self._blended(max(time_s - self.last_seen_s, 0.0))
         return self._predicted[time_s]
+
+    def _blended(self, dt: float) -> tuple[Float[np.ndarray, " 6"], Float[np.ndarray, "6 6"]]:
+        modes = zip(self._filter.filters, _motions(dt), strict=True)
+        ahead = [mode.get_prediction(F=move, Q=noise) for mode, (move, noise) in modes]
+        shares = self._filter.mu
+        means, spreads = (np.array(values) for values in zip(*ahead, strict=True))
+        mean = shares @ means
+        apart = means - mean
+        return mean, np.tensordot(shares, spreads, 1) + (shares * apart.T) @ apart
 
     def predict(self, time_s: float) -> None:
         """Advance the filter to a later time."""
@@ -80,10 +113,13 @@ class MoverTrack:
         before, _ = sighting.centre(self.size)
         self._learn_size(sighting)
         position, noise = sighting.centre(self.size)
-        dt = self._time_s - self.last_seen_s
-        shift = position - before
-        self._modes, *state = fused(self._modes, dt, shift, position, noise, CHANGES)
-        self.mean, self.covariance = state
+        motions = _motions(self._time_s - self.last_seen_s)
+        for mode, (mode.F, mode.Q) in zip(self._filter.filters, motions, strict=True):
+            mode.x[:3] += position - before
+            mode.R = noise
+        self._filter.predict()
+        self._filter.update(position)
+        self.mean, self.covariance = self._filter.x.copy(), self._filter.P.copy()
         self._predicted.clear()
         self.n_hits += 1
         self.n_misses = 0
@@ -152,3 +188,40 @@ def _learned(known_m: float, seen_m: float, is_cut: bool) -> float:
     if seen_m >= known_m or is_cut:
         return max(seen_m, known_m)
     return known_m + _SHRINK * (seen_m - known_m)
+
+
+def _new_filter(
+    mean: Float[np.ndarray, " 6"], covariance: Float[np.ndarray, "6 6"]
+) -> IMMEstimator:
+    # Imported here: half a second that only flights with traffic need.
+    from filterpy.kalman import IMMEstimator, KalmanFilter
+
+    modes = []
+    for _ in _MODES:
+        mode = KalmanFilter(dim_x=6, dim_z=3)
+        mode.x, mode.P, mode.H = mean.copy(), covariance.copy(), np.eye(3, 6)
+        modes.append(mode)
+    return IMMEstimator(modes, np.array(_FIRST_SHARES), _CHANGES)
+
+
+@lru_cache(maxsize=16)
+def _motions(dt: float) -> list[tuple[Float[np.ndarray, "6 6"], Float[np.ndarray, "6 6"]]]:
+    """Transition matrix of position and velocity over a time, and its noise, for each mode."""
+    wander = np.kron([[dt**3 / 3, dt**2 / 2], [dt**2 / 2, dt]], np.eye(3))
+    (_, drift), *moving = _MODES
+    still = np.diag([1.0] * 3 + [0.0] * 3), np.diag([drift * dt] * 3 + [_STANDING_VARIANCE] * 3)
+    motions = [still]
+    for rate, psd in moving:
+        turn_s = min(dt, _LONGEST_TURN_S)
+        angle = rate * turn_s
+        c, s = math.cos(angle), math.sin(angle)
+        # Distance covered per unit of velocity, ahead and to its left: on the arc, then straight
+        # on.
+        ahead, aside = (s / rate, (1.0 - c) / rate) if rate else (turn_s, 0.0)
+        ahead, aside = ahead + (dt - turn_s) * c, aside + (dt - turn_s) * s
+        move = np.eye(6)
+        move[:2, 3:5] = [[ahead, -aside], [aside, ahead]]
+        move[3:5, 3:5] = [[c, -s], [s, c]]
+        move[2, 5] = dt
+        motions.append((move, psd * wander))
+    return motions
