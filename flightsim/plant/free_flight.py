@@ -41,7 +41,8 @@ FREE_FLIGHT_DTYPE = np.dtype(
         ("n_steps", "i8"),  # that were taken so
         # of the world's geoms: boxes around them, what they may touch
         *fields("aabb_address", "contype_address", "conaffinity_address", kind="i8"),
-        ("warm_start_address", "i8"),  # of the vehicle's accelerations (6,)
+        # of the vehicle: its accelerations (6,), and forces and torques (6,) from outside the plant
+        *fields("warm_start_address", "push_address", kind="i8"),
         *fields("reach_m", "mass_kg", "dt_s"),
         *fields("inertia_flu_kgm2", "gravity_enu_mps2", shape=(3,)),
         ("centre_enu_m", "f8", 3),  # of the sphere that is known
@@ -63,11 +64,13 @@ def new_free_flight(world: World, data: mujoco.MjData, *, is_on: bool) -> np.nda
     records = np.zeros(1, FREE_FLIGHT_DTYPE)
     f = records[0]
     f["is_on"] = is_on and _is_plain(world)
+    dof = model.jnt_dofadr[model.body_jntadr[body]]
     for name, array in (
         ("aabb", model.geom_aabb),
         ("contype", model.geom_contype),
         ("conaffinity", model.geom_conaffinity),
-        ("warm_start", data.qacc_warmstart[model.jnt_dofadr[model.body_jntadr[body]] :]),
+        ("warm_start", data.qacc_warmstart[dof:]),
+        ("push", data.qfrc_applied[dof:]),
     ):
         f[f"{name}_address"] = array.ctypes.data
     f["reach_m"] = _reach_m(model, body) + _MARGIN_M
@@ -135,19 +138,23 @@ def step_free(
     Args:
         f: `FREE_FLIGHT_DTYPE`.
         r: Record of the rotors, with the torque on the body.
-        force_enu_n: Force on the centre of mass (3,), without gravity.
+        force_enu_n: Force of rotors and air on the centre of mass (3,).
         pose: Position ENU and attitude wxyz (7,), changed.
         velocity: Velocity ENU and body rates FLU (6,), changed.
     """
     f.n_steps += 1
-    accelerations = doubles(f.warm_start_address, 6)
+    accelerations, push = doubles(f.warm_start_address, 6), doubles(f.push_address, 6)
     inertia, torque = f.inertia_flu_kgm2, r.torque_flu_nm
     x, y, z = velocity[3], velocity[4], velocity[5]
+    gyroscopic = (
+        y * z * (inertia[2] - inertia[1]),
+        z * x * (inertia[0] - inertia[2]),
+        x * y * (inertia[1] - inertia[0]),
+    )
     for k in range(3):
-        accelerations[k] = force_enu_n[k] / f.mass_kg + f.gravity_enu_mps2[k]
-    accelerations[3] = (torque[0] - y * z * (inertia[2] - inertia[1])) / inertia[0]
-    accelerations[4] = (torque[1] - z * x * (inertia[0] - inertia[2])) / inertia[1]
-    accelerations[5] = (torque[2] - x * y * (inertia[1] - inertia[0])) / inertia[2]
+        accelerations[k] = (force_enu_n[k] + push[k]) / f.mass_kg + f.gravity_enu_mps2[k]
+        turning = torque[k] + push[3 + k] - gyroscopic[k]
+        accelerations[3 + k] = turning / inertia[k]
     for k in range(6):
         velocity[k] += f.dt_s * accelerations[k]
     for k in range(3):

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from scipy import ndimage
 
 from autonomy.planning import DistanceField
-from autonomy.planning.search import search_grid
+from autonomy.planning.search import SeenRoom, search_grid
 from autonomy.planning.widest import narrowest_place, widest_way
 from tests.autonomy.planning_worlds import seeds
 
@@ -78,5 +78,5 @@ def test_what_a_search_meets_follows_the_way_and_not_the_place():
     distance_m[80] = 2.5
     ends = np.array([150, 10, 30]), np.array([10, 10, 5])
     assert cells_met(widest_way, distance_m, *ends, LEAST, 0.9) < 15 * 140
-    seen = np.ones((1, 1, 1), dtype=bool)
+    seen = SeenRoom(np.zeros((1, 1, 1)), 0.0, -1)
     assert cells_met(search_grid, distance_m, *ends, 0.9, 2.0, seen, 0.0) < 60 * 140

@@ -68,6 +68,21 @@ def test_flight_without_power_turning_fast_is_the_same_both_ways():
         assert np.abs(free[column] - engine[column]).max() < 1e-11
 
 
+def test_a_push_from_outside_is_felt_as_by_mujoco():
+    ends = []
+    for free_flight in (True, False):
+        plant = Plant(build_world(empty_scene(), IRIS), PlantCfg(seed=0, free_flight=free_flight))
+        plant.data.qpos[2] = 30.0
+        plant.data.qfrc_applied[:] = (3.0, -2.0, 20.0, 0.02, -0.01, 0.03)
+        for _ in range(50):
+            plant.advance()
+        ends.append(plant.history[-1:].copy())
+        assert (plant.n_free_steps > 0) == free_flight
+    for column in (*MOTION, "angular_rate_true_flu_radps"):
+        assert np.abs(ends[0][column] - ends[1][column]).max() < 1e-11
+    assert ends[0]["position_true_enu_m"][0, 0] > 0.5
+
+
 def test_the_room_is_the_distance_to_the_nearest_box_of_all_solids():
     world = build_world(load_scene("42"), IRIS)
     model, data, rng = world.model, world.new_data(), np.random.default_rng(4)
