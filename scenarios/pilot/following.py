@@ -1,4 +1,4 @@
-"""How well the vehicle follows its course, which differs between flight stacks, learned in flight."""
+"""How well the vehicle follows its course, learned in flight: flight stacks differ in it."""
 
 from __future__ import annotations
 
