@@ -124,3 +124,22 @@ def test_a_vehicle_that_lifts_off_late_is_not_stopped_before_it_has_risen(demo, 
             flight.telemetry, position_enu_m=(x + 1.2, y, z)
         )
         assert (guard._deviation(Phase.TAKEOFF) is not None) is is_stopped
+
+
+def test_a_hold_goes_on_within_what_the_vehicle_keeps(demo, monkeypatch):
+    demo = demo(yard())
+    pilot = demo.fly_to(Phase.NAVIGATE)
+    flight, guard = pilot._flight, pilot._guard
+    monkeypatch.setattr(guard, "_is_free_between", lambda *_: False)
+    flight.time_us += 60_000_000
+    flight.course.trajectory = dataclasses.replace(flight.course.trajectory, min_clearance_m=0.2)
+    x, y, z = flight.setpoint.position_enu_m
+    flight.senses.telemetry = dataclasses.replace(
+        flight.telemetry, position_enu_m=(x + 0.58, y, z), velocity_enu_mps=(0.0, 0.0, 0.0)
+    )
+    flight.following = heard(2.0, 0.58)
+    assert guard._deviation(Phase.HOLD) is None
+    assert not flight.replans
+    flight.following = Following()
+    guard._deviation(Phase.HOLD)
+    assert "0.58 m from the plan, 0.50 m are allowed" in flight.replans[-1].reason
