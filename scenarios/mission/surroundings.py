@@ -57,6 +57,9 @@ class Surroundings:
     limits: FlightLimits
     method: Method = "optimise"
     """What makes a trajectory of the way that the search found."""
+    margin_m: float = 0.0
+    """Distance that plans keep from obstacles where there is room, if it is more than usual: as far
+    as the vehicle strays from its plans."""
     agenda: Agenda = field(default_factory=Agenda)
     """What planning remembers from plan to plan where the map grows."""
 
@@ -111,7 +114,10 @@ class Surroundings:
     @property
     def planner(self) -> PlannerCfg:
         """Planner settings for the vehicle."""
-        return PlannerCfg(vehicle_radius_m=self.radius_m, method=self.method)
+        usual = PlannerCfg(vehicle_radius_m=self.radius_m, method=self.method)
+        if self.margin_m <= usual.margins_m[0]:
+            return usual
+        return replace(usual, margins_m=(self.margin_m, *usual.margins_m))
 
     @property
     def craft(self) -> Craft:

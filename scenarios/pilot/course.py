@@ -18,8 +18,8 @@ _SLOWING_PER_S = 2.0
 """Speed that is taken off for each metre on the way to `_SLOW_M`."""
 _PRESS_M = 0.4
 """Depth of the last setpoints below the surface, so that the rotors unload."""
-_AT_PLACE_M = 0.25
-_AT_REST_MPS = 0.2
+AT_PLACE_M, AT_REST_MPS = 0.25, 0.2
+"""Distance and speed below which a vehicle is at a place, unless it is known to keep less."""
 _SOON_US = 1_500_000
 _PAUSE_US = 100_000
 _RISE_M = 0.01
@@ -154,14 +154,28 @@ class Course:
         """Direction of the coming motion; None where it is hardly horizontal."""
         now, soon = (self.reference(t).position_enu_m for t in (time_us, time_us + _SOON_US))
         x, y, _ = np.subtract(soon, now).tolist()
-        return math.atan2(y, x) if math.hypot(x, y) > _AT_PLACE_M else None
+        return math.atan2(y, x) if math.hypot(x, y) > AT_PLACE_M else None
 
-    def has_arrived(self, time_us: int, telemetry: Telemetry) -> bool:
-        """Whether the trajectory is over and the vehicle rests at its end."""
+    def has_arrived(
+        self,
+        time_us: int,
+        telemetry: Telemetry,
+        *,
+        within_m: float = AT_PLACE_M,
+        most_mps: float = AT_REST_MPS,
+    ) -> bool:
+        """Whether the trajectory is over and the vehicle rests at its end.
+
+        Args:
+            time_us: Time now.
+            telemetry: Where the vehicle is, and how fast.
+            within_m: Distance from the end that counts as being there.
+            most_mps: Speed that counts as rest.
+        """
         if self.is_under_way(time_us):
             return False
         away_m = math.dist(telemetry.position_enu_m, self.reference(time_us).position_enu_m)
-        return away_m < _AT_PLACE_M and math.hypot(*telemetry.velocity_enu_mps) < _AT_REST_MPS
+        return away_m < within_m and math.hypot(*telemetry.velocity_enu_mps) < most_mps
 
     def is_slower_than(self, most_mps: float, time_us: int) -> bool:
         """Whether the trajectory slows down at its end, to where something else can go on."""

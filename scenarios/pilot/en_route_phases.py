@@ -8,7 +8,7 @@ import math
 from autonomy.planning import BlockedError, PlanningError, UnreachableError
 from autonomy.types import FlatReference, Vector3
 from flightsim.mavlink.client.telemetry import LANDED_ON_GROUND
-from scenarios.pilot.flight_state import FlightState
+from scenarios.pilot.flight_state import SET_OUT_M, FlightState
 from scenarios.pilot.gaze import Gaze
 from scenarios.pilot.landing_phases import LandingPhases
 from scenarios.pilot.last_stretch import COMMIT_HEIGHTS_M, LAST_HEIGHT_M
@@ -20,8 +20,6 @@ _LOG = logging.getLogger(__name__)
 
 MAX_HOLDS = 6
 """Number of holds in one flight; one more and it goes home."""
-SET_OUT_M = 1.0
-"""Height above the resting place from which the way may begin while it still climbs."""
 MOST_RISE_M = 8.0
 """Greatest initial climb; the rest of the climb is part of the way."""
 RISE_SPEED_MPS = 1.5

@@ -13,6 +13,7 @@ from flightsim.mavlink.client.client import Command, MavlinkClient
 from flightsim.mavlink.client.telemetry import Telemetry
 from scenarios.mission.mission import Mission
 from scenarios.pilot.course import Course
+from scenarios.pilot.following import Following
 from scenarios.pilot.gaze import Gaze
 from scenarios.pilot.landing_watch import LandingWatch
 from scenarios.pilot.movers import (
@@ -27,6 +28,9 @@ from scenarios.pilot.senses import Senses
 
 PLANNING_TIME_S = 0.1
 """Delay until a plan made in flight takes over: the computing time of an onboard computer."""
+SET_OUT_M = 1.0
+"""Height above the resting place at home from which it is clear of the start: the way may begin
+while it still climbs."""
 _ON_COURSE_M = 0.4
 """Distance within which a prepared trajectory must begin to be flown."""
 _AT_REST_MPS = 0.05
@@ -55,6 +59,7 @@ class FlightState:
     watch: LandingWatch | None = None
     given_up: str | None = None
     """Reason why no landing on an area will be tried any more, None while one may be."""
+    following: Following = field(default_factory=Following)
     complaint: str | None = None
     """Reason why the vehicle's position is unknown, None if it is known."""
     gaze: Gaze | None = None
@@ -66,6 +71,8 @@ class FlightState:
     pace: Pace = USUAL
     is_windy: bool = False
     """Whether the autopilot reported wind, now or before."""
+    is_clear: bool = False
+    """Whether it has been clear of the start."""
     is_silent: bool = False
     """Whether it sends no setpoints, while the autopilot takes off by itself."""
     commands: list[Command] = field(default_factory=list)
@@ -92,8 +99,11 @@ class FlightState:
 
     @property
     def has_arrived(self) -> bool:
-        """Whether the course is complete and the vehicle rests at its end."""
-        return self.course.has_arrived(self.time_us, self.telemetry)
+        """Whether the course is complete and the vehicle rests at its end, as well as it can."""
+        within_m, most_mps = self.following.at_place
+        return self.course.has_arrived(
+            self.time_us, self.telemetry, within_m=within_m, most_mps=most_mps
+        )
 
     @property
     def setpoint(self) -> FlatReference:
@@ -131,7 +141,37 @@ class FlightState:
         """Go carefully from when the autopilot reports wind; what it flies it flies to its end."""
         if self.is_windy or not self.telemetry.wind_mps > WINDY_MPS:
             return
-        self.is_windy, self.pace = True, self.pace.slowed(IN_WIND)
+        self.is_windy = True
+        self._go_carefully()
+
+    def has_left_start(self) -> bool:
+        """Whether the vehicle is or was so high that nothing of the start holds it any more."""
+        height_m = self.telemetry.position_enu_m[2] - self.home_resting_height_m
+        self.is_clear = self.is_clear or height_m >= SET_OUT_M
+        return self.is_clear
+
+    def learn_following(self) -> None:
+        """Learn how far the vehicle strays from its course, and plan with that margin.
+
+        One that strays far is led more slowly as well: what lags, lags in proportion to the speed.
+        """
+        ours_mps, its_mps = self.telemetry.velocity_enu_mps, self.setpoint.velocity_enu_mps
+        self.following.hear(
+            self.time_us,
+            self.level_deviation_m,
+            math.dist(ours_mps[:2], its_mps[:2]),
+            is_resting=self.is_resting(),
+        )
+        margin_m = self.following.margin_m
+        if margin_m <= self.mission.surroundings.margin_m:
+            return
+        surroundings = replace(self.mission.surroundings, margin_m=margin_m)
+        self.mission = replace(self.mission, surroundings=surroundings)
+        self._go_carefully()
+
+    def _go_carefully(self) -> None:
+        """Go as slowly as in wind; what it flies it flies to its end."""
+        self.pace = self.pace.slowed(IN_WIND)
         surroundings = replace(self.mission.surroundings, limits=self.pace.limits)
         self.mission = replace(self.mission, surroundings=surroundings)
 

@@ -10,6 +10,7 @@ from autonomy.planning import PlanningError, Trajectory
 from autonomy.types import Vector3
 from scenarios.pilot.en_route_phases import EnRoutePhases
 from scenarios.pilot.flight_state import FlightState
+from scenarios.pilot.following import MOST_STRAY_M, USUAL_STRAY_M
 from scenarios.pilot.last_stretch import LastStretch
 from scenarios.pilot.lookout import Lookout
 from scenarios.pilot.phases import IN_THE_AIR, ON_THE_WAY, TIME_LIMIT_S, Phase, Step
@@ -24,8 +25,9 @@ LOST_M = 0.5
 satellites nor odometry measure it: the distance to which plans keep clear of what stands."""
 LEAST_BATTERY = 0.2
 """Charge at which it returns home; common autopilots warn at 15 to 25%."""
-LEAST_DEVIATION_M, MOST_DEVIATION_M = 0.5, 1.0
-"""Bounds of the allowed deviation from the plan; between them, it is the plan's clearance."""
+LEAST_DEVIATION_M, MOST_DEVIATION_M = USUAL_STRAY_M, MOST_STRAY_M
+"""Bounds of the allowed deviation from the plan; between them, it is the plan's clearance, or what
+the vehicle is known to stray."""
 DEVIATION_PERIOD_S = 1.0
 """Time between two plans from a deviating state."""
 CARRIED_S = 60.0
@@ -135,14 +137,14 @@ class Guard:
         flight = self._flight
         if flight.course.is_touching_down or flight.time_us < self._deviation_due_us:
             return None
-        if phase in _RISING and flight.course.is_under_way(flight.time_us):
+        if phase in _RISING and self._still_rises():
             # Nothing is won by a stop: the higher, the less stands around.
             return None
         here, should = flight.telemetry.position_enu_m, flight.setpoint.position_enu_m
         # The rotors spin up while the plan already rises: a vertical lag is harmless.
         n = 2 if phase is Phase.TAKEOFF else 3
         away_m = math.dist(here[:n], should[:n])
-        limit_m = deviation_limit_m(flight.course.trajectory)
+        limit_m = deviation_limit_m(flight.course.trajectory, flight.following.stray_m)
         if away_m <= limit_m:
             return None
         if phase not in ON_THE_WAY and self._is_free_between(here, should):
@@ -160,6 +162,12 @@ class Guard:
         except PlanningError as error:
             return self._way.hold(f"{reason}; {error}", start)
         return None
+
+    def _still_rises(self) -> bool:
+        """Whether the climb is not over, for the plan or for a vehicle that lifted off late."""
+        flight = self._flight
+        below_m = flight.setpoint.position_enu_m[2] - flight.telemetry.position_enu_m[2]
+        return flight.course.is_under_way(flight.time_us) or below_m > LEAST_DEVIATION_M
 
     def _grant_time(self) -> None:
         """Do not count the present tick of a phase, in which a gust carries the vehicle off."""
@@ -200,9 +208,14 @@ class Guard:
         return step
 
 
-def deviation_limit_m(trajectory: Trajectory) -> float:
-    """Allowed distance from a plan: the clearance certified beside it."""
+def deviation_limit_m(trajectory: Trajectory, stray_m: float = 0.0) -> float:
+    """Allowed distance from a plan: the clearance certified beside it, or what cannot be helped.
+
+    Args:
+        trajectory: The plan.
+        stray_m: Distance to which the vehicle is known to stray from any plan.
+    """
     clearance_m = trajectory.min_clearance_m
     if math.isnan(clearance_m):
         return MOST_DEVIATION_M
-    return min(max(clearance_m, LEAST_DEVIATION_M), MOST_DEVIATION_M)
+    return min(max(clearance_m, stray_m, LEAST_DEVIATION_M), MOST_DEVIATION_M)

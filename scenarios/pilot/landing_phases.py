@@ -14,8 +14,7 @@ from scenarios.pilot.landing_watch import CAMERA, LandingWatch
 from scenarios.pilot.last_stretch import (
     CARRIED_OFF_M,
     COMMIT_HEIGHTS_M,
-    STEADY_M,
-    STEADY_MPS,
+    steady_within,
 )
 from scenarios.pilot.look_again import look_from_below, look_nearer
 from scenarios.pilot.phases import Phase, Step
@@ -189,10 +188,11 @@ class LandingPhases:
     def _sinks_steadily(self) -> bool:
         """Whether the vehicle is above the place, and slows down at the end of the descent."""
         flight = self._flight
+        most_m, most_mps = steady_within(flight.following)
         return (
             flight.course.is_slower_than(flight.pace.touchdown_mps, flight.time_us)
-            and flight.level_deviation_m <= STEADY_M
-            and math.hypot(*flight.telemetry.velocity_enu_mps[:2]) <= STEADY_MPS
+            and flight.level_deviation_m <= most_m
+            and math.hypot(*flight.telemetry.velocity_enu_mps[:2]) <= most_mps
         )
 
     def climb(self) -> Step:

@@ -9,6 +9,7 @@ from autonomy.planning import PlanningError
 from autonomy.types import Vector3
 from flightsim.mavlink.client.telemetry import LANDED_ON_GROUND
 from scenarios.pilot.flight_state import FlightState
+from scenarios.pilot.following import Following
 from scenarios.pilot.phases import Phase, Step
 
 _LOG = logging.getLogger(__name__)
@@ -31,6 +32,18 @@ MOST_TILT_RAD = math.radians(40.0)
 """Tilt beyond which it waits there as well: it tells of a gust before the wind's estimate does."""
 LEAVE_M = 1.0
 """Height above a touched place up to which the map is not checked."""
+
+
+def steady_within(following: Following) -> tuple[float, float]:
+    """Distance and speed to sink within: as usual, or as a vehicle keeps that hovers less well.
+
+    Where it keeps less than in wind, none comes of waiting longer.
+    """
+    away_m, drift_mps = following.keeps
+    return (
+        min(max(STEADY_M, away_m), STEADY_IN_WIND_M),
+        min(max(STEADY_MPS, drift_mps), STEADY_IN_WIND_MPS),
+    )
 
 
 class LastStretch:
@@ -72,7 +85,7 @@ class LastStretch:
         flight = self._flight
         away_m = flight.level_deviation_m
         speed_mps = math.hypot(*flight.telemetry.velocity_enu_mps[:2])
-        most_m, most_mps = STEADY_M, STEADY_MPS
+        most_m, most_mps = steady_within(flight.following)
         if flight.is_windy:
             most_m, most_mps = STEADY_IN_WIND_M, STEADY_IN_WIND_MPS
             if away_m > (most_m if speed_mps <= most_mps else CARRIED_OFF_M):

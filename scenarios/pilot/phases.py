@@ -91,6 +91,9 @@ IN_THE_AIR = frozenset(
 )
 """Phases in which the pilot steers and the vehicle must stay armed and in offboard mode."""
 
+FOLLOWS = IN_THE_AIR - {Phase.TOUCHDOWN, Phase.LAND_HOME}
+"""Phases that tell how well the vehicle follows; near the ground there is more to it."""
+
 ON_THE_WAY = frozenset({_P.NAVIGATE, _P.RETURN})
 """Phases that fly a plan through the map, which can be replanned from any of its points."""
 

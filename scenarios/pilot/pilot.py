@@ -31,7 +31,15 @@ from scenarios.pilot.guard import Guard
 from scenarios.pilot.landing_phases import LandingPhases
 from scenarios.pilot.last_stretch import LastStretch
 from scenarios.pilot.pace import AMONG_MOVERS, USUAL
-from scenarios.pilot.phases import LOOKS_AROUND, Phase, PilotVerdict, Replan, Step, Transition
+from scenarios.pilot.phases import (
+    FOLLOWS,
+    LOOKS_AROUND,
+    Phase,
+    PilotVerdict,
+    Replan,
+    Step,
+    Transition,
+)
 from scenarios.pilot.senses import Senses
 
 _LOG = logging.getLogger(__name__)
@@ -172,6 +180,8 @@ class Pilot:
             return
         flight.senses.locate(time_us, flight.client.telemetry)
         flight.heed_wind()
+        if self.phase in FOLLOWS and flight.has_left_start():
+            flight.learn_following()
         step = self._guard.check(self.phase) or self._steps[self.phase]()
         if step is not None:
             self._enter(*step)

@@ -10,11 +10,13 @@ from flightsim.bridges.launch.launch import Start
 from flightsim.bridges.launch.px4 import launch, parameter_file, parameters, sensor_parameters
 from flightsim.bridges.physics.bridge import BridgeError
 from flightsim.bridges.physics.px4 import PORT, Px4Bridge
+from flightsim.environment.atmosphere import AIR_DENSITY_KGPM3
 from flightsim.frames import Geodetic, LocalFrame, swap_flu_frd
 from flightsim.mavlink.dialect import dialect as mavlink
 from flightsim.plant import Plant, PlantCfg
 from flightsim.sensors.optical_flow import OpticalFlowCfg
 from flightsim.vehicles import airframe_by_name
+from flightsim.vehicles.air.frame import frame_drag
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import build_world
 from tests.flightsim.handmade import empty_scene
@@ -231,6 +233,28 @@ def test_the_mixer_of_px4_has_our_rotors_in_its_order_and_axes(name):
     script = parameter_file(airframe, start_with()).splitlines()
     assert script[0] == "#!/bin/sh"
     assert all(line.startswith("param set ") for line in script[2:])
+
+
+@pytest.mark.parametrize("name", QUADROTORS)
+def test_ekf2_finds_the_wind_by_the_air_resistance_that_the_physics_has(name):
+    airframe, p = AIRFRAMES[name], parameters(AIRFRAMES[name])
+    rotors, wind_mps = airframe.quadrotor.rotors, 6.0
+    hover_radps = airframe.quadrotor.hover_speed_radps
+    for axis, along in zip((0, 1), "XY", strict=True):
+        frame_n = frame_drag(airframe, has_arms=True)[axis] * wind_mps**2
+        rotors_n = sum(rotor.drag_coefficient for rotor in rotors) * hover_radps * wind_mps
+        expected = 0.5 * AIR_DENSITY_KGPM3 / p[f"EKF2_BCOEF_{along}"] * wind_mps**2
+        expected += p["EKF2_MCOEF"] * wind_mps
+        assert expected * airframe.quadrotor.mass_kg == pytest.approx(frame_n + rotors_n)
+    assert p["EKF2_DRAG_CTRL"] == 1
+
+
+def test_until_it_has_taken_off_it_may_lean_against_wind_of_six_metres_a_second():
+    p = parameters(AIRFRAMES["iris"])
+    push_mps2 = 0.5 * AIR_DENSITY_KGPM3 / p["EKF2_BCOEF_X"] * 36.0 + p["EKF2_MCOEF"] * 6.0
+    assert math.tan(math.radians(p["MPC_TILTMAX_LND"])) * 9.81 > 1.5 * push_mps2
+    # PX4 lowers the greater one by itself, with an error in its log.
+    assert 0.25 < p["LNDMC_Z_VEL_MAX"] <= p["MPC_LAND_CRWL"] / 1.2
 
 
 def test_px4_that_we_start_keeps_no_logs_since_they_would_go_with_its_folder(tmp_path):

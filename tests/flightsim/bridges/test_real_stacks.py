@@ -50,14 +50,16 @@ def fly(capsys, tmp_path, monkeypatch):
             "autopilot-binary": real.binary,
             "instance": str(own_instance()),
         }
-        status = main(
-            [
-                "42",
-                *(f"--{name}={value}" for name, value in options.items()),
-                *("--demo", "--speed", "max", "--json", "--record", str(record)),
-                *("--camera-hz", "0"),
-            ]
-        )
+        words = [
+            "42",
+            *(f"--{name}={value}" for name, value in options.items()),
+            *("--demo", "--speed", "max", "--json", "--record", str(record)),
+            *("--camera-hz", "0"),
+        ]
+        try:
+            status = main(words)
+        except SystemExit as end:  # A run that was ended is an error, said in one line.
+            status = end.code
         out, err = capsys.readouterr()
         result = json.loads(out)
         assert json.loads(record.with_suffix(".json").read_text())["result"] == result

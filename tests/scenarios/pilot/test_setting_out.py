@@ -4,7 +4,7 @@ import math
 
 from autonomy.planning import UnreachableError
 from scenarios.pilot import Phase
-from scenarios.pilot.en_route_phases import SET_OUT_M
+from scenarios.pilot.flight_state import SET_OUT_M
 from tests.scenarios.landing_scenes import yard
 
 
