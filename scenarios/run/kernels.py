@@ -54,6 +54,8 @@ EXPLORING_MODULES = (
     "autonomy.perception.surface_match",
 )
 """Modules with kernels that only a flight with a growing map uses."""
+FOLLOWING_MODULES = ("autonomy.perception.mover_track", "autonomy.perception.sighting")
+"""Modules with kernels that only a flight among movers uses."""
 SCENE = "42"
 VEHICLE = "iris"
 
@@ -69,16 +71,36 @@ class _Frame:
     cy: float = 119.5
 
 
-def announce_pilot_kernels(map_source: MapSource = "truth") -> None:
-    """Say so if our pilot's first flight is going to compile; what exploring needs, do at once.
+def announce_pilot_kernels(
+    map_source: MapSource = "truth", *, expects_traffic: bool = False
+) -> None:
+    """Say so if our pilot's first flight is going to compile.
+
+    What exploring and following movers need is done at once.
 
     Args:
         map_source: Whether the map of the flight is given or grows.
+        expects_traffic: Whether the pilot follows what moves.
     """
     announce_if_cold(PILOT_MODULES, "planning and perception kernels", 12.0)
     if map_source == "onboard":
         announce_if_cold(EXPLORING_MODULES, "mapping kernels", 12.0)
         explore_once()
+    if expects_traffic:
+        announce_if_cold(FOLLOWING_MODULES, "kernels for what moves", 4.0)
+        follow_once()
+
+
+def follow_once() -> None:
+    """See something move before a wall, and then see that it is gone."""
+    tracker, mount = MoverTracker(), camera_mount(airframe_by_name(VEHICLE), "forward")
+    telemetry = Telemetry(position_enu_m=(0.0, 0.0, 2.0), quat_wxyz=(1.0, 0.0, 0.0, 0.0))
+    wall_m = np.full((240, 320), 6.0, dtype=np.float32)
+    shown_m = wall_m.copy()
+    shown_m[80:160, 140:180] = 3.0
+    for number, depth_m in enumerate((shown_m, shown_m, wall_m)):
+        image = posed_image(_Frame(depth_m=depth_m), mount, telemetry)
+        tracker.update(0.2 * number, image, lambda points: np.where(points[:, 0] < 4.0, 3.0, 0.0))
 
 
 def explore_once() -> None:
@@ -149,6 +171,7 @@ def compile_everything(progress: Callable[[str, float], None]) -> None:
     mission.surroundings.brake(mission.trajectory, 0.0)
     progress("landing perception kernels", 0.6)
     _look_at_flat_ground(mission)
+    follow_once()
     progress("mapping kernels", 0.8)
     explore_once()
     progress("scene kernels", 0.95)
@@ -165,7 +188,6 @@ def _look_at_flat_ground(mission: Mission) -> None:
     image = posed_image(_Frame(depth_m=depth_m), mount, telemetry)
     watch.fuse(0, image)
     MapAnchor(MapMatcher(mission.surroundings.obstacles)).update(0.0, image)
-    MoverTracker().update(0.0, image, mission.surroundings.clearance_m)
     site = watch.choose()
     if site is not None:
         watch.objection(site)

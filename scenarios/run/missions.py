@@ -39,7 +39,8 @@ def plan_missions(
     from scenarios.pilot.pace import AMONG_MOVERS
     from scenarios.run.kernels import announce_pilot_kernels
 
-    announce_pilot_kernels(cfg.map)
+    has_traffic = any(_meets_movers(vehicle) for vehicle in vehicles)
+    announce_pilot_kernels(cfg.map, expects_traffic=has_traffic)
     missions: list[Mission] = []
     for number, vehicle in enumerate(vehicles):
         others = [other for other in vehicles if other is not vehicle]
