@@ -137,7 +137,7 @@ def let_touch(
     geom_conaffinity: np.ndarray,
     body_conaffinity: np.ndarray,
 ) -> bool:
-    """Enable the contacts of movers near a vehicle; whether there is one.
+    """Enable the contacts of movers near a vehicle; returns whether there is such a mover.
 
     Those of movers far from every vehicle stay disabled: checking them would cost a third of a
     physics step.

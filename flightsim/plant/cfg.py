@@ -72,8 +72,8 @@ class PlantCfg:
     has_sensors: bool = True
     """Whether anything is measured and estimated; without, the state is the truth."""
     free_flight: bool = True
-    """Whether the kernel itself takes the steps in which nothing can touch the vehicle, which is
-    faster; without, MuJoCo takes every step. Both agree to rounding."""
+    """Whether the kernel integrates a vehicle itself while nothing can touch it, because that is
+    faster. Otherwise MuJoCo takes every step. Both give the same flight up to rounding."""
     wind: WindCfg = CALM
     effects: Effects = ALL_EFFECTS
     """What of the physics is on."""

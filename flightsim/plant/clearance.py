@@ -1,8 +1,8 @@
-"""How far a point is from all that stands, from compiled code, by the tree that rays use.
+"""Distance from a point to the nearest static solid, in compiled code, by the tree of the rays.
 
-The distance is a lower bound: to the box around a geom in the geom's own axes, which for a box is
-the box, and nothing for a point within it. A subtree whose box is farther than what has been found
-is left out, so that a search meets a few dozen of a scene's hundreds of geoms.
+The distance is a lower bound. It is measured to the bounding box of a geom in the geom's own axes,
+which for a box is exact, and it is 0 inside that box. Subtrees farther away than the nearest solid
+so far are skipped, so that a search visits a few dozen of a scene's hundreds of geoms.
 """
 
 from __future__ import annotations
@@ -16,29 +16,29 @@ from flightsim.plant.mujoco_calls import doubles, integers, table
 
 
 @kernel
-def clear_m(r: np.record, f: np.record, point_enu_m: np.ndarray, most_m: float) -> float:
-    """Distance to the nearest solid that stands, at least; `most_m` where all are farther.
+def clearance_m(r: np.record, f: np.record, point_enu_m: np.ndarray, most_m: float) -> float:
+    """Lower bound of the distance to the nearest static solid; `most_m` if all are farther.
 
     Args:
-        r: Record of the rays (`flightsim.plant.rays`), with the tree.
-        f: Record with the addresses of what else is to be known of the geoms
-            (`flightsim.plant.free_flight`).
-        point_enu_m: Where (3,).
-        most_m: Distance beyond which nothing is looked for.
+        r: `flightsim.plant.rays.RAYS_DTYPE`, with the tree.
+        f: `flightsim.plant.free_flight.FREE_FLIGHT_DTYPE`, with the bounding boxes and contact bits
+            of the geoms.
+        point_enu_m: The point (3,), ENU, m.
+        most_m: Greatest distance that is searched.
     """
     best_m = most_m
     for geom in integers(r.endless_address, r.n_endless):
         if _is_solid(r, f, geom):
             best_m = min(best_m, _above_plane_m(r, geom, point_enu_m))
-    return _clear_of_boxes_m(r, f, point_enu_m, best_m)
+    return _clearance_of_boxes_m(r, f, point_enu_m, best_m)
 
 
 @kernel
-def _clear_of_boxes_m(r: np.record, f: np.record, point: np.ndarray, best_m: float) -> float:
-    """The lesser one of a distance and that to the nearest solid of the tree.
+def _clearance_of_boxes_m(r: np.record, f: np.record, point: np.ndarray, best_m: float) -> float:
+    """The lesser of a distance and the distance to the nearest solid of the tree.
 
-    The walk goes first to the child on the point's side, and finds its way back by asking the same
-    again, as `flightsim.plant.rays` does.
+    The traversal visits the child on the point's side first. It needs no stack, because it can
+    decide again at each parent which child came first, as in `flightsim.plant.rays`.
     """
     n = r.n_leaves
     boxes, axes = table(r.boxes_address, 2 * n, 6), integers(r.axes_address, n)
@@ -69,7 +69,7 @@ def _is_on_upper_side(box: np.ndarray, axis: int, point: np.ndarray) -> bool:
 
 @kernel
 def _is_solid(r: np.record, f: np.record, geom: int) -> bool:
-    """Whether anything can touch a geom."""
+    """Whether a geom can have contacts at all."""
     touching = integers(f.contype_address, r.n_geoms)[geom]
     return touching != 0 or integers(f.conaffinity_address, r.n_geoms)[geom] != 0
 
@@ -85,7 +85,7 @@ def _above_plane_m(r: np.record, geom: int, point: np.ndarray) -> float:
 
 @kernel
 def _box_m(box: np.ndarray, point: np.ndarray) -> float:
-    """Distance to a box (6,) of least and greatest corner; 0 within it."""
+    """Distance to a box (6,), given by its least and greatest corner; 0 inside it."""
     square = 0.0
     for k in range(3):
         outside = max(box[k] - point[k], point[k] - box[3 + k], 0.0)
@@ -95,7 +95,7 @@ def _box_m(box: np.ndarray, point: np.ndarray) -> float:
 
 @kernel
 def _solid_m(r: np.record, f: np.record, geom: int, point: np.ndarray) -> float:
-    """Distance to the box around a geom in its own axes."""
+    """Distance to the bounding box of a geom in the geom's own axes."""
     place, turn = doubles(r.xpos_address + 24 * geom, 3), doubles(r.xmat_address + 72 * geom, 9)
     around = doubles(f.aabb_address + 48 * geom, 6)
     x, y, z = point[0] - place[0], point[1] - place[1], point[2] - place[2]

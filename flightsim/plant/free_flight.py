@@ -1,18 +1,18 @@
-"""Free flight: steps that the kernel takes itself, where nothing can touch the vehicle.
+"""Free flight: the kernel integrates a vehicle itself while nothing can touch it.
 
-MuJoCo's step of a body in the air costs a hundred times what its motion costs: it places geoms,
-looks for contacts and solves for none. Where the distance to all that stands proves that there is
-no contact, the kernel integrates the free joint by MuJoCo's own scheme, semi-implicit Euler:
+MuJoCo spends almost all of a step on geoms and contacts, and a vehicle in the air has no contact.
+If the clearance around a vehicle proves that, the kernel integrates its free joint by the scheme
+that MuJoCo uses, semi-implicit Euler:
 
     v' = v + h (F / m + g)               F force, ENU
     w' = w + h I^-1 (T - w x I w)        T torque, w body rates, FLU
     p' = p + h v',  q' = q exp(h w' / 2)
 
-Pose, velocity, time and the solver's warm start stay in MuJoCo's memory, so that either may take
-the next step. One search of the tree gives a sphere within which the vehicle is free; until it has
-left the sphere, a step asks for the distance from its centre only.
+Pose, velocity, time and the solver's warm start stay in MuJoCo's memory, so that either of the two
+can take the next step. A search of the ray tree returns a sphere in which the vehicle is free.
+Until the vehicle leaves that sphere, a step only computes the distance to its centre.
 
-Source of the integration of the attitude: MuJoCo's `mju_quatIntegrate`.
+Source of the attitude integration: MuJoCo's `mju_quatIntegrate`.
 """
 
 from __future__ import annotations
@@ -23,42 +23,46 @@ import mujoco
 import numpy as np
 
 from autonomy.jit import fields, kernel
-from flightsim.plant.clearance import clear_m
+from flightsim.plant.clearance import clearance_m
 from flightsim.plant.mujoco_calls import doubles
 from flightsim.world import World
 
 _MARGIN_M = 0.01
-"""By which a vehicle's reach is larger than the farthest point that can touch: for rounding."""
-_LONGEST_LOOK_M = 50.0
-_LEAST_ROOM_M = 0.02
-"""Way between two searches at least; a vehicle with less room takes MuJoCo's steps."""
+"""Added to a vehicle's reach, so that rounding cannot hide a contact."""
+_MOST_CLEARANCE_M = 50.0
+"""Obstacles farther away than this are not searched."""
+_LEAST_CLEARANCE_M = 0.02
+"""Distance between two searches at least: with less clearance, MuJoCo takes the steps."""
 _FARTHEST_M = 1e6
-"""From the origin; beyond, or where the place is no number, MuJoCo has to say so."""
+"""Distance from the origin up to which a position is believed. MuJoCo reports states that are
+infinite or not a number, so it must get them."""
 
 FREE_FLIGHT_DTYPE = np.dtype(
     [
         ("is_on", "i8"),
-        ("n_steps", "i8"),  # that were taken so
-        # of the world's geoms: boxes around them, what they may touch
+        ("n_steps", "i8"),  # steps that the kernel has taken itself
+        # of the world's geoms: bounding boxes, contact bits
         *fields("aabb_address", "contype_address", "conaffinity_address", kind="i8"),
         # of the vehicle: its accelerations (6,), and forces and torques (6,) from outside the plant
         *fields("warm_start_address", "push_address", kind="i8"),
         *fields("reach_m", "mass_kg", "dt_s"),
         *fields("inertia_flu_kgm2", "gravity_enu_mps2", shape=(3,)),
-        ("centre_enu_m", "f8", 3),  # of the sphere that is known
-        ("room_m", "f8"),  # its radius; negative where something may touch all over it
+        ("centre_enu_m", "f8", 3),  # where the clearance was measured last
+        ("clearance_m", "f8"),  # radius of the free sphere; negative: contacts are possible in it
     ],
     align=True,
 )
 
 
 def new_free_flight(world: World, data: mujoco.MjData, *, is_on: bool) -> np.ndarray:
-    """A vehicle that has not looked around yet, (1,) of `FREE_FLIGHT_DTYPE`.
+    """Record of a vehicle whose clearance is not known yet, (1,) of `FREE_FLIGHT_DTYPE`.
+
+    The record holds addresses, so `world` and `data` must outlive it.
 
     Args:
-        world: The world as the vehicle has it; it must live on.
-        data: State of the physics; it must live on.
-        is_on: Whether the kernel may take steps itself; without, MuJoCo takes all.
+        world: The world as the vehicle has it.
+        data: State of the physics.
+        is_on: Whether the kernel may take steps itself; otherwise MuJoCo takes all of them.
     """
     model, body = world.model, world.vehicle_body_id
     records = np.zeros(1, FREE_FLIGHT_DTYPE)
@@ -81,51 +85,57 @@ def new_free_flight(world: World, data: mujoco.MjData, *, is_on: bool) -> np.nda
 
 @kernel
 def is_free(plants: np.ndarray) -> bool:
-    """Whether nothing can touch any of the vehicles of a world as they are now.
+    """Whether no vehicle of a world can have a contact in its present pose.
 
-    Movers are not looked at: `flightsim.environment.motion.let_touch` says which are near.
+    Movers are not considered: `flightsim.environment.motion.let_touch` returns whether one is near.
 
     Args:
-        plants: `PLANT_DTYPE` (v,), whose spheres are renewed where one has left its own.
+        plants: `PLANT_DTYPE` (v,). If one has left its sphere, the clearance of all is measured
+            anew.
     """
     for k in range(len(plants)):
         f = plants[k].free_flight
         if f.is_on == 0:
             return False
         away_m = _apart_m(f.centre_enu_m, doubles(plants[k].engine.qpos_address, 3))
-        # A place that is no number is nowhere near.
-        if not away_m < abs(f.room_m):
-            return _look_around(plants)
-    return _have_room(plants)
+        # Written so that a position that is not a number fails the test.
+        if not away_m < abs(f.clearance_m):
+            return _measure_clearance(plants)
+    return _have_clearance(plants)
 
 
 @kernel
-def _look_around(plants: np.ndarray) -> bool:
-    """Find the room of all vehicles of a world; whether it is enough for each."""
+def _measure_clearance(plants: np.ndarray) -> bool:
+    """Measure the clearance of all vehicles of a world; whether each has enough."""
     for k in range(len(plants)):
         e, f = plants[k].engine, plants[k].free_flight
         place = doubles(e.qpos_address, 3)
         for i in range(3):
             f.centre_enu_m[i] = place[i]
         is_here = abs(place[0]) + abs(place[1]) + abs(place[2]) < _FARTHEST_M
-        f.room_m = clear_m(e.rays, f, place, _LONGEST_LOOK_M) - f.reach_m if is_here else 0.0
+        f.clearance_m = (
+            clearance_m(e.rays, f, place, _MOST_CLEARANCE_M) - f.reach_m if is_here else 0.0
+        )
         for j in range(k):
             g = plants[j].free_flight
             gap_m = _apart_m(f.centre_enu_m, g.centre_enu_m) - f.reach_m - g.reach_m
-            # Each may go half of the way to the other.
-            f.room_m, g.room_m = min(f.room_m, 0.5 * gap_m), min(g.room_m, 0.5 * gap_m)
+            # Either may move up to half of the gap, so their spheres never overlap.
+            f.clearance_m, g.clearance_m = (
+                min(f.clearance_m, 0.5 * gap_m),
+                min(g.clearance_m, 0.5 * gap_m),
+            )
     for k in range(len(plants)):
         f = plants[k].free_flight
-        if not f.room_m > _LEAST_ROOM_M:
-            f.room_m = min(f.room_m, -_LEAST_ROOM_M)
-    return _have_room(plants)
+        if not f.clearance_m > _LEAST_CLEARANCE_M:
+            f.clearance_m = min(f.clearance_m, -_LEAST_CLEARANCE_M)
+    return _have_clearance(plants)
 
 
 @kernel
-def _have_room(plants: np.ndarray) -> bool:
+def _have_clearance(plants: np.ndarray) -> bool:
     is_free = True
     for k in range(len(plants)):
-        is_free &= plants[k].free_flight.room_m > 0.0
+        is_free &= plants[k].free_flight.clearance_m > 0.0
     return is_free
 
 
@@ -137,8 +147,8 @@ def step_free(
 
     Args:
         f: `FREE_FLIGHT_DTYPE`.
-        r: Record of the rotors, with the torque on the body.
-        force_enu_n: Force of rotors and air on the centre of mass (3,).
+        r: Record of the rotors, with the torque on the body in FLU, N m.
+        force_enu_n: Force of rotors and air on the centre of mass (3,), N.
         pose: Position ENU and attitude wxyz (7,), changed.
         velocity: Velocity ENU and body rates FLU (6,), changed.
     """
@@ -186,9 +196,10 @@ def _apart_m(first_m: np.ndarray, second_m: np.ndarray) -> float:
 
 
 def _reach_m(model: mujoco.MjModel, body: int) -> float:
-    """Distance from a body's origin within which it may touch what stands, or another body's reach.
+    """Distance from a body's origin beyond which it cannot touch static geoms or other vehicles.
 
-    MuJoCo lets two geoms touch where they are nearer than the sum of their margins.
+    MuJoCo makes a contact of two geoms whose distance is less than the sum of their margins, so
+    margins belong to the reach.
     """
     touching = _may_touch(model)
     is_own, stands = touching & (model.geom_bodyid == body), touching & (model.geom_bodyid == 0)
@@ -198,7 +209,10 @@ def _reach_m(model: mujoco.MjModel, body: int) -> float:
 
 
 def _is_plain(world: World) -> bool:
-    """Whether MuJoCo would integrate as we do, and all that can be met is in the rays' tree."""
+    """Whether this integration equals MuJoCo's, and the ray tree holds every geom with contacts.
+
+    Joints, damping, actuators, fluid forces or an offset centre of mass would make a difference.
+    """
     model, tree = world.model, world.rays
     bodies = [view.vehicle_body_id for view in world.views]
     n_moving = model.nbody - model.nmocap - 1

@@ -142,7 +142,7 @@ def _tell_state(
 
 @kernel
 def _move_traffic(plants: np.ndarray) -> bool:
-    """Advance the movers of a world by a control tick; whether one is near enough to be touched."""
+    """Advance the movers of a world by a control tick; returns whether a vehicle is near one."""
     e = plants[0].engine
     movers = rows(e.movers_address, e.n_movers, MOVER_DTYPE)
     geom_bits = integers(e.geom_bits_address, e.n_geoms)
@@ -179,13 +179,14 @@ def _step_physics(plants: np.ndarray, is_near_mover: bool) -> None:
         else:
             _step_engine(plants)
     if lead.n_movers > 0 or len(plants) > 1:
-        # Rays meet whatever moves where it is now; a step leaves it where it was before.
+        # Rays must hit vehicles and movers where they are now. A step leaves the poses of geoms as
+        # they were before its integration, and free flight does not touch them at all.
         call_engine(lead.kinematics_address, lead.model_address, lead.data_address)
 
 
 @kernel
 def _step_freely(plants: np.ndarray) -> None:
-    """Take a step in which no vehicle touches anything."""
+    """Integrate all vehicles of a world by a step in which none has a contact."""
     for k in range(len(plants)):
         e, r = plants[k].engine, plants[k].rotors
         qpos, qvel = doubles(e.qpos_address, 7), doubles(e.qvel_address, 6)
@@ -195,7 +196,7 @@ def _step_freely(plants: np.ndarray) -> None:
 
 @kernel
 def _step_engine(plants: np.ndarray) -> None:
-    """Let MuJoCo take a step, and note which vehicle touched something."""
+    """Let MuJoCo take a step, and note which vehicles had a contact."""
     lead = plants[0].engine
     call_engine(lead.step_address, lead.model_address, lead.data_address)
     for k in range(len(plants)):

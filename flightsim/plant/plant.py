@@ -266,7 +266,7 @@ class Plant:
 
     @property
     def n_free_steps(self) -> int:
-        """Physics steps since the start that were taken without MuJoCo, nothing being near."""
+        """Number of physics steps since the start that the kernel took without MuJoCo."""
         return int(self._record["free_flight"]["n_steps"])
 
     @property

@@ -75,8 +75,8 @@ class TestbenchCfg:
     without: str = ""
     """Effects of the physics to leave out, such as ground,ceiling; docs/physics.md names them."""
     free_flight: bool = True
-    """Step a vehicle that nothing can touch without MuJoCo, which is faster and differs by rounding
-    alone; see docs/physics.md."""
+    """Integrate a vehicle without MuJoCo while nothing can touch it: faster, and the same flight up
+    to rounding. See docs/physics.md."""
     speed: Annotated[float | Literal["max"], Range(0.0, is_above=True, word="max")] = 1.0
     """Simulated seconds per wall second, or max for as fast as it goes."""
     instance: Annotated[int, Range(0, MAX_INSTANCES - 1)] = 0

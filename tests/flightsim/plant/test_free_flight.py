@@ -11,7 +11,7 @@ from autonomy.types import ControlLevel, Setpoint
 from flightsim.environment.movers import MovingObstacle
 from flightsim.environment.wind import WindCfg
 from flightsim.plant import PhysicsDivergedError, Plant, PlantCfg
-from flightsim.plant.clearance import clear_m
+from flightsim.plant.clearance import clearance_m
 from flightsim.plant.free_flight import is_free, new_free_flight
 from flightsim.plant.rays import new_rays
 from flightsim.vehicles.catalogue import airframe_by_name
@@ -83,7 +83,7 @@ def test_a_push_from_outside_is_felt_as_by_mujoco():
     assert ends[0]["position_true_enu_m"][0, 0] > 0.5
 
 
-def test_the_room_is_the_distance_to_the_nearest_box_of_all_solids():
+def test_the_clearance_is_the_distance_to_the_nearest_bounding_box():
     world = build_world(load_scene("42"), IRIS)
     model, data, rng = world.model, world.new_data(), np.random.default_rng(4)
     free = new_free_flight(world, data, is_on=True)[0]
@@ -96,7 +96,7 @@ def test_the_room_is_the_distance_to_the_nearest_box_of_all_solids():
         local = np.einsum("nji,nj->ni", turns, point - data.geom_xpos[boxed])
         outside = np.abs(local - model.geom_aabb[boxed, :3]) - model.geom_aabb[boxed, 3:]
         nearest = np.linalg.norm(np.maximum(outside, 0.0), axis=1).min()
-        assert clear_m(rays, free, point, 50.0) == pytest.approx(min(nearest, point[2], 50.0))
+        assert clearance_m(rays, free, point, 50.0) == pytest.approx(min(nearest, point[2], 50.0))
 
 
 def test_what_stands_on_the_ground_or_near_it_is_left_to_the_engine():
@@ -140,14 +140,14 @@ def test_vehicles_that_are_apart_fly_freely_and_those_that_meet_do_not():
     record = first._record["free_flight"]
     assert first.n_free_steps == 10
     apart_m = math.dist(first.data.qpos[:3], first.data.qpos[7:10])
-    rooms_m = record["room_m"] + first.mates[0]._record["free_flight"]["room_m"]
-    assert rooms_m < apart_m - 2.0 * IRIS.collision_radius_m
+    clearances_m = record["clearance_m"] + first.mates[0]._record["free_flight"]["clearance_m"]
+    assert clearances_m < apart_m - 2.0 * IRIS.collision_radius_m
     first.data.qpos[7:10] = first.data.qpos[:3] + (0.0, 0.0, 0.5)
     first.advance()
     assert first.n_free_steps == 10
 
 
-def test_two_vehicles_have_no_room_wherever_mujoco_finds_a_contact():
+def test_two_vehicles_are_not_free_wherever_mujoco_finds_a_contact():
     """Their hulls have margins: rotors that point at each other touch before they meet."""
     world = build_world(empty_scene(), IRIS, IRIS)
     first = Plant(world, PlantCfg(seed=0, state="truth"))
@@ -157,7 +157,7 @@ def test_two_vehicles_have_no_room_wherever_mujoco_finds_a_contact():
     data, n_contacts = world.new_data(), 0
     first.data.qpos[:] = (0.0, 0.0, 9.0, *quats[0], 1.0, 0.0, 9.0, *quats[1])
     assert is_free(first._row[0])
-    # From afar, as in flight: each comes to the end of the room that it has known.
+    # From afar, as in flight: each reaches the end of the sphere that it knows.
     for apart_m in np.arange(1.0, 0.6, -0.001).tolist():
         data.qpos[:] = (0.0, 0.0, 9.0, *quats[0], apart_m, 0.0, 9.0, *quats[1])
         mujoco.mj_fwdPosition(world.model, data)
