@@ -1,14 +1,13 @@
-"""Distances in a growing map, renewed only about the cells whose state has changed.
+"""Distances in a growing map, recomputed only around cells whose state has changed.
 
-The state of a cell is whether it is not free and whether it is occupied. A change reaches `reach`
-cells far, so cells are watched in blocks with that edge: a block that holds a change makes itself
-and its 26 neighbours stale. Everything else keeps its distances, and cells that no image ever
-showed are never touched.
+A marked cell matters up to `reach` cells away. Cells are therefore watched in blocks with that edge
+(`autonomy.mapping.cell_states`): if a cell of a block changes, the block and its 26 neighbours are
+recomputed. All other distances stay valid, and memory that no image reached is never touched.
 
-Distances are exact from the centre of a cell to the surface of the nearest marked one, capped.
+Distances are exact from the centre of a cell to the surface of the nearest marked cell, capped.
 Along one axis, cells n apart are (2n - 1) / 2 cells apart from centre to surface, and squares add
-up over the axes. Squares are whole numbers in single precision, so the result is the same in
-whatever parts it is computed.
+up over the axes. Squares are whole numbers in single precision, so that the result does not depend
+on how the volume is divided into parts.
 """
 
 from __future__ import annotations
@@ -17,13 +16,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Int
 
 from autonomy.jit import kernel
-from autonomy.mapping.rays import FREE_AT, MOST_OCCUPIED, OCCUPIED_AT
-
-NOT_FREE, OCCUPIED = 1, 2
-"""Bits of the state of a cell."""
+from autonomy.mapping.cell_states import NOT_FREE, OCCUPIED, States
 
 
 class Gauge(NamedTuple):
@@ -41,19 +36,6 @@ class Gauge(NamedTuple):
     border_z: np.ndarray
 
 
-class States(NamedTuple):
-    """State of each cell, and of its column."""
-
-    bits: np.ndarray
-    """`NOT_FREE` and `OCCUPIED`."""
-    to_not_free: np.ndarray
-    """Number of cells to the nearest one of the same column that is not free, up to reach + 1."""
-    to_occupied: np.ndarray
-    """The same to the nearest occupied one."""
-    stale: np.ndarray
-    """Bits that changed in each block of cells since distances were measured."""
-
-
 class Distances(NamedTuple):
     """Distances from each cell of a volume, m."""
 
@@ -67,16 +49,6 @@ class Distances(NamedTuple):
     """Number of cells in each layer with enough room that was seen free."""
 
 
-def unseen_states(shape: tuple[int, ...], gauge: Gauge) -> States:
-    """States in a volume of which nothing was seen."""
-    return States(
-        np.full(shape, NOT_FREE, dtype=np.uint8),
-        np.zeros(shape, dtype=np.uint8),
-        np.full(shape, gauge.reach + 1, dtype=np.uint8),
-        np.zeros([-(-n // gauge.reach) for n in shape], dtype=np.uint8),
-    )
-
-
 def gauge_for(shape: tuple[int, ...], resolution_m: float, cap_m: float) -> Gauge:
     """The gauge of a volume."""
     reach = math.ceil(cap_m / resolution_m + 0.5)
@@ -86,58 +58,6 @@ def gauge_for(shape: tuple[int, ...], resolution_m: float, cap_m: float) -> Gaug
     gaps = [(np.minimum(np.arange(n), n - 1 - np.arange(n)) + 0.5) * resolution_m for n in shape]
     x, y, z = (gap.astype(np.float32) for gap in gaps)
     return Gauge(reach, squares, metres, x, y, z)
-
-
-@kernel
-def note_changes(
-    evidence: Int[np.ndarray, "nx ny nz"],
-    low: Int[np.ndarray, " 3"],
-    high: Int[np.ndarray, " 3"],
-    states: States,
-    reach: int,
-) -> bool:
-    """Bring the states of the cells from `low` to before `high` up to date.
-
-    Returns:
-        Whether any has changed.
-    """
-    bits, stale = states.bits, states.stale
-    is_any = False
-    for i in range(low[0], high[0]):
-        for j in range(low[1], high[1]):
-            changed = 0
-            for k in range(low[2], high[2]):
-                each = evidence[i, j, k]
-                now = NOT_FREE * (each > FREE_AT) + OCCUPIED * (each >= OCCUPIED_AT)
-                if now != bits[i, j, k]:
-                    changed |= now ^ bits[i, j, k]
-                    stale[i // reach, j // reach, k // reach] |= now ^ bits[i, j, k]
-                    bits[i, j, k] = now
-            first, beyond = low[2] - reach, high[2] + reach
-            if changed & NOT_FREE:
-                _count_steps(bits[i, j], NOT_FREE, first, beyond, reach, states.to_not_free[i, j])
-            if changed & OCCUPIED:
-                _count_steps(bits[i, j], OCCUPIED, first, beyond, reach, states.to_occupied[i, j])
-            is_any = is_any or changed != 0
-    return is_any
-
-
-@kernel
-def _count_steps(
-    bits: np.ndarray, bit: int, first: int, beyond: int, reach: int, steps: np.ndarray
-) -> None:
-    """Number of cells to the nearest one of a column with a bit, for a part of the column."""
-    first, beyond, most = max(first, 0), min(beyond, len(bits)), reach + 1
-    n = most
-    for k in range(max(first - reach, 0), beyond):
-        n = 0 if bits[k] & bit else min(n + 1, most)
-        if k >= first:
-            steps[k] = n
-    n = most
-    for k in range(min(beyond + reach, len(bits)) - 1, first - 1, -1):
-        n = 0 if bits[k] & bit else min(n + 1, most)
-        if k < beyond:
-            steps[k] = min(steps[k], n)
 
 
 @kernel
@@ -196,22 +116,6 @@ def _renew_cells(
         _cut_at_border(distances.to_not_free, low, high, gauge)
         _count_roomy(distances, low, high, needed, 1)
     _find_route(distances, low, high, gauge, needed, comfortable)
-
-
-@kernel
-def note_freed(
-    evidence: Int[np.ndarray, "nx ny nz"],
-    low: Int[np.ndarray, " 3"],
-    high: Int[np.ndarray, " 3"],
-    was_free: Int[np.ndarray, "nx ny nz"],
-) -> None:
-    """Note which cells from `low` to before `high` are free, and forget those that surely stand."""
-    for i in range(low[0], high[0]):
-        for j in range(low[1], high[1]):
-            for k in range(low[2], high[2]):
-                each = evidence[i, j, k]
-                is_free = was_free[i, j, k] | (each <= FREE_AT)
-                was_free[i, j, k] = is_free & (each < MOST_OCCUPIED)
 
 
 @kernel

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Float, Int
 
+from autonomy.mapping.cell_states import note_changes, note_freed, unseen_states
 from autonomy.mapping.distances import boxes_about, distance_to_cells, slices
 from autonomy.mapping.rays import (
     FREE_AT,
@@ -21,15 +22,7 @@ from autonomy.mapping.rays import (
     Cells,
     integrate,
 )
-from autonomy.mapping.renewal import (
-    gauge_for,
-    note_changes,
-    note_freed,
-    renew,
-    renew_routes,
-    unseen,
-    unseen_states,
-)
+from autonomy.mapping.renewal import gauge_for, renew, renew_routes, unseen
 from autonomy.mapping.seen_map_cfg import SeenMapCfg
 from autonomy.perception.depth_image import DepthImage
 from autonomy.planning.field import DistanceField
@@ -75,7 +68,7 @@ class SeenMap:
         self._gauge = gauge_for(self.evidence.shape, self.cfg.resolution_m, self.cfg.cap_m)
         self._distances = unseen(self.evidence.shape, self.cfg.cap_m)
         # States for which these distances hold, but for blocks of cells that it lists as stale.
-        self._states = unseen_states(self.evidence.shape, self._gauge)
+        self._states = unseen_states(self.evidence.shape, self._gauge.reach)
         self._needed_m = 0.0
         # First cell, and the cell beyond the last, whose evidence may have changed since then.
         self._changed = np.array([shape, np.zeros(3, dtype=np.int64)])

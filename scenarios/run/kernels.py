@@ -47,8 +47,10 @@ PILOT_MODULES = (
 )
 """Modules with kernels that only our own pilot uses."""
 EXPLORING_MODULES = (
+    "autonomy.mapping.cell_states",
     "autonomy.mapping.distances",
     "autonomy.mapping.rays",
+    "autonomy.mapping.renewal",
     "autonomy.mapping.views",
     "autonomy.perception.seen_surfaces",
     "autonomy.perception.surface_match",

@@ -9,6 +9,7 @@ import pytest
 from flightsim.environment.movers import MovingObstacle
 from flightsim.lidars.ring_scanner import N_BEAMS, RingScanner
 from flightsim.plant import Plant, PlantCfg, PlantError
+from flightsim.plant.rays import cast_rays, new_rays
 from flightsim.vehicles import airframe_by_name
 from flightsim.world import build_world
 from scenarios.bench.figure_eight import hold
@@ -141,3 +142,20 @@ def test_whichever_vehicle_is_advanced_all_of_its_world_are():
 def test_plants_are_of_a_world_as_build_world_gives_it():
     with pytest.raises(PlantError, match="world 0: it is the view of vehicle 2"):
         Plant(build_world(empty_scene(), IRIS, IRIS).views[1], PlantCfg(seed=0))
+
+
+def test_rays_meet_a_vehicle_where_it_flies_now():
+    """No engine's step brings its shapes along while both fly freely."""
+    first, second = plants_of(IRIS, IRIS)
+    put(first, (0.0, 0.0, 20.0))
+    put(second, (4.0, 0.0, 20.0))
+    first.data.qvel[7] = 6.0
+    for _ in range(20):
+        first.advance()
+    assert first.n_free_steps == 200
+    here, there = (np.array(plant.truth.position_enu_m) for plant in (first, second))
+    assert there[1] > 2.0
+    share = np.zeros(1)
+    rays = new_rays(first.world, first.data)
+    cast_rays(rays, np.array([[*here, *(there - here)]]), first.world.vehicle_body_id, share)
+    assert 0.9 < share[0] < 1.0

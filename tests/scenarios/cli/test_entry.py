@@ -44,6 +44,29 @@ def test_a_terminal_that_lacks_our_letters_prints_others():
         assert done.stdout.decode("latin-1")
 
 
+@pytest.mark.parametrize(
+    ("command", "given", "threads"),
+    [("fly", None, "1"), ("fly", "3", "3"), ("export", None, "None")],
+)
+def test_commands_that_fly_let_openblas_use_one_thread(command, given, threads):
+    """Its threads wait for each other longer than a flight's small matrices take."""
+    env = {name: value for name, value in os.environ.items() if name != "OPENBLAS_NUM_THREADS"}
+    env |= {} if given is None else {"OPENBLAS_NUM_THREADS": given}
+    ask = f"""
+import os, sys
+from scenarios.cli.entry import aeroscene
+sys.argv = ["aeroscene", "{command}", "--help"]
+try:
+    aeroscene()
+finally:
+    print(os.environ.get("OPENBLAS_NUM_THREADS"))
+"""
+    output = subprocess.run(
+        [sys.executable, "-c", ask], env=env, capture_output=True, text=True, check=True
+    ).stdout
+    assert output.splitlines()[-1] == threads
+
+
 def test_output_that_is_not_read_to_its_end_leaves_no_traceback():
     process = start("-m", "aeroscene", "--help")
     with process:
