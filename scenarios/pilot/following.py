@@ -1,4 +1,8 @@
-"""How well the vehicle follows its course, learned in flight: flight stacks differ in it."""
+"""Learns in flight how closely the vehicle follows its set points, because flight stacks differ.
+
+Fixed tolerances that suit one flight stack keep another one waiting for ever: a real PX4 in wind
+never hovers as still as our own autopilot does.
+"""
 
 from __future__ import annotations
 
@@ -8,20 +12,21 @@ from collections import deque
 from scenarios.pilot.course import AT_PLACE_M, AT_REST_MPS
 
 SETTLING_US = 1_000_000
-"""Time at rest of the course before the vehicle counts as hovering: it still brakes."""
+"""Time at rest of the course until the vehicle counts as hovering, because it still brakes."""
 MOST_AWAY_M, MOST_DRIFT_MPS = 0.5, 0.6
-"""Bounds beyond which no hover counts as one: the distance is as far off as a landing may end."""
+"""Greatest tolerances for a hover. The distance is that by which a landing may miss its point."""
 USUAL_STRAY_M, MOST_STRAY_M = 0.5, 1.0
-"""Distance from the plan that its usual margin allows for, and the most that any is made for."""
+"""Deviation that the usual margin of plans covers, and the greatest one that any margin covers."""
 _PERIOD_US = 100_000
 _LEAST_SAMPLES, _MOST_SAMPLES = 10, 80
-"""A second is enough to tell; of what was longer ago than eight, nothing is kept."""
+"""One second of samples is enough to judge by; samples older than eight seconds are dropped."""
 _SHARE = 0.9
-"""Share of the samples that it keeps within what it is said to keep within."""
+"""Share of the samples that must lie within a learned distance or speed."""
 _HEADROOM = 1.25
-"""Allowance for the rest of them."""
+"""Factor on the learned deviation, for the samples beyond that share."""
 _STEP_M = 0.2
-"""Step in which the margin of plans grows, so that the map is searched anew only now and then."""
+"""Step by which the margin of plans grows. Each new margin costs a search of the map, so steps are
+coarse."""
 
 
 class Following:
