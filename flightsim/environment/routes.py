@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from flightsim.environment.floor import CELL_M, Floor
+from flightsim.environment.floor import CELL_M, Columns, Floor
 
 _SPACING_M = 0.25
 _PULLS = 200
@@ -103,11 +103,11 @@ def _graph(floor: Floor, free: np.ndarray, cells: Int[np.ndarray, "n 2"]) -> obj
 
 
 def distance_to_points(
-    floor: Floor, points_enu_m: Float[np.ndarray, "n 2"]
+    columns: Columns, points_enu_m: Float[np.ndarray, "n 2"]
 ) -> Float[np.ndarray, "nx ny"]:
     """Distance from each column's centre to the nearest of some points."""
-    x, y = floor.columns.centres_enu_m
-    squared = np.full(floor.level_m.shape, np.inf)
+    x, y = columns.centres_enu_m
+    squared = np.full(columns.grid.shape[:2], np.inf)
     for px, py in points_enu_m:
         np.minimum(squared, (x - px) ** 2 + (y - py) ** 2, out=squared)
     return np.sqrt(squared)

@@ -149,11 +149,15 @@ class _Streets:
         starts_enu_m: Sequence[Vector3],
     ) -> None:
         self._scene = scene
-        self._starts = np.array(starts_enu_m)[:, :2]
         self._surface_height = surface_height
         self._columns = Columns.of(scene, solids, _SEEN_HEIGHT_M)
+        self._from_starts_m = distance_to_points(self._columns, np.array(starts_enu_m)[:, :2])
         self._taken: dict[bool, list[tuple[np.ndarray, float]]] = {True: [], False: []}
-        """Path points and half widths of the movers that fly and of those that do not."""
+        """Distances of the columns from each path, and the half width of its mover, of the movers
+        that fly and of those that do not."""
+        # All people are of one height and have one zone, and so have all cars.
+        self._floors: dict[float, Floor] = {}
+        self._zones: dict[tuple[MoverName, bool], Bool[np.ndarray, "nx ny"]] = {}
 
     def place(self, kind: MoverName, generator: np.random.Generator) -> MovingObstacle:
         """Place a mover on a path that no other crosses."""
@@ -162,7 +166,8 @@ class _Streets:
         for is_choosy in (True, False):
             path = self._find(kind, generator, is_choosy=is_choosy)
             if path is not None:
-                self._taken[kind == "drone"].append((path, half_width_m(kind)))
+                away_m = distance_to_points(self._columns, path[:, :2])
+                self._taken[kind == "drone"].append((away_m, half_width_m(kind)))
                 points = tuple((x, y, z) for x, y, z in path.tolist())
                 return MovingObstacle(
                     kind=kind, path_enu_m=points, speed_mps=speed_mps, phase=phase
@@ -206,7 +211,9 @@ class _Streets:
     def _floor(self, kind: MoverName, generator: np.random.Generator) -> Floor:
         height_m = MOVER_KINDS[kind].size_m[2]
         if kind != "drone":
-            return self._columns.floor(height_m)
+            if height_m not in self._floors:
+                self._floors[height_m] = self._columns.floor(height_m)
+            return self._floors[height_m]
         low, high = _FLYING_M[self._scene.domain]
         above_m = float(generator.uniform(low, high))
         return self._columns.layer(self._scene.extent_min_enu_m[2] + above_m, height_m)
@@ -215,11 +222,12 @@ class _Streets:
         half_m = half_width_m(kind)
         free = floor.clearance_m >= half_m + _SIDE_MARGIN_M
         if kind != "drone":
-            free &= self._zone(kind, is_choosy=is_choosy)
-        free &= distance_to_points(floor, self._starts) > _START_KEPT_FREE_M + half_m
-        for path, other_half_m in self._taken[kind == "drone"]:
-            apart_m = half_m + other_half_m + _BETWEEN_MOVERS_M
-            free &= distance_to_points(floor, path[:, :2]) > apart_m
+            if (kind, is_choosy) not in self._zones:
+                self._zones[kind, is_choosy] = self._zone(kind, is_choosy=is_choosy)
+            free &= self._zones[kind, is_choosy]
+        free &= self._from_starts_m > _START_KEPT_FREE_M + half_m
+        for away_m, other_half_m in self._taken[kind == "drone"]:
+            free &= away_m > half_m + other_half_m + _BETWEEN_MOVERS_M
         return free
 
     def _zone(self, kind: MoverName, *, is_choosy: bool) -> Bool[np.ndarray, "nx ny"]:
