@@ -29,16 +29,15 @@ _AGAINST_WIND = {
     "MPC_XY_VEL_I_ACC": 2.0,
     "MPC_XY_VEL_D_ACC": 0.5,
     "MPC_TILTMAX_LND": 30.0,
-    "MPC_TKO_RAMP_T": 1.0,
     "MPC_LAND_CRWL": 0.5,
     "LNDMC_Z_VEL_MAX": 0.4,
 }
 """Wind of 6 m/s pushes an Iris by 2.6 m/s2. By PX4's own gains it gives way 1.3 m and needs ten
 seconds to come back; by these a third of a metre. The 12 degrees to which PX4 limits the tilt until
-it has taken off hold 2.1 m/s2, so that it would slide over the ground and drift off, and the thrust
-would take 3 s to rise. On the ground it leans against the wind on two legs. It drops onto all four
-at 0.25 m/s as soon as PX4 has noticed the contact and takes the thrust away, which must not pass
-for flight. PX4 bounds that speed by the one of the last metre down."""
+it has taken off hold 2.1 m/s2, so that it would slide over the ground and drift off. On the ground
+it leans against the wind on two legs. It drops onto all four at 0.25 m/s as soon as PX4 has noticed
+the contact and takes the thrust away, which must not pass for flight. PX4 bounds that speed by the
+one of the last metre down."""
 _PARAMETERS = "px4-rc.params"
 """Name under which PX4's startup script looks for parameters of one's own."""
 
