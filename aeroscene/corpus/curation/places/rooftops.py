@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import sin
 
@@ -41,6 +41,24 @@ def add_pitched_roof(builder: Builder, draw: Draw, building: Placed) -> Placed |
     look = {"form": draw.one_of(("gable", "hip")), "tiles": draw.one_of(("roof_red", "roof_slate"))}
     spot = building.frame.moved(0, 0, 0.0 if x >= y else QUARTER)
     return builder.place("roof", spot, size, parent=building, look=look)
+
+
+def add_row_roof(builder: Builder, draw: Draw, row: Sequence[Placed]) -> Placed | None:
+    """One gable roof over houses of equal height that stand wall to wall.
+
+    Its ridge runs along the row. It ends flush with the outer walls, because a neighbour may stand
+    at either end and the pavement begins at the front.
+    """
+    first, last = row[0], row[-1]
+    deep, length, _ = first.size
+    # The row runs along the houses' y axis, from `first` to `last`.
+    _, along = first.frame.local(last.frame.x, last.frame.y)
+    run = abs(along) + (length + last.size[1]) / 2
+    middle = along / 2 + (last.size[1] - length) / 4 * (1 if along >= 0 else -1)
+    size = (round(run, 2), deep, round(0.3 * deep, 2))
+    look = {"form": "gable", "tiles": draw.one_of(("roof_red", "roof_slate"))}
+    spot = first.frame.moved(0.0, middle, QUARTER)
+    return builder.place("roof", spot, size, parent=first, look=look)
 
 
 def add_monopitch_roof(builder: Builder, building: Placed) -> Placed | None:
