@@ -35,6 +35,8 @@ _GATE_M = 3.4
 """Width of the passage into the court: a van fits."""
 _COURT_M = 6.6
 """Least side of a court."""
+_YARD_M = 2.4
+"""Least depth of the yard behind the row: bins and bicycles stand there."""
 _GATED_M = 8.5
 """Least depth of a court that has a gate; a shallower yard is reached through the houses."""
 _LEAST_WING_M = 6.2
@@ -91,7 +93,7 @@ class ClosedBlock:
         """
         ground, draw = self.ground, self.ground.draw
         half, depth = ground.parcel.width / 2, ground.parcel.depth
-        deep = min(draw.between(*_DEEP_M), round(depth - 0.5, 2))
+        deep = min(draw.between(*_DEEP_M), round(depth - _YARD_M, 2))
         if deep < _LEAST_WING_M:
             return 0.0
         spans = [(-half, half)]
