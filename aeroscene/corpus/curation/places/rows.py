@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import floor
 
 from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.frame import STREETWARD
@@ -29,17 +30,20 @@ class Fronts:
     forms: Sequence[str] = ("plain",)
 
 
-def cut_fronts(ground: Ground, length_m: float, fronts: Fronts) -> list[float]:
+def cut_fronts(ground: Ground, length_m: float, fronts: Fronts, *, is_even: bool) -> list[float]:
     """Widths of the fronts that fill a length, in whole centimetres.
 
     Returns:
-        Widths, m, that add up to `length_m`. A length below `least_m` gives no front.
+        Widths, m, that add up to `length_m`, or to a little less where all are equal. A length
+        below `least_m` gives no front.
     """
     draw = ground.draw
     most = int(length_m / fronts.least_m)
     if most < 1:
         return []
     count = min(most, max(1, round(length_m / fronts.width_m)))
+    if is_even:
+        return [floor(100 * length_m / count) / 100] * count
     # A share of 1 is the narrowest front; what is left over goes to the fronts unevenly.
     spare = length_m - count * fronts.least_m
     shares = [draw.between(0.2, 1.0) for _ in range(count)]
@@ -65,14 +69,14 @@ def raise_row(
         v: Where the fronts stand, m from the street.
         deep: Depth of the buildings, m.
         fronts: How the buildings look.
-        is_even: Whether all have the same height and depth, as houses that were built together.
+        is_even: Whether all have the same width and height, as houses that were built together.
 
     Returns:
         Buildings that found space, in the order of u.
     """
     draw, at, row = ground.draw, span[0], []
     storeys = draw.count(*fronts.storeys)
-    for width in cut_fronts(ground, round(span[1] - span[0], 2), fronts):
+    for width in cut_fronts(ground, round(span[1] - span[0], 2), fronts, is_even=is_even):
         if not is_even:
             storeys = draw.count(*fronts.storeys)
         look = {

@@ -1,4 +1,4 @@
-"""A sports ground: a fenced court, a stand, changing rooms, lamps at the corners."""
+"""A sports ground: a fenced court, seats beside it, changing rooms, lamps at the corners."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from math import pi
 
 from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.frame import INWARD, QUARTER, STREETWARD
-from aeroscene.corpus.curation.places.bearing import OpenGround
+from aeroscene.corpus.curation.places.bearing import OpenGround, on_top
 from aeroscene.corpus.curation.places.filling import fill_up
 from aeroscene.corpus.curation.places.ground import Ground
 from aeroscene.corpus.curation.places.roadside import park, rack_bicycles
@@ -21,8 +21,8 @@ _COURT_M = 0.05
 _FRONT_M = 6.5
 """Depth of the strip along the street: changing rooms, bicycles, benches."""
 _LODGE_M = (5.2, 9.0, 3.6)
-_STAND_M = (2.4, 6.0, 1.5)
-"""Depth, length and height of a stand."""
+_STAND_M = (2.4, 6.0, 0.45)
+"""Depth, length and height of a spectators' platform."""
 
 
 @dataclass(slots=True)
@@ -35,11 +35,11 @@ class SportsGround:
     _stands: tuple[Placed, ...] = ()
 
     def structures(self) -> Iterator[None]:
-        """Court and changing rooms; then stands, the fence round the court, a path."""
+        """Court and changing rooms; then platforms for spectators, the fence round the court."""
         ground, draw = self.ground, self.ground.draw
         ground.cover("lawn", {"form": "plain"})
         width, depth = ground.parcel.width, ground.parcel.depth
-        long, wide = round(width - 6.4, 2), round(depth - _FRONT_M - 2.0, 2)
+        long, wide = round(width - 7.6, 2), round(depth - _FRONT_M - 2.0, 2)
         if min(long, wide) >= 5.0:
             size = (min(long, 32.0), min(wide, 18.0), _COURT_M)
             look = {"form": "border", "paving": "red_paving"}
@@ -61,15 +61,16 @@ class SportsGround:
         yield from self._fence()
 
     def _raise_stand(self, side: int) -> None:
-        """Steps beside the court, low towards it."""
+        """A platform for spectators beside the court."""
         ground, court = self.ground, self._court
         if court is None:
             return
         deep, length, high = _STAND_M
         u = side * (court.size[0] / 2 + deep / 2 + 0.3)
-        spot = court.frame.moved(u, 0.0, 0.0 if side > 0 else pi)
+        # Platforms are longest along y, and so is this one, whose back is to the hedge.
+        spot = court.frame.moved(u, 0.0, pi if side > 0 else 0.0)
         size = (deep, min(length, round(court.size[1] - 1.0, 2)), high)
-        stand = OpenGround(ground).stand("stairs", spot, size, margin=0.0, look={"form": "solid"})
+        stand = OpenGround(ground).stand("deck", spot, size, margin=0.0, look={"form": "platform"})
         self._stands += (stand,) if stand else ()
 
     def _fence(self) -> Iterator[None]:
@@ -90,7 +91,18 @@ class SportsGround:
         roof = iter(())
         if self._roof:
             roof = furnish_flat_roof(ground.builder, draw, self._roof)
-        yield from in_turn(self._light(), self._arrive(), roof, self._plant())
+        yield from in_turn(self._light(), self._arrive(), self._seat(), roof, self._plant())
+
+    def _seat(self) -> Iterator[None]:
+        """Benches in two ranks on each platform, looking at the court."""
+        for stand in self._stands:
+            platform = on_top(self.ground, stand)
+            count = max(1, int(stand.size[1] / 2.2))
+            for index in range(count):
+                at = (index - (count - 1) / 2) * 2.2
+                for back in (-0.7, 0.4):
+                    platform.stand("bench", stand.frame.moved(back, at), (0.5, 1.8, 0.85))
+                yield
 
     def _light(self) -> Iterator[None]:
         """Floodlights at the corners; benches for both teams."""
