@@ -241,13 +241,6 @@ CHECKS: tuple[PlaceCheck, ...] = (
         goal=0.1,
         judge=precision.narrow_gaps,
     ),
-    PlaceCheck(
-        key="stray_cutlery",
-        title="cutlery away from its plate",
-        unit="%",
-        goal=1.0,
-        judge=precision.stray_cutlery,
-    ),
 )
 """In the order in which they are printed."""
 

@@ -19,8 +19,6 @@ _ROUNDED_M = 2e-4
 _TOUCH_M = 1.5e-3
 NARROW_M = 0.005
 """Gaps of fine objects that are narrower than this look like an accident."""
-TO_PLATE_M = 0.35
-"""Farthest that the middle of cutlery lies from the middle of its plate."""
 
 
 def whole_centimetres(view: TopView) -> Bool[np.ndarray, " objects"]:
@@ -48,11 +46,3 @@ def narrow_gaps(view: TopView) -> Bool[np.ndarray, " objects"]:
     is_narrow = np.zeros(len(rows), dtype=bool)
     is_narrow[first[apart_m > _TOUCH_M]] = True
     return is_narrow
-
-
-def stray_cutlery(view: TopView) -> Bool[np.ndarray, " cutlery"]:
-    """Whether each piece of cutlery is farther than `TO_PLATE_M` from its table's plates."""
-    cutlery, plates = view.rows({"cutlery"}), view.rows({"plate"})
-    apart_m = np.linalg.norm(view.centre_m[cutlery, None] - view.centre_m[None, plates], axis=-1)
-    is_beside = view.arrays.parent[cutlery, None] == view.arrays.parent[None, plates]
-    return np.logical_not(np.any(is_beside & (apart_m <= TO_PLATE_M), axis=1))

@@ -16,6 +16,7 @@ from aeroscene.corpus.curation.places.filling import fill_up
 from aeroscene.corpus.curation.places.ground import Ground
 from aeroscene.corpus.curation.places.roadside import park, rack_bicycles
 from aeroscene.corpus.curation.places.rooftops import (
+    TILES,
     add_chimney,
     add_flat_roof,
     add_row_roof,
@@ -141,7 +142,7 @@ class ClosedBlock:
         """A gable roof, or a flat one with a parapet."""
         ground, draw = self.ground, self.ground.draw
         if draw.chance(0.45):
-            roof = add_row_roof(ground.builder, draw, [mass])
+            roof = add_row_roof(ground.builder, mass, draw.one_of(TILES))
             self._pitched += [roof] if roof else []
             return
         roof = add_flat_roof(ground.builder, mass)

@@ -9,7 +9,7 @@ from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.frame import INWARD, QUARTER, STREETWARD
 from aeroscene.corpus.curation.places.bearing import OpenGround, on_top
 from aeroscene.corpus.curation.places.ground import Ground
-from aeroscene.corpus.curation.places.rooftops import add_chimney, add_row_roof
+from aeroscene.corpus.curation.places.rooftops import TILES, add_chimney, add_row_roof
 from aeroscene.corpus.curation.places.rows import Fronts, raise_row
 from aeroscene.corpus.curation.places.seating import dine
 from aeroscene.corpus.curation.places.turns import in_turn
@@ -29,14 +29,14 @@ class RowHouses:
 
     ground: Ground
     _houses: list[Placed] = field(default_factory=list)
-    _roof: Placed | None = None
+    _roofs: list[Placed] = field(default_factory=list)
     _terraces: list[Placed] = field(default_factory=list)
     _setback: float = 0.0
     _back: float = 0.0
     """Where the houses end and the back gardens begin, v."""
 
     def structures(self) -> Iterator[None]:
-        """The row under one roof; then a hedge in front, fences between gardens, sheds."""
+        """The row with its roofs; then a hedge in front, fences between gardens, sheds."""
         ground, draw = self.ground, self.ground.draw
         ground.cover("lawn", {"form": "plain"})
         width, depth = ground.parcel.width, ground.parcel.depth
@@ -46,9 +46,12 @@ class RowHouses:
         if depth >= deep + 1.0:
             span = (-width / 2 + 0.6, width / 2 - 0.6)
             self._houses = raise_row(ground, span, self._setback, deep, _FRONTS, is_even=True)
-        if self._houses:
-            self._roof = add_row_roof(ground.builder, draw, self._houses)
         yield
+        tiles = draw.one_of(TILES)
+        for house in self._houses:
+            roof = add_row_roof(ground.builder, house, tiles)
+            self._roofs += [roof] if roof else []
+            yield
         for house in self._houses[: -1 if len(self._houses) > 2 else None]:
             self._part_gardens(house)
             yield
@@ -99,10 +102,9 @@ class RowHouses:
         )
 
     def _chimneys(self) -> Iterator[None]:
-        for _ in self._houses[::2]:
-            if self._roof:
-                add_chimney(self.ground.builder, self.ground.draw, self._roof)
-                yield
+        for roof in self._roofs:
+            add_chimney(self.ground.builder, self.ground.draw, roof)
+            yield
 
     def _front(self) -> Iterator[None]:
         """At each door bins, a bush, now and then a bicycle or a small tree."""

@@ -13,6 +13,7 @@ from aeroscene.corpus.curation.places.goods import boxes_on, crate_stack, paint,
 from aeroscene.corpus.curation.places.ground import Ground
 from aeroscene.corpus.curation.places.roadside import park, rack_bicycles
 from aeroscene.corpus.curation.places.rooftops import (
+    TILES,
     add_flat_roof,
     add_row_roof,
     furnish_flat_roof,
@@ -59,7 +60,7 @@ class Shops:
             yield
         for shop in self._shops:
             if draw.chance(0.35):
-                add_row_roof(ground.builder, draw, [shop])
+                add_row_roof(ground.builder, shop, draw.one_of(TILES))
             else:
                 roof = add_flat_roof(ground.builder, shop)
                 self._flat += [roof] if roof else []

@@ -13,7 +13,12 @@ from aeroscene.corpus.curation.places.filling import fill_up
 from aeroscene.corpus.curation.places.goods import paint
 from aeroscene.corpus.curation.places.ground import Ground
 from aeroscene.corpus.curation.places.roadside import rack_bicycles
-from aeroscene.corpus.curation.places.rooftops import add_flat_roof, add_row_roof, furnish_flat_roof
+from aeroscene.corpus.curation.places.rooftops import (
+    TILES,
+    add_flat_roof,
+    add_row_roof,
+    furnish_flat_roof,
+)
 from aeroscene.corpus.curation.places.seating import dine
 from aeroscene.corpus.curation.places.turns import in_turn
 from aeroscene.solids.shapes.materials import WALL_COLOURS
@@ -46,7 +51,7 @@ class Square:
         self._raise_hall(side)
         yield
         if self._hall and draw.chance(0.6):
-            add_row_roof(ground.builder, draw, [self._hall])
+            add_row_roof(ground.builder, self._hall, draw.one_of(TILES))
         elif self._hall:
             self._roof = add_flat_roof(ground.builder, self._hall)
         yield

@@ -1,11 +1,10 @@
 import pytest
 
-from aeroscene.metrics.places.precision import narrow_gaps, stray_cutlery, whole_centimetres
+from aeroscene.metrics.places.precision import narrow_gaps, whole_centimetres
 from aeroscene.metrics.places.top_view import TopView
 from tests.aeroscene.metrics.scenes import box, scene_of
 
 ROOM = ("room", box((0, 0, 1.5), (9, 9, 3)))
-TABLE = ("table", box((0, 0, 0.37), (0.9, 1.6, 0.74)))
 
 
 def chair(x, width_m=0.5, z=0.45):
@@ -39,19 +38,3 @@ def test_things_of_different_parents_are_not_compared():
     other = ("room", box((0, 0, 4.5), (9, 9, 3)))
     elsewhere = ("chair", box((0.503, 0, 0.45), (0.5, 0.5, 0.9)), 1)
     assert not narrow_gaps(TopView(scene_of(ROOM, other, chair(0), elsewhere))).any()
-
-
-def laid(along_m, parent=0):
-    plate = ("plate", box((0.2, 0.0, 0.76), (0.26, 0.26, 0.03)), 0)
-    cutlery = ("cutlery", box((0.2, along_m, 0.75), (0.2, 0.05, 0.01)), parent)
-    second = ("table", box((3, 0, 0.37), (0.9, 1.6, 0.74)))
-    return stray_cutlery(TopView(scene_of(TABLE, second, plate, cutlery))).tolist()
-
-
-@pytest.mark.parametrize(("along_m", "is_stray"), [(0.2, False), (0.34, False), (0.5, True)])
-def test_cutlery_belongs_to_a_plate_within_35_cm(along_m, is_stray):
-    assert laid(along_m) == [is_stray]
-
-
-def test_a_plate_on_another_table_does_not_count():
-    assert laid(0.2, parent=1) == [True]
