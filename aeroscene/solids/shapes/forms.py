@@ -20,7 +20,7 @@ FORMS: Mapping[str, tuple[str, ...]] = {
     "canopy": ("flat", "pitched", "solar"),
     "bridge": ("beam", "stairs", "truss"),
     "deck": ("platform", "posts", "edged"),
-    "water": ("basin", "open", "planted"),
+    "water": ("basin", "open", "planted", "pond"),
     "roof": ("flat", "gable", "hip", "shed"),
     "road": ("dashed", "edged", "arrows"),
     "sidewalk": ("slabs", "tactile", "banded"),

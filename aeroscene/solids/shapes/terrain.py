@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import cos, pi, radians, tan
+from math import cos, pi, radians, sin, tan
 
 from aeroscene.scene import Vector3
 from aeroscene.solids.shapes.forms import FORMS
@@ -19,6 +19,8 @@ _MOUND_SIDE_RAD = radians(19.0)
 _MOUND_SLOPE_SHARE = 0.8
 """Share of the way to the middle that the sides may take."""
 _MOUND_CORNERS = 12
+_SHEET_M = 0.03
+"""How far a pond's water stands above its bed of grass."""
 _POND_M = 15.0
 """Wider water has banks of its own, and no rim unless told so."""
 
@@ -68,11 +70,32 @@ def _mound(look: Look, finish: str) -> Part:
     return cone((x, y), (top_x, top_y), (0.0, height), finish, sides=_MOUND_CORNERS)
 
 
+def _pond(look: Look) -> list[Part]:
+    """Water with a shore that wanders, on a bed of grass that fills the box.
+
+    The shore is a convex polygon of sixteen corners whose radii differ a little, so that no two
+    ponds are alike; the variant decides how.
+    """
+    x, y, z = look.size_m
+    level = 0.5 * z
+    parts = [block(x, y, (0, level - _SHEET_M), "grass")]
+    shore: list[Vector3] = []
+    for corner in range(16):
+        angle = 2 * pi * corner / 16
+        # One slow wave keeps the outline convex, which colliders need.
+        reach = 0.46 + 0.04 * sin(2 * angle + look.variant)
+        at = (reach * x * cos(angle), reach * y * sin(angle))
+        shore += [(*at, level - _SHEET_M), (*at, level)]
+    return [*parts, hull(shore, "water")]
+
+
 def water(look: Look) -> list[Part]:
-    """A basin with a rim, bare or with water lilies; `open` is a sheet without a rim."""
+    """A basin with a rim, bare or with water lilies; `open` is a sheet, `pond` a natural one."""
     x, y, z = look.size_m
     is_pond = max(x, y) <= _POND_M
     form = look.choice("form", FORMS["water"], ("basin", "planted") if is_pond else ("open",))
+    if form == "pond":
+        return _pond(look)
     if form == "open":
         return [block(x, y, (0, z), "water")]
     rim = min(0.35, 0.12 * min(x, y))

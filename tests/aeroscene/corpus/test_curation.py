@@ -11,9 +11,9 @@ import pytest
 from aeroscene.corpus.curation.builder import Builder
 from aeroscene.corpus.curation.composers import compose_mixed, compose_outdoor
 from aeroscene.corpus.curation.frame import Frame
-from aeroscene.corpus.curation.sites import PLANS, lay_out_site
+from aeroscene.corpus.curation.sites import PLANS, Scale, lay_out_site
 from aeroscene.scene import Scene, SceneObject
-from aeroscene.scene.catalogue import by_name
+from aeroscene.scene.catalogue import VEHICLES, by_name
 from aeroscene.scene.geometry import penetration_depth
 from aeroscene.scene.io import scene_to_json
 from aeroscene.scene.overlap import iou
@@ -103,7 +103,8 @@ def test_vehicles_on_roads_drive_along_them_on_the_right(scenes):
     for scene in scenes:
         for obj in scene.objects:
             road = scene.object_by_id.get(obj.parent_id)
-            if road is None or road.category != "road":
+            is_vehicle = obj.category in VEHICLES
+            if road is None or road.category != "road" or not is_vehicle:
                 continue
             turn = math.remainder(obj.bbox.yaw_rad - road.bbox.yaw_rad, 2 * math.pi)
             assert min(abs(turn), math.pi - abs(turn)) < 1e-3, obj
@@ -170,7 +171,7 @@ def test_every_theme_finds_ground_for_what_it_cannot_do_without(compose):
 def test_a_plan_leaves_parcels_that_keep_to_themselves(plan):
     for seed in range(4):
         builder = Builder("s")
-        site = lay_out_site(builder, np.random.default_rng(seed), plan)
+        site = lay_out_site(builder, np.random.default_rng(seed), plan, Scale())
         east, north = site.half_extent
         assert 2 * max(east, north) <= 95.01
         assert len(site.parcels) >= 2

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 
 import numpy as np
@@ -12,9 +12,14 @@ from aeroscene.corpus.curation.builder import Builder
 from aeroscene.corpus.curation.composition import Composition, Place
 from aeroscene.corpus.curation.draw import Draw
 from aeroscene.corpus.curation.parcels import Parcel
+from aeroscene.corpus.curation.places.allotments import Allotments
 from aeroscene.corpus.curation.places.bordered import Bordered, outer_sides
+from aeroscene.corpus.curation.places.clinic import Clinic
+from aeroscene.corpus.curation.places.closed_block import ClosedBlock
 from aeroscene.corpus.curation.places.construction import Construction
 from aeroscene.corpus.curation.places.depot import Depot
+from aeroscene.corpus.curation.places.farm import Farm
+from aeroscene.corpus.curation.places.filling_station import FillingStation
 from aeroscene.corpus.curation.places.flats import Flats
 from aeroscene.corpus.curation.places.ground import Ground
 from aeroscene.corpus.curation.places.houses import Houses
@@ -22,13 +27,18 @@ from aeroscene.corpus.curation.places.market import Market
 from aeroscene.corpus.curation.places.offices import Offices
 from aeroscene.corpus.curation.places.park import Park
 from aeroscene.corpus.curation.places.parking import Parking
+from aeroscene.corpus.curation.places.retail import Retail
+from aeroscene.corpus.curation.places.row_houses import RowHouses
 from aeroscene.corpus.curation.places.school import School
+from aeroscene.corpus.curation.places.shops import Shops
+from aeroscene.corpus.curation.places.sports_ground import SportsGround
+from aeroscene.corpus.curation.places.square import Square
 from aeroscene.corpus.curation.places.station import Station
 from aeroscene.corpus.curation.places.terraces import Terraces
 from aeroscene.corpus.curation.places.waterfront import Waterfront
 from aeroscene.corpus.curation.places.yard import Yard
 from aeroscene.corpus.curation.site import Site
-from aeroscene.corpus.curation.sites import lay_out_site
+from aeroscene.corpus.curation.sites import Scale, lay_out_site
 from aeroscene.corpus.curation.start import place_start
 from aeroscene.corpus.curation.streets import Streets
 from aeroscene.corpus.curation.terrain import Slope, raise_terrace
@@ -64,6 +74,17 @@ KINDS: Mapping[str, Kind] = {
     "houses": Kind(Houses, 16, 15, border=("boards", 1.5)),
     "furnished_house": Kind(partial(Houses, is_furnished=True), 18, 15, border=("boards", 1.5)),
     "flats": Kind(Flats, 14, 14, border=("hedge", 1.2)),
+    "closed_block": Kind(ClosedBlock, 11, 8, is_lifted=False),
+    "row_houses": Kind(RowHouses, 14, 13, border=("boards", 1.5)),
+    "shops": Kind(Shops, 14, 12, is_lifted=False),
+    "square": Kind(Square, 16, 18, is_lifted=False),
+    "clinic": Kind(Clinic, 22, 18, is_lifted=False),
+    "retail": Kind(Retail, 18, 22, is_lifted=False, border=("hedge", 1.1)),
+    "filling_station": Kind(FillingStation, 18, 18, is_lifted=False, border=("hedge", 1.1)),
+    "sports_ground": Kind(SportsGround, 20, 17, border=("mesh", 2.0)),
+    "allotments": Kind(Allotments, 14, 13, border=("hedge", 1.2)),
+    "farm": Kind(Farm, 24, 22, border=("rails", 1.2)),
+    "marina": Kind(partial(Waterfront, is_marina=True), 18, 20, is_lifted=False),
     "park": Kind(Park, 12, 12, border=("hedge", 1.3)),
     "market": Kind(Market, 12, 12, border=("rails", 1.1)),
     "school": Kind(School, 20, 20, border=("rails", 1.4)),
@@ -80,7 +101,7 @@ KINDS: Mapping[str, Kind] = {
 }
 """Kinds of places under the names that themes use."""
 
-OPEN = ("park", "market", "parking")
+OPEN = ("park", "market", "parking", "square")
 """Places where a flight can start under open sky."""
 _ANYWHERE = "park"
 """What a parcel becomes that is too small for everything else."""
@@ -102,6 +123,8 @@ class Theme:
     """How many fine objects it has, relative to the average scene."""
     terrace_chance: float = 0.1
     """How often a parcel is lifted above the street."""
+    scale: Scale = field(default_factory=Scale)
+    """How large its sites and how wide its streets are."""
 
 
 def compose_theme(
@@ -135,9 +158,9 @@ def _lay_fitting_site(builder: Builder, rng: np.random.Generator, theme: Theme) 
     """
     for _ in range(_TRIES):
         plan, seed = draw_one(rng, theme.plans), int(rng.integers(1 << 62))
-        draft = lay_out_site(Builder("draft"), np.random.default_rng(seed), plan)
+        draft = lay_out_site(Builder("draft"), np.random.default_rng(seed), plan, theme.scale)
         if all(any(_suits(row, parcel) for parcel in draft.parcels) for row in theme.always):
-            return lay_out_site(builder, np.random.default_rng(seed), plan)
+            return lay_out_site(builder, np.random.default_rng(seed), plan, theme.scale)
     raise NoGroundError(
         f"{builder.scene_id}: no site in {_TRIES} has ground for {list(theme.always)}; "
         f"valid: a theme whose plans {list(theme.plans)} leave parcels large enough"

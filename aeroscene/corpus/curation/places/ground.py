@@ -90,13 +90,14 @@ class Ground:
         size: Vector3,
         *,
         turn: float = STREETWARD,
+        margin: float = _MARGIN_M,
         look: Attributes | None = None,
     ) -> Placed | None:
         """Put up a structure, if there is space: a root of its own, or a part of its hill."""
         bearer, base = self.surface, self.height_under(v, size, turn)
         spot, parent = self.parcel.frame.moved(u, v, turn), bearer if self.parcel.rise else None
         return self.builder.place(
-            name, spot, size, base=base, parent=parent, within=bearer, margin=_MARGIN_M, look=look
+            name, spot, size, base=base, parent=parent, within=bearer, margin=margin, look=look
         )
 
     def scatter(

@@ -44,8 +44,9 @@ class Park:
         self._pave(path_u, depth / 2, depth, QUARTER)
         pond, stage = self._sides
         size = (draw.between(0.28, 0.4) * depth, draw.between(0.5, 0.7) * half, 0.25)
-        size = (round(max(3.0, size[0]), 2), round(max(3.0, size[1]), 2), 0.25)
-        self._pond = self._on_lawn("water", path_u + pond * 0.55 * half, 0.66 * depth, size)
+        size = (round(max(3.0, size[0]), 2), round(max(3.0, size[1]), 2), 0.1)
+        look = {"form": "pond"}
+        self._pond = self._on_lawn("water", path_u + pond * 0.55 * half, 0.66 * depth, size, look)
         yield
         self._raise_stage(path_u + stage * 0.55 * half, 0.7 * depth, stage)
         yield

@@ -23,6 +23,8 @@ MONOPITCH_SLOPE = 0.12
 """Rise over run of a monopitch roof, 6.8 degrees: gentle enough to land on."""
 _SOLAR_M = (1.5, 3.0, 0.75)
 _DECK_M = 0.15
+TILES = ("roof_red", "roof_slate")
+"""What pitched roofs are covered with."""
 
 
 def add_flat_roof(builder: Builder, building: Placed, *, parapet: bool = True) -> Placed | None:
@@ -38,8 +40,21 @@ def add_pitched_roof(builder: Builder, draw: Draw, building: Placed) -> Placed |
     x, y, _ = building.size
     run, span = max(x, y), min(x, y)
     size = (run + 2 * _OVERHANG_M, span + 2 * _OVERHANG_M, round(0.32 * span, 2))
-    look = {"form": draw.one_of(("gable", "hip")), "tiles": draw.one_of(("roof_red", "roof_slate"))}
+    look = {"form": draw.one_of(("gable", "hip")), "tiles": draw.one_of(TILES)}
     spot = building.frame.moved(0, 0, 0.0 if x >= y else QUARTER)
+    return builder.place("roof", spot, size, parent=building, look=look)
+
+
+def add_row_roof(builder: Builder, building: Placed, tiles: str) -> Placed | None:
+    """A gable roof for a building in a row; its ridge runs along the row.
+
+    It ends flush with all four walls, because a neighbour may stand at either side and the
+    pavement begins at the front.
+    """
+    deep, length, _ = building.size
+    size = (length, deep, round(0.3 * deep, 2))
+    look = {"form": "gable", "tiles": tiles}
+    spot = building.frame.moved(0.0, 0.0, QUARTER)
     return builder.place("roof", spot, size, parent=building, look=look)
 
 

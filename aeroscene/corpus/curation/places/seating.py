@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from math import pi
 
 from aeroscene.corpus.curation.builder import Builder, Placed
@@ -17,27 +17,37 @@ _SEAT_M = 0.72
 _GAP_M = 0.06
 
 
+_Seat = tuple[int, float]
+"""Side of a table (1 or -1) and place along it, m."""
+
+
 def set_table(
     bearing: Bearing, frame: Frame, u: float, v: float, *, turn: float = 0.0, chairs: int = 4
-) -> Placed | None:
-    """A table with chairs along its two long sides, each facing it."""
+) -> tuple[Placed, list[_Seat]] | None:
+    """A table with chairs along its two long sides, each facing it.
+
+    Returns:
+        The table and the seats whose chairs found space, or None where the table did not.
+    """
     size = (0.9, bearing.draw.between(1.2, 1.8), 0.74)
     wood, form = bearing.draw.one_of(WOODS), bearing.draw.one_of(("legs", "trestle"))
     spot = frame.moved(u, v, turn)
     table = bearing.stand("table", spot, size, margin=0.1, look={"wood": wood, "form": form})
     if table is None:
         return None
+    seats: list[_Seat] = []
     for side, along in _seats(size, chairs):
         seat = (0.5, 0.5, 0.9)
         reach = side * (size[0] / 2 + seat[0] / 2 + _GAP_M)
         facing = pi if side > 0 else 0.0
         spot = table.frame.moved(reach, along, facing)
-        bearing.stand("chair", spot, seat, look={"wood": wood, "form": "legs"})
-    return table
+        if bearing.stand("chair", spot, seat, look={"wood": wood, "form": "legs"}):
+            seats.append((side, along))
+    return table, seats
 
 
-def _seats(size: Vector3, count: int) -> list[tuple[int, float]]:
-    """Side (1 or -1) and place along the table of some seats."""
+def _seats(size: Vector3, count: int) -> list[_Seat]:
+    """Some seats of a table, alternately on one side and the other."""
     per_side = max(1, min((count + 1) // 2, int(size[1] / _SEAT_M)))
     spots = [
         (side, (index - (per_side - 1) / 2) * size[1] / per_side)
@@ -47,10 +57,10 @@ def _seats(size: Vector3, count: int) -> list[tuple[int, float]]:
     return spots[:count]
 
 
-def lay_table(builder: Builder, draw: Draw, table: Placed, covers: int) -> None:
-    """Plate, cutlery and perhaps a cup for each of some seats."""
+def lay_table(builder: Builder, draw: Draw, table: Placed, seats: Sequence[_Seat]) -> None:
+    """Plate, cutlery and perhaps a cup before each of some seats."""
     reach = table.size[0] / 2
-    for side, along in _seats(table.size, covers):
+    for side, along in seats:
         items: list[tuple[str, float, float]] = [
             ("plate", reach - 0.2, 0.0),
             ("cutlery", reach - 0.2, side * 0.2),
@@ -73,14 +83,14 @@ def dine(
     bearing: Bearing, frame: Frame, spots: list[tuple[float, float]], turn: float, chairs: int = 4
 ) -> Iterator[None]:
     """Tables at some places of a frame; afterwards they are laid, one by one."""
-    tables: list[Placed] = []
+    tables: list[tuple[Placed, list[_Seat]]] = []
     for u, v in spots:
-        table = set_table(bearing, frame, u, v, turn=turn, chairs=chairs)
-        if table:
-            tables.append(table)
+        found = set_table(bearing, frame, u, v, turn=turn, chairs=chairs)
+        if found:
+            tables.append(found)
             yield
-    for table in tables:
-        lay_table(bearing.builder, bearing.draw, table, min(chairs, bearing.draw.count(1, 2)))
+    for table, seats in tables:
+        lay_table(bearing.builder, bearing.draw, table, seats[: bearing.draw.count(1, 2)])
         yield
 
 

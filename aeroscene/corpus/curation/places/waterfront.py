@@ -28,15 +28,19 @@ _WATER_M = 0.1
 _DRAUGHT_M = 0.03
 """Height of a keel above the bed: hulls lie in the water, not on it."""
 _JETTY_M = 3.0
+_JETTY_PITCH_M = 15.0
+_MARINA_PITCH_M = 9.0
+"""Quay for each jetty: a marina's berths lie as close as hulls allow."""
 _BERTH_M = 0.35
 """Gap between a hull and what it is moored to."""
 
 
 @dataclass(slots=True)
 class Waterfront:
-    """Quay in front, water behind it."""
+    """Quay in front, water behind it; as a marina with a jetty for every few boats."""
 
     ground: Ground
+    is_marina: bool = False
     _edge: float = 0.0
     """Where the quay ends and the water begins, v."""
     _water: Placed | None = None
@@ -51,7 +55,8 @@ class Waterfront:
         half = ground.parcel.width / 2
         self._lay_quay()
         yield
-        count = max(1, min(4, int(2 * half / 15.0)))
+        pitch, most = (_MARINA_PITCH_M, 7) if self.is_marina else (_JETTY_PITCH_M, 4)
+        count = max(1, min(most, int(2 * half / pitch)))
         for index in range(count):
             self._build_jetty((index - (count - 1) / 2) * 2 * half / count)
             yield
@@ -60,7 +65,7 @@ class Waterfront:
         at = (side * 0.5 * half, self._edge - 3.6)
         self._pavilion = ground.stand("canopy", *at, size, turn=INWARD, look=paint(draw))
         yield
-        for index in range(2):
+        for index in range(0 if self.is_marina else 2):
             u = -side * (half - 4.0 - 7.0 * index)
             box = set_container(ground, u, 2.0, 0.0)
             if box:
@@ -80,7 +85,8 @@ class Waterfront:
     def _lay_quay(self) -> None:
         """Paving along the street and water behind it, side by side on the parcel's level."""
         ground, parcel = self.ground, self.ground.parcel
-        self._edge = round(min(14.0, max(5.0, 0.42 * parcel.depth)), 2)
+        share = 0.28 if self.is_marina else 0.42
+        self._edge = round(min(14.0, max(5.0, share * parcel.depth)), 2)
         rest = round(parcel.depth - self._edge, 2)
         size = (parcel.width, self._edge, _QUAY_M)
         spot = parcel.frame.moved(0, self._edge / 2)

@@ -1,4 +1,4 @@
-"""A plan with one street that bends through the site in straight pieces."""
+"""A plan with one street that winds through the site in straight pieces."""
 
 from __future__ import annotations
 
@@ -19,23 +19,42 @@ _LIFT_M = 0.004
 _DEPTHS_M = (30.0, 27.0, 24.0, 21.0, 18.5, 16.0, 14.0)
 _SHARES = (1.0, 0.88, 0.75, 0.62)
 _SHIFTS = (0.0, -0.08, 0.08, -0.16, 0.16)
-_LEAST_WIDTH_M = 15.0
-_PIECE_M = 24.0
+_LEAST_WIDTH_M = 13.0
+_PIECE_M = 18.0
 """Least length of a piece of street."""
+_DOUBLE_CHANCE = 0.4
+"""How often a street bends one way and then the other."""
 _AIR_M = 10.0
 
 
 @dataclass(frozen=True, slots=True)
 class _Bend:
-    """The middle line of a street: pieces of equal length that turn by equal angles."""
+    """The middle line of a street: pieces of equal length and the turns between them."""
 
     pieces: tuple[Frame, ...]
     length: float
-    turn: float
+    turns: tuple[float, ...]
+    """Turn from each piece to the next, rad; positive to the left."""
 
-    def reach(self, offset: float) -> float:
-        """Excess length of a strip's outer edge over its middle line at a bend, m."""
-        return offset * tan(abs(self.turn) / 2)
+    def growth(self, index: int, edges: tuple[float, float]) -> tuple[float, float]:
+        """How far a strip along a piece reaches beyond its ends, so that a bend leaves no gap.
+
+        Args:
+            index: Number of the piece.
+            edges: Where the strip's two edges lie, m to the left of the middle line.
+
+        Returns:
+            Lengths at the beginning and at the end, m: those of the edge on the outer side of each
+            bend. They are negative where the whole strip lies on the inner side.
+        """
+        joints = (index - 1, index)
+        before, after = (
+            max(-edge * tan(self.turns[joint] / 2) for edge in edges)
+            if 0 <= joint < len(self.turns)
+            else 0.0
+            for joint in joints
+        )
+        return before, after
 
 
 def lay_curve(site: Site, rng: np.random.Generator) -> None:
@@ -45,7 +64,8 @@ def lay_curve(site: Site, rng: np.random.Generator) -> None:
     taken = Builder("plan")
     for strip in (*(road.placed for road in site.roads), *site.sidewalks):
         taken.reserve(strip.frame, (*strip.size[:2], _AIR_M), 0.0)
-    outer = -1 if bend.turn > 0 else 1
+    # Frontages on the outer side of the first bend are longer: they choose first.
+    outer = -1 if bend.turns[0] > 0 else 1
     for side, piece in product((outer, -outer), bend.pieces):
         for frame, width, depth in _frontages(site, bend, piece, side):
             at = site.world(frame)
@@ -57,21 +77,25 @@ def lay_curve(site: Site, rng: np.random.Generator) -> None:
 
 
 def _draw_bend(site: Site, rng: np.random.Generator) -> _Bend:
-    """An arc from the western to the eastern border, in two to four pieces."""
-    count = max(2, min(4, int(2 * site.half_x / _PIECE_M)))
-    turn = float(rng.choice([-1, 1])) * radians(float(rng.uniform(17, 24)))
-    middle = (count - 1) / 2
-    headings = [turn * (index - middle) for index in range(count)]
+    """An arc or a double bend from the western to the eastern border, in two to five pieces."""
+    count = max(2, min(5, int(2 * site.half_x / _PIECE_M)))
+    turn = float(rng.choice([-1, 1])) * radians(float(rng.uniform(15, 22)))
+    is_double = count > 2 and rng.random() < _DOUBLE_CHANCE
+    half = (count - 1) / 2
+    turns = [-turn if is_double and index >= half else turn for index in range(count - 1)]
+    headings = np.concatenate([[0.0], np.cumsum(turns)])
+    headings -= headings.mean()
     margin = site.road_m / 2 * abs(sin(headings[0])) + site.walk_m
     length = 2 * (site.half_x - margin) / sum(cos(heading) for heading in headings)
-    sagitta = abs(turn) / turn * length * sum(sin(abs(h)) for h in headings) / 2
-    x, y = -(site.half_x - margin), sagitta / 2 + float(rng.uniform(-0.15, 0.15)) * site.half_y
+    corners = np.concatenate([[0.0], np.cumsum(length * np.sin(headings))])
+    middle = (corners.min() + corners.max()) / 2
+    x, y = -(site.half_x - margin), float(rng.uniform(-0.15, 0.15)) * site.half_y - float(middle)
     pieces: list[Frame] = []
-    for heading in headings:
+    for heading in headings.tolist():
         dx, dy = length * cos(heading), length * sin(heading)
         pieces.append(Frame(x + dx / 2, y + dy / 2, heading))
         x, y = x + dx, y + dy
-    return _Bend(tuple(pieces), length, turn)
+    return _Bend(tuple(pieces), length, tuple(turns))
 
 
 def _pave_bend(site: Site, bend: _Bend) -> None:
@@ -81,25 +105,16 @@ def _pave_bend(site: Site, bend: _Bend) -> None:
     walks: dict[int, Placed | None] = {-1: None, 1: None}
     for index, piece in enumerate(bend.pieces):
         lift = _LIFT_M * (index % 2)
-        shift, extra = _extra(bend, index, bend.reach(half))
-        frame = piece.moved(shift, 0)
-        length = bend.length + extra
-        road = site.lay_road(frame, length, after=road, height=ROAD_M + lift)
+        before, after = bend.growth(index, (-half, half))
+        frame = piece.moved((after - before) / 2, 0)
+        road = site.lay_road(frame, bend.length + before + after, after=road, height=ROAD_M + lift)
         for side in (-1, 1):
-            is_outer = (side > 0) != (bend.turn > 0)
-            reach = bend.reach(half + site.walk_m if is_outer else -half)
-            shift, extra = _extra(bend, index, reach)
-            kerb = piece.moved(shift, side * half, 0.0 if side > 0 else pi)
+            edges = (side * half, side * (half + site.walk_m))
+            before, after = bend.growth(index, edges)
+            kerb = piece.moved((after - before) / 2, side * half, 0.0 if side > 0 else pi)
             walks[side] = site.lay_sidewalk(
-                kerb, bend.length + extra, after=walks[side], height=SIDEWALK_M + lift
+                kerb, bend.length + before + after, after=walks[side], height=SIDEWALK_M + lift
             )
-
-
-def _extra(bend: _Bend, index: int, reach: float) -> tuple[float, float]:
-    """Shift and growth of a piece that reaches over the bends at its ends."""
-    before = reach if index > 0 else 0.0
-    after = reach if index < len(bend.pieces) - 1 else 0.0
-    return (after - before) / 2, before + after
 
 
 def _frontages(

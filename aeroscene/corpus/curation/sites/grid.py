@@ -88,7 +88,7 @@ def lay_square(site: Site, rng: np.random.Generator) -> None:
     site.lay_road(Frame((hx - a) / 2, b + w / 2, 0), hx + a, zebra_end=-1)
     site.lay_road(Frame(-a - w / 2, (hy - b) / 2, pi / 2), hy + b, zebra_end=-1)
     sides = ("south", "east", "north", "west")
-    site.pave(Block(Rectangle(-a, -b, a, b), sides, uses=("market", "park", "station")), rng)
+    site.pave(Block(Rectangle(-a, -b, a, b), sides, uses=("square", "market", "park")), rng)
     site.pave(Block(Rectangle(-hx, -hy, a, -b - w), ("north", "east")), rng)
     site.pave(Block(Rectangle(a + w, -hy, hx, b), ("west", "north")), rng)
     site.pave(Block(Rectangle(-a, b + w, hx, hy), ("south", "west")), rng)

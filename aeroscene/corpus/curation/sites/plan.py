@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from math import cos, floor, pi, sin
 
 import numpy as np
@@ -52,29 +53,49 @@ _LEAST_SIDE_M: Mapping[str, float] = {
     "shore": 60.0,
 }
 """Plans that need more ground than others."""
-_SIDE_M = (55.0, 95.0)
-"""Range of the sides of the flight volume."""
-_LEAST_LIMIT_M = 33.0
+_LEAST_LIMIT_SHARE = 0.7
+"""Least limit on the drawn sides, relative to the largest."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Scale:
+    """How large a site is and how wide its streets are: towns are dense, yards are wide."""
+
+    side_m: tuple[float, float] = (55.0, 95.0)
+    """Range of the sides of the flight volume, which stands upright around the turned plan. A
+    plan that needs more ground than that takes it."""
+    roads_m: tuple[float, ...] = (6.0, 6.4, 7.0)
+    """Widths of carriageways without their parking lanes."""
+    parking_chance: float = 0.75
+    """How often vehicles are parked along the streets, where the plan has room for them."""
+
+
 _PARKED_PLANS = frozenset(("through", "tee", "cross", "loop", "curve", "quay", "shore", "hillside"))
-_PARKING: tuple[tuple[int, ...], ...] = ((), (-1,), (1,), (-1, 1))
+_PARKING: tuple[tuple[int, ...], ...] = ((-1,), (1,), (-1, 1))
 """Sides of the streets on which vehicles may be parked."""
 _ALIGNED_CHANCE = 0.35
 
 
-def lay_out_site(builder: Builder, rng: np.random.Generator, plan: str) -> Site:
+def lay_out_site(builder: Builder, rng: np.random.Generator, plan: str, scale: Scale) -> Site:
     """Draw size and orientation of a site and lay a plan's streets.
 
-    The flight volume, upright around the turned plan, is 55 to 95 m a side; nothing leaves it.
+    Args:
+        builder: The scene that the streets become part of.
+        rng: Randomness of the site.
+        plan: One of `PLANS`.
+        scale: How large the site and how wide its streets are. Nothing leaves the flight volume.
     """
     yaw = _draw_yaw(rng)
-    half_x, half_y = _draw_half_sides(rng, yaw, _LEAST_SIDE_M.get(plan, _SIDE_M[0]))
-    parking = _PARKING[int(rng.integers(len(_PARKING)))] if plan in _PARKED_PLANS else ()
+    least_m = max(scale.side_m[0], _LEAST_SIDE_M.get(plan, 0.0))
+    half_x, half_y = _draw_half_sides(rng, yaw, (least_m, max(least_m, scale.side_m[1])))
+    is_parked = plan in _PARKED_PLANS and rng.random() < scale.parking_chance
+    parking = _PARKING[int(rng.integers(len(_PARKING)))] if is_parked else ()
     site = Site(
         builder=builder,
         frame=Frame(0.0, 0.0, yaw),
         half_x=half_x,
         half_y=half_y,
-        road_m=float(rng.choice([6.0, 6.4, 7.0])) + PARKING_LANE_M * len(parking),
+        road_m=float(rng.choice(scale.roads_m)) + PARKING_LANE_M * len(parking),
         walk_m=round(float(rng.uniform(1.8, 2.9)), 2),
         parking=parking,
         style={name: str(rng.choice(list(FORMS[name]))) for name in ("road", "sidewalk")},
@@ -93,13 +114,15 @@ def _draw_yaw(rng: np.random.Generator) -> float:
 
 
 def _draw_half_sides(
-    rng: np.random.Generator, yaw: float, least_side_m: float
+    rng: np.random.Generator, yaw: float, side_m: tuple[float, float]
 ) -> tuple[float, float]:
     """Half sides of a plan whose upright surroundings keep within the range, and a limit drawn."""
-    low, high = least_side_m / 2, _SIDE_M[1] / 2
-    half_x, half_y, limit = rng.uniform((low, low, max(low, _LEAST_LIMIT_M)), high).tolist()
+    low, high = side_m[0] / 2, side_m[1] / 2
+    # Without a least limit the smallest sites would be drawn most often.
+    least = min(max(low, _LEAST_LIMIT_SHARE * high), high)
+    half_x, half_y, limit = rng.uniform((low, low, least), high).tolist()
     c, s = abs(cos(yaw)), abs(sin(yaw))
     reaches = (c * half_x + s * half_y, s * half_x + c * half_y)
-    scale = max(min(1.0, limit / max(reaches)), _SIDE_M[0] / 2 / min(reaches))
+    scale = max(min(1.0, limit / max(reaches)), low / min(reaches))
     scale = min(scale, high / max(reaches))
     return (floor(10 * scale * half_x) / 10, floor(10 * scale * half_y) / 10)

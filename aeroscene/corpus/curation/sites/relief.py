@@ -141,5 +141,7 @@ def lay_shore(site: Site, rng: np.random.Generator) -> None:
     hx, hy, half = site.half_x, site.half_y, site.road_m / 2
     y = hy - float(rng.uniform(24.0, 34.0)) - site.walk_m - half
     site.lay_road(Frame(0, y, 0), 2 * hx)
-    site.pave(Block(Rectangle(-hx, y + half, hx, hy), ("south",), uses=("waterfront",)), rng)
+    site.pave(
+        Block(Rectangle(-hx, y + half, hx, hy), ("south",), uses=("waterfront", "marina")), rng
+    )
     site.pave(Block(Rectangle(-hx, -hy, hx, y - half), ("north",)), rng)

@@ -1,0 +1,48 @@
+"""Marks of a drawn number: extents that nobody measures, gaps too narrow to be left on purpose.
+
+The corpus is drawn in whole centimetres, and what does not touch keeps apart by 3 cm. A model
+that draws real numbers gives itself away by its decimals, and by things that stand a few
+millimetres off their neighbours.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+from jaxtyping import Bool
+
+from aeroscene.metrics.places.top_view import TopView, near_pairs
+
+_CENTIMETRE_M = 0.01
+_ROUNDED_M = 2e-4
+"""Deviation from whole centimetres that the file format's own rounding explains."""
+_TOUCH_M = 1.5e-3
+NARROW_M = 0.005
+"""Gaps of fine objects that are narrower than this look like an accident."""
+
+
+def whole_centimetres(view: TopView) -> Bool[np.ndarray, " objects"]:
+    """Whether the extents along x and y of each fine object are whole centimetres."""
+    is_fine = np.array([not obj.is_coarse for obj in view.scene.objects], dtype=bool)
+    size_m = view.arrays.size_m[is_fine, :2]
+    off_m = np.abs(size_m - _CENTIMETRE_M * np.round(size_m / _CENTIMETRE_M))
+    return np.all(off_m <= _ROUNDED_M, axis=1)
+
+
+def narrow_gaps(view: TopView) -> Bool[np.ndarray, " objects"]:
+    """Whether a gap narrower than `NARROW_M` parts each fine object from another of its parent.
+
+    Objects that touch have no gap, nor have those one of which is above the other.
+    """
+    rows = np.flatnonzero([not obj.is_coarse for obj in view.scene.objects])
+    outlines = view.outline[rows]
+    first, second = near_pairs(outlines, outlines, NARROW_M)
+    is_pair = (first != second) & (
+        view.arrays.parent[rows[first]] == view.arrays.parent[rows[second]]
+    )
+    is_pair &= view.shared_height_m(rows[first], rows[second]) > _TOUCH_M
+    first, second = first[is_pair], second[is_pair]
+    apart_m = np.asarray(shapely.distance(outlines[first], outlines[second]))
+    is_narrow = np.zeros(len(rows), dtype=bool)
+    is_narrow[first[apart_m > _TOUCH_M]] = True
+    return is_narrow
