@@ -26,8 +26,15 @@ if TYPE_CHECKING:
     from autonomy.perception.map_anchor import MapAnchor
     from autonomy.perception.mover_tracker import MoverTracker
 
-WATCHING = ("forward", "down", "up_left", "up_right", "up_rear")
+AHEAD = ("forward", "down")
+"""Cameras that look to where the vehicle flies and to what stands under it."""
+OVERHEAD = ("up_left", "up_right", "up_rear")
+"""Cameras that look to the sides and behind, a little upwards."""
+WATCHING = (*AHEAD, *OVERHEAD)
 """Cameras that look out for movers."""
+OVERHEAD_EVERY = 2
+"""Full looks of which one uses the cameras overhead too. What they show comes nearer only as fast
+as it flies itself, because the vehicle flies away from it, so that half as many looks suffice."""
 LOOK_PERIOD_US = 200_000
 """Time between two looks ahead for what the map lacks."""
 ADRIFT_PERIOD_US = 100_000
@@ -96,6 +103,7 @@ class Senses:
         self._time_us = 0
         self._due_us = 0
         self._all_due_us = 0
+        self._n_looks = 0
         self._aspect = FIRST_ASPECT
         self._fix_camera = "forward"
         self._trust = Trust()
@@ -254,7 +262,10 @@ class Senses:
         """
         if self._time_us >= self._all_due_us:
             self._all_due_us = self._time_us + LOOK_PERIOD_US
-            return ["forward"] if self._tracker is None else list(WATCHING)
+            if self._tracker is None:
+                return ["forward"]
+            self._n_looks += 1
+            return [*AHEAD, *(OVERHEAD if self._n_looks % OVERHEAD_EVERY == 1 else ())]
         doubtful = self.in_question()
         mounts = [camera_mount(self._world.airframe, camera) for camera in WATCHING]
         views = [(mount, self._aspect, self.telemetry) for mount in mounts]
