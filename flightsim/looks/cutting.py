@@ -7,11 +7,20 @@ from dataclasses import replace
 
 from aeroscene.solids.shapes import Primitive
 
-_LEAST_M = 0.02
+_LEAST_M = 1e-3
+"""Thinnest rest of a box: floors of rooms are 2 cm thick, and paint 5 mm."""
 
 
-def cut_at(solids: Iterable[Primitive], height_m: float) -> tuple[Primitive, ...]:
-    """Solids below a height; upright boxes are cut there, others are kept by their centre."""
+def cut_at(
+    solids: Iterable[Primitive], height_m: float, least_m: float = _LEAST_M
+) -> tuple[Primitive, ...]:
+    """Solids below a height; upright boxes are cut there, others are kept by their centre.
+
+    Args:
+        solids: Solids of a world.
+        height_m: Height of the cut, ENU, m.
+        least_m: Boxes of which less than this is left are taken away whole, m.
+    """
     kept = []
     for solid in solids:
         x, y, z = solid.position_enu_m
@@ -19,7 +28,7 @@ def cut_at(solids: Iterable[Primitive], height_m: float) -> tuple[Primitive, ...
         low = z - rise / 2
         if solid.kind == "box" and _is_upright(solid):
             top = min(height_m, low + rise)
-            if top - low > _LEAST_M:
+            if top - low > least_m:
                 middle = (x, y, (low + top) / 2)
                 kept.append(
                     replace(solid, position_enu_m=middle, size_m=(length, width, top - low))

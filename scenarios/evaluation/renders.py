@@ -42,6 +42,9 @@ _OBLIQUE_ELEVATION_RAD = math.radians(40.0)
 _OBLIQUE_ROOM = 1.2
 """Corners come nearer to the eye than the middle."""
 _CUT_M = 2.5
+_LEAST_M = 0.02
+"""Thinnest rest of a box in these pictures. Floors of rooms are left out: what a floor is made of is
+not what a method draws."""
 _REACHED_SHARE = 0.9
 _LEAST_REACH_M = 2.0
 
@@ -92,7 +95,7 @@ class Camera:
         """
         world = build_world(replace(scene, interaction_areas=()))
         if scene.domain == "indoor":
-            world = replace(world, solids=cut_at(world.solids, _CUT_M))
+            world = replace(world, solids=cut_at(world.solids, _CUT_M, _LEAST_M))
         reach_m = self.reach_m.get(scene.domain, max(self.reach_m.values()))
         data = world.new_data()
         with closing(open_camera_renderer(world, PIXELS, PIXELS, "raycast")) as renderer:
