@@ -43,8 +43,8 @@ _OBLIQUE_ROOM = 1.2
 """Corners come nearer to the eye than the middle."""
 _CUT_M = 2.5
 _LEAST_M = 0.02
-"""Thinnest rest of a box in these pictures. Floors of rooms are left out: what a floor is made of is
-not what a method draws."""
+"""Thinnest rest of a box in these pictures. Floors of rooms are left out, because no method draws
+what a floor is made of."""
 _REACHED_SHARE = 0.9
 _LEAST_REACH_M = 2.0
 
