@@ -1,0 +1,9 @@
+"""Wishes in words: what a prompt asks for, read without a network or by an endpoint, and measured.
+
+    found = read_prompt("a crowded harbour street with two cafes")
+    found.theme                    # "waterfront"
+    found.counts[0].thing          # "cafe"
+
+`parsing/` reads words, `endpoint.py` asks a language model for the same `Wishes`, `options.py` joins
+them with the options of the command line, and `demands.py` measures them on a scene.
+"""
