@@ -4,6 +4,7 @@
     found.theme                    # "waterfront"
     found.counts[0].thing          # "cafe"
 
-`parsing/` reads words, `endpoint.py` asks a language model for the same `Wishes`, `options.py` joins
-them with the options of the command line, and `demands.py` measures them on a scene.
+`parsing/` reads words, and `endpoint.py` asks a language model for the same `Wishes`.
+`understanding.py` joins them with the options of the command line, and `demands.py` measures them
+on a scene. `things.toml` and `themes.toml` are the vocabulary.
 """

@@ -45,7 +45,10 @@ class Found:
         """Outlines from above."""
         outlines = self.view.outline
         return np.array(
-            [outlines[rows[0]] if len(rows) == 1 else union(outlines[list(rows)]) for rows in self.rows],
+            [
+                outlines[rows[0]] if len(rows) == 1 else union(outlines[list(rows)])
+                for rows in self.rows
+            ],
             dtype=object,
         )
 
@@ -81,7 +84,9 @@ class Found:
 
     def chosen(self, keep: Bool[np.ndarray, " n"]) -> Found:
         """Some of these."""
-        return Found(self.view, tuple(r for r, is_kept in zip(self.rows, keep, strict=True) if is_kept))
+        return Found(
+            self.view, tuple(r for r, is_kept in zip(self.rows, keep, strict=True) if is_kept)
+        )
 
 
 @dataclass
@@ -108,7 +113,9 @@ class Finder:
             found = Found(self.view, tuple(dict.fromkeys(hearts)))
         else:
             found = Found(self.view, self._of_category(name))
-        found = found.chosen(np.array([self._is_such(rows[0], thing) for rows in found.rows], dtype=bool))
+        found = found.chosen(
+            np.array([self._is_such(rows[0], thing) for rows in found.rows], dtype=bool)
+        )
         for part in thing.parts:
             found = found.chosen(self._has(found, part))
         if thing.cluster_m:
@@ -123,7 +130,9 @@ class Finder:
         groups = tile_groups(self.scene.objects)
         tiles: dict[int, list[int]] = {}
         for row in map(int, rows):
-            tiles.setdefault(int(groups[row]) if groups[row] != NO_ROOM else -2 - row, []).append(row)
+            tiles.setdefault(int(groups[row]) if groups[row] != NO_ROOM else -2 - row, []).append(
+                row
+            )
         return tuple(map(tuple, tiles.values()))
 
     def _is_such(self, row: int, thing: Thing) -> bool:

@@ -9,7 +9,7 @@ from pathlib import Path
 import msgspec
 
 from aeroscene.scene.catalogue import COVERS, LEAFY, ROOMS, ROUND, TWO_SIDED, by_name
-from scenarios.generation.prompts.wishes import RelationName, spoken
+from scenarios.generation.prompts.wishes import Relation, RelationName, spoken
 
 _FOLDER = Path(__file__).parent
 _ES = ("s", "x", "z", "ch", "sh")
@@ -82,6 +82,15 @@ def has_front(name: str) -> bool:
     return not thing.cluster_m and categories_of(name).isdisjoint(frontless)
 
 
+def unmeasurable(wish: Relation) -> str | None:
+    """Why a relation cannot be measured; None where it can."""
+    if wish.relation in {"in_front_of", "behind"} and not has_front(wish.host):
+        return f"a {spoken(wish.host)} has no front"
+    if wish.relation == "facing" and not has_front(wish.thing):
+        return f"a {spoken(wish.thing)} has no front"
+    return None
+
+
 @cache
 def domains_of(name: str) -> frozenset[str]:
     """Where a thing stands: `indoor`, `outdoor` or both, by what carries its hearts."""
@@ -120,4 +129,6 @@ def _is_known(name: str, table: Mapping[str, Thing]) -> bool:
     if not thing.hearts:
         return name in by_name()
     others = (*thing.hearts, *(part.thing for part in thing.parts))
-    return all(other in by_name() or (other in table and _is_known(other, table)) for other in others)
+    return all(
+        other in by_name() or (other in table and _is_known(other, table)) for other in others
+    )

@@ -18,6 +18,7 @@ COUNTS = Range(0, MOST_COUNT)
 _MOST_WISHES = 24
 _Name = Annotated[str, msgspec.Meta(max_length=60)]
 _Words = Annotated[str, msgspec.Meta(max_length=200)]
+_Whole = Annotated[int, msgspec.Meta(ge=0, le=1_000_000)]
 _Grade = Literal["easy", "medium", "hard"]
 RelationName = Literal[
     "on",
@@ -44,8 +45,8 @@ class Count(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     thing: _Name
     """Name of the vocabulary."""
-    least: int = 1
-    most: int | None = None
+    least: _Whole = 1
+    most: _Whole | None = None
     """None sets no limit."""
     said: _Words = ""
     """Words of the prompt that it comes from."""
@@ -68,9 +69,10 @@ class Count(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         """Whether a number is one that is asked for."""
         return self.least <= n and (self.most is None or n <= self.most)
 
-    def off(self, n: int) -> int:
-        """By how many a number misses what is asked for."""
-        return max(self.least - n, n - self.most if self.most is not None else 0, 0)
+    def off(self, n: int) -> float:
+        """By which share of what is asked for a number misses it."""
+        above = n - self.most if self.most is not None else 0
+        return max(self.least - n, above, 0) / max(1, self.least)
 
 
 class Relation(Count, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -104,9 +106,9 @@ class Wishes(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
 
     domain: SceneDomain | None = None
     theme: _Name | None = None
-    objects: int | None = None
+    objects: _Whole | None = None
     """About so many, coarse and fine."""
-    areas: int | None = None
+    areas: _Whole | None = None
     """Landing areas, at most."""
     density: float | None = None
     clutter: float | None = None

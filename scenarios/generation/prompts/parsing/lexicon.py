@@ -88,18 +88,32 @@ AMOUNTS: Mapping[str, tuple[str, ...]] = {
 """Words for what numbers of options count."""
 JOINTS: Mapping[Kind, tuple[str, ...]] = {
     "and": ("and", "or", ",", "as well as", "plus", "&"),
-    "with": ("with", "that has", "which has", "has", "having", "containing", "contains", "including"),
+    "with": (
+        "with",
+        "that has",
+        "which has",
+        "has",
+        "having",
+        "containing",
+        "contains",
+        "including",
+    ),
     "pronoun": ("it", "them"),
     "clause": (".", ";", "but", "!", "?", ":", "then"),
 }
-FILLERS = frozenset(
-    """the of there is are its their this these that which where who i we you want would like need
-    please make create generate draw show me give build design place scene site area ground
-    world environment map setting layout parked standing stands stand placed located situated lying
-    lies lie moored sitting set be to for drone fly one can any also each other in's lined
-    along's a's consisting featuring features full-size some's my our kind type sort made up
-    measuring size big's sized""".split()
-)
+# fmt: off
+FILLERS = frozenset((
+    "the", "of", "there", "is", "are", "its", "their", "this", "these", "that", "which",
+    "where", "who", "i", "we", "you", "want", "would", "like", "need", "please", "make",
+    "create", "generate", "draw", "show", "me", "give", "build", "design", "place", "scene",
+    "site", "area", "ground", "world", "environment", "map", "setting", "layout", "parked",
+    "standing", "stands", "stand", "placed", "located", "situated", "lying", "lies", "lie",
+    "moored", "sitting", "set", "be", "to", "for", "drone", "fly", "one", "can", "each",
+    "other", "lined", "consisting", "featuring", "features", "my", "our", "kind", "type",
+    "sort", "made", "up", "measuring", "size", "any", "also", "sized",
+))
+# fmt: on
+"""Words that ask for nothing."""
 
 
 @cache

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from aeroscene.scene.catalogue import by_name
 from scenarios.generation.prompts.parsing.numbers import MANY, NONE, Number
-from scenarios.generation.prompts.vocabulary import categories_of, has_front
-from scenarios.generation.prompts.wishes import Count, PromptError, Relation, RelationName, spoken
+from scenarios.generation.prompts.vocabulary import categories_of, unmeasurable
+from scenarios.generation.prompts.wishes import Count, PromptError, Relation, RelationName
 
 _MANY_COARSE = 5
-"""Fewest that are many buildings, boats are many from `MANY.least` on as all fine objects."""
-_NEEDS_FRONT = ("in_front_of", "behind")
+"""Fewest that are many buildings; of fine objects `MANY.least` are."""
 
 
 @dataclass(slots=True)
@@ -95,24 +95,22 @@ def relation_of(tie: Tie) -> Relation | str:
     """The wish of a complete relation, or why it cannot be measured."""
     subject = tie.subject
     assert subject is not None
-    host = tie.hosts[0]
-    if tie.relation in _NEEDS_FRONT and not has_front(host):
-        return f"{tie.said} (a {spoken(host)} has no front)"
-    if tie.relation == "facing" and not has_front(subject.thing):
-        return f"{tie.said} (a {spoken(subject.thing)} has no front)"
-    subject.is_subject = True
     least, most = subject.limits
     if tie.relation in {"along", "around"} and subject.number is None:
         least = max(least, 3)
-    return Relation(
+    wish = Relation(
         subject.thing,
         least,
         most,
         said=f"{subject.said} {tie.said}",
         relation=tie.relation,
-        host=host,
+        host=tie.hosts[0],
         other=tie.hosts[1] if len(tie.hosts) > 1 else "",
     )
+    if (reason := unmeasurable(wish)) is not None:
+        return f"{tie.said} ({reason})"
+    subject.is_subject = True
+    return wish
 
 
 def is_none(number: Number | None) -> bool:
@@ -121,6 +119,4 @@ def is_none(number: Number | None) -> bool:
 
 
 def _is_coarse(thing: str) -> bool:
-    from aeroscene.scene.catalogue import by_name
-
     return all(by_name()[name].level == "coarse" for name in categories_of(thing))

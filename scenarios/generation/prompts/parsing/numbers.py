@@ -10,11 +10,16 @@ from scenarios.generation.prompts.wishes import MOST_COUNT
 
 ABOUT = 0.2
 """Share by which a bare number may be missed, as numbers of objects may."""
-_ONES = (
-    "zero one two three four five six seven eight nine ten eleven twelve thirteen fourteen fifteen "
-    "sixteen seventeen eighteen nineteen"
-).split()
-_TENS = "twenty thirty forty fifty sixty seventy eighty ninety".split()
+# fmt: off
+_ONES = [
+    "zero", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten",
+    "eleven", "twelve", "thirteen", "fourteen", "fifteen", "sixteen", "seventeen", "eighteen",
+    "nineteen",
+]
+_TENS = [
+    "twenty", "thirty", "forty", "fifty", "sixty", "seventy", "eighty", "ninety",
+]
+# fmt: on
 _WORDS = {word: n for n, word in enumerate(_ONES)} | {
     word: 10 * n for n, word in enumerate(_TENS, 2)
 }
@@ -41,7 +46,10 @@ _FIXED: dict[tuple[str, ...], Number] = {
     tuple(words.split()): number
     for number, group in (
         (A, ("a", "an", "another")),
-        (NONE, ("no", "not", "without", "without any", "not any", "free of", "zero", "lacking", "nor")),
+        (
+            NONE,
+            ("no", "not", "without", "without any", "not any", "free of", "zero", "lacking", "nor"),
+        ),
         (SOME, ("some", "a number of", "multiple", "more")),
         (Number(3), ("several", "a handful of", "a group of", "various")),
         (Number(2, 5), ("a few", "a small number of")),

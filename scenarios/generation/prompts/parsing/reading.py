@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import msgspec
 
+from aeroscene.files.visible import is_visible
 from scenarios.generation.prompts.parsing.clauses import Clauses
 from scenarios.generation.prompts.parsing.lexemes import lexemes
 from scenarios.generation.prompts.parsing.mentions import Tie, counts_of, relation_of
@@ -17,7 +18,7 @@ _SIDES_M = {
     False: {"tiny": (50.0, 50.0), "small": (60.0, 60.0), "large": (95.0, 90.0)},
     True: {"tiny": (20.0, 18.0), "small": (24.0, 22.0), "large": (30.0, 28.0)},
 }
-"""Sides of sites by whether they are indoors: half of the shipped ones are between small and large."""
+"""Sides of sites by whether they are indoors; shipped ones lie between small and large."""
 _HUGE_M = {False: (110.0, 110.0), True: (36.0, 30.0)}
 
 
@@ -59,18 +60,17 @@ def read_prompt(text: str) -> Wishes:
 
 
 def plain(text: str) -> str:
-    """A prompt on one line, with plain quotes.
+    """A prompt on one line, with plain quotes and without characters that a terminal obeys.
 
     Raises:
         PromptError: If it is empty or too long.
     """
-    line = " ".join(text.replace("\u2019", "'").split())
+    shown = "".join(each if is_visible(each) else " " for each in text.replace("\u2019", "'"))
+    line = " ".join(shown.split())
     if not line:
         raise PromptError("prompt is empty; valid: words such as 'a park with two benches'")
     if len(line) > MOST_CHARACTERS:
-        raise PromptError(
-            f"prompt has {len(line)} characters; valid: at most {MOST_CHARACTERS}"
-        )
+        raise PromptError(f"prompt has {len(line)} characters; valid: at most {MOST_CHARACTERS}")
     return line
 
 
