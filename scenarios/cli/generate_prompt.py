@@ -33,9 +33,13 @@ class _Options(Protocol):
     """Options with a prompt among them."""
 
     __dataclass_fields__: ClassVar[dict[str, Field[Any]]]
-    prompt: str
-    prompt_endpoint: str
-    prompt_model: str
+
+    @property
+    def prompt(self) -> str: ...
+    @property
+    def prompt_endpoint(self) -> str: ...
+    @property
+    def prompt_model(self) -> str: ...
 
 
 _Cfg = TypeVar("_Cfg", bound=_Options)

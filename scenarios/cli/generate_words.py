@@ -22,6 +22,7 @@ _MOST_ROWS = 20
 """Scenes of which the terminal shows what was got."""
 _UNITS = {"outline": "m", "min_passage": "m"}
 _MISSED = "*"
+_AGAIN = "--strict draws those again"
 
 
 def print_generated(
@@ -44,7 +45,7 @@ def print_generated(
     for each in more.get("worst", ()):
         print(f"{each['scene']}: {each['reason']}")
     if tally.wishes:
-        _print_wishes(tally.wishes)
+        _print_wishes(tally.wishes, "--strict keeps none" if tally.prompt else _AGAIN)
     print(
         f"{out}: {len(tally.files)} scenes, {_seconds(tally):.2f} s each on {device}, "
         f"{tally.n_rejected} draws rejected"
@@ -72,8 +73,13 @@ def _facts(device: str, tally: Tally) -> dict[str, Any]:
     return facts | ({"measured": tally.measured} if tally.measured else {})
 
 
-def _print_wishes(all_wishes: Mapping[str, Mapping[str, Got]]) -> None:
-    """Print what each scene has below what was asked for."""
+def _print_wishes(all_wishes: Mapping[str, Mapping[str, Got]], again: str = _AGAIN) -> None:
+    """Print what each scene has below what was asked for.
+
+    Args:
+        all_wishes: What was got beside what was asked for, by file and wish.
+        again: What can be done about scenes that are not as asked for.
+    """
     first = next(iter(all_wishes.values()))
     units = {name: f", {unit}" for name, unit in _UNITS.items()}
     table = Table("", *(f"{name}{units.get(name, '')}" for name in first))
@@ -88,8 +94,7 @@ def _print_wishes(all_wishes: Mapping[str, Mapping[str, Got]]) -> None:
         console.print(f"and {len(files) - _MOST_ROWS} more; --json lists them")
     if missed := _missed(all_wishes):
         console.print(
-            f"{_MISSED} {len(missed)} of {len(files)} scenes are not as asked for; "
-            "--strict draws those again",
+            f"{_MISSED} {len(missed)} of {len(files)} scenes are not as asked for; {again}",
             soft_wrap=True,
         )
 

@@ -92,6 +92,7 @@ def asked_address(endpoint: str) -> SplitResult:
     Raises:
         PromptError: If it is none.
     """
+    parts = urlsplit("")
     try:
         parts = urlsplit(endpoint)
         is_valid = parts.scheme in {"http", "https"} and bool(parts.hostname)

@@ -2,8 +2,10 @@
 
 | relation | holds where |
 |---|---|
-| on | the middle is over the host and the underside at its top, or the host bears it |
+| on | the middle is over the host and the underside at its top, or the host bears it;
+|    | of buildings: on_roof |
 | on_roof | the middle is over the host and the underside at most 1 m below its top |
+| over | the outlines overlap, and the top is at least half a metre higher |
 | under | the middle is under the host, from below its top |
 | inside | the middle and the height lie within the host; of ground: on it |
 | next_to, near | at the same level, 3 m, 10 m apart at most, the middle outside |
@@ -84,9 +86,14 @@ def between(subjects: Found, hosts: Found, others: Found) -> Bool[np.ndarray, " 
 
 def _on(subjects: Found, hosts: Found, _within_m: float) -> _Table:
     at_top = np.abs(subjects.base_m[:, None] - hosts.level_m) <= _ON_M
-    is_shell = _is_of(hosts, SHELLS)
-    is_borne = is_borne_by(subjects, hosts) & ~is_shell
-    return _is_over(subjects, hosts) & (at_top | is_borne)
+    is_on = _is_over(subjects, hosts) & (at_top | is_borne_by(subjects, hosts))
+    # What is on a building is on its roof, and what it bears may be a room.
+    return np.where(_is_of(hosts, SHELLS), _on_roof(subjects, hosts, 0.0), is_on)
+
+
+def _over(subjects: Found, hosts: Found, _within_m: float) -> _Table:
+    overlap = shapely.intersects(subjects.outline[:, None], hosts.outline[None])
+    return overlap & (subjects.top_m[:, None] >= hosts.top_m + _LEVEL_M)
 
 
 def _on_roof(subjects: Found, hosts: Found, _within_m: float) -> _Table:
@@ -154,6 +161,7 @@ def _around(subjects: Found, hosts: Found, within_m: float) -> _Table:
 _JUDGES = {
     "on": _on,
     "on_roof": _on_roof,
+    "over": _over,
     "under": _under,
     "inside": _inside,
     "next_to": _next_to,

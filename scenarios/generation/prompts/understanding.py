@@ -86,6 +86,7 @@ def understood(
                     f"{spoken(other)} {dropped}"
                 )
     if themes is not None:
+        _yield_to(options, given, themes, notes)
         _settle_theme(options, wishes, given, themes, notes)
         _settle_domain(options, wishes, given, themes, notes)
     return Understanding(prompt=prompt, wishes=wishes, options=options, notes=tuple(notes))
@@ -99,6 +100,20 @@ def _options(wishes: Wishes) -> dict[str, Any]:
     if "areas" in options:
         options["areas"] = str(options["areas"])
     return options
+
+
+def _yield_to(
+    options: dict[str, Any], given: Mapping[str, Any], themes: Themes, notes: list[str]
+) -> None:
+    """Drop the prompt's theme or domain where the other one was given and does not go with it."""
+    for name, other in (("domain", "theme"), ("theme", "domain")):
+        if name not in given or other not in options:
+            continue
+        pair = {name: given[name], other: options[other]}
+        known = {theme for group in themes.values() for theme in group}
+        if pair["theme"] in known and pair["theme"] not in themes.get(pair["domain"], ()):
+            notes.append(f"--{name} {given[name]} wins over the prompt's {other} {options[other]}")
+            del options[other]
 
 
 def _settle_theme(

@@ -13,7 +13,8 @@ from scenarios.generation.prompts.wishes import Relation, RelationName, spoken
 
 _FOLDER = Path(__file__).parent
 _ES = ("s", "x", "z", "ch", "sh")
-_IRREGULAR = {"shelf": "shelves", "grass": "grass", "cutlery": "cutlery", "stairs": "stairs"}
+_SAME = frozenset(("grass", "cutlery", "silverware", "steps", "greenery", "railings", "parking"))
+"""Nouns that are their own plural."""
 
 
 class Part(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -113,8 +114,10 @@ def phrases(name: str, words: Sequence[str]) -> dict[str, bool]:
 def plural(words: str) -> str:
     """Plural of a noun phrase, whose last word is the noun."""
     before, _, noun = words.rpartition(" ")
-    if noun in _IRREGULAR:
-        many = _IRREGULAR[noun]
+    if noun in _SAME:
+        many = noun
+    elif noun.endswith("shelf"):
+        many = f"{noun[:-1]}ves"
     elif noun.endswith(_ES):
         many = f"{noun}es"
     elif noun.endswith("y") and noun[-2:-1] not in "aeiou":

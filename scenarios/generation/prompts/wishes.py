@@ -23,6 +23,7 @@ _Grade = Literal["easy", "medium", "hard"]
 RelationName = Literal[
     "on",
     "on_roof",
+    "over",
     "under",
     "inside",
     "next_to",
@@ -184,7 +185,7 @@ def _require_number(demand: Count) -> None:
     if demand.most is not None and demand.most < demand.least:
         raise PromptError(
             f"prompt asks for at least {demand.least} and at most {demand.most} of "
-            f"{demand.title}; valid: at most as many as at least, or more"
+            f"{demand.title}; valid: the smaller number first"
         )
 
 

@@ -31,6 +31,8 @@ class Clauses:
     _is_carried: bool = False
     """Whether that number was a thing's already, as in "no cars and trees"."""
     _is_after_place: bool = False
+    _is_modified: bool = False
+    """Whether the word before is a place that says more about the next one."""
     _last: Mention | None = None
     """What a relation that follows says something about."""
     _is_last_unknown: bool = False
@@ -170,11 +172,12 @@ class Clauses:
     def _read_noun(self, lexeme: Lexeme, following: Lexeme | None) -> None:
         noun: Noun = lexeme.value
         is_modifier = following is not None and following.kind == "noun"
+        self._is_modified &= bool(noun.place)
         self._is_last_unknown = False
         if self._tie is not None and not (is_modifier and self._tie.subject is not None):
             self._read_host(noun, lexeme.said)
         elif noun.place and self._names_place(noun, is_modifier=is_modifier):
-            self._read_place(noun, lexeme.said)
+            self._read_place(noun, lexeme.said, is_modifier=is_modifier)
         elif noun.thing and (not is_modifier or noun.is_plural):
             self._mention(noun, lexeme.said)
         else:
@@ -191,8 +194,13 @@ class Clauses:
             return True
         return not noun.thing and self._is_in_head
 
-    def _read_place(self, noun: Noun, said: str) -> None:
+    def _read_place(self, noun: Noun, said: str, *, is_modifier: bool = False) -> None:
         site = self.site
+        if self._is_modified and noun.place != site.theme and not (noun.is_weak or site.is_weak):
+            # "a school library" is a library.
+            self.unknown.append(f"{site.said} (a second place)")
+            self.site = site = Site()
+        self._is_modified = is_modifier
         if not site.theme or (site.is_weak and not noun.is_weak):
             if site.thing:
                 self.mentions.append(Mention(site.thing, None, is_plural=False, said=site.said))

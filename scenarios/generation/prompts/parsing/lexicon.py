@@ -70,6 +70,7 @@ RELATIONS: Mapping[str, tuple[str, ...]] = {
         "on the rooftop of",
     ),
     "on": ("on", "on top of", "upon", "atop"),
+    "over": ("over", "across", "spanning"),
     "under": ("under", "below", "beneath", "underneath"),
     "inside": ("in", "inside", "within", "at", "inside of"),
     "next_to": ("next to", "beside", "by", "alongside", "adjacent to", "against", "close to"),
@@ -97,6 +98,7 @@ JOINTS: Mapping[Kind, tuple[str, ...]] = {
         "containing",
         "contains",
         "including",
+        "includes",
     ),
     "pronoun": ("it", "them"),
     "clause": (".", ";", "but", "!", "?", ":", "then"),
@@ -108,8 +110,8 @@ FILLERS = frozenset((
     "create", "generate", "draw", "show", "me", "give", "build", "design", "place", "scene",
     "site", "area", "ground", "world", "environment", "map", "setting", "layout", "parked",
     "standing", "stands", "stand", "placed", "located", "situated", "lying", "lies", "lie",
-    "moored", "sitting", "set", "be", "to", "for", "drone", "fly", "one", "can", "each",
-    "other", "lined", "consisting", "featuring", "features", "my", "our", "kind", "type",
+    "moored", "sitting", "set", "be", "to", "for", "drone", "fly", "one", "can", 
+    "lined", "consisting", "featuring", "features", "my", "our", "kind", "type",
     "sort", "made", "up", "measuring", "size", "any", "also", "sized",
 ))
 # fmt: on
