@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from aeroscene.scene import Scene
-from scenarios.generation.prompts.found import Finder
+from scenarios.generation.prompts.finder import Finder
 from scenarios.generation.prompts.relations import between, holds
 from scenarios.generation.prompts.wishes import Count, Relation
 

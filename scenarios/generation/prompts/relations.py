@@ -50,21 +50,25 @@ _COS_FACING = np.cos(np.pi / 4)
 _Table = Bool[np.ndarray, "n k"]
 
 
-def holds(
-    relation: RelationName, subjects: Found, hosts: Found, within_m: float | None = None
-) -> _Table:
+def holds(relation: RelationName, subjects: Found, hosts: Found) -> _Table:
     """Whether each subject stands in a relation to each host; nothing does so to itself.
 
     Args:
         relation: Any but `between`.
         subjects: Things, n of them.
         hosts: Things, k of them.
-        within_m: Greatest distance in place of the relation's own.
     """
     if not len(subjects) or not len(hosts):
         return np.zeros((len(subjects), len(hosts)), dtype=bool)
-    table = _JUDGES[relation](subjects, hosts, within_m or _WITHIN_M.get(relation, 0.0))
+    table = _JUDGES[relation](subjects, hosts, _WITHIN_M.get(relation, 0.0))
     return table & ~_is_same(subjects, hosts)
+
+
+def within(subjects: Found, hosts: Found, within_m: float) -> _Table:
+    """Whether each subject is at most so far from each host at its level, or beneath it."""
+    if not len(subjects) or not len(hosts):
+        return np.zeros((len(subjects), len(hosts)), dtype=bool)
+    return _is_near(subjects, hosts, within_m) & ~_is_same(subjects, hosts)
 
 
 def between(subjects: Found, hosts: Found, others: Found) -> Bool[np.ndarray, " n"]:
@@ -109,8 +113,8 @@ def _under(subjects: Found, hosts: Found, _within_m: float) -> _Table:
 def _inside(subjects: Found, hosts: Found, _within_m: float) -> _Table:
     is_high = subjects.base_m[:, None] >= hosts.base_m - _UNDER_M
     is_low = subjects.top_m[:, None] <= hosts.top_m + _UNDER_M
-    within = _is_over(subjects, hosts) & is_high & is_low
-    return np.where(_is_of(hosts, GROUND), _on(subjects, hosts, 0.0), within)
+    is_held = _is_over(subjects, hosts) & is_high & is_low
+    return np.where(_is_of(hosts, GROUND), _on(subjects, hosts, 0.0), is_held)
 
 
 def _next_to(subjects: Found, hosts: Found, within_m: float) -> _Table:

@@ -22,9 +22,9 @@ class Part(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     thing: str
     least: int
-    relation: RelationName = "near"
-    within_m: float | None = None
-    """Greatest distance; None is the relation's own."""
+    relation: RelationName | None = None
+    """None is anywhere within the distance at the same level, beneath the heart as well."""
+    within_m: float = 0.0
 
 
 class Thing(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

@@ -33,6 +33,7 @@ class Clauses:
     _is_after_place: bool = False
     _is_modified: bool = False
     """Whether the word before is a place that says more about the next one."""
+    _was_modified: bool = False
     _last: Mention | None = None
     """What a relation that follows says something about."""
     _is_last_unknown: bool = False
@@ -200,12 +201,11 @@ class Clauses:
             # "a school library" is a library.
             self.unknown.append(f"{site.said} (a second place)")
             self.site = site = Site()
-        self._is_modified = is_modifier
+        self._was_modified, self._is_modified = self._is_modified, is_modifier
         if not site.theme or (site.is_weak and not noun.is_weak):
-            if site.thing:
-                self.mentions.append(Mention(site.thing, None, is_plural=False, said=site.said))
+            words = self._leave(site, said)
             thing = noun.thing if noun.is_weak else ""
-            self.site = Site(noun.place, said, noun.is_weak, thing)
+            self.site = Site(noun.place, words, noun.is_weak, thing)
         elif noun.is_weak:
             # "harbour street": a harbour, which has a street.
             if noun.thing and noun.place != site.theme:
@@ -219,6 +219,16 @@ class Clauses:
         self._last, self._is_after_place = None, True
         if self._number is not None and self._number.n in {None, 1}:
             self._number = None
+
+    def _leave(self, site: Site, said: str) -> str:
+        """Make what is left to make of a weak word for the place; return the words for the next."""
+        if site.thing:
+            self.mentions.append(Mention(site.thing, None, is_plural=False, said=site.said))
+        elif site.theme and self._was_modified:
+            return f"{site.said} {said}"
+        elif site.theme:
+            self.unknown.append(f"{site.said} (a second place)")
+        return said
 
     def _mention(self, noun: Noun, said: str) -> Mention:
         number = self._number

@@ -110,7 +110,7 @@ FILLERS = frozenset((
     "create", "generate", "draw", "show", "me", "give", "build", "design", "place", "scene",
     "site", "area", "ground", "world", "environment", "map", "setting", "layout", "parked",
     "standing", "stands", "stand", "placed", "located", "situated", "lying", "lies", "lie",
-    "moored", "sitting", "set", "be", "to", "for", "drone", "fly", "one", "can", 
+    "moored", "sitting", "set", "be", "to", "for", "drone", "fly", "one", "can",
     "lined", "consisting", "featuring", "features", "my", "our", "kind", "type",
     "sort", "made", "up", "measuring", "size", "any", "also", "sized",
 ))
