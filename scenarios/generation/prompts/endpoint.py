@@ -7,12 +7,9 @@ stranger: bounded in size and time, decoded in one typed pass into `Wishes`, its
 from __future__ import annotations
 
 import difflib
-import http.client
 import ipaddress
-import socket
-import threading
 from collections.abc import Mapping
-from contextlib import closing
+from http import HTTPStatus
 from typing import Annotated
 from urllib.parse import SplitResult, urlsplit
 
@@ -20,6 +17,7 @@ import msgspec
 
 from scenarios.generation.prompts.instructions import instructions, schema
 from scenarios.generation.prompts.parsing.reading import plain
+from scenarios.generation.prompts.posting import MOST_BYTES, Answer, posted
 from scenarios.generation.prompts.vocabulary import places, things, unmeasurable
 from scenarios.generation.prompts.wishes import Count, PromptError, Relation, Wishes, checked
 
@@ -27,19 +25,18 @@ KEY = "OPENAI_API_KEY"
 """Environment variable of the key that the endpoint may want."""
 MOST_SECONDS = 120.0
 """Time for the whole answer."""
-_MOST_BYTES = 256 * 1024
 _TO = "/chat/completions"
 
 
 class _Message(msgspec.Struct):
-    content: Annotated[str, msgspec.Meta(max_length=_MOST_BYTES)]
+    content: Annotated[str, msgspec.Meta(max_length=MOST_BYTES)]
 
 
 class _Choice(msgspec.Struct):
     message: _Message
 
 
-class _Answer(msgspec.Struct):
+class _Completion(msgspec.Struct):
     choices: Annotated[list[_Choice], msgspec.Meta(min_length=1, max_length=16)]
 
 
@@ -82,8 +79,8 @@ def ask_endpoint(
     headers = {"Content-Type": "application/json", "Accept": "application/json"}
     if (key := environment.get(KEY, "").strip()) and _is_private(address):
         headers["Authorization"] = f"Bearer {_sendable(key)}"
-    data = _posted(address, body, headers, endpoint, most_seconds)
-    return _known(_decoded(data, endpoint))
+    found = posted(address, _path(address), body, headers, most_seconds)
+    return _known(_decoded(_body(found, endpoint, most_seconds), endpoint))
 
 
 def asked_address(endpoint: str) -> SplitResult:
@@ -110,72 +107,39 @@ def asked_address(endpoint: str) -> SplitResult:
     return parts
 
 
-def _posted(
-    address: SplitResult,
-    body: bytes,
-    headers: Mapping[str, str],
-    endpoint: str,
-    most_seconds: float,
-) -> bytes:
-    """The body of the answer; no redirect is followed, so that the key goes nowhere else."""
-    make = http.client.HTTPSConnection if address.scheme == "https" else http.client.HTTPConnection
+def _path(address: SplitResult) -> str:
     path = address.path.rstrip("/")
-    path = path if path.endswith(_TO) else f"{path}{_TO}"
+    return path if path.endswith(_TO) else f"{path}{_TO}"
+
+
+def _body(found: Answer | Exception | None, endpoint: str, most_seconds: float) -> bytes:
+    """The body of an answer that is one."""
     valid = "an endpoint that answers chat/completions"
-    is_late = threading.Event()
-    with closing(make(address.hostname or "", address.port, timeout=most_seconds)) as connection:
-        watch = threading.Timer(most_seconds, _cut, (connection, is_late))
-        watch.daemon = True
-        try:
-            watch.start()
-            connection.request("POST", path, body=body, headers=dict(headers))
-            response = connection.getresponse()
-            data = response.read(_MOST_BYTES + 1)
-            status = response.status
-        except (OSError, http.client.HTTPException, ValueError) as error:
-            if is_late.is_set() or isinstance(error, TimeoutError):
-                raise PromptError(_late(endpoint, most_seconds)) from None
-            reason = " ".join(f"{type(error).__name__}: {error}".split())[:200]
-            raise PromptError(
-                f"prompt-endpoint {endpoint!r} cannot be used ({reason}); valid: {valid}"
-            ) from None
-        finally:
-            watch.cancel()
-    if is_late.is_set():
-        raise PromptError(_late(endpoint, most_seconds))
-    if status != http.HTTPStatus.OK:
-        said = " ".join(data[:200].decode("utf-8", "replace").split())
+    if found is None or isinstance(found, TimeoutError):
         raise PromptError(
-            f"prompt-endpoint {endpoint!r} answered with status {status} ({said}); valid: {valid}"
+            f"prompt-endpoint {endpoint!r} did not answer within {most_seconds:g} s; "
+            "valid: a faster model, or no --prompt-endpoint"
         )
-    if len(data) > _MOST_BYTES:
+    if isinstance(found, Exception):
+        reason = " ".join(f"{type(found).__name__}: {found}".split())[:200]
+        raise PromptError(f"prompt-endpoint {endpoint!r} cannot be used ({reason}); valid: {valid}")
+    if found.status != HTTPStatus.OK:
+        said = " ".join(found.body[:200].decode("utf-8", "replace").split())
         raise PromptError(
-            f"prompt-endpoint {endpoint!r} answered with more than {_MOST_BYTES} bytes; "
+            f"prompt-endpoint {endpoint!r} answered with status {found.status} ({said}); "
+            f"valid: {valid}"
+        )
+    if len(found.body) > MOST_BYTES:
+        raise PromptError(
+            f"prompt-endpoint {endpoint!r} answered with more than {MOST_BYTES} bytes; "
             "valid: an answer by the schema that it was sent"
         )
-    return data
-
-
-def _cut(connection: http.client.HTTPConnection, is_late: threading.Event) -> None:
-    """End a connection whose time is up, however slowly it goes on."""
-    is_late.set()
-    if connection.sock is not None:
-        try:
-            connection.sock.shutdown(socket.SHUT_RDWR)
-        except OSError:
-            return  # It has ended by itself.
-
-
-def _late(endpoint: str, most_seconds: float) -> str:
-    return (
-        f"prompt-endpoint {endpoint!r} did not answer within {most_seconds:g} s; "
-        "valid: a faster model, or no --prompt-endpoint"
-    )
+    return found.body
 
 
 def _decoded(data: bytes, endpoint: str) -> Wishes:
     try:
-        answer = msgspec.json.decode(data, type=_Answer)
+        answer = msgspec.json.decode(data, type=_Completion)
         content = answer.choices[0].message.content.strip()
         content = content.removeprefix("```json").removeprefix("```").removesuffix("```")
         return msgspec.json.decode(content.encode(), type=Wishes)

@@ -11,7 +11,7 @@
 | next_to, near | at the same level, 3 m, 10 m apart at most, the middle outside |
 | in_front_of, behind | off the front, the back, at most 15 m, and no farther aside than 2 m |
 | facing | the host is within 20 m and 45 degrees of the thing's front |
-| along | within 4 m of a host beside which at least three stand, over a third of it or 10 m |
+| along | within 4 m of a host beside which others stand, 10 m or two thirds of it apart |
 | around | within 5 m of a host, which has them on three sides at least |
 | between | the middle lies in the hull of two hosts at most 30 m apart, and in neither |
 """
@@ -41,8 +41,8 @@ _ON_M = 0.6
 """Height by which an underside may miss the top that it stands on: water, slopes of roofs."""
 _UNDER_M = 0.3
 _ASIDE_M = 2.0
-_ROW = 3
-"""Fewest things that stand along something, and sides that are around it."""
+_SIDES = 3
+"""Fewest sides that are around something."""
 _ROW_M = 10.0
 _BETWEEN_M = 30.0
 _COS_FACING = np.cos(np.pi / 4)
@@ -147,8 +147,8 @@ def _along(subjects: Found, hosts: Found, within_m: float) -> _Table:
     is_long_x = half_m[:, 0] >= half_m[:, 1]
     place_m = np.where(is_long_x, along, across)
     for k in range(len(hosts)):
-        stretch_m = np.ptp(place_m[table[:, k], k]) if table[:, k].sum() >= _ROW else 0.0
-        least_m = min(_ROW_M, 2.0 * half_m[k].max() / 3.0)
+        stretch_m = np.ptp(place_m[table[:, k], k]) if table[:, k].any() else 0.0
+        least_m = min(_ROW_M, 4.0 * half_m[k].max() / 3.0)
         table[:, k] &= bool(stretch_m >= least_m)
     return table
 
@@ -158,7 +158,7 @@ def _around(subjects: Found, hosts: Found, within_m: float) -> _Table:
     along, across = _own_axes(subjects, hosts)
     side = np.round(np.arctan2(across, along) / (np.pi / 2)).astype(int) % 4
     for k in range(len(hosts)):
-        table[:, k] &= len(set(side[table[:, k], k])) >= _ROW
+        table[:, k] &= len(set(side[table[:, k], k])) >= _SIDES
     return table
 
 

@@ -10,7 +10,7 @@ import msgspec
 
 from aeroscene.files.visible import visible
 from scenarios.generation.prompts.vocabulary import domains_of, places, things
-from scenarios.generation.prompts.wishes import Wishes, spoken
+from scenarios.generation.prompts.wishes import Wishes, named, spoken
 
 Themes = Mapping[Any, Collection[str]]
 """Themes that a checkpoint knows, by domain."""
@@ -139,7 +139,7 @@ def _settle_theme(
         if usual is not None:
             theme, thing = usual
             options["theme"] = theme
-            notes.append(f"theme {theme}, because a {spoken(thing)} is usual there")
+            notes.append(f"theme {theme}, because {named(thing)} is usual there")
 
 
 def _settle_domain(
@@ -166,7 +166,7 @@ def _settle_domain(
     elif domain not in themes:
         return
     options["domain"] = domain
-    names = " and ".join(f"a {spoken(name)} stands {where}s" for where, name in only.items())
+    names = " and ".join(f"{named(name)} stands {where}s" for where, name in only.items())
     notes.append(f"domain {domain}, because {names}")
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import msgspec
 
 from aeroscene.scene.catalogue import COVERS, LEAFY, ROOMS, ROUND, TWO_SIDED, by_name
-from scenarios.generation.prompts.wishes import Relation, RelationName, spoken
+from scenarios.generation.prompts.wishes import Relation, RelationName, named, spoken
 
 _FOLDER = Path(__file__).parent
 _ES = ("s", "x", "z", "ch", "sh")
@@ -86,9 +86,9 @@ def has_front(name: str) -> bool:
 def unmeasurable(wish: Relation) -> str | None:
     """Why a relation cannot be measured; None where it can."""
     if wish.relation in {"in_front_of", "behind"} and not has_front(wish.host):
-        return f"a {spoken(wish.host)} has no front"
+        return f"{named(wish.host)} has no front"
     if wish.relation == "facing" and not has_front(wish.thing):
-        return f"a {spoken(wish.thing)} has no front"
+        return f"{named(wish.thing)} has no front"
     return None
 
 
@@ -112,7 +112,11 @@ def phrases(name: str, words: Sequence[str]) -> dict[str, bool]:
 
 
 def plural(words: str) -> str:
-    """Plural of a noun phrase, whose last word is the noun."""
+    """Plural of a noun phrase, whose noun is the last word before `of`, `with` or `and`."""
+    for joint in (" of ", " with ", " and "):
+        head, found, rest = words.partition(joint)
+        if found:
+            return f"{plural(head)}{joint}{rest}"
     before, _, noun = words.rpartition(" ")
     if noun in _SAME:
         many = noun

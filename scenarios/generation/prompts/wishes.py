@@ -139,6 +139,11 @@ def spoken(name: str) -> str:
     return name.replace("_", " ")
 
 
+def named(name: str) -> str:
+    """A name with its article."""
+    return f"{'an' if name[0] in 'aeiou' else 'a'} {spoken(name)}"
+
+
 def checked(wishes: Wishes) -> Wishes:
     """The wishes with counts of the same thing joined.
 

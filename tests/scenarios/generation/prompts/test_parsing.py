@@ -367,5 +367,7 @@ def test_words_that_are_not_known_are_all_named():
 )
 def test_numbers(words, limits):
     tokens = [*words.split(), "cars"]
-    number, taken = number_at(tokens, 0)
+    found = number_at(tokens, 0)
+    assert found is not None
+    number, taken = found
     assert (number.least, number.most, taken) == (*limits, len(tokens) - 1)
