@@ -8,6 +8,7 @@ from functools import cache
 from typing import Literal
 
 from scenarios.generation.prompts.vocabulary import phrases, places, plural, things
+from scenarios.generation.prompts.wishes import spoken
 
 Kind = Literal[
     "noun",
@@ -144,7 +145,11 @@ def _nouns() -> dict[str, Noun]:
             found[words] = Noun(thing=name, is_plural=is_plural)
     for theme, place in places().items():
         weak = dict.fromkeys(place.weak, True)
-        for words, is_weak in {**dict.fromkeys(place.words, False), **weak}.items():
+        for words, is_weak in {
+            spoken(theme): False,
+            **dict.fromkeys(place.words, False),
+            **weak,
+        }.items():
             thing = place.things.get(words, "")
             own = found.get(words, Noun()).thing
             for each, is_plural in ((plural(words), True), (words, False)):
