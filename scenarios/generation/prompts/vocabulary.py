@@ -8,12 +8,22 @@ from pathlib import Path
 
 import msgspec
 
-from aeroscene.scene.catalogue import COVERS, LEAFY, ROOMS, ROUND, TWO_SIDED, by_name
+from aeroscene.scene.catalogue import (
+    COVERS,
+    FLOORS,
+    LEAFY,
+    ROOFS,
+    ROOMS,
+    ROUND,
+    TWO_SIDED,
+    WATER,
+    by_name,
+)
 from scenarios.generation.prompts.wishes import Relation, RelationName, named, spoken
 
 _FOLDER = Path(__file__).parent
 _ES = ("s", "x", "z", "ch", "sh")
-_SAME = frozenset(("grass", "cutlery", "silverware", "steps", "greenery", "railings", "parking"))
+_SAME = frozenset(("grass", "silverware", "steps", "greenery", "railings", "parking"))
 """Nouns that are their own plural."""
 
 
@@ -98,9 +108,9 @@ def domains_of(name: str) -> frozenset[str]:
     found: set[str] = set()
     for category in categories_of(name):
         carried_by = set(by_name()[category].supports)
-        if carried_by & {"floor", "furniture"} or things()[name].use or category in ROOMS:
+        if carried_by & (FLOORS | {"furniture"}) or things()[name].use or category in ROOMS:
             found.add("indoor")
-        if carried_by & {"ground", "roof", "water"}:
+        if carried_by & (ROOFS | WATER | {"ground"}):
             found.add("outdoor")
     return frozenset(found)
 
@@ -120,7 +130,7 @@ def plural(words: str) -> str:
     before, _, noun = words.rpartition(" ")
     if noun in _SAME:
         many = noun
-    elif noun.endswith("shelf"):
+    elif noun.endswith(("elf", "leaf")):
         many = f"{noun[:-1]}ves"
     elif noun.endswith(_ES):
         many = f"{noun}es"

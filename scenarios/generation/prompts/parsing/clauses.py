@@ -9,6 +9,7 @@ from scenarios.generation.prompts.parsing.lexemes import Lexeme
 from scenarios.generation.prompts.parsing.lexicon import Noun
 from scenarios.generation.prompts.parsing.mentions import Mention, Site, Tie, is_none
 from scenarios.generation.prompts.parsing.numbers import A, Number
+from scenarios.generation.prompts.parsing.settings import Settings
 from scenarios.generation.prompts.wishes import COUNTS, PromptError
 
 _ABOUT_PLACE = ("inside", "on", "near", "next_to", "along")
@@ -22,9 +23,7 @@ class Clauses:
     site: Site = field(default_factory=Site)
     mentions: list[Mention] = field(default_factory=list)
     ties: list[Tie] = field(default_factory=list)
-    options: dict[str, tuple[object, str]] = field(default_factory=dict)
-    """Value and words of each option."""
-    size: tuple[str, str] | None = None
+    settings: Settings = field(default_factory=Settings)
     unknown: list[str] = field(default_factory=list)
     _number: Number | None = None
     _number_said: str = ""
@@ -61,12 +60,8 @@ class Clauses:
             self._read_noun(lexeme, following)
         elif kind == "number":
             self._read_number(lexeme)
-        elif kind == "option":
-            self._read_option(lexeme)
-        elif kind == "size":
-            self._read_size(lexeme, following)
-        elif kind == "amount":
-            self._read_amount(lexeme)
+        elif kind in {"option", "size", "amount"}:
+            self._read_setting(lexeme, following)
         elif kind == "relation":
             self._read_relation(lexeme)
         elif kind == "pronoun":
@@ -92,16 +87,23 @@ class Clauses:
             raise PromptError(fault)
         self._number, self._number_said, self._is_carried = number, lexeme.said, False
 
-    def _read_amount(self, lexeme: Lexeme) -> None:
-        """A number of objects, which is met within a fifth, or of landing areas at most."""
-        number, option = self._number, lexeme.value
-        said = f"{self._number_said} {lexeme.said}"
-        self._number = None
-        is_bounded = number is not None and number.most is not None
-        if number is None or not number.n or not is_bounded:
-            self.unknown.append(said.strip() if number else lexeme.said)
+    def _read_setting(self, lexeme: Lexeme, following: Lexeme | None) -> None:
+        """A word that sets an option of the site; "not crowded" sets none."""
+        number, words = self._number, f"{self._number_said} {lexeme.said}"
+        is_negated = is_none(number)
+        if lexeme.kind == "size":
+            if is_negated or not self.settings.size_by(lexeme, following):
+                self.unknown.append(words if is_negated else lexeme.said)
+        elif lexeme.kind == "amount":
+            if not self.settings.count(lexeme.value, number, words):
+                self.unknown.append(words if number is not None else lexeme.said)
+        elif is_negated:
+            self.unknown.append(words)
         else:
-            self.options[option] = (number.n, said)
+            option, value = lexeme.value
+            self.settings.choose(option, value, lexeme.said)
+        if is_negated or lexeme.kind == "amount":
+            self._number = None
 
     def _read_pronoun(self) -> None:
         """`in front of it`: what was named before the subject of the relation."""
@@ -135,32 +137,6 @@ class Clauses:
         if self._number is not None and not self._number.is_article and not is_none(self._number):
             self.unknown.append(self._number_said)
         self._number = None
-
-    def _read_option(self, lexeme: Lexeme) -> None:
-        option, value = lexeme.value
-        if is_none(self._number):
-            self.unknown.append(f"{self._number_said} {lexeme.said}")
-            self._number = None
-            return
-        before = self.options.get(option)
-        if before is not None and before[0] != value:
-            raise PromptError(
-                f"prompt asks for {before[1]!r} and {lexeme.said!r} ({option} {before[0]} and "
-                f"{value}); valid: one of the two"
-            )
-        self.options[option] = (value, lexeme.said)
-
-    def _read_size(self, lexeme: Lexeme, following: Lexeme | None) -> None:
-        """A size of the site; that of a thing is not among what can be asked for."""
-        noun = following.value if following is not None and following.kind == "noun" else None
-        if noun is not None and (not noun.place or noun.is_plural):
-            self.unknown.append(lexeme.said)
-        elif self.size is not None and self.size[0] != lexeme.value:
-            raise PromptError(
-                f"prompt asks for {self.size[1]!r} and {lexeme.said!r}; valid: one of the two"
-            )
-        else:
-            self.size = (lexeme.value, lexeme.said)
 
     def _read_relation(self, lexeme: Lexeme) -> None:
         self._drop_number()

@@ -96,8 +96,6 @@ def relation_of(tie: Tie) -> Relation | str:
     subject = tie.subject
     assert subject is not None
     least, most = subject.limits
-    if tie.relation in {"along", "around"} and subject.number is None:
-        least = max(least, 3)
     wish = Relation(
         subject.thing,
         least,

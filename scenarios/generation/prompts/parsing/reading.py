@@ -40,9 +40,9 @@ def read_prompt(text: str) -> Wishes:
     site = clauses.site
     if site.theme:
         readings.insert(0, Reading("theme", site.said))
-    for option, (_, said) in clauses.options.items():
+    for option, (_, said) in clauses.settings.options.items():
         readings.append(Reading(option, said))
-    options = {option: value for option, (value, _) in clauses.options.items()}
+    options = {option: value for option, (value, _) in clauses.settings.options.items()}
     found = {
         "theme": site.theme or None,
         "outline_m": outline_m,
@@ -89,9 +89,9 @@ def _relations(ties: list[Tie]) -> tuple[list[Relation], list[str]]:
 
 def _outline(clauses: Clauses, sizes: Sizes) -> tuple[tuple[float, float] | None, list[Reading]]:
     readings = list(sizes.readings)
-    if clauses.size is None:
+    if clauses.settings.size is None:
         return sizes.outline_m, readings
-    size, said = clauses.size
+    size, said = clauses.settings.size
     if sizes.outline_m is not None:
         raise PromptError(
             f"prompt asks for a {said} site and for one of {readings[-1].said!r}; "
@@ -99,6 +99,6 @@ def _outline(clauses: Clauses, sizes: Sizes) -> tuple[tuple[float, float] | None
         )
     readings.append(Reading("outline", said))
     theme = clauses.site.theme
-    is_indoor = clauses.options.get("domain", ("", ""))[0] == "indoor"
+    is_indoor = clauses.settings.options.get("domain", ("", ""))[0] == "indoor"
     is_indoor |= bool(theme) and places()[theme].is_indoor
     return (_SIDES_M[is_indoor] | {"huge": _HUGE_M[is_indoor]})[size], readings
