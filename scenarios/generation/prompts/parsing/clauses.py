@@ -10,7 +10,7 @@ from scenarios.generation.prompts.parsing.lexicon import Noun
 from scenarios.generation.prompts.parsing.mentions import Mention, Site, Tie, is_none
 from scenarios.generation.prompts.parsing.numbers import A, Number
 from scenarios.generation.prompts.parsing.settings import Settings
-from scenarios.generation.prompts.wishes import COUNTS, PromptError
+from scenarios.generation.prompts.wishes import COUNTS, PromptError, spoken
 
 _ABOUT_PLACE = ("inside", "on", "near", "next_to", "along")
 """Relations that also say what the scene is: a house in a park, bikes along the quay."""
@@ -30,6 +30,8 @@ class Clauses:
     _is_carried: bool = False
     """Whether that number was a thing's already, as in "no cars and trees"."""
     _is_after_place: bool = False
+    _place_thing: str = ""
+    """What the word for the place means where it is a host."""
     _is_modified: bool = False
     """Whether the word before is a place that says more about the next one."""
     _was_modified: bool = False
@@ -64,6 +66,8 @@ class Clauses:
             self._read_setting(lexeme, following)
         elif kind == "relation":
             self._read_relation(lexeme)
+        elif kind == "reversed":
+            self._read_reversed(lexeme)
         elif kind == "pronoun":
             self._read_pronoun()
         elif kind == "and":
@@ -134,7 +138,12 @@ class Clauses:
 
     def _drop_number(self) -> None:
         """Name a number that nothing followed as not understood."""
-        if self._number is not None and not self._number.is_article and not is_none(self._number):
+        number = self._number
+        if (
+            number is not None
+            and not number.is_article
+            and not (number.most == 0 and self._is_carried)
+        ):
             self.unknown.append(self._number_said)
         self._number = None
 
@@ -145,6 +154,15 @@ class Clauses:
         subject = None if self._is_last_unknown else self._last
         self._tie = Tie(lexeme.value, lexeme.said, subject, is_dropped=self._is_last_unknown)
         self._is_last_unknown = False
+
+    def _read_reversed(self, lexeme: Lexeme) -> None:
+        """`a pond surrounded by trees`: what was named last is the host of what comes next."""
+        self._drop_number()
+        host = self._last.thing if self._last is not None else self._place_thing
+        if self._is_last_unknown or not host:
+            self.unknown.append(lexeme.said)
+        else:
+            self._fronted = Tie(lexeme.value, f"{lexeme.said} {spoken(host)}", None, [host])
 
     def _read_noun(self, lexeme: Lexeme, following: Lexeme | None) -> None:
         noun: Noun = lexeme.value
@@ -192,7 +210,7 @@ class Clauses:
             site.said = f"{site.said}, {said}"
         else:
             site.replaced_by(noun.place, said)
-        self._last, self._is_after_place = None, True
+        self._last, self._is_after_place, self._place_thing = None, True, noun.thing
         if self._number is not None and self._number.n in {None, 1}:
             self._number = None
 

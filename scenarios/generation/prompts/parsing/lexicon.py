@@ -17,6 +17,7 @@ Kind = Literal[
     "size",
     "amount",
     "relation",
+    "reversed",
     "pronoun",
     "and",
     "with",
@@ -73,8 +74,8 @@ RELATIONS: Mapping[str, tuple[str, ...]] = {
     "on": ("on", "on top of", "upon", "atop"),
     "over": ("over", "across", "spanning"),
     "under": ("under", "below", "beneath", "underneath"),
-    "inside": ("in", "inside", "within", "at", "inside of"),
-    "next_to": ("next to", "beside", "by", "alongside", "adjacent to", "against", "close to"),
+    "inside": ("in", "inside", "within", "inside of"),
+    "next_to": ("next to", "beside", "by", "alongside", "adjacent to", "against", "close to", "at"),
     "near": ("near", "nearby", "around here", "in the vicinity of", "not far from"),
     "in_front_of": ("in front of", "before", "outside of"),
     "behind": ("behind", "at the back of", "in back of", "at the rear of"),
@@ -88,6 +89,13 @@ AMOUNTS: Mapping[str, tuple[str, ...]] = {
     "areas": ("landing areas", "landing spots", "landing sites", "landing places", "landing area"),
 }
 """Words for what numbers of options count."""
+REVERSED: Mapping[str, tuple[str, ...]] = {
+    "around": ("surrounded by", "ringed by", "enclosed by", "framed by"),
+    "along": ("lined by", "lined with", "flanked by", "bordered by"),
+    "on": ("carrying", "topped with", "topped by"),
+    "next_to": ("accompanied by",),
+}
+"""Words of relations whose host comes first: "a pond surrounded by trees"."""
 JOINTS: Mapping[Kind, tuple[str, ...]] = {
     "and": ("and", "or", ",", "as well as", "plus", "&"),
     "with": (
@@ -133,6 +141,8 @@ def lexicon() -> Mapping[tuple[str, ...], tuple[Kind, object]]:
         found |= {tuple(words.split()): ("relation", relation) for words in group}
     for option, group in AMOUNTS.items():
         found |= {tuple(words.split()): ("amount", option) for words in group}
+    for relation, group in REVERSED.items():
+        found |= {tuple(words.split()): ("reversed", relation) for words in group}
     for kind, group in JOINTS.items():
         found |= {tuple(words.split()): (kind, None) for words in group}
     return found

@@ -8,14 +8,17 @@ from dataclasses import dataclass, field
 
 from scenarios.generation.prompts.wishes import PromptError, Reading
 
+_ABOUT = r"(?:\b(?:about|around|roughly|approximately|some) )?"
 _NUMBER = r"(\d{1,6}(?:\.\d{1,3})?)"
 _METRES = r"(?:m|metres?|meters?)"
-_SIDES = re.compile(rf"{_NUMBER}\s*{_METRES}?\s*(?:by|x|×)\s*{_NUMBER}\s*{_METRES}?\b(?:\s+wide)?")
+_SIDES = re.compile(
+    rf"{_ABOUT}{_NUMBER}\s*{_METRES}?\s*(?:by|x|×)\s*{_NUMBER}\s*{_METRES}?\b(?:\s+wide)?"
+)
 _HECTARES = re.compile(
-    rf"(?:{_NUMBER}|half an?|quarter of an?|a quarter of an?|one|two|an?)\s*(?:hectares?|ha)\b"
+    rf"{_ABOUT}(?:{_NUMBER}|half an?|(?:a )?quarter of an?|one|two|an?)\s*(?:hectares?|ha)\b"
 )
 _SQUARE_METRES = re.compile(
-    rf"{_NUMBER}\s*(?:square {_METRES}|sq\.? ?m|m2|m²|{_METRES} squared)(?!\w)"
+    rf"{_ABOUT}{_NUMBER}\s*(?:square {_METRES}|sq\.? ?m|m2|m²|{_METRES} squared)(?!\w)"
 )
 _PASSAGES = re.compile(
     r"\b(?:doors?|doorways?|corridors?|passages?)(?: (?:and|or) (?:doors|corridors|passages))?"
@@ -65,7 +68,8 @@ def _sides_m(pattern: re.Pattern[str], match: re.Match[str]) -> tuple[float, flo
     if match[1] is not None:
         area_m2 = float(match[1]) * (1.0 if pattern is _SQUARE_METRES else _M2)
     else:
-        words = re.sub(r"\s*(?:of )?(?:an?)?\s*(?:hectares?|ha)$", "", match[0]).strip() or "a"
+        said = re.sub(f"^{_ABOUT}", "", match[0])
+        words = re.sub(r"\s*(?:of )?(?:an?)?\s*(?:hectares?|ha)$", "", said).strip() or "a"
         area_m2 = _OF_HECTARE[words] * _M2
     side_m = round(math.sqrt(area_m2), 1)
     return side_m, side_m

@@ -215,7 +215,7 @@ PROMPTS = (
         "box under table: at least 2; plant next to sofa: at least 1",
         "",
     ),
-    ("no people", "", "", "people"),
+    ("no people", "", "", "people, no"),
     ("60 objects in a small park", "theme=park objects=60 outline_m=60,60", "", ""),
     ("lamp posts every 10 m", "", "street lamp: at least 2", "every, m, 10"),
     ("a harbour town with boats", "theme=waterfront", "boat: at least 2", ""),
@@ -254,6 +254,28 @@ PROMPTS = (
         "",
     ),
     ("a sofa in the lobby of an office", "theme=office", "sofa inside lobby: at least 1", ""),
+)
+MORE = (
+    ("boats moored at a jetty", "", "boat next to jetty: at least 2", ""),
+    ("a lake surrounded by trees", "", "water: at least 1; tree around water: at least 2", ""),
+    (
+        "a street lined with trees",
+        "theme=residential_street",
+        "tree along road: at least 2",
+        "",
+    ),
+    ("zorbs surrounded by trees", "", "tree: at least 2", "zorbs, surrounded by"),
+    ("about 90 m by 80 m", "outline_m=90,80", "", ""),
+    ("about a hectare of park", "theme=park outline_m=100,100", "", ""),
+    ("two hectares of park", "theme=park outline_m=141.4,141.4", "", ""),
+    ("not", "", "", "not"),
+    ("no", "", "", "no"),
+    ("between", "", "", "between"),
+    ("on the roof", "", "", "on roof"),
+    ("between a house and", "", "", "between house"),
+    ("A WAREHOUSE FULL OF PALLETS ON RACKS", "theme=warehouse", "pallet on rack: at least 10", ""),
+    ("an office at night", "theme=office", "", "night, at"),
+    ("a hospital with a waiting room", "theme=clinic", "waiting room: at least 1", ""),
 )
 CONTRADICTIONS = (
     ("no cars and three cars", "asks for 0 and for 3 of car; valid: one of the two"),
@@ -296,7 +318,7 @@ def read(prompt):
     return options, demands, ", ".join(wishes.not_understood)
 
 
-@pytest.mark.parametrize(("prompt", "options", "demands", "unknown"), PROMPTS)
+@pytest.mark.parametrize(("prompt", "options", "demands", "unknown"), PROMPTS + MORE)
 def test_prompts_are_read_as_they_are_meant(prompt, options, demands, unknown):
     assert read(prompt) == (options, demands, unknown)
 
