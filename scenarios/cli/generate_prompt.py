@@ -8,7 +8,6 @@ from typing import Any, ClassVar, Protocol, TypeVar
 
 from scenarios.cli.terminal import styled, terminal
 from scenarios.generation.asked import GenerateError
-from scenarios.generation.prompts.endpoint import ask_endpoint, asked_address
 from scenarios.generation.prompts.parsing import read_prompt
 from scenarios.generation.prompts.understanding import Themes, Understanding, understood
 from scenarios.generation.prompts.wishes import PromptError, Wishes
@@ -63,7 +62,9 @@ def prompt_wishes(cfg: _Options) -> Wishes:
     if not cfg.prompt:
         return Wishes()
     if cfg.prompt_endpoint:
-        asked_address(cfg.prompt_endpoint)
+        # Sockets and TLS: only where somebody asks for them.
+        from scenarios.generation.prompts.endpoint import ask_endpoint
+
         wishes = ask_endpoint(cfg.prompt, cfg.prompt_endpoint, cfg.prompt_model, os.environ)
     else:
         wishes = read_prompt(cfg.prompt)

@@ -1,6 +1,7 @@
 """The vocabulary covers the catalogue, and no word means two things."""
 
 from collections import defaultdict
+from dataclasses import fields
 
 import pytest
 
@@ -9,6 +10,7 @@ from aeroscene.learning.training.checkpoint import read_checkpoint
 from aeroscene.learning.writer.language import Language
 from aeroscene.scene.catalogue import CATALOGUE
 from aeroscene.solids.shapes import FORMS
+from scenarios.cli.generate import GenerateCfg
 from scenarios.generation.prompts.parsing import read_prompt
 from scenarios.generation.prompts.parsing.lexicon import OPTIONS, RELATIONS, Noun, lexicon
 from scenarios.generation.prompts.vocabulary import (
@@ -60,6 +62,11 @@ def test_no_phrase_names_two_places():
 def test_words_of_options_and_relations_name_nothing_else():
     words = [w for group in (*OPTIONS.values(), *RELATIONS.values()) for w in group]
     assert [each for each in words if lexicon()[tuple(each.split())][0] == "noun"] == []
+
+
+def test_no_thing_has_the_name_of_another_wish():
+    options = {field.name for field in fields(GenerateCfg)} | {"areas_small", "worst_for", "region"}
+    assert {spoken(name) for name in things()} & options == set()
 
 
 def test_every_theme_of_the_model_that_ships_has_words():
