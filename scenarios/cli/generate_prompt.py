@@ -1,4 +1,4 @@
-"""The prompt of `aeroscene generate`: read once, joined with the options, and told."""
+"""The prompt of `aeroscene generate`: read once, joined with the options, and printed."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ _Cfg = TypeVar("_Cfg", bound=_Options)
 
 
 def prompt_wishes(cfg: _Options) -> Wishes:
-    """What the prompt asks for, before anything is loaded; nothing where there is none.
+    """Read the prompt before anything is loaded; without one there are no wishes.
 
     Raises:
         SceneError: If it contradicts itself, is not understood, or the endpoint is of no use.
@@ -79,7 +79,7 @@ def prompt_wishes(cfg: _Options) -> Wishes:
 def prompted(
     cfg: _Cfg, wishes: Wishes, themes: Themes | None = None
 ) -> tuple[_Cfg, Understanding | None]:
-    """Options with those of the prompt, and what was understood.
+    """Fill options from the prompt, and report what was understood.
 
     Args:
         cfg: Options as they were given.
@@ -95,7 +95,7 @@ def prompted(
 
 
 def print_understood(found: Understanding) -> None:
-    """Print one line for each wish, each note, and the words that nothing was made of."""
+    """Print one line for each wish, each note, and the words that were not understood."""
     console = terminal()
     wide = max((len(said) for said, _ in found.rows), default=0)
     console.print("understood")

@@ -124,9 +124,9 @@ class Tally:
     is_strict: bool = False
     """Whether scenes that miss a wish are drawn again, and not kept."""
     prompt: str = ""
-    """Where there is one, scenes that miss a wish are drawn again, and the best draw is kept."""
+    """Prompt of the user; if there is one, a seed is drawn until it meets all wishes."""
     demands: Sequence[Count] = ()
-    """What the prompt counts."""
+    """Counts and relations of the prompt."""
     wishes: dict[str, dict[str, Got]] = field(default_factory=dict)
     """What was got beside what was asked for, of the scenes that are kept, by file."""
     measured: dict[str, dict[str, AttributeValue]] = field(default_factory=dict)

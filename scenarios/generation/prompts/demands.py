@@ -1,4 +1,4 @@
-"""How many of what a prompt counts a scene has."""
+"""Counts the things and relations of a prompt in a scene."""
 
 from __future__ import annotations
 

@@ -48,7 +48,7 @@ def ask_endpoint(
     *,
     most_seconds: float = MOST_SECONDS,
 ) -> Wishes:
-    """What a prompt asks for, as a language model reads it.
+    """Let a language model read the wishes of a prompt.
 
     Args:
         prompt: The prompt.

@@ -1,4 +1,4 @@
-"""Where things of the vocabulary are in a scene: each by its heart, judged by geometry."""
+"""Finds things of the vocabulary in a scene by their hearts and by geometry."""
 
 from __future__ import annotations
 

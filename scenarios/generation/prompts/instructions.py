@@ -1,4 +1,4 @@
-"""What a language model is told: the task, the vocabulary and the schema of its answer."""
+"""Instructions for a language model: the task, the vocabulary and the schema of its answer."""
 
 from __future__ import annotations
 

@@ -17,7 +17,7 @@ MOST_BYTES = 256 * 1024
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """What a server has answered."""
+    """Answer of a server."""
 
     status: int
     body: bytes
@@ -25,7 +25,7 @@ class Answer:
 
 @dataclass
 class _Exchange:
-    """One request and what came of it."""
+    """One request with its result."""
 
     connection: http.client.HTTPConnection
     socket: socket.socket | None = None
@@ -69,7 +69,7 @@ def posted(
         most_seconds: Time for everything.
 
     Returns:
-        The answer, the error that came instead, or None where the time was over.
+        The answer, the error that came instead, or None if the time was over.
     """
     make = http.client.HTTPSConnection if address.scheme == "https" else http.client.HTTPConnection
     exchange = _Exchange(make(address.hostname or "", address.port, timeout=most_seconds))

@@ -203,7 +203,7 @@ def _is_off_side(subjects: Found, hosts: Found, within_m: float, sign: float) ->
 def _own_axes(
     subjects: Found, hosts: Found
 ) -> tuple[Float[np.ndarray, "n k"], Float[np.ndarray, "n k"]]:
-    """Where the middles of subjects lie along the x and the y axis of each host's first box, m."""
+    """Coordinates of the subjects' middles on the x and y axes of each host's first box, m."""
     view, rows = hosts.view, hosts.first
     away = shapely.get_coordinates(subjects.centre)[:, None] - view.centre_m[rows]
     return (

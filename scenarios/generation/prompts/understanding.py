@@ -1,4 +1,4 @@
-"""What the program makes of a prompt for one checkpoint, beside the options that were given."""
+"""Options that follow from a prompt, given the user's options and the themes of a checkpoint."""
 
 from __future__ import annotations
 
@@ -37,11 +37,11 @@ class Understanding:
     options: Mapping[str, Any]
     """Options of `aeroscene generate` that follow from it, by their names."""
     notes: tuple[str, ...] = ()
-    """What was changed or added, and why, a line each."""
+    """Changes and additions with their reasons, a line each."""
 
     @property
     def rows(self) -> list[tuple[str, str]]:
-        """Words of the prompt, and what they ask for."""
+        """Words of the prompt with the wish that they became."""
         said = {each.option: each.said for each in self.wishes.readings}
         options = [
             (said.get(name, ""), f"{spoken(name)}: {value}") for name, value in self.options.items()
@@ -51,7 +51,7 @@ class Understanding:
 
     @property
     def not_understood(self) -> tuple[str, ...]:
-        """Words that nothing was made of."""
+        """Words that became no wish."""
         return tuple(map(visible, self.wishes.not_understood))
 
     def to_plain(self) -> dict[str, Any]:

@@ -28,7 +28,7 @@ _SAME = frozenset(("grass", "silverware", "steps", "greenery", "railings", "park
 
 
 class Part(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """What stands about the heart of a thing."""
+    """Objects that must stand about the heart of a thing."""
 
     thing: str
     least: int
@@ -104,7 +104,7 @@ def unmeasurable(wish: Relation) -> str | None:
 
 @cache
 def domains_of(name: str) -> frozenset[str]:
-    """Where a thing stands: `indoor`, `outdoor` or both, by what carries its hearts."""
+    """Domains in which a thing may stand, by the supports of its hearts."""
     found: set[str] = set()
     for category in categories_of(name):
         carried_by = set(by_name()[category].supports)

@@ -1,4 +1,4 @@
-"""What a prompt asks for, as data: the same whether our parser or a language model has read it."""
+"""Wishes of a prompt as data. Our parser and a language model give the same structure."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class PromptError(SceneError):
 
 
 class Count(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """How many of something there are."""
+    """A wish for a number of things of one name."""
 
     thing: _Name
     """Name of the vocabulary."""
@@ -63,7 +63,7 @@ class Count(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     @property
     def title(self) -> str:
-        """What is counted, as tables and documents name it."""
+        """Name of the wish in tables and documents."""
         return spoken(self.thing)
 
     def is_met(self, n: int) -> bool:
@@ -77,7 +77,7 @@ class Count(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Relation(Count, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """How many of something stand in a relation to something else."""
+    """A wish for a number of things that stand in a relation to a host."""
 
     relation: RelationName
     host: _Name
@@ -86,7 +86,7 @@ class Relation(Count, frozen=True, forbid_unknown_fields=True, kw_only=True):
 
     @property
     def title(self) -> str:
-        """What is counted, as tables and documents name it."""
+        """Name of the wish in tables and documents."""
         hosts = f"{spoken(self.host)} and {spoken(self.other)}" if self.other else spoken(self.host)
         relation = "on roof of" if self.relation == "on_roof" else spoken(self.relation)
         return f"{spoken(self.thing)} {relation} {hosts}"
@@ -145,7 +145,7 @@ def named(name: str) -> str:
 
 
 def checked(wishes: Wishes) -> Wishes:
-    """The wishes with counts of the same thing joined.
+    """Return the wishes, with counts of the same thing joined.
 
     Raises:
         PromptError: If a number is out of its range, or two wishes contradict each other.

@@ -1,4 +1,4 @@
-"""Reads lexemes one after the other: which number belongs to which thing, and what stands where."""
+"""Reads lexemes in order, and joins numbers to things and things to their hosts."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _ABOUT_PLACE = ("inside", "on", "near", "next_to", "along")
 
 @dataclass
 class Clauses:
-    """What has been read so far."""
+    """State of the parser after the lexemes that it has read."""
 
     site: Site = field(default_factory=Site)
     mentions: list[Mention] = field(default_factory=list)
@@ -31,12 +31,12 @@ class Clauses:
     """Whether that number was a thing's already, as in "no cars and trees"."""
     _is_after_place: bool = False
     _place_thing: str = ""
-    """What the word for the place means where it is a host."""
+    """Thing that the last word for the place names, if it is used as a host."""
     _is_modified: bool = False
     """Whether the word before is a place that says more about the next one."""
     _was_modified: bool = False
     _last: Mention | None = None
-    """What a relation that follows says something about."""
+    """Subject of a relation that follows."""
     _is_last_unknown: bool = False
     _tie: Tie | None = None
     """Relation that waits for a host."""
@@ -74,8 +74,8 @@ class Clauses:
             self._read_and(lexeme)
         elif kind == "with":
             self._drop_number()
-            self._number, self._tie, self._is_in_head = None, None, False
-            self._is_after_place = False
+            self._drop(self._tie)
+            self._tie, self._is_in_head, self._is_after_place = None, False, False
         elif kind == "clause":
             self._end_clause()
         else:
@@ -130,9 +130,8 @@ class Clauses:
 
     def _end_clause(self) -> None:
         self._drop_number()
-        for tie in (self._tie, self._fronted):
-            if tie is not None and not tie.is_dropped:
-                self.unknown.append(tie.said)
+        self._drop(self._tie)
+        self._drop(self._fronted)
         self._number = self._last = self._tie = self._fronted = None
         self._is_last_unknown = self._is_after_place = False
 
@@ -147,10 +146,14 @@ class Clauses:
             self.unknown.append(self._number_said)
         self._number = None
 
+    def _drop(self, tie: Tie | None) -> None:
+        """Name a relation that lacks its subject or its host as not understood."""
+        if tie is not None:
+            self.unknown.append(tie.said)
+
     def _read_relation(self, lexeme: Lexeme) -> None:
         self._drop_number()
-        if self._tie is not None:
-            self.unknown.append(self._tie.said)
+        self._drop(self._tie)
         subject = None if self._is_last_unknown else self._last
         self._tie = Tie(lexeme.value, lexeme.said, subject, is_dropped=self._is_last_unknown)
         self._is_last_unknown = False
@@ -162,6 +165,7 @@ class Clauses:
         if self._is_last_unknown or not host:
             self.unknown.append(lexeme.said)
         else:
+            self._drop(self._fronted)
             self._fronted = Tie(lexeme.value, f"{lexeme.said} {spoken(host)}", None, [host])
 
     def _read_noun(self, lexeme: Lexeme, following: Lexeme | None) -> None:
@@ -204,8 +208,10 @@ class Clauses:
             # "harbour street": a harbour, which has a street.
             if noun.thing and noun.place != site.theme:
                 self.mentions.append(Mention(noun.thing, None, is_plural=False, said=said))
-            else:
+            elif self._was_modified or noun.place == site.theme:
                 site.said = f"{site.said} {said}"
+            else:
+                self.unknown.append(f"{said} (a second place)")
         elif noun.place == site.theme:
             site.said = f"{site.said}, {said}"
         else:
@@ -242,8 +248,9 @@ class Clauses:
         assert tie is not None
         is_place = bool(noun.place) and tie.relation in _ABOUT_PLACE and not noun.is_plural
         if is_place and self.site.is_weak and not (noun.is_weak and self.site.theme):
-            self._read_place(noun, said)
-            if tie.relation != "along":
+            is_about_place = tie.relation != "along"
+            self._read_place(noun, f"{tie.said} {said}" if is_about_place else said)
+            if is_about_place:
                 self._tie = None
                 return
         number, number_said = self._number, self._number_said
@@ -274,6 +281,7 @@ class Clauses:
             # "a village by the sea": the place has it.
             self.mentions.append(Mention(tie.hosts[0], A, is_plural=False, said=tie.said))
         elif tie.subject is None:
+            self._drop(self._fronted)
             self._fronted = tie
         else:
             self.ties.append(tie)

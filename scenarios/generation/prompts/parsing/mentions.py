@@ -1,4 +1,4 @@
-"""What a prompt mentions: things with their numbers, relations between them, and the place."""
+"""Parts of a prompt: things with their numbers, relations between them, and the place."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ class Site:
     said: str = ""
     is_weak: bool = True
     thing: str = ""
-    """What its word means where the place is another."""
+    """Thing that its word names, if another word names the place."""
 
     def replaced_by(self, theme: str, said: str) -> None:
         """Require that a second place is the same.

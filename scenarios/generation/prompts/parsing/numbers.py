@@ -27,7 +27,7 @@ _WORDS = {word: n for n, word in enumerate(_ONES)} | {
 
 @dataclass(frozen=True, slots=True)
 class Number:
-    """How many: what a count allows, and the number that was named."""
+    """Limits of a count, and the number that was named."""
 
     least: int
     most: int | None = None

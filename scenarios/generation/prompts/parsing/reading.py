@@ -23,7 +23,7 @@ _HUGE_M = {False: (110.0, 110.0), True: (36.0, 30.0)}
 
 
 def read_prompt(text: str) -> Wishes:
-    """What a prompt asks for, by our own parser.
+    """Read the wishes of a prompt with our own parser.
 
     Args:
         text: English, up to `MOST_CHARACTERS`.

@@ -11,7 +11,7 @@ from scenarios.generation.prompts.wishes import PromptError
 
 @dataclass
 class Settings:
-    """What has been set so far."""
+    """Options that the words read so far have set."""
 
     options: dict[str, tuple[object, str]] = field(default_factory=dict)
     """Value and words of each option."""

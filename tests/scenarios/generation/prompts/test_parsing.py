@@ -1,10 +1,13 @@
 """Prompts as users write them, each with everything that is read from it."""
 
+import random
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from scenarios.generation.prompts.parsing import read_prompt
+from scenarios.generation.prompts.parsing.lexemes import lexemes
 from scenarios.generation.prompts.parsing.lexicon import lexicon
 from scenarios.generation.prompts.parsing.numbers import number_at
 from scenarios.generation.prompts.wishes import PromptError
@@ -305,6 +308,9 @@ CONTRADICTIONS = (
 )
 
 
+NUMBERS = ("two", "at least three", "5 to 8", "a", "no", "zorb")
+
+
 def read(prompt):
     """Options, demands and words left over, as one line each."""
     wishes = read_prompt(prompt)
@@ -353,6 +359,35 @@ def read_or_refused(text):
 def test_no_order_of_known_words_breaks_the_parser(words):
     found = read_or_refused(" ".join(words)[:900])
     assert "\n" not in found if isinstance(found, str) else all(e.least >= 0 for e in found.demands)
+
+
+SAID = {"noun", "option", "size", "amount", "relation", "reversed", "unknown", "number"}
+
+
+PHRASES = {" ".join(words): kind for words, (kind, _) in lexicon().items()}
+NOUNS = sorted(words for words, kind in PHRASES.items() if kind in {"noun", "option", "size"})
+JOINTS = sorted(set(PHRASES) - set(NOUNS))
+
+
+def random_prompts(count):
+    """Prompts of a few phrases each: nouns, joints and numbers in any order."""
+    rng = random.Random(1)
+    for _ in range(count):
+        groups = rng.choices((NOUNS, JOINTS, NUMBERS), k=rng.randint(1, 9))
+        yield " ".join(map(rng.choice, groups))
+
+
+def test_no_word_is_dropped_in_silence():
+    for prompt in random_prompts(2000):
+        found = read_or_refused(prompt)
+        if isinstance(found, str):
+            continue
+        said = [*found.not_understood, *(e.said for e in (*found.demands, *found.readings))]
+        told = " ".join(said)
+        for lexeme in lexemes(prompt):
+            number = lexeme.value if lexeme.kind == "number" else None
+            if lexeme.kind in SAID and (number is None or number.n not in {None, 0, 1}):
+                assert lexeme.said in told, prompt
 
 
 @given(st.text(max_size=80))
