@@ -138,7 +138,7 @@ def run(cfg: GenerateCfg) -> int:
 
 def _run(cfg: GenerateCfg) -> int:
     _check(cfg)
-    wishes = prompt_wishes(cfg)
+    wishes = prompt_wishes(cfg, _own_themes(cfg))
     requests = _requests(prompted(cfg, wishes)[0])
     require_torch()
     if cfg.checkpoint is not None:
@@ -168,6 +168,17 @@ def _run(cfg: GenerateCfg) -> int:
     _draw(cfg, generator, requests, tally)
     print_generated(cfg.out, generator.device, tally, more, as_json=cfg.json)
     return EXIT_NEGATIVE if tally.failed else EXIT_DONE
+
+
+def _own_themes(cfg: GenerateCfg) -> frozenset[str]:
+    """Themes of a checkpoint of the user's own, by whose names a prompt may call them."""
+    if not cfg.prompt or cfg.checkpoint is None:
+        return frozenset()
+    require_torch()
+    from aeroscene.learning.training.checkpoint import read_checkpoint
+
+    themes = getattr(read_checkpoint(cfg.checkpoint).known, "themes", {})
+    return frozenset(theme for group in themes.values() for theme in group)
 
 
 def _tally(cfg: GenerateCfg, folder: Path, wishes: Wishes) -> Tally:

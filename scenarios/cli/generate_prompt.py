@@ -44,7 +44,7 @@ class _Options(Protocol):
 _Cfg = TypeVar("_Cfg", bound=_Options)
 
 
-def prompt_wishes(cfg: _Options) -> Wishes:
+def prompt_wishes(cfg: _Options, own_themes: frozenset[str]) -> Wishes:
     """Read the prompt before anything is loaded; without one there are no wishes.
 
     Raises:
@@ -65,9 +65,11 @@ def prompt_wishes(cfg: _Options) -> Wishes:
         # Sockets and TLS: only where somebody asks for them.
         from scenarios.generation.prompts.endpoint import ask_endpoint
 
-        wishes = ask_endpoint(cfg.prompt, cfg.prompt_endpoint, cfg.prompt_model, os.environ)
+        wishes = ask_endpoint(
+            cfg.prompt, cfg.prompt_endpoint, cfg.prompt_model, os.environ, own_themes=own_themes
+        )
     else:
-        wishes = read_prompt(cfg.prompt)
+        wishes = read_prompt(cfg.prompt, own_themes)
     if wishes.is_empty:
         raise PromptError(
             f"prompt {cfg.prompt[:200]!r} has no wish that is understood; valid: English words for "

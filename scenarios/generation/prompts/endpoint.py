@@ -46,6 +46,7 @@ def ask_endpoint(
     model: str,
     environment: Mapping[str, str],
     *,
+    own_themes: frozenset[str] = frozenset(),
     most_seconds: float = MOST_SECONDS,
 ) -> Wishes:
     """Let a language model read the wishes of a prompt.
@@ -55,6 +56,7 @@ def ask_endpoint(
         endpoint: Base address such as `http://127.0.0.1:8080/v1`.
         model: Name of the model there.
         environment: Where the key is looked for. It is sent over https and to this machine only.
+        own_themes: Themes of a checkpoint beside those of the vocabulary.
         most_seconds: Time for the whole answer.
 
     Raises:
@@ -67,7 +69,7 @@ def ask_endpoint(
             "model": model,
             "temperature": 0,
             "messages": [
-                {"role": "system", "content": instructions()},
+                {"role": "system", "content": instructions(own_themes)},
                 {"role": "user", "content": text},
             ],
             "response_format": {
@@ -80,7 +82,7 @@ def ask_endpoint(
     if (key := environment.get(KEY, "").strip()) and _is_private(address):
         headers["Authorization"] = f"Bearer {_sendable(key)}"
     found = posted(address, _path(address), body, headers, most_seconds)
-    return _known(_decoded(_body(found, endpoint, most_seconds), endpoint))
+    return _known(_decoded(_body(found, endpoint, most_seconds), endpoint), own_themes)
 
 
 def asked_address(endpoint: str) -> SplitResult:
@@ -151,7 +153,7 @@ def _decoded(data: bytes, endpoint: str) -> Wishes:
         ) from None
 
 
-def _known(wishes: Wishes) -> Wishes:
+def _known(wishes: Wishes, own_themes: frozenset[str]) -> Wishes:
     """The wishes whose names are in the vocabulary; the others count as not understood."""
     unknown: list[str] = []
 
@@ -169,7 +171,7 @@ def _known(wishes: Wishes) -> Wishes:
         return reason is None
 
     theme = wishes.theme
-    if theme is not None and theme not in places():
+    if theme is not None and theme not in {*places(), *own_themes}:
         unknown.append(f"theme {theme} (none of {', '.join(places())})"[:200])
         theme = None
     found = msgspec.structs.replace(

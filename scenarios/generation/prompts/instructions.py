@@ -31,10 +31,10 @@ Rules:
 
 
 @cache
-def instructions() -> str:
-    """The task for a language model."""
+def instructions(own_themes: frozenset[str] = frozenset()) -> str:
+    """The task for a language model, where a checkpoint may have themes of its own."""
     return _TASK.format(
-        themes=", ".join(places()),
+        themes=", ".join([*places(), *sorted(own_themes - places().keys())]),
         things=", ".join(things()),
         relations=", ".join(get_args(RelationName)),
     )

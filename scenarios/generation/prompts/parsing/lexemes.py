@@ -24,14 +24,14 @@ class Lexeme:
     value: Any = None
 
 
-def lexemes(text: str) -> list[Lexeme]:
-    """Lexemes of a text in lower case."""
+def lexemes(text: str, own_themes: frozenset[str] = frozenset()) -> list[Lexeme]:
+    """Lexemes of a text in lower case, where a checkpoint may have themes of its own."""
     # "tree-lined street" says where the trees are.
     text = _LINED.sub(r"\2 with many \1s along the \2", text)
     tokens = [each for each in _TOKEN.findall(_parted(text)) if each != "'"]
     found, at = [], 0
     while at < len(tokens):
-        lexeme, taken = _longest(tokens, at)
+        lexeme, taken = _longest(tokens, at, own_themes)
         if lexeme is not None:
             found.append(lexeme)
         at += taken
@@ -43,8 +43,10 @@ def _parted(text: str) -> str:
     return re.sub(r"(?<=[^\W\d])[-\u2010-\u2015](?=[^\W\d])", " ", text)
 
 
-def _longest(tokens: Sequence[str], at: int) -> tuple[Lexeme | None, int]:
-    known, size = _known(tokens, at)
+def _longest(
+    tokens: Sequence[str], at: int, own_themes: frozenset[str]
+) -> tuple[Lexeme | None, int]:
+    known, size = _known(tokens, at, own_themes)
     number = number_at(tokens, at)
     if number is not None and number[1] >= size and not (known and number[1] == size == 1):
         said = " ".join(tokens[at : at + number[1]])
@@ -57,10 +59,11 @@ def _longest(tokens: Sequence[str], at: int) -> tuple[Lexeme | None, int]:
     return Lexeme("unknown", word), 1
 
 
-def _known(tokens: Sequence[str], at: int) -> tuple[Lexeme | None, int]:
+def _known(tokens: Sequence[str], at: int, own_themes: frozenset[str]) -> tuple[Lexeme | None, int]:
+    known = lexicon(own_themes)
     for words in _windows(tokens, at):
-        if words in lexicon():
-            kind, value = lexicon()[words]
+        if words in known:
+            kind, value = known[words]
             return Lexeme(kind, " ".join(words), value), len(words)
     return None, 0
 

@@ -128,9 +128,17 @@ FILLERS = frozenset((
 
 
 @cache
-def lexicon() -> Mapping[tuple[str, ...], tuple[Kind, object]]:
-    """Every phrase that the parser knows, as its words, with kind and meaning."""
-    found: dict[tuple[str, ...], tuple[Kind, object]] = {}
+def lexicon(
+    own_themes: frozenset[str] = frozenset(),
+) -> Mapping[tuple[str, ...], tuple[Kind, object]]:
+    """Every phrase that the parser knows, as its words, with kind and meaning.
+
+    Args:
+        own_themes: Themes of a checkpoint beside those of the vocabulary, known by their names.
+    """
+    found: dict[tuple[str, ...], tuple[Kind, object]] = {
+        tuple(spoken(theme).split()): ("noun", Noun(place=theme)) for theme in own_themes
+    }
     for words, noun in _nouns().items():
         found[tuple(words.split())] = ("noun", noun)
     for (option, value), group in OPTIONS.items():

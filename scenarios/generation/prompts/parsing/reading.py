@@ -22,18 +22,19 @@ _SIDES_M = {
 _HUGE_M = {False: (110.0, 110.0), True: (36.0, 30.0)}
 
 
-def read_prompt(text: str) -> Wishes:
+def read_prompt(text: str, own_themes: frozenset[str] = frozenset()) -> Wishes:
     """Read the wishes of a prompt with our own parser.
 
     Args:
         text: English, up to `MOST_CHARACTERS`.
+        own_themes: Themes of a checkpoint beside those of the vocabulary, known by their names.
 
     Raises:
         PromptError: If it is empty, too long, or contradicts itself.
     """
     sizes = without_sizes(plain(text).lower())
     clauses = Clauses()
-    clauses.read(lexemes(sizes.text))
+    clauses.read(lexemes(sizes.text, own_themes))
     outline_m, readings = _outline(clauses, sizes)
     # First the relations, which say what they count themselves.
     relations, unknown = _relations(clauses.ties)
@@ -100,5 +101,5 @@ def _outline(clauses: Clauses, sizes: Sizes) -> tuple[tuple[float, float] | None
     readings.append(Reading("outline", said))
     theme = clauses.site.theme
     is_indoor = clauses.settings.options.get("domain", ("", ""))[0] == "indoor"
-    is_indoor |= bool(theme) and places()[theme].is_indoor
+    is_indoor |= theme in places() and places()[theme].is_indoor
     return (_SIDES_M[is_indoor] | {"huge": _HUGE_M[is_indoor]})[size], readings

@@ -132,6 +132,14 @@ def test_a_key_is_not_sent_in_the_clear_to_another_machine():
     assert not _is_private(asked_address("http://127.0.0.1.example.org/v1"))
 
 
+def test_a_checkpoint_may_have_themes_of_its_own():
+    with serving(answer({"theme": "space_port"})) as (address, seen):
+        own = frozenset(("space_port",))
+        wishes = ask_endpoint(PROMPT, address, "small", {}, own_themes=own)
+    assert wishes.theme == "space_port"
+    assert ", space_port" in seen[0][2]["messages"][0]["content"]
+
+
 def test_names_that_are_not_in_the_vocabulary_are_not_understood():
     wishes = asked(
         answer(

@@ -396,6 +396,13 @@ def test_no_text_breaks_the_parser(text):
     assert not isinstance(found, str) or "; valid: " in found
 
 
+def test_a_checkpoint_may_have_themes_of_its_own():
+    own = frozenset(("space_port", "park"))
+    assert read_prompt("a small space port with a car", own).theme == "space_port"
+    assert read_prompt("a park with a car", own).theme == "park"
+    assert read_prompt("a space port with a car").theme == "waterfront"
+
+
 def test_words_that_are_not_known_are_all_named():
     words = ["zorbs", "quickly", "glimmering", "elephants"]
     assert read_prompt(" ".join(words) + " park").not_understood == tuple(words)
