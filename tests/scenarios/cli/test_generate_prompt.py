@@ -52,7 +52,9 @@ def test_a_prompt_is_told_met_and_named_in_the_document(tmp_path, capsys):
     status, text, errors = run(capsys, "--prompt", prompt, "--seed", 3, "--out", tmp_path)
     assert (status, errors) == (0, "")
     words = " ".join(text.split())
-    assert words.startswith("understood office theme: office 25 objects objects: 25 small outline:")
+    assert words.startswith(
+        "understood in office theme: office 25 objects objects: 25 small outline:"
+    )
     assert "desk desk: at least 1 no boats boat: 0 not understood: crane" in words
     assert words.index("not understood") < words.index("asked for")
     scene = read_scene(tmp_path / "aeroscene-0003.json")
