@@ -76,7 +76,7 @@ class Finder:
         if thing.use and obj.attributes.get("use") not in thing.use:
             return False
         short_m, long_m = sorted(obj.bbox.s[:2])
-        return long_m >= thing.long * short_m
+        return long_m >= max(thing.long * short_m, thing.least_m)
 
     def _has(self, found: Found, part: Part) -> Bool[np.ndarray, " n"]:
         """Whether a part of a thing stands about each heart."""

@@ -48,6 +48,7 @@ class Thing(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     cluster_m: float = 0.0
     least: int = 1
     long: float = 1.0
+    least_m: float = 0.0
     themes: tuple[str, ...] = ()
 
 

@@ -24,13 +24,13 @@ class Settings:
         Raises:
             PromptError: If it was set to something else.
         """
-        before, words = self.options.get(option, (value, said))
+        before, words = self.options.get(option, (value, ""))
         if before != value:
             raise PromptError(
                 f"prompt asks for {words!r} and {said!r} ({option} {before} and {value}); "
                 "valid: one of the two"
             )
-        self.options[option] = (value, said)
+        self.options[option] = (value, f"{words}, {said}" if words else said)
 
     def count(self, option: str, number: Number | None, said: str) -> bool:
         """Set a number of objects, met within a fifth, or of landing areas, at most.
@@ -59,5 +59,6 @@ class Settings:
             raise PromptError(
                 f"prompt asks for {self.size[1]!r} and {lexeme.said!r}; valid: one of the two"
             )
-        self.size = (lexeme.value, lexeme.said)
+        words = f"{self.size[1]}, " if self.size is not None else ""
+        self.size = (lexeme.value, f"{words}{lexeme.said}")
         return True

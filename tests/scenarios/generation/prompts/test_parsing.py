@@ -68,7 +68,7 @@ PROMPTS = (
         "solar panel on roof of building: at least 2; solar panel next to road: at least 2",
         "",
     ),
-    ("benches along the quay", "theme=waterfront", "bench along water: at least 2", ""),
+    ("benches along the quay", "theme=waterfront", "bench along wide water: at least 2", ""),
     (
         "a tree-lined street without cars or buses, but with bikes",
         "theme=residential_street",
@@ -80,7 +80,7 @@ PROMPTS = (
     (
         "I want a village by the sea with many boats",
         "theme=village",
-        "water: at least 1; boat: at least 10",
+        "wide water: at least 1; boat: at least 10",
         "",
     ),
     ("a warehouse with forklifts", "theme=warehouse", "", "forklifts"),
@@ -204,7 +204,7 @@ PROMPTS = (
     ("crates inside the container", "", "crate inside container: at least 2", ""),
     ("hardly any cars", "", "car: at most 2", ""),
     ("a plaza with a market", "", "plaza: at least 1; market: at least 1", ""),
-    ("café by the canal", "", "cafe next to water: at least 1", ""),
+    ("café by the canal", "", "cafe next to wide water: at least 1", ""),
     ("one bench", "", "bench: 1", ""),
     ("a garden behind each house", "", "garden behind house: at least 1", "each"),
     ("an indoor waterfront", "domain=indoor theme=waterfront", "", ""),
@@ -260,7 +260,12 @@ PROMPTS = (
 )
 MORE = (
     ("boats moored at a jetty", "", "boat next to jetty: at least 2", ""),
-    ("a lake surrounded by trees", "", "water: at least 1; tree around water: at least 2", ""),
+    (
+        "a lake surrounded by trees",
+        "",
+        "wide water: at least 1; tree around wide water: at least 2",
+        "",
+    ),
     (
         "a street lined with trees",
         "theme=residential_street",

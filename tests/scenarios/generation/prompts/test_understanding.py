@@ -26,7 +26,7 @@ def test_every_wish_has_a_line_with_its_words():
         ("crowded", "density: 1.5"),
         ("70 by 60 m", "outline: 70,60"),
         ("two cafes", "cafe: 2"),
-        ("benches along quay", "bench along water: at least 2"),
+        ("benches along quay", "bench along wide water: at least 2"),
     ]
     assert each.not_understood == ("crane",)
     assert each.to_plain()["not_understood"] == ["crane"]
