@@ -22,7 +22,7 @@ _MOST_ROWS = 20
 """Scenes of which the terminal shows what was got."""
 _MOST_COLUMNS = 5
 """Wishes that have a column each; with more of them each has a row."""
-_MOST_SCENES = 3
+_MOST_SCENES = 2
 """Scenes beside each other where each wish has a row."""
 _UNITS = {"outline": "m", "min_passage": "m"}
 _MISSED = "*"

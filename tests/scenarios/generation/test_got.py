@@ -96,13 +96,10 @@ def test_many_wishes_have_a_row_each(park, capsys):
     n = len(park.objects)
     met = got(park, n_objects=n, theme=park.theme)
     missed = got(park, n_objects=20, theme=park.theme)
-    more = {f"thing {k} along wide water": Got("at least 3", k, k >= 3) for k in range(5)}
+    more = {f"thing {k}": Got("at least 3", k, k >= 3) for k in range(5)}
     _print_wishes({f"out/aeroscene-000{k}.json": (missed if k else met) | more for k in range(5)})
     text = " ".join(capsys.readouterr().out.split())
-    assert (
-        "│ asked for │ aeroscene-0000 │ aeroscene-0001 │ aeroscene-0002 │ met in │"
-        in text.replace("┃", "│")
-    )
-    assert f"objects │ {n} │ {n} │ {n} * │ {n} * │ 1 of 5" in text
-    assert "thing 2 along wide water │ at least 3 │ 2 * │ 2 * │ 2 * │ 0 of 5" in text
-    assert "and 2 more; --json lists them" in text
+    assert "┃ asked for ┃ aeroscene-0000 ┃ aeroscene-0001 ┃ met in ┃" in text
+    assert f"objects │ {n} │ {n} │ {n} * │ 1 of 5" in text
+    assert "thing 2 │ at least 3 │ 2 * │ 2 * │ 0 of 5" in text
+    assert "and 3 more; --json lists them" in text
