@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import tyro
 
@@ -15,6 +15,7 @@ from aeroscene.ranges import THREADS, Range
 from aeroscene.scene import Scene, SceneDomain, SceneError
 from scenarios.baselines.named import NamedPilot, PilotError, pilot_of
 from scenarios.cli.command_line import EXIT_DONE, EXIT_NEGATIVE, default_hint, fail
+from scenarios.cli.generate_prompt import print_understood, prompt_wishes, prompted
 from scenarios.cli.generate_words import print_generated
 from scenarios.cli.outputs import OutFile, OutFolder
 from scenarios.cli.progress import progress_bar
@@ -24,6 +25,8 @@ from scenarios.generation.asked import (
     asked_region,
     outline_sides_m,
 )
+from scenarios.generation.prompts.parsing.reading import plain
+from scenarios.generation.prompts.wishes import Wishes
 from scenarios.generation.worst import ORDER, Flight, Tries, worst_first
 
 if TYPE_CHECKING:
@@ -55,6 +58,16 @@ class GenerateCfg:
     warehouse. Mixed: hillside, industrial_yard, residential_street, urban_block, waterfront. With
     --domain any, one of the domains that have the theme is drawn. A checkpoint of your own knows
     the themes of its corpus; the paper's knows none."""
+    prompt: Annotated[str, default_hint("none")] = ""
+    """Wishes in English, such as "a crowded harbour street with two cafes and no cars". What was
+    understood is printed first. A seed is drawn until it meets all wishes, 8 times at most, and the
+    best draw is kept. Options that are given beside it win."""
+    prompt_endpoint: Annotated[str, default_hint("none")] = ""
+    """Address of a server that speaks OpenAI's chat/completions, such as http://127.0.0.1:8080/v1,
+    whose model reads the prompt. Without it nothing is sent anywhere. The key is that of the
+    environment variable OPENAI_API_KEY, if it is set."""
+    prompt_model: Annotated[str, default_hint("default")] = "default"
+    """Name of the model at --prompt-endpoint."""
     objects: Annotated[int | None, OBJECTS, default_hint("drawn, 149 on average")] = None
     """Approximate number of objects in each scene."""
     areas: Annotated[str, default_hint("drawn")] = ""
@@ -111,8 +124,8 @@ class GenerateCfg:
     """PNG file for pictures of how the first scene came about."""
     json: Annotated[bool, tyro.conf.arg(name="json")] = False
     """Print one JSON object: scenes (files), seconds_per_scene, device, failed, stages; with wishes
-    also wishes (asked, got and met by file), missed (files) and measured; with --worst-for order
-    and worst. docs/model.md says more."""
+    also wishes (asked, got and met by file), missed (files) and measured; with --prompt
+    understood; with --worst-for order and worst. docs/model.md says more."""
 
 
 def run(cfg: GenerateCfg) -> int:
@@ -125,7 +138,8 @@ def run(cfg: GenerateCfg) -> int:
 
 def _run(cfg: GenerateCfg) -> int:
     _check(cfg)
-    requests = _requests(cfg)
+    wishes = prompt_wishes(cfg, _own_themes(cfg))
+    requests = _requests(prompted(cfg, wishes)[0])
     require_torch()
     if cfg.checkpoint is not None:
         from aeroscene.learning.training.presets import read_sections
@@ -133,21 +147,45 @@ def _run(cfg: GenerateCfg) -> int:
         read_sections(cfg.checkpoint)
     # Imported here because PyTorch takes seconds that no other command should spend.
     from aeroscene.learning.generation import Generator
-    from scenarios.generation.draws import Tally
 
     pilot = pilot_of(cfg.worst_for, "worst-for") if cfg.worst_for else None
     generator = Generator.load(
         cfg.checkpoint, preset=cfg.preset, device=cfg.device, n_steps=cfg.steps
     )
     _set_threads(cfg)
+    cfg, understanding = prompted(cfg, wishes, generator.themes)
+    requests = _requests(cfg)
     generator.check(requests[0])
+    more: dict[str, Any] = {}
+    if understanding is not None:
+        more["understood"] = understanding.to_plain()
+        if not cfg.json:
+            print_understood(understanding)
     if pilot is not None:
-        return _run_worst(cfg, generator, requests, pilot)
+        return _run_worst(cfg, generator, requests, pilot, wishes, more)
     cfg.out.mkdir(parents=True, exist_ok=True)
-    tally = Tally(cfg.out, is_strict=cfg.strict)
+    tally = _tally(cfg, cfg.out, wishes)
     _draw(cfg, generator, requests, tally)
-    print_generated(cfg.out, generator.device, tally, {}, as_json=cfg.json)
+    print_generated(cfg.out, generator.device, tally, more, as_json=cfg.json)
     return EXIT_NEGATIVE if tally.failed else EXIT_DONE
+
+
+def _own_themes(cfg: GenerateCfg) -> frozenset[str]:
+    """Themes of a checkpoint of the user's own, by whose names a prompt may call them."""
+    if not cfg.prompt or cfg.checkpoint is None:
+        return frozenset()
+    require_torch()
+    from aeroscene.learning.training.checkpoint import read_checkpoint
+
+    themes = getattr(read_checkpoint(cfg.checkpoint).known, "themes", {})
+    return frozenset(theme for group in themes.values() for theme in group)
+
+
+def _tally(cfg: GenerateCfg, folder: Path, wishes: Wishes) -> Tally:
+    from scenarios.generation.draws import Tally
+
+    prompt = plain(cfg.prompt) if cfg.prompt else ""
+    return Tally(folder, is_strict=cfg.strict, prompt=prompt, demands=wishes.demands)
 
 
 def _draw(
@@ -166,15 +204,20 @@ def _draw(
 
 
 def _run_worst(
-    cfg: GenerateCfg, generator: Generator, requests: Sequence[Request], pilot: NamedPilot
+    cfg: GenerateCfg,
+    generator: Generator,
+    requests: Sequence[Request],
+    pilot: NamedPilot,
+    wishes: Wishes,
+    understood: Mapping[str, Any],
 ) -> int:
     """Make the scenes and fly them, as far as that is not done, and keep the worst."""
-    from scenarios.generation.draws import Tally
-
     left_open = {"seed", "count", "of", "out", "threads", "progress", "json"}
+    left_open |= {"prompt", "prompt_endpoint", "prompt_model"}
     asked = {name: str(v) for name, v in asdict(cfg).items() if name not in left_open}
+    asked |= {each.title: each.number for each in wishes.demands}
     tries = Tries(cfg.out / "tried", asked)
-    tally = Tally(tries.folder, is_strict=cfg.strict)
+    tally = _tally(cfg, tries.folder, wishes)
     missing = [each for each in requests if not tries.scene_path(each.seed).exists()]
     if missing:
         _draw(cfg, generator, missing, tally)
@@ -190,7 +233,7 @@ def _run_worst(
         for flight in worst[: cfg.count]
     ]
     kept = [{"scene": str(path), **asdict(f)} for path, f in zip(files, worst, strict=False)]
-    more = {"scenes": files, "order": ORDER, "worst": kept}
+    more = {**understood, "scenes": files, "order": ORDER, "worst": kept}
     print_generated(cfg.out, generator.device, tally, more, as_json=cfg.json)
     return EXIT_NEGATIVE if tally.failed else EXIT_DONE
 

@@ -20,8 +20,13 @@ if TYPE_CHECKING:
 _PROG = "aeroscene generate"
 _MOST_ROWS = 20
 """Scenes of which the terminal shows what was got."""
+_MOST_COLUMNS = 5
+"""Wishes that have a column each; with more of them each has a row."""
+_MOST_SCENES = 2
+"""Scenes beside each other where each wish has a row."""
 _UNITS = {"outline": "m", "min_passage": "m"}
 _MISSED = "*"
+_AGAIN = "--strict draws those again"
 
 
 def print_generated(
@@ -44,7 +49,7 @@ def print_generated(
     for each in more.get("worst", ()):
         print(f"{each['scene']}: {each['reason']}")
     if tally.wishes:
-        _print_wishes(tally.wishes)
+        _print_wishes(tally.wishes, "--strict keeps none" if tally.prompt else _AGAIN)
     print(
         f"{out}: {len(tally.files)} scenes, {_seconds(tally):.2f} s each on {device}, "
         f"{tally.n_rejected} draws rejected"
@@ -72,26 +77,50 @@ def _facts(device: str, tally: Tally) -> dict[str, Any]:
     return facts | ({"measured": tally.measured} if tally.measured else {})
 
 
-def _print_wishes(all_wishes: Mapping[str, Mapping[str, Got]]) -> None:
-    """Print what each scene has below what was asked for."""
-    first = next(iter(all_wishes.values()))
-    units = {name: f", {unit}" for name, unit in _UNITS.items()}
-    table = Table("", *(f"{name}{units.get(name, '')}" for name in first))
-    table.add_row("asked for", *(str(wish.asked) for wish in first.values()))
-    table.add_section()
+def _print_wishes(all_wishes: Mapping[str, Mapping[str, Got]], again: str = _AGAIN) -> None:
+    """Print what each scene has below what was asked for.
+
+    Args:
+        all_wishes: What was got beside what was asked for, by file and wish.
+        again: What can be done about scenes that are not as asked for.
+    """
     files = sorted(all_wishes)
-    for file in files[:_MOST_ROWS]:
-        table.add_row(Path(file).name, *map(_cell, all_wishes[file].values()))
+    is_wide = len(all_wishes[files[0]]) > _MOST_COLUMNS
+    most = _MOST_SCENES if is_wide else _MOST_ROWS
     console = terminal()
-    console.print(table)
-    if len(files) > _MOST_ROWS:
-        console.print(f"and {len(files) - _MOST_ROWS} more; --json lists them")
+    console.print((_by_wish if is_wide else _by_scene)(all_wishes, files[:most]))
+    if len(files) > most:
+        console.print(f"and {len(files) - most} more; --json lists them")
     if missed := _missed(all_wishes):
         console.print(
-            f"{_MISSED} {len(missed)} of {len(files)} scenes are not as asked for; "
-            "--strict draws those again",
+            f"{_MISSED} {len(missed)} of {len(files)} scenes are not as asked for; {again}",
             soft_wrap=True,
         )
+
+
+def _by_scene(all_wishes: Mapping[str, Mapping[str, Got]], files: Sequence[str]) -> Table:
+    """A table with a row for each scene."""
+    first = all_wishes[files[0]]
+    table = Table("", *map(_titled, first))
+    table.add_row("asked for", *(str(wish.asked) for wish in first.values()))
+    table.add_section()
+    for file in files:
+        table.add_row(Path(file).name, *map(_cell, all_wishes[file].values()))
+    return table
+
+
+def _by_wish(all_wishes: Mapping[str, Mapping[str, Got]], files: Sequence[str]) -> Table:
+    """A table with a row for each wish, where a terminal has no room for a column for each."""
+    table = Table("", "asked for", *(Path(file).stem for file in files), "met in")
+    for name, wish in all_wishes[files[0]].items():
+        n_met = sum(wishes[name].is_met for wishes in all_wishes.values())
+        got = (_cell(all_wishes[file][name]) for file in files)
+        table.add_row(_titled(name), str(wish.asked), *got, f"{n_met} of {len(all_wishes)}")
+    return table
+
+
+def _titled(name: str) -> str:
+    return f"{name}, {_UNITS[name]}" if name in _UNITS else name
 
 
 def _cell(wish: Got) -> Text:

@@ -7,14 +7,23 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from aeroscene.feasibility.wishes.passages import narrowest
 from aeroscene.files.names import file_name
 from aeroscene.metrics.collision import collision_rate
 from aeroscene.scene import AttributeValue, Scene
 from aeroscene.scene.io import write_scene
-from scenarios.generation.got import Got, beside_wishes, unmet, with_measures
+from scenarios.generation.got import (
+    Got,
+    beside_demands,
+    beside_wishes,
+    shortfall,
+    unmet,
+    with_demands,
+    with_measures,
+)
+from scenarios.generation.prompts.wishes import Count
 
 if TYPE_CHECKING:
     from aeroscene.learning.generation import Generated, Generator, Request
@@ -93,6 +102,14 @@ def with_passages(scene: Scene) -> Scene:
     return replace(scene, measured={**scene.measured, **width})
 
 
+class _SetAside(NamedTuple):
+    """The best draw of a seed that misses a wish of the prompt."""
+
+    shortfall: tuple[int, float]
+    scene: Scene
+    wishes: dict[str, Got]
+
+
 @dataclass
 class Tally:
     """Results of the draws so far."""
@@ -105,7 +122,11 @@ class Tally:
     unfit: dict[int, str] = field(default_factory=dict)
     """Reason why the sound scenes of a seed were not kept."""
     is_strict: bool = False
-    """Whether scenes that miss a wish are drawn again."""
+    """Whether scenes that miss a wish are drawn again, and not kept."""
+    prompt: str = ""
+    """Prompt of the user; if there is one, a seed is drawn until it meets all wishes."""
+    demands: Sequence[Count] = ()
+    """Counts and relations of the prompt."""
     wishes: dict[str, dict[str, Got]] = field(default_factory=dict)
     """What was got beside what was asked for, of the scenes that are kept, by file."""
     measured: dict[str, dict[str, AttributeValue]] = field(default_factory=dict)
@@ -116,6 +137,8 @@ class Tally:
     feasible: list[float] = field(default_factory=list)
     """Collision rates of the finished scenes."""
     seconds: float = 0.0
+    _aside: dict[int, _SetAside] = field(default_factory=dict)
+    """The best draws by seed."""
 
     def keep(self, found: Generated, judge: Judge) -> bool:
         """Write the scene of a draw; return whether the draw gave one that is kept."""
@@ -123,23 +146,48 @@ class Tally:
         scene, reason = found.scene, str(found.report.rejection)
         if scene is not None:
             scene, unfit = judge.judged(scene)
-            wishes = beside_wishes(found, scene)
-            if unfit is None and self.is_strict and (missed := unmet(wishes)):
+            scene = with_demands(scene, self.prompt, self.demands)
+            wishes = beside_wishes(found, scene) | beside_demands(scene, self.demands)
+            missed = unmet(wishes)
+            if unfit is None and missed and self.is_strict:
                 unfit = (
                     f"the last of {judge.most_draws} draws has {missed}; "
                     "valid: wishes nearer to that, another seed, or no --strict"
                 )
-            if unfit is None:
+            if unfit is None and not (missed and self.prompt):
                 self._write(with_measures(scene, wishes), wishes)
                 return True
-            self.unfit[scene.seed] = unfit
+            if unfit is None:
+                self._set_aside(scene, wishes)
+            else:
+                self.unfit[scene.seed] = unfit
         self.n_rejected += 1
         # That sound scenes were not what was asked for says more than that a draw was unsound.
         self.failed[found.request.seed] = self.unfit.get(found.request.seed, reason)
         return False
 
+    def keep_best(self, seed: int) -> bool:
+        """Write the best draw of a seed whose draws all miss a wish; return whether it has one."""
+        best = self._aside.pop(seed, None)
+        if best is None:
+            return False
+        self.n_rejected -= 1
+        self._write(with_measures(best.scene, best.wishes), best.wishes)
+        return True
+
+    def best_of(self, seed: int) -> Scene | None:
+        """The best draw of a seed so far that misses a wish."""
+        best = self._aside.get(seed)
+        return None if best is None else best.scene
+
+    def _set_aside(self, scene: Scene, wishes: dict[str, Got]) -> None:
+        before, now = self._aside.get(scene.seed), shortfall(wishes)
+        if before is None or now < before.shortfall:
+            self._aside[scene.seed] = _SetAside(now, scene, wishes)
+
     def _write(self, scene: Scene, wishes: dict[str, Got]) -> None:
         self.failed.pop(scene.seed, None)
+        self._aside.pop(scene.seed, None)
         self.feasible.append(collision_rate(scene))
         path = self.out / f"{file_name(scene.scene_id)}.json"
         write_scene(scene, path)
@@ -172,20 +220,37 @@ def draw_all(
             if is_kept or attempt == judge.most_draws - 1:
                 advance()
             began_s = time.perf_counter()
+    for request in pending:
+        tally.keep_best(request.seed)
 
 
 def draw_with_pictures(
     generator: Generator, request: Request, judge: Judge, tally: Tally, picture: Path
 ) -> None:
-    """Draw one request as `draw_all` does, and show how its last draw came about."""
+    """Draw one request as `draw_all` does, and show how the draw that is kept, or the last, came.
+
+    Args:
+        generator: The model.
+        request: What is drawn.
+        judge: Decides which draws are kept.
+        tally: Takes the draws.
+        picture: PNG file to write.
+    """
     from scenarios.pictures.generation.recorder import Recorder
 
+    shown: tuple[Recorder, Generated] | None = None
     for attempt in range(judge.most_draws):
         recorder = Recorder()
         began_s = time.perf_counter()
         found = next(generator.generate([request], attempt=attempt, on_step=recorder))
         tally.seconds += time.perf_counter() - began_s
+        before = tally.best_of(request.seed)
         is_kept = tally.keep(found, judge)
-        if is_kept or attempt == judge.most_draws - 1:
-            recorder.draw(found, picture)
-            return
+        best = tally.best_of(request.seed)
+        if is_kept or best is None or best is not before:
+            shown = recorder, found
+        if is_kept:
+            break
+    tally.keep_best(request.seed)
+    if shown is not None:
+        shown[0].draw(shown[1], picture)

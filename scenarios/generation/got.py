@@ -6,12 +6,14 @@ is rare in its training scenes, so that it may draw a smaller one. The user read
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from aeroscene.feasibility.wishes.clutter import clutter_factor
 from aeroscene.scene import AttributeValue, Scene
+from scenarios.generation.prompts.demands import numbers_of
+from scenarios.generation.prompts.wishes import Count
 
 if TYPE_CHECKING:
     from aeroscene.learning.generation import Generated
@@ -33,6 +35,8 @@ class Got:
     got: AttributeValue | None
     """None where there is nothing to measure, such as no passage."""
     is_met: bool
+    off: float = 0.0
+    """Share by which a count misses what was asked for."""
 
     def to_plain(self) -> dict[str, AttributeValue | None]:
         """The wish as plain data."""
@@ -58,6 +62,26 @@ def beside_wishes(found: Generated, scene: Scene) -> dict[str, Got]:
         ("difficulty", *_difficulty(asked, scene)),
     )
     return {name: Got(asked[name], got, ok) for name, got, ok in rows if name in asked}
+
+
+def beside_demands(scene: Scene, demands: Sequence[Count]) -> dict[str, Got]:
+    """Counts and relations that a prompt asks for beside what the scene has, by their titles."""
+    return {
+        demand.title: Got(demand.number, n, demand.is_met(n), demand.off(n))
+        for demand, n in numbers_of(scene, demands)
+    }
+
+
+def with_demands(scene: Scene, prompt: str, demands: Sequence[Count]) -> Scene:
+    """The scene whose document names the prompt and what it counts among the wishes."""
+    asked: dict[str, AttributeValue] = {each.title: each.number for each in demands}
+    prompted: dict[str, AttributeValue] = {"prompt": prompt} if prompt else {}
+    return replace(scene, wishes={**scene.wishes, **prompted, **asked})
+
+
+def shortfall(wishes: Mapping[str, Got]) -> tuple[int, float]:
+    """Order of draws, the best first: wishes that are missed, then by how much."""
+    return sum(not each.is_met for each in wishes.values()), sum(w.off for w in wishes.values())
 
 
 def with_measures(scene: Scene, wishes: Mapping[str, Got]) -> Scene:

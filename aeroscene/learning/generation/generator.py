@@ -24,7 +24,7 @@ from aeroscene.corpus.corpus import scene_domain
 from aeroscene.feasibility import FeasibilityReport
 from aeroscene.learning.generation.loading import load_proposer
 from aeroscene.learning.generation.proposal import OnStep, Proposal, Proposer
-from aeroscene.learning.generation.request import Request
+from aeroscene.learning.generation.request import Request, Themes
 from aeroscene.learning.generation.sense import senseless
 from aeroscene.learning.program import DecodingCfg
 from aeroscene.learning.training.devices import choose_device, naming_memory
@@ -120,6 +120,11 @@ class Generator:
             checkpoint, preset, where, n_steps, changes=changes, decoding=decoding
         )
         return Generator(proposer, str(where), data.wishes, is_corpus=data.is_corpus)
+
+    @property
+    def themes(self) -> Themes:
+        """Themes that the model knows, by domain."""
+        return self._proposer.themes
 
     def check(self, request: Request) -> None:
         """Refuse what the model cannot be asked for, before anything is made.

@@ -8,7 +8,7 @@ import pytest
 from aeroscene.corpus.shipped import read_shipped
 from aeroscene.learning.generation import AreaCounts, Request
 from scenarios.cli.generate_words import _missed, _print_wishes
-from scenarios.generation.got import beside_wishes, unmet, with_measures
+from scenarios.generation.got import Got, beside_wishes, unmet, with_measures
 
 
 @pytest.fixture(scope="module")
@@ -90,3 +90,16 @@ def test_the_document_and_the_terminal_tell_what_was_got(park, capsys):
     assert f"a.json │ {park.theme} │ {n} * │" in text
     assert f"b.json │ {park.theme} │ {n} │" in text
     assert text.endswith("* 1 of 2 scenes are not as asked for; --strict draws those again")
+
+
+def test_many_wishes_have_a_row_each(park, capsys):
+    n = len(park.objects)
+    met = got(park, n_objects=n, theme=park.theme)
+    missed = got(park, n_objects=20, theme=park.theme)
+    more = {f"thing {k}": Got("at least 3", k, k >= 3) for k in range(5)}
+    _print_wishes({f"out/aeroscene-000{k}.json": (missed if k else met) | more for k in range(5)})
+    text = " ".join(capsys.readouterr().out.split())
+    assert "┃ asked for ┃ aeroscene-0000 ┃ aeroscene-0001 ┃ met in ┃" in text
+    assert f"objects │ {n} │ {n} │ {n} * │ 1 of 5" in text
+    assert "thing 2 │ at least 3 │ 2 * │ 2 * │ 0 of 5" in text
+    assert "and 3 more; --json lists them" in text

@@ -1,0 +1,105 @@
+"""Finds things of the vocabulary in a scene by their hearts and by geometry."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Bool
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from aeroscene.metrics.places.top_view import TopView, near_pairs
+from aeroscene.scene import Scene
+from aeroscene.scene.catalogue import ROOMS, by_name
+from aeroscene.scene.rooms import NO_ROOM, tile_groups
+from scenarios.generation.prompts.found import Found
+from scenarios.generation.prompts.relations import holds, within
+from scenarios.generation.prompts.vocabulary import Part, Thing, things
+
+_SAME_LEVEL_M = 0.5
+"""Hearts farther apart in height are not in one cluster."""
+
+
+@dataclass
+class Finder:
+    """Finds things in one scene, each name once."""
+
+    scene: Scene
+    _found: dict[str, Found] = field(default_factory=dict)
+
+    @cached_property
+    def view(self) -> TopView:
+        """The scene from above."""
+        return TopView(self.scene)
+
+    def found(self, name: str) -> Found:
+        """All things of a name of the vocabulary."""
+        if name not in self._found:
+            self._found[name] = self._find(name, things()[name])
+        return self._found[name]
+
+    def _find(self, name: str, thing: Thing) -> Found:
+        if thing.hearts:
+            hearts = [rows for heart in thing.hearts for rows in self.found(heart).rows]
+            found = Found(self.view, tuple(dict.fromkeys(hearts)))
+        else:
+            found = Found(self.view, self._of_category(name))
+        found = found.chosen(
+            np.array([self._is_such(rows[0], thing) for rows in found.rows], dtype=bool)
+        )
+        for part in thing.parts:
+            found = found.chosen(self._has(found, part))
+        if thing.cluster_m:
+            found = _clusters(found, thing.cluster_m, thing.least)
+        return found
+
+    def _of_category(self, name: str) -> tuple[tuple[int, ...], ...]:
+        """Objects of a category; the tiles of a room are one."""
+        rows = self.view.rows({name}) if name in by_name() else ()
+        if name not in ROOMS:
+            return tuple((int(row),) for row in rows)
+        groups = tile_groups(self.scene.objects)
+        tiles: dict[int, list[int]] = {}
+        for row in map(int, rows):
+            tiles.setdefault(int(groups[row]) if groups[row] != NO_ROOM else -2 - row, []).append(
+                row
+            )
+        return tuple(map(tuple, tiles.values()))
+
+    def _is_such(self, row: int, thing: Thing) -> bool:
+        """Whether a heart has the form, the use and the shape of a thing."""
+        obj = self.scene.objects[row]
+        if thing.form and obj.attributes.get("form") != thing.form:
+            return False
+        if thing.use and obj.attributes.get("use") not in thing.use:
+            return False
+        short_m, long_m = sorted(obj.bbox.s[:2])
+        return long_m >= max(thing.long * short_m, thing.least_m)
+
+    def _has(self, found: Found, part: Part) -> Bool[np.ndarray, " n"]:
+        """Whether a part of a thing stands about each heart."""
+        parts = self.found(part.thing)
+        if part.relation is None:
+            table = within(parts, found, part.within_m)
+        else:
+            table = holds(part.relation, parts, found)
+        return table.sum(axis=0) >= part.least
+
+
+def _clusters(found: Found, apart_m: float, least: int) -> Found:
+    """Groups of things no farther apart than a distance, of at least so many."""
+    if not len(found):
+        return found
+    first, second = near_pairs(found.outline, found.outline, apart_m)
+    is_level = np.abs(found.base_m[first] - found.base_m[second]) <= _SAME_LEVEL_M
+    first, second = first[is_level], second[is_level]
+    links = coo_array((np.ones(len(first)), (first, second)), shape=(len(found), len(found)))
+    n_groups, group = connected_components(links, directed=False)
+    rows = [
+        tuple(row for i in np.flatnonzero(group == g) for row in found.rows[i])
+        for g in range(n_groups)
+        if (group == g).sum() >= least
+    ]
+    return Found(found.view, tuple(rows))
