@@ -60,7 +60,8 @@ class RaycastCameraRenderer:
         self._model = world.as_seen()
         self._poses = PoseCopy(self._model, world.camera_name)
         self._mates = MateShapes(world, self._model)
-        mesh = lit(drawn_mesh(world.scene, world.solids, FAST), world.solids)
+        mesh = drawn_mesh(world.scene, world.solids, FAST)
+        mesh = lit(mesh, world.solids, world.scene.relief)
         self._fast = _Stage(mesh, _far_m(world.model), is_lit=True)
         self._fine: tuple[_Stage, FineLight] | None = None
         self._ids: _Ids | None = None

@@ -84,7 +84,7 @@ def add_looks(
         # Load polygons and rays only when someone draws.
         from flightsim.looks.bake import lit
 
-        mesh = lit(mesh, primitives)
+        mesh = lit(mesh, primitives, scene.relief)
     materials: dict[Paint, str] = {}
     for index, skin in enumerate(skins(mesh)):
         if skin.paint not in materials:
@@ -95,7 +95,7 @@ def add_looks(
 
 def drawn_mesh(scene: Scene, primitives: Sequence[Primitive], detail: Detail) -> WorldMesh:
     """All static surfaces that a camera sees, with true normals."""
-    builder = MeshBuilder()
+    builder = MeshBuilder(scene.relief)
     add_surroundings(builder, scene, _FAR_EXTENTS * _half_diagonal_m(scene))
     categories = {obj.id: obj.category for obj in scene.objects}
     add_solids(builder, primitives, categories, detail)

@@ -1,6 +1,6 @@
 """Ground of a scene: grass around it, and fields behind hedges as far as cameras see.
 
-It lies in the plane z = 0, the ground of the physics.
+It lies in the ground of the physics: the plane z = 0, or the relief.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import numpy as np
 from aeroscene.scene import Scene
 from flightsim.looks.mesh import MeshBuilder
 from flightsim.looks.paint import Paint, material_paint
+from flightsim.looks.relief_ground import add_relief
 from flightsim.looks.sky import FAR_LAND_RGB
 
 GROUND_MATERIAL = "grass"
@@ -41,6 +42,9 @@ _Patch = tuple[np.ndarray, Paint]
 def add_surroundings(builder: MeshBuilder, scene: Scene, reach_m: float) -> None:
     """Add the ground of a scene up to a distance from its centre."""
     rng = np.random.default_rng([scene.seed, 0x6E0])
+    if scene.relief is not None:
+        add_relief(builder, scene.relief, GROUND_MATERIAL, _FIELDS, _outward_m(reach_m), rng)
+        return
     low, high = np.array(scene.extent_min_enu_m)[:2], np.array(scene.extent_max_enu_m)[:2]
     lines = [_lines(low[k] - _YARD_M, high[k] + _YARD_M, reach_m) for k in range(2)]
     points = _jittered(rng, lines)
@@ -66,9 +70,14 @@ def add_surroundings(builder: MeshBuilder, scene: Scene, reach_m: float) -> None
 
 def _lines(low_m: float, high_m: float, reach_m: float) -> np.ndarray:
     """Borders of fields along one axis; the middle cell is the yard."""
-    outward = np.cumsum([*_STRIPS_M, *[_STRIPS_M[-1]] * 9])
-    outward = outward[: int(np.searchsorted(outward, reach_m)) + 1]
+    outward = _outward_m(reach_m)
     return np.concatenate([low_m - outward[::-1], [low_m, high_m], high_m + outward])
+
+
+def _outward_m(reach_m: float) -> np.ndarray:
+    """Distances from the yard at which fields end, up to beyond a distance."""
+    outward = np.cumsum([*_STRIPS_M, *[_STRIPS_M[-1]] * 9])
+    return outward[: int(np.searchsorted(outward, reach_m)) + 1]
 
 
 def _rings_out(cell: int, n_cells: int) -> int:

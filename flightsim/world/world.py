@@ -28,7 +28,8 @@ from flightsim.looks.surfaces import Detail
 from flightsim.vehicles.airframe import Airframe
 from flightsim.vehicles.builder import part_name, vehicle_name
 from flightsim.vehicles.touching import let_touch_each_other, let_touch_movers
-from flightsim.world.geometry import SurfaceProbe, add_ground, add_solids
+from flightsim.world.geometry import SurfaceProbe, add_solids
+from flightsim.world.ground import N_BEYOND, add_ground, add_ground_beyond
 from flightsim.world.rays import RayTree
 from flightsim.world.starts import (
     PlacedVehicle,
@@ -40,9 +41,9 @@ from flightsim.world.starts import (
 )
 
 VEHICLE_ID, GROUND_ID = -1, -2
-"""Ids of the vehicle's own geoms and of the ground plane in `World.geom_object_id`."""
+"""Ids of the vehicle's own geoms and of the ground in `World.geom_object_id`."""
 GROUND_NAME = "the ground"
-"""Name of the ground plane, as `World.name_of` gives it."""
+"""Name of the ground, as `World.name_of` gives it."""
 FIRST_MOVER_ID = -10
 """Id of the first moving obstacle in `World.geom_object_id`; the next ones count down."""
 FIRST_MATE_ID = -100
@@ -57,7 +58,8 @@ class World:
     scene: Scene
     """The scene, with this vehicle's start."""
     solids: tuple[Primitive, ...]
-    """All static solids: geom 0 is the ground, geom 1 + i is solid i."""
+    """All static solids: geom 0 is the ground, geom 1 + i is solid i; with a relief, the ground
+    beyond its grid follows."""
     obstacles: tuple[MovingObstacle, ...]
     """All movers: mocap body i is obstacle i."""
     movers: MoverSet
@@ -189,12 +191,14 @@ def build_world(
     solids = (*scene_primitives(scene), *extra)
     vehicles = place_vehicles(scene, airframes, solids)
     spec = new_spec(scene, physics_hz)
-    add_ground(spec)
+    add_ground(spec, scene.relief)
     add_solids(spec, solids)
+    add_ground_beyond(spec, scene.relief)
     add_vehicles(spec, vehicles)
     if isinstance(traffic, TrafficCfg):
         stands = [vehicle.stand_enu_m for vehicle in vehicles]
-        traffic = plan_traffic(traffic, scene, solids, SurfaceProbe(solids).height_m, stands)
+        probe = SurfaceProbe(scene.relief, solids)
+        traffic = plan_traffic(traffic, scene, solids, probe.height_m, stands)
     movers = MoverSet(traffic)
     if len(vehicles) > 1:
         let_touch_each_other(spec, len(vehicles))
@@ -230,7 +234,9 @@ def _geom_ids(
 ) -> Int[np.ndarray, " geoms"]:
     """What each geom belongs to: an object by its id, the ground, a vehicle or a mover."""
     ids = np.zeros(model.ngeom, dtype=np.int32)
-    ids[: 1 + len(solids)] = [GROUND_ID, *(solid.object_id for solid in solids)]
+    static = [GROUND_ID, *(solid.object_id for solid in solids), *[GROUND_ID] * N_BEYOND]
+    n_static = int(np.count_nonzero(model.geom_bodyid == 0))
+    ids[:n_static] = static[:n_static]
     for k, body in enumerate(bodies):
         ids[model.geom_bodyid == body] = FIRST_MATE_ID - k if k else VEHICLE_ID
     is_mover = model.body_mocapid[model.geom_bodyid] >= 0

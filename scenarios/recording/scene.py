@@ -160,7 +160,7 @@ def _log_ground(stream: rr.RecordingStream, scene: Scene) -> None:
     from flightsim.looks.surroundings import add_surroundings
     from flightsim.looks.textures import tile
 
-    builder = MeshBuilder()
+    builder = MeshBuilder(scene.relief)
     add_surroundings(builder, scene, _GROUND_REACH_M)
     for number, skin in enumerate(skins(builder.mesh())):
         texture = skin.paint.texture
