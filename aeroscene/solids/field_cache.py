@@ -1,9 +1,9 @@
 """Distance fields that were computed before: of this process, and of earlier ones on disk.
 
-A field is kept under a hash of all that it follows from: the solids, the relief, the flight volume, the cells
-and the code that computes it. A file that is damaged, or is not ours, is as good as none. In the
-folder `fields` of the user's cache (or of `AEROSCENE_CACHE_DIR`) 200 MB are kept, what was not used
-for longest goes first; `AEROSCENE_CACHE=off` reads and writes no file.
+A field is kept under a hash of all that it follows from: the solids, the relief, the flight volume,
+the cells and the code that computes it. A file that is damaged, or is not ours, is as good as none.
+In the folder `fields` of the user's cache (or of `AEROSCENE_CACHE_DIR`) 200 MB are kept, what was
+not used for longest goes first; `AEROSCENE_CACHE=off` reads and writes no file.
 """
 
 from __future__ import annotations

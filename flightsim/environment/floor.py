@@ -1,8 +1,8 @@
 """Floor plan of a scene in cells: room to walk, drive or fly at one height.
 
-A column's floor is the top of its solid part from the ground up, relief included; an obstacle is anything above it
-within the mover's height, or a step to the next column. A cell is occupied if anything may reach
-into it, so distances to obstacles are never overestimated.
+A column's floor is the top of its solid part from the ground up, relief included. An obstacle is
+anything above it within the mover's height, or a step to the next column. A cell is occupied if
+anything may reach into it, so distances to obstacles are never overestimated.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """Distance from a point to the nearest static solid, in compiled code, by the tree of the rays.
 
 The distance is a lower bound. It is measured to the bounding box of a geom in the geom's own axes,
-which for a box is exact, and it is 0 inside that box. Above a height field it is at least the height
-times the cosine of the steepest slope. Subtrees farther away than the nearest solid
-so far are skipped, so that a search visits a few dozen of a scene's hundreds of geoms.
+which for a box is exact, and it is 0 inside that box. Above a height field it is at least the
+height times the cosine of the steepest slope. Subtrees farther away than the nearest solid so far
+are skipped, so that a search visits a few dozen of a scene's hundreds of geoms.
 """
 
 from __future__ import annotations

@@ -92,7 +92,7 @@ def _walk(
     above_m = z + here * dz - _surface(field, row, column, x + here * dx, y + here * dy)
     while True:
         next_x, next_y = _exit(x, dx, column), _exit(y, dy, row)
-        leave = min(min(next_x, next_y), end)
+        leave = min(next_x, next_y, end)
         # The surface is plane on both sides of the diagonal, where x - y is a whole number.
         across = dx - dy
         middle = (column - row - (x - y)) / across if across != 0.0 else _NEVER
@@ -121,7 +121,7 @@ def above_field_m(r: np.record, geom: int, point: np.ndarray) -> float:
     """Lower bound of the distance from a point above a height field to its surface; 0 below it.
 
     A surface whose gradient is at most g is at least as far as the height above it times
-    1 / sqrt(1 + g^2). That holds beside the field too, where the nearest point of its border counts.
+    1 / sqrt(1 + g^2). That holds beside the field too, by the nearest point of its border.
     """
     field = _field_of(r, geom)
     x, y, z = _turned(r, geom, point[0], point[1], point[2], True)
@@ -196,7 +196,7 @@ def _within(x: float, dx: float, most: int, start: float, end: float) -> tuple[f
 @kernel
 def _cell(x: float, n_nodes: int) -> int:
     """Cell of a coordinate, the nearest one beyond the border."""
-    return min(max(int(math.floor(x)), 0), n_nodes - 2)
+    return min(max(math.floor(x), 0), n_nodes - 2)
 
 
 @kernel
