@@ -16,7 +16,7 @@ from trimesh.visual import TextureVisuals
 from trimesh.visual.material import PBRMaterial
 
 from aeroscene.files.names import file_name
-from aeroscene.scene import InteractionArea, Scene
+from aeroscene.scene import InteractionArea, Relief, Scene
 from aeroscene.solids.shapes import MATERIALS, Material
 from flightsim.export.files import staged
 from flightsim.export.meshes import (
@@ -28,12 +28,16 @@ from flightsim.export.meshes import (
     object_name,
     scene_facts,
 )
+from flightsim.looks.relief_ground import relief_surface
+from flightsim.looks.surroundings import GROUND_MATERIAL
 from flightsim.looks.tessellation import Surface
 from flightsim.looks.textures import tile
 from flightsim.world import World
 
 ROOT = "scene_enu"
 """Node whose axes are east, north and up."""
+GROUND = "ground"
+"""Node of the ground of a relief; without a relief the ground is no part of the file."""
 
 _GLTF_FROM_ENU = np.array(
     [[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, -1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]]
@@ -64,11 +68,20 @@ def _graph(world: World) -> trimesh.Scene:
         name: _material(MATERIALS[name])
         for name in dict.fromkeys(solid.material for solid in world.solids)
     }
+    if world.scene.relief is not None:
+        _add_relief(graph, world.scene.relief)
     for mesh in object_meshes(world.scene, world.solids):
         _add_object(graph, mesh, world.scene, materials)
     for area in world.scene.interaction_areas:
         _add_area(graph, area)
     return graph
+
+
+def _add_relief(graph: trimesh.Scene, relief: Relief) -> None:
+    """Add the grid of the relief as the node `ground`."""
+    look = MATERIALS[GROUND_MATERIAL]
+    mesh = _trimesh(relief_surface(relief, 0.0), _material(look), look)
+    graph.add_geometry(mesh, node_name=GROUND, geom_name=GROUND, parent_node_name=ROOT)
 
 
 def _add_object(

@@ -22,7 +22,8 @@ from flightsim.export.meshes import AREA_RGB, EXPORT_DETAIL, area_name, object_n
 from flightsim.looks.drawing import add_looks
 from flightsim.looks.geom_groups import GeomGroup
 from flightsim.world import World, new_spec
-from flightsim.world.geometry import add_ground, add_solids
+from flightsim.world.geometry import add_solids
+from flightsim.world.ground import add_ground, add_ground_beyond
 from flightsim.world.starts import add_vehicles
 
 _AREA_GROUP = 4
@@ -50,14 +51,17 @@ def _spec(world: World) -> mujoco.MjSpec:
     add_looks(spec, world.scene, world.solids, EXPORT_DETAIL)
     for geom in spec.worldbody.geoms:
         geom.contype = geom.conaffinity = 0
-    add_ground(spec)
-    # The ground lies in the plane of the skins that show it.
-    spec.geom("ground").group = int(GeomGroup.VEHICLE_SHAPE)
+    n_before = len(spec.worldbody.geoms)
+    add_ground(spec, world.scene.relief)
+    add_ground_beyond(spec, world.scene.relief)
+    # The ground lies in the surface of the skins that show it.
+    for geom in itertools.islice(spec.worldbody.geoms, n_before, None):
+        geom.group = int(GeomGroup.VEHICLE_SHAPE)
     solids = [solid for solid in world.solids if solid.collides]
-    n_looks = len(spec.worldbody.geoms)
+    n_before = len(spec.worldbody.geoms)
     add_solids(spec, solids)
     count: Counter[str] = Counter()
-    geoms = itertools.islice(spec.worldbody.geoms, n_looks, None)
+    geoms = itertools.islice(spec.worldbody.geoms, n_before, None)
     for geom, solid in zip(geoms, solids, strict=True):
         label = object_name(world.scene.object_by_id[solid.object_id])
         geom.name = f"{label}_{count[label]}"

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from pxr import Gf, Kind, Sdf, Usd, UsdGeom, UsdLux, UsdPhysics, UsdShade, Vt
 
-from aeroscene.scene import InteractionArea, SceneObject
+from aeroscene.scene import InteractionArea, Relief, SceneObject
 from aeroscene.solids.shapes import MATERIALS, Primitive
 from autonomy.model.quadrotor import GRAVITY_MPS2
 from flightsim.export.meshes import (
@@ -31,6 +31,7 @@ from flightsim.export.usd_prims import (
     set_pose,
 )
 from flightsim.export.usd_vehicle import add_vehicle
+from flightsim.looks.relief_ground import relief_surface
 from flightsim.looks.tessellation import Surface
 from flightsim.world import World
 
@@ -92,6 +93,10 @@ class _Writer:
         sky.CreateColorAttr(Gf.Vec3f(0.75, 0.85, 1.0))
 
     def _add_ground(self) -> None:
+        label(define_xform(self._stage, "/World/Ground", np.eye(4)), "ground")
+        if (relief := self._world.scene.relief) is not None:
+            self._add_relief(relief)
+            return
         half = _GROUND_HALF_M
         corners = np.array([(-half, -half, 0), (half, -half, 0), (half, half, 0), (-half, half, 0)])
         surface = Surface(
@@ -100,13 +105,21 @@ class _Writer:
             corners[:, :2],
             np.array([(0, 1, 2), (0, 2, 3)], dtype=np.int32),
         )
-        label(define_xform(self._stage, "/World/Ground", np.eye(4)), "ground")
         self._define_mesh("/World/Ground/look", surface, "grass")
         plane = UsdGeom.Plane.Define(self._stage, "/World/Ground/solid")
         plane.CreateAxisAttr(UsdGeom.Tokens.z)
         plane.CreatePurposeAttr(UsdGeom.Tokens.guide)
         UsdPhysics.CollisionAPI.Apply(plane.GetPrim())
         self._bind(plane.GetPrim(), "grass")
+
+    def _add_relief(self, relief: Relief) -> None:
+        """Add the ground of a relief, whose triangles are also its collider."""
+        path, surface = "/World/Ground/look", relief_surface(relief, _GROUND_HALF_M)
+        self._define_mesh(path, surface, "grass")
+        prim = self._stage.GetPrimAtPath(path)
+        UsdPhysics.CollisionAPI.Apply(prim)
+        shape = UsdPhysics.MeshCollisionAPI.Apply(prim)
+        shape.CreateApproximationAttr(UsdPhysics.Tokens.none)
 
     def _add_object(self, mesh: ObjectMesh) -> None:
         obj = mesh.obj

@@ -42,8 +42,7 @@ def add_relief(
         rng: Chooses the paint of each field.
     """
     lines = [_lines(relief, axis, outward_m) for axis in (1, 0)]
-    x, y = np.meshgrid(*lines)
-    vertices = np.stack([x, y, relief.height_m(x, y)], axis=-1)
+    vertices = _vertices(relief, lines)
     normals = _normals(vertices)
     paints = _paints(lines, len(outward_m), grass, fields, rng)
     cells = np.array([builder.paint(paint) for paint in paints.ravel()]).reshape(paints.shape)
@@ -59,6 +58,21 @@ def add_relief(
             renumbered.reshape(-1, 3).astype(np.int32),
         )
         builder.add_surface(surface, paint, is_flat=False)
+
+
+def relief_surface(relief: Relief, beyond_m: float) -> Surface:
+    """The ground as one surface, up to a distance beyond the grid."""
+    outward_m = np.array([beyond_m]) if beyond_m > 0.0 else np.zeros(0)
+    vertices = _vertices(relief, [_lines(relief, axis, outward_m) for axis in (1, 0)])
+    points = vertices.reshape(-1, 3)
+    is_cell = np.ones((vertices.shape[0] - 1, vertices.shape[1] - 1), dtype=bool)
+    triangles = _triangles(is_cell, vertices.shape[1]).astype(np.int32)
+    return Surface(points, _normals(vertices).reshape(-1, 3), points[:, :2], triangles)
+
+
+def _vertices(relief: Relief, lines: list[np.ndarray]) -> Float[np.ndarray, "r c 3"]:
+    x, y = np.meshgrid(*lines)
+    return np.stack([x, y, relief.height_m(x, y)], axis=-1)
 
 
 def _lines(relief: Relief, axis: int, outward_m: np.ndarray) -> Float[np.ndarray, " n"]:

@@ -90,6 +90,9 @@ def _walk(
     here = start
     column, row = _cell(x + here * dx, field.n_columns), _cell(y + here * dy, field.n_rows)
     above_m = z + here * dz - _surface(field, row, column, x + here * dx, y + here * dy)
+    if here > 0.0 and above_m <= 0.0:
+        # The ray begins at the height of the highest node, and just there.
+        return here
     while True:
         next_x, next_y = _exit(x, dx, column), _exit(y, dy, row)
         leave = min(next_x, next_y, end)
