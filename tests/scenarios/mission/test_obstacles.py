@@ -10,6 +10,7 @@ from aeroscene.sources import load_scene
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import build_world
 from scenarios.mission.obstacles import distance_field, scene_obstacles
+from tests.flightsim.handmade import hills, relief_scene
 from tests.scenarios.landing_scenes import yard
 
 
@@ -64,3 +65,20 @@ def test_cells_never_promise_more_room_than_there_is():
     exact, _ = obstacles.signed_distance(field.centres(cells))
     promised = field.distance_m[tuple(cells.T)]
     assert np.all(promised <= np.maximum(exact, 0.0) + 1e-3)
+
+
+def test_obstacles_of_a_relief_hold_all_of_the_ground_and_little_air():
+    scene = relief_scene(hills())
+    obstacles = scene_obstacles(scene, ())
+    rng = np.random.default_rng(6)
+    x, y = rng.uniform(-39.0, 39.0, (2, 1_000))
+    height_m = scene.relief.height_m(x, y)
+
+    def distances_m(above_m):
+        return obstacles.signed_distance(np.column_stack([x, y, height_m + above_m]))[0]
+
+    assert distances_m(-0.001).max() <= 0.0
+    assert distances_m(0.05).min() > 0.0
+    # No bound is above the height over the ground, and few are far below.
+    assert (distances_m(2.0) <= 2.0 + 1e-9).all()
+    assert np.median(distances_m(2.0)) > 1.5
