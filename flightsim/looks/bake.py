@@ -52,7 +52,7 @@ def lit(mesh: WorldMesh, solids: Sequence[Primitive], relief: Relief | None = No
     is_exact = (areas_m2 > _LARGE_FACE_M2) & is_sunward(face_normals)
     is_shown = ~np.array([paint.is_clear for paint in mesh.paints], dtype=bool)[mesh.face_paint]
     exact = np.flatnonzero(is_exact & is_shown)
-    corners = np.concatenate([rings[f] for f in exact])
+    corners = np.concatenate([np.zeros(0, dtype=int), *(rings[f] for f in exact)])
     shadows = cast(
         casters(_casters(solids)),
         mesh.vertices_enu_m[corners],
@@ -120,7 +120,9 @@ def _sky_share(
     """
     is_roof = (areas_m2 > _ROOF_M2) & (np.abs(mesh.normals_enu[mesh.face_first][:, 2]) > 0.5)
     is_roof &= above_m > 1.5
-    is_cover = is_roof[face_of[mesh.triangles[:, 0]]] & (face_of[mesh.triangles[:, 0]] >= 0)
+    face = face_of[mesh.triangles[:, 0]]
+    is_cover = face >= 0
+    is_cover[is_cover] = is_roof[face[is_cover]]
     roofs = RayScene(mesh.corners_enu_m()[is_cover & ~mesh.is_clear()])
     face_normals = mesh.normals_enu[mesh.face_first]
     of_faces = _free_share(roofs, middles + _UNDER_ROOF_M * face_normals)
