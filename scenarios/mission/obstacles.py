@@ -23,7 +23,9 @@ _SHAPES = {
 }
 _GROUND_DEPTH_M = 10.0
 _GROUND_TOLERANCE_M = 0.03
-"""Height up to which the obstacles of a relief may reach above the ground."""
+"""Height up to which the obstacles of a relief reach above the ground, if they are few."""
+_MOST_PRISMS = 20_000
+"""Obstacles of a relief; a rougher one gets larger obstacles, which reach higher above it."""
 _KEPT_HULLS = 4096
 
 
@@ -68,7 +70,9 @@ def _hull_planes(vertices_m: tuple[Vector3, ...]) -> np.ndarray:
 def _hills(scene: Scene, relief: Relief) -> Obstacles:
     """Prisms below the ground of a relief, each up to a plane that is nowhere below the ground."""
     bounds = (*scene.extent_min_enu_m[:2], *scene.extent_max_enu_m[:2])
-    patches = ground_patches(relief, bounds, _GROUND_TOLERANCE_M / 2)
+    tolerance_m = _GROUND_TOLERANCE_M / 2
+    while len(patches := ground_patches(relief, bounds, tolerance_m)) > _MOST_PRISMS:
+        tolerance_m *= 2.0
     low_m = min(scene.extent_min_enu_m[2], relief.min_m) - 1.0
     prisms = [
         _prism(corners, gradient, height_m, low_m)
