@@ -16,6 +16,7 @@ import mujoco
 import numpy as np
 
 from aeroscene.files.names import file_name
+from aeroscene.neighbourhood import neighbours_of
 from aeroscene.scene import InteractionArea
 from flightsim.export.files import staged, write_png
 from flightsim.export.meshes import AREA_RGB, EXPORT_DETAIL, area_name, object_name
@@ -67,12 +68,23 @@ def _spec(world: World) -> mujoco.MjSpec:
         geom.name = f"{label}_{count[label]}"
         geom.group = int(GeomGroup.VEHICLE_SHAPE)
         count[label] += 1
+    _add_neighbours(spec, world)
     for area in world.scene.interaction_areas:
         _add_area(spec, area)
     if world.vehicle_body_id >= 0:
         add_vehicles(spec, world.vehicles)
         spec.add_key(name="start", qpos=world.rest_qpos)
     return spec
+
+
+def _add_neighbours(spec: mujoco.MjSpec, world: World) -> None:
+    """Add the solids around the site under the names `surroundings_0`, `surroundings_1`..."""
+    n_before = len(spec.worldbody.geoms)
+    solids = [part for part in neighbours_of(world.scene) if part.collides]
+    add_solids(spec, solids, "neighbour")
+    for number, geom in enumerate(itertools.islice(spec.worldbody.geoms, n_before, None)):
+        geom.name = f"surroundings_{number}"
+        geom.group = int(GeomGroup.VEHICLE_SHAPE)
 
 
 def _add_area(spec: mujoco.MjSpec, area: InteractionArea) -> None:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from pxr import Gf, Kind, Sdf, Usd, UsdGeom, UsdLux, UsdPhysics, UsdShade, Vt
 
+from aeroscene.neighbourhood import neighbours_of
 from aeroscene.scene import InteractionArea, Relief, SceneObject
 from aeroscene.solids.shapes import MATERIALS, Primitive
 from autonomy.model.quadrotor import GRAVITY_MPS2
@@ -16,6 +17,7 @@ from flightsim.export.meshes import (
     Pose,
     area_facts,
     area_name,
+    neighbour_skins,
     object_meshes,
     object_name,
     pose_matrix,
@@ -63,6 +65,7 @@ class _Writer:
         self._add_ground()
         for mesh in object_meshes(self._world.scene, self._world.solids):
             self._add_object(mesh)
+        self._add_neighbours()
         for area in self._world.scene.interaction_areas:
             self._add_area(area)
         if self._world.vehicle_body_id >= 0:
@@ -136,6 +139,20 @@ class _Writer:
         local = np.linalg.inv(mesh.pose_enu)
         for index, solid in enumerate(mesh.solids):
             self._add_solid(f"{path}/solids/solid_{index}", solid, local)
+
+    def _add_neighbours(self) -> None:
+        """Add what stands around the site: its skins, and its solids as colliders."""
+        neighbours = neighbours_of(self._world.scene)
+        if not neighbours:
+            return
+        path = "/World/Surroundings"
+        label(define_xform(self._stage, path, np.eye(4)), "surroundings")
+        UsdGeom.Scope.Define(self._stage, f"{path}/looks")
+        for material, skin in neighbour_skins(self._world.scene).items():
+            self._define_mesh(f"{path}/looks/{material}", skin, material)
+        UsdGeom.Scope.Define(self._stage, f"{path}/solids")
+        for index, solid in enumerate(part for part in neighbours if part.collides):
+            self._add_solid(f"{path}/solids/solid_{index}", solid, np.eye(4))
 
     def _define_mesh(self, path: str, surface: Surface, material: str) -> None:
         mesh = define_mesh(self._stage, path, surface.vertices_m, surface.triangles)

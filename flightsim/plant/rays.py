@@ -26,6 +26,7 @@ from flightsim.plant.mujoco_calls import (
     table,
 )
 from flightsim.world import World
+from flightsim.world.rays import RayTree
 
 _MESH = int(mujoco.mjtGeom.mjGEOM_MESH)
 HEIGHT_FIELD = int(mujoco.mjtGeom.mjGEOM_HFIELD)
@@ -51,9 +52,12 @@ RAYS_DTYPE = np.dtype(
 """Where the geoms of a world and their index (`flightsim.world.rays.RayTree`) are in memory."""
 
 
-def new_rays(world: World, data: mujoco.MjData) -> np.ndarray:
-    """What rays need of a world in the state of `data`, (1,) of `RAYS_DTYPE`; both must live on."""
-    model, tree = world.model, world.rays
+def new_rays(world: World, data: mujoco.MjData, tree: RayTree | None = None) -> np.ndarray:
+    """What rays need of a world in the state of `data`, (1,) of `RAYS_DTYPE`; both must live on.
+
+    The rays meet the geoms of a tree, by default those of `world.rays`.
+    """
+    model, tree = world.model, world.rays if tree is None else tree
     records = np.zeros(1, RAYS_DTYPE)
     r = records[0]
     r["ray_geom_address"], r["ray_mesh_address"] = functions().ray_geom, functions().ray_mesh

@@ -24,15 +24,23 @@ _SIMPLE_TYPES = {
 }
 
 
-def add_solids(spec: mujoco.MjSpec, primitives: Iterable[Primitive]) -> None:
-    """Add one geom per primitive, in order, in the plain colour of its material."""
+def add_solids(
+    spec: mujoco.MjSpec, primitives: Iterable[Primitive], mesh_prefix: str = "mesh"
+) -> None:
+    """Add one geom per primitive, in order, in the plain colour of its material.
+
+    Args:
+        spec: Model to add to.
+        primitives: The primitives.
+        mesh_prefix: Begin of the names of their meshes, one for each call.
+    """
     meshes: dict[tuple[tuple[float, ...], ...], str] = {}
     for primitive in primitives:
         spec.worldbody.add_geom(
             pos=primitive.position_enu_m,
             quat=primitive.quat_wxyz,
             rgba=MATERIALS[primitive.material].rgba,
-            **_shape(spec, primitive, meshes),
+            **_shape(spec, primitive, meshes, mesh_prefix),
             **(_contact(primitive) if primitive.collides else _UNTOUCHABLE),
         )
 
@@ -87,12 +95,15 @@ def _contact(primitive: Primitive) -> dict[str, Any]:
 
 
 def _shape(
-    spec: mujoco.MjSpec, primitive: Primitive, meshes: dict[tuple[tuple[float, ...], ...], str]
+    spec: mujoco.MjSpec,
+    primitive: Primitive,
+    meshes: dict[tuple[tuple[float, ...], ...], str],
+    mesh_prefix: str,
 ) -> dict[str, Any]:
     """Type and size of a geom; equal meshes are stored once."""
     if primitive.kind == "mesh":
         if primitive.vertices_m not in meshes:
-            name = f"mesh{len(meshes)}"
+            name = f"{mesh_prefix}{len(meshes)}"
             meshes[primitive.vertices_m] = name
             # The shell's inertia is defined for flat meshes too; static geoms need none.
             spec.add_mesh(

@@ -15,8 +15,6 @@ from flightsim.looks.surroundings import GROUND_MATERIAL
 from flightsim.world.contact import STATIC_CONTACT, friction
 
 GROUND_GEOM = "ground"
-N_BEYOND = 8
-"""Number of height fields around that of a relief."""
 BEYOND_M = 2_000.0
 """Distance that the ground continues beyond the grid of a relief."""
 _DEPTH_M = 10.0
@@ -38,7 +36,7 @@ def add_ground(spec: mujoco.MjSpec, relief: Relief | None) -> None:
 
 
 def add_ground_beyond(spec: mujoco.MjSpec, relief: Relief | None) -> None:
-    """Continue the ground of a relief beyond its grid by `N_BEYOND` height fields.
+    """Continue the ground of a relief beyond its grid by eight height fields.
 
     A height field has one spacing along each axis, so each side and each corner is one of its own,
     two nodes wide.

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
-from jaxtyping import Float, Int32
+from jaxtyping import Bool, Float, Int32
 
 _MARGIN_M = 1e-6
 """By which boxes are larger than their geoms: rounding may lose no hit."""
@@ -43,13 +43,20 @@ class RayTree:
     """Cosine of the steepest slope of each height field of the model."""
 
     @classmethod
-    def of(cls, model: mujoco.MjModel) -> RayTree:
+    def of(
+        cls, model: mujoco.MjModel, left_out: Bool[np.ndarray, " ngeom"] | None = None
+    ) -> RayTree:
         """Index the geoms of a model.
+
+        Args:
+            model: The model.
+            left_out: Which geoms no ray shall meet; none of them if it is None.
 
         Raises:
             RayTreeError: If a geom is a signed distance field.
         """
-        geoms = np.flatnonzero(_is_visible(model)).astype(np.int32)
+        is_met = _is_visible(model) if left_out is None else _is_visible(model) & ~left_out
+        geoms = np.flatnonzero(is_met).astype(np.int32)
         for geom in geoms[np.isin(model.geom_type[geoms], _UNSUPPORTED)].tolist():
             kind = mujoco.mjtGeom(model.geom_type[geom]).name
             raise RayTreeError(

@@ -78,7 +78,7 @@ def test_rays_meet_what_mujocos_own_meet_to_the_bit(name, sees_vehicle):
     mujoco.mj_forward(world.model, data)
     excluded = -1 if sees_vehicle else world.vehicle_body_id
     rays, found_m = random_rays(world, N_RAYS), np.empty(N_RAYS)
-    cast_rays(new_rays(world, data), rays, excluded, found_m)
+    cast_rays(new_rays(world, data, world.wide_rays), rays, excluded, found_m)
     np.testing.assert_array_equal(found_m, by_mujoco(world, data, rays, excluded))
     assert 0.2 < np.isfinite(found_m).mean() < 1.0
 
