@@ -84,12 +84,16 @@ _ESTATE = Manner(
 )
 MANNERS: Mapping[str, Manner] = {
     "urban_block": _TOWN,
+    "old_town": _TOWN,
     "car_park": _TOWN,
     "waterfront": _TOWN,
     "residential_street": _SUBURB,
+    "campus": _SUBURB,
     "industrial_yard": _ESTATE,
+    "retail_park": _ESTATE,
     "park": _VILLAGE,
     "hillside": _VILLAGE,
+    "village": _VILLAGE,
 }
 """By the theme of a scene; scenes of other themes, or of none, have nothing around them."""
 LEAVES = ("leaves", "leaves_dark")

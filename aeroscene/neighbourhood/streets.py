@@ -66,7 +66,8 @@ def streets_around(scene: Scene, ring_m: float) -> tuple[Street, ...]:
         ring_m: Distance from the flight volume at which the continuations end.
     """
     ahead = [obj for obj in scene.objects if obj.category in GROUND | SHELLS]
-    hulls = shapely.convex_hull(shapely.multipoints([obj.bbox.corners()[:, :2] for obj in ahead]))
+    corners = [obj.bbox.corners()[:, :2] for obj in ahead]
+    hulls = np.asarray(shapely.convex_hull(shapely.multipoints(corners)))
     exits = [found for road in _roads(scene) for found in _exits(scene, road, hulls, ring_m)]
     crossings = [
         _crossing(scene, same_side[0], ring_m)

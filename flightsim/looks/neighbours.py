@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from aeroscene.solids.shapes import Primitive
+from aeroscene.solids.shapes.materials import FACADE_BAY_M
 from flightsim.looks.dressing import ALL_FACES, SIDES, TOP, Piece
 from flightsim.looks.mesh import MeshBuilder
 from flightsim.looks.paint import Colour, Paint, material_paint
@@ -19,7 +20,8 @@ _FACADES = {
     "cladding_white": "ribbon",
 }
 """Pattern of walls by their material."""
-_TWO_BAYS_M = (6.0, 6.0)
+_TWO_BAYS_M = (2 * FACADE_BAY_M[0], 2 * FACADE_BAY_M[1])
+_ROOFING = material_paint("roofing").tinted(_TINT)
 
 
 def add_neighbours(builder: MeshBuilder, neighbours: Sequence[Primitive]) -> None:
@@ -35,6 +37,3 @@ def add_neighbours(builder: MeshBuilder, neighbours: Sequence[Primitive]) -> Non
         else:
             boxes.append(Piece(solid, paint, ALL_FACES))
     builder.add_boxes(boxes)
-
-
-_ROOFING = material_paint("roofing").tinted(_TINT)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Float
 
-from aeroscene.neighbourhood import GAP_M
+from aeroscene.neighbourhood import GAP_M, neighbours_of
 from autonomy.perception import DepthImage
 from autonomy.planning import NOTHING_MOVES, MovingObstacles
 from autonomy.rotation import quat_from_rotation_vector, quat_multiply
@@ -150,6 +150,8 @@ class Senses:
         everything well beyond its sides counts as standing.
         """
         distance_m = self._world.map.static_distance_m(points_enu_m)
+        if not neighbours_of(self._world.scene):
+            return distance_m
         scene, place = self._world.scene, points_enu_m[:, :2]
         low, high = (np.array(end[:2]) for end in (scene.extent_min_enu_m, scene.extent_max_enu_m))
         is_beyond = ((place < low - GAP_M / 2) | (place > high + GAP_M / 2)).any(axis=1)
