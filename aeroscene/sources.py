@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Literal
 
 from aeroscene.corpus.corpus import CORPUS_SIZE
-from aeroscene.corpus.field import FIELD_NAME, field_scene
+from aeroscene.corpus.field import FIELD_NAME, HILLS_NAME, field_scene
 from aeroscene.corpus.provenance import curation_digest
 from aeroscene.files import cache_folder
 from aeroscene.scene import InteractionArea, Scene, SceneError
@@ -45,11 +45,11 @@ def load_scene(spec: str, *, skip_invalid: bool = False) -> Scene:
         spec: A number from 0 to 1015 for a scene of the AeroScene dataset, or its name, such as
             `aeroscene-0042`; `corpus:N`, or `corpus-0042`, for one of the training corpus, which
             has no last; `gen:SEED` for one that the model makes anew; `field` for an open, flat
-            field; the path of a `.json` or `.json.gz` file that holds a scene of ours, the
-            AeroScene authors' JSON, or a house of 3D-FRONT, ProcTHOR or Holodeck; or
-            `FILE.jsonl#ID`, also gzip, for a scene of a file of neutral layouts or such houses,
-            where ID is its scene_id, what follows the last slash of that, or its number in the
-            file from 0.
+            field; `hills` for a hillside with houses and trees; the path of a `.json` or `.json.gz`
+            file that holds a scene of ours, the AeroScene authors' JSON, or a house of 3D-FRONT,
+            ProcTHOR or Holodeck; or `FILE.jsonl#ID`, also gzip, for a scene of a file of neutral
+            layouts or such houses, where ID is its scene_id, what follows the last slash of that,
+            or its number in the file from 0.
         skip_invalid: Leave out objects of a layout that break a rule, instead of raising.
 
     Raises:
@@ -57,6 +57,10 @@ def load_scene(spec: str, *, skip_invalid: bool = False) -> Scene:
     """
     if spec == FIELD_NAME:
         return field_scene()
+    if spec == HILLS_NAME:
+        from aeroscene.corpus.hills import hills_scene
+
+        return hills_scene()
     file = _FILE.fullmatch(spec)
     if file:
         return _open_file(file["path"], file["scene_id"], skip_invalid=skip_invalid)
@@ -64,7 +68,7 @@ def load_scene(spec: str, *, skip_invalid: bool = False) -> Scene:
     if named is None or (named["source"] is None and int(named["number"]) >= CORPUS_SIZE):
         raise UnknownSceneError(
             f"scene {spec!r} is unknown; valid: a number from 0 to {CORPUS_SIZE - 1}, corpus:N, "
-            "gen:SEED, field, FILE.json or FILE.jsonl#ID, also with .gz"
+            "gen:SEED, field, hills, FILE.json or FILE.jsonl#ID, also with .gz"
         )
     return _open_number(named["source"] or NUMBERS_NAME, int(named["number"]))
 

@@ -27,9 +27,10 @@ _RECTANGLE = np.array([(1, 1), (-1, 1), (-1, -1), (1, -1)])
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Face:
-    """A plane upward face of an object, of slope `MAX_SLOPE_RAD` at most."""
+    """A plane upward face of an object or of the ground, of slope `MAX_SLOPE_RAD` at most."""
 
-    object_id: int
+    object_id: int | None
+    """The object; None is the bare ground of a relief."""
     outline: BaseGeometry
     """Seen from above, ENU, m."""
     gradient: tuple[float, float]

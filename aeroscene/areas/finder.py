@@ -9,6 +9,7 @@ from math import pi
 import shapely
 from shapely.geometry.base import BaseGeometry
 
+from aeroscene.areas.bare_ground import ground_rise_m
 from aeroscene.areas.faces import Face
 from aeroscene.areas.needs import LEGS_M, NEEDS, PERCH_NEEDS, STEP_M, AreaNeeds, needs_of
 from aeroscene.areas.obstacles import Obstacles, Obstructions
@@ -33,6 +34,8 @@ LEDGE_M = 0.7
 """A face of something large is a place to perch where its widest circle is smaller than this."""
 LEDGE_GAP_M = 0.35
 """Gap between a perch on something large and its walls: a drone comes down beside them."""
+GROUND_SURFACE = "grass"
+"""What landing gear meets on bare ground."""
 _INNER_M = 5e-4
 """Taken off a radius, so that rounding never takes it beyond its face."""
 
@@ -104,6 +107,8 @@ class AreaFinder:
             return None
         spot = spot.cut(PERCH_CUT_M)
         if near.distance_m(spot.centre, LEGS_M) < needs.body_radius_m:
+            return None
+        if self._is_buried(face, spot.centre, spot.radius_m, needs):
             return None
         if not self._is_reached(_place(face, spot), needs):
             return None
@@ -177,19 +182,34 @@ class AreaFinder:
             for name, needs in NEEDS.items()
             if spot.radius_m >= needs.surface_radius_m + _INNER_M
             and room_m >= needs.body_radius_m
+            and not self._is_buried(face, spot.centre, spot.radius_m, needs)
             and self._is_reached(place, needs)
         ]
 
     def _is_reached(self, place_enu_m: Vector3, needs: AreaNeeds) -> bool:
         return is_reached(self._field, self._scene.start_position_enu_m, place_enu_m, needs)
 
-    def _surface(self, object_id: int) -> str:
+    def _is_buried(
+        self, face: Face, centre: shapely.Point, radius_m: float, needs: AreaNeeds
+    ) -> bool:
+        """Whether the ground of a relief rises above a place, or above the legs beside it."""
+        if self._scene.relief is None:
+            return False
+        reach_m = max(radius_m, needs.body_radius_m)
+        return (
+            ground_rise_m(self._scene, face, centre, radius_m) > STEP_M
+            or ground_rise_m(self._scene, face, centre, reach_m) > LEGS_M
+        )
+
+    def _surface(self, object_id: int | None) -> str:
+        if object_id is None:
+            return GROUND_SURFACE
         obj = self._scene.object_by_id[object_id]
         finish = obj.attributes.get("finish")
         return finish if isinstance(finish, str) else by_name()[obj.category].surface
 
     def _is_coarse(self, face: Face) -> bool:
-        return self._scene.object_by_id[face.object_id].is_coarse
+        return face.object_id is None or self._scene.object_by_id[face.object_id].is_coarse
 
 
 def _place(face: Face, spot: Spot) -> Vector3:

@@ -1,9 +1,10 @@
 """Landing and perching areas derived from geometry: even, clear, and reachable from the start.
 
-A candidate is an upward face of at most 10 degrees. What stands on it or hangs low over it is taken
-away; in what is left the largest circles are found one after another, and each becomes an area if a
-drone of some class can fly there from the start. Faces of categories that may carry a drone bear
-landing areas; what is too narrow for that, and ledges, benches and wall tops, bears perching areas.
+A candidate is an upward face of at most 10 degrees, of an object or of the ground of a relief. What
+stands on it or hangs low over it is taken away; in what is left the largest circles are found one
+after another, and each becomes an area if a drone of some class can fly there from the start. Faces
+of categories that may carry a drone bear landing areas; what is too narrow for that, and ledges,
+benches and wall tops, bears perching areas.
 """
 
 from __future__ import annotations
@@ -12,13 +13,14 @@ from collections import Counter
 from collections.abc import Sequence
 from collections.abc import Set as AbstractSet
 
+from aeroscene.areas.bare_ground import ground_faces
 from aeroscene.areas.faces import Face, upward_faces
 from aeroscene.areas.finder import AreaFinder, Candidate, is_wide
 from aeroscene.areas.needs import AreaLimits
 from aeroscene.areas.obstacles import Obstacles
 from aeroscene.areas.reach import FIELD_CAP_M
 from aeroscene.areas.spread import spread
-from aeroscene.scene import DroneClass, InteractionArea, Scene
+from aeroscene.scene import DroneClass, InteractionArea, Scene, SceneObject
 from aeroscene.scene.catalogue import LANDABLE, NO_PERCH, PADS
 from aeroscene.solids.freespace import VoxelField, build_distance_field
 from aeroscene.solids.shapes import Primitive, scene_primitives
@@ -55,6 +57,7 @@ def derive_interaction_areas(
     finder = AreaFinder(scene, Obstacles(solids), field)
     faces = upward_faces(solids, lambda object_id: _may_bear(scene, object_id))
     bearers = [face for face in faces if is_wide(face) and _is_landable(scene, face)]
+    bearers += ground_faces(scene)
     landing = _landing(scene, finder, bearers, limits)
     perches = _perch_faces(scene, faces, {candidate.face for candidate in landing})
     chosen = [*_limited(scene, landing, limits), *_perching(scene, finder, perches, limits)]
@@ -67,7 +70,13 @@ def _may_bear(scene: Scene, object_id: int) -> bool:
 
 
 def _is_landable(scene: Scene, face: Face) -> bool:
-    return scene.object_by_id[face.object_id].category in LANDABLE
+    return _bearer(scene, face).category in LANDABLE
+
+
+def _bearer(scene: Scene, face: Face) -> SceneObject:
+    """The object that has a face."""
+    assert face.object_id is not None
+    return scene.object_by_id[face.object_id]
 
 
 def _landing(
@@ -95,7 +104,7 @@ def _is_enough(candidates: Sequence[Candidate], limits: AreaLimits | None) -> bo
 
 def _one_per_fine_object(scene: Scene, candidates: Sequence[Candidate]) -> list[Candidate]:
     """Keep only the highest of the places on one fine object, such as a car's bonnet and roof."""
-    highest: dict[int, Candidate] = {}
+    highest: dict[int | None, Candidate] = {}
     for candidate in candidates:
         best = highest.setdefault(candidate.face.object_id, candidate)
         if candidate.place_enu_m[2] > best.place_enu_m[2]:
@@ -103,7 +112,8 @@ def _one_per_fine_object(scene: Scene, candidates: Sequence[Candidate]) -> list[
     return [
         candidate
         for candidate in candidates
-        if scene.object_by_id[candidate.face.object_id].is_coarse
+        if candidate.face.object_id is None
+        or _bearer(scene, candidate.face).is_coarse
         or candidate is highest[candidate.face.object_id]
     ]
 
@@ -126,7 +136,8 @@ def _limited(
 
 def _is_pad(scene: Scene, candidate: Candidate) -> bool:
     """Whether a place was made to land on."""
-    return scene.object_by_id[candidate.face.object_id].category in PADS
+    face = candidate.face
+    return face.object_id is not None and _bearer(scene, face).category in PADS
 
 
 def _perch_faces(scene: Scene, faces: Sequence[Face], landed: AbstractSet[Face]) -> list[Face]:
@@ -138,7 +149,7 @@ def _perch_faces(scene: Scene, faces: Sequence[Face], landed: AbstractSet[Face])
     ledges: list[Face] = []
     highest: dict[int, Face] = {}
     for face in faces:
-        obj = scene.object_by_id[face.object_id]
+        obj = _bearer(scene, face)
         is_taken = face in landed or (not obj.is_coarse and obj.id in landed_ids)
         if obj.category in NO_PERCH or is_taken:
             continue

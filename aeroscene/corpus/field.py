@@ -7,6 +7,8 @@ from aeroscene.scene.catalogue import by_name
 from aeroscene.scene.origin import ALTITUDE_M, LATITUDE_DEG, LONGITUDE_DEG
 
 FIELD_NAME = "field"
+HILLS_NAME = "hills"
+"""Name of the scene of `aeroscene.corpus.hills`."""
 _HALF_M, _CEILING_M = 100.0, 60.0
 _LAWN_M: Vector3 = (60.0, 60.0, 0.1)
 _PAD_M: Vector3 = (2.6, 2.6, 0.06)

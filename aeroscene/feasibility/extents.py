@@ -75,7 +75,12 @@ def hold_all(layout: Layout) -> None:
 
 
 def _widen(layout: Layout, low: np.ndarray, high: np.ndarray) -> None:
-    """Set the sides that differ, to the millimetre."""
+    """Set the sides that differ, to the millimetre; a relief has to lie below all of the volume."""
+    if (relief := layout.scene.relief) is not None:
+        spans = np.array([relief.span_m(axis) for axis in range(2)])
+        low = np.array([*np.maximum(low[:2], spans[:, 0]), min(low[2], relief.min_m)])
+        highest_m = max(high[2], ceil(relief.max_m + _HEADROOM_M))
+        high = np.array([*np.minimum(high[:2], spans[:, 1]), highest_m])
     for row, wanted in enumerate((low, high)):
         differs = np.abs(layout.extent_m[row] - wanted) > _SAME_M
         layout.extent_m[row, differs] = np.round(wanted[differs], 3)

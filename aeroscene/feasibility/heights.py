@@ -26,6 +26,7 @@ from aeroscene.scene.catalogue import (
     WATER,
 )
 from aeroscene.scene.hanging import is_hung
+from aeroscene.scene.relief import ground_m
 from aeroscene.solids.shapes.build import object_primitives
 from aeroscene.solids.shapes.shell import FINISH_M
 from aeroscene.solids.solids import Solids, colliding
@@ -65,7 +66,12 @@ def _bearing_m(layout: Layout, row: int) -> float:
         return _highest_cover(layout, row)
     if obj.category in ROOFS:
         return _highest_room(layout, row)
-    return 0.0 if host < 0 else surface_m(layout, host, row)
+    return _earth_m(layout, row) if host < 0 else surface_m(layout, host, row)
+
+
+def _earth_m(layout: Layout, row: int) -> float:
+    """Height at which an object stands on the bare earth: of the lowest one below its outline."""
+    return float(ground_m(layout.scene.relief, *_probes(layout, row).T).min())
 
 
 def _within_m(layout: Layout, row: int, parent: SceneObject) -> float:
@@ -136,7 +142,7 @@ def _highest_cover(layout: Layout, row: int) -> float:
             for ground in layout.rows(COVERS)
             if covered(layout, row, ground) > _UNDER_M
         ),
-        default=0.0,
+        default=_earth_m(layout, row),
     )
 
 
@@ -152,7 +158,7 @@ def _highest_room(layout: Layout, row: int) -> float:
         if _meet(layout, part, row)
     }
     under = [part for part in tops_m if covered(layout, part, row) > _ROOFED]
-    return max((tops_m[part] for part in under or tops_m), default=0.0)
+    return max((tops_m[part] for part in under or tops_m), default=_earth_m(layout, row))
 
 
 def _meet(layout: Layout, part: int, row: int) -> bool:

@@ -1,7 +1,8 @@
-"""The scene document: objects, hierarchy, landing areas; its JSON and its categories."""
+"""The scene document: objects, hierarchy, landing areas, relief; its JSON and its categories."""
 
 from aeroscene.scene.box import OrientedBox, Quaternion, Vector3
 from aeroscene.scene.errors import SceneError
+from aeroscene.scene.relief import Relief
 from aeroscene.scene.scene import (
     DOMAINS,
     AreaKind,
@@ -23,6 +24,7 @@ __all__ = [
     "ObjectDomain",
     "OrientedBox",
     "Quaternion",
+    "Relief",
     "Scene",
     "SceneDomain",
     "SceneError",

@@ -14,7 +14,7 @@ import re
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import NoReturn
+from typing import Annotated, NoReturn
 
 import msgspec
 import numpy as np
@@ -28,12 +28,14 @@ from aeroscene.scene import (
     InteractionArea,
     OrientedBox,
     Quaternion,
+    Relief,
     Scene,
     SceneError,
     SceneObject,
     Vector3,
 )
 from aeroscene.scene.box import box_corners
+from aeroscene.scene.relief import MOST_NODES
 
 FORMAT = "aeroscene-scene"
 VERSION = 1
@@ -110,6 +112,15 @@ class _Origin(_Record):
     altitude_m: float
 
 
+_Row = Annotated[tuple[float, ...], msgspec.Meta(max_length=MOST_NODES)]
+
+
+class _Relief(_Record):
+    origin: tuple[float, float]
+    spacing: float
+    heights: Annotated[tuple[_Row, ...], msgspec.Meta(max_length=MOST_NODES)]
+
+
 class _Document(_Record, kw_only=True):
     format: str
     version: int
@@ -125,6 +136,7 @@ class _Document(_Record, kw_only=True):
     theme: str = ""
     wishes: dict[str, AttributeValue] = {}
     measured: dict[str, AttributeValue] = {}
+    relief: _Relief | None = None
 
 
 def scene_to_json(scene: Scene, *, with_corners: bool = True) -> bytes:
@@ -150,6 +162,7 @@ def scene_to_json(scene: Scene, *, with_corners: bool = True) -> bytes:
     return b"".join(
         (
             msgspec.json.encode(head)[:-1],
+            _relief_text(scene.relief),
             b',\n"objects":[',
             _lines([_object_record(obj, with_corners) for obj in scene.objects]),
             b'],\n"interaction_areas":[',
@@ -159,7 +172,16 @@ def scene_to_json(scene: Scene, *, with_corners: bool = True) -> bytes:
     )
 
 
-def _lines(records: list[_Object] | list[_Area]) -> bytes:
+def _relief_text(relief: Relief | None) -> bytes:
+    """The relief as a member of the document, a row of heights a line; nothing without one."""
+    if relief is None:
+        return b""
+    head = {"origin": relief.origin_enu_m, "spacing": relief.spacing_m}
+    rows = _lines(relief.heights_m.tolist())
+    return b',\n"relief":' + msgspec.json.encode(head)[:-1] + b',"heights":[' + rows + b"]}"
+
+
+def _lines(records: list[_Object] | list[_Area] | list[list[float]]) -> bytes:
     encoder = msgspec.json.Encoder()
     return b"\n" * bool(records) + b",\n".join(encoder.encode(record) for record in records)
 
@@ -284,10 +306,20 @@ def _build(document: _Document, source: str, derive: DeriveAreas | None) -> Scen
         theme=document.theme,
         wishes=document.wishes,
         measured=document.measured,
+        relief=_build_relief(document.relief, scene_id),
     )
     if listed is not msgspec.UNSET or derive is None:
         return scene
     return replace(scene, interaction_areas=derive(scene))
+
+
+def _build_relief(record: _Relief | None, scene_id: str) -> Relief | None:
+    if record is None:
+        return None
+    try:
+        return Relief.of(record.origin, record.spacing, record.heights)
+    except SceneError as error:
+        raise error.within(f"scene {scene_id!r}: relief") from None
 
 
 def _build_object(record: _Object, scene_id: str) -> SceneObject:

@@ -25,6 +25,7 @@ from aeroscene.scene.errors import (
     require_within,
 )
 from aeroscene.scene.polygon import distance_inside, is_simple, signed_area
+from aeroscene.scene.relief import Relief
 
 AttributeValue = str | float | int | bool
 ObjectDomain = Literal["indoor", "outdoor"]
@@ -40,6 +41,8 @@ FARTHEST_M = 10_000.0
 ALTITUDES_M = (-1000.0, 10_000.0)
 """Altitudes of the origin: below the Dead Sea's shore, above every summit."""
 MOST_YAW_RAD = 2.0 * math.pi + 1e-6
+_TOUCH_M = 1e-6
+"""Rounding of the border of a relief."""
 _MOST_NUMBER = 1e9
 """Largest number of an attribute, which may become a count of parts."""
 _MOST_TEXT = 200
@@ -206,6 +209,8 @@ class Scene:
     """What was asked for when the scene was made, by the option's name; empty where nothing was."""
     measured: Mapping[str, AttributeValue] = field(default_factory=dict, hash=False)
     """Figures that were measured to meet the wishes: grade of difficulty, width of passages."""
+    relief: Relief | None = None
+    """Height of the ground; without it the ground is the plane z = 0."""
 
     def __post_init__(self) -> None:
         try:
@@ -229,6 +234,7 @@ class Scene:
         valid = f"min below max and at most {MAX_EXTENT_M:g} m apart on each axis"
         require(ok=ok, field_name="extent", value=(low, high), valid=valid)
         self._validate_start()
+        self._validate_relief()
         _require_numbers(self.wishes, "wishes")
         _require_numbers(self.measured, "measured")
 
@@ -248,6 +254,22 @@ class Scene:
         ok = lowest <= self.altitude_m <= highest
         valid = f"{lowest:g} to {highest:g} m"
         require(ok=ok, field_name="altitude_m", value=self.altitude_m, valid=valid)
+
+    def _validate_relief(self) -> None:
+        """Require a relief over all of the flight volume, which reaches above and below it."""
+        if self.relief is None:
+            return
+        for axis, name in enumerate(("x", "y")):
+            low_m, high_m = self.extent_min_enu_m[axis], self.extent_max_enu_m[axis]
+            first_m, last_m = self.relief.span_m(axis)
+            ok = first_m <= low_m + _TOUCH_M and high_m <= last_m + _TOUCH_M
+            valid = f"within {first_m:g} to {last_m:g}, as the relief reaches"
+            require(ok=ok, field_name=f"extent.{name}", value=(low_m, high_m), valid=valid)
+        low_m, high_m = self.extent_min_enu_m[2], self.extent_max_enu_m[2]
+        lowest_m, highest_m = self.relief.min_m, self.relief.max_m
+        ok = low_m <= lowest_m and highest_m < high_m
+        valid = f"min at most {lowest_m:g} and max above {highest_m:g}, as the relief reaches"
+        require(ok=ok, field_name="extent.z", value=(low_m, high_m), valid=valid)
 
     def _validate_hierarchy(self) -> None:
         if (count := len(self.objects)) > MOST_OBJECTS:

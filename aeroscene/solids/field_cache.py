@@ -1,9 +1,9 @@
 """Distance fields that were computed before: of this process, and of earlier ones on disk.
 
-A field is kept under a hash of all that it follows from: the solids, the flight volume, the cells
-and the code that computes it. A file that is damaged, or is not ours, is as good as none. In the
-folder `fields` of the user's cache (or of `AEROSCENE_CACHE_DIR`) 200 MB are kept, what was not used
-for longest goes first; `AEROSCENE_CACHE=off` reads and writes no file.
+A field is kept under a hash of all that it follows from: the solids, the relief, the flight volume,
+the cells and the code that computes it. A file that is damaged, or is not ours, is as good as none.
+In the folder `fields` of the user's cache (or of `AEROSCENE_CACHE_DIR`) 200 MB are kept, what was
+not used for longest goes first; `AEROSCENE_CACHE=off` reads and writes no file.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from aeroscene.files import cache_folder, replacing
-from aeroscene.scene import Scene
-from aeroscene.solids import freespace, solids, voxels
+from aeroscene.scene import Scene, relief
+from aeroscene.solids import freespace, ground, solids, voxels
 from aeroscene.solids.freespace import MAX_DISTANCE_M, VoxelField, build_distance_field
 from aeroscene.solids.shapes import Primitive
 
@@ -85,6 +85,10 @@ def _key(scene: Scene, resolution_m: float, primitives: Sequence[Primitive], cap
     digest = hashlib.blake2b(_code(), digest_size=_DIGEST_BYTES)
     extents = (*scene.extent_min_enu_m, *scene.extent_max_enu_m)
     digest.update(np.array([*extents, resolution_m, cap_m]).tobytes())
+    if scene.relief is not None:
+        digest.update(np.array([*scene.relief.origin_enu_m, scene.relief.spacing_m]).tobytes())
+        digest.update(np.array(scene.relief.heights_m.shape).tobytes())
+        digest.update(scene.relief.heights_m.tobytes())
     for one in primitives:
         if one.collides:
             digest.update(f"{one.kind} {len(one.vertices_m)} ".encode())
@@ -98,7 +102,7 @@ def _key(scene: Scene, resolution_m: float, primitives: Sequence[Primitive], cap
 def _code() -> bytes:
     """Hash of the code that a field follows from."""
     digest = hashlib.blake2b(_MAGIC, digest_size=_DIGEST_BYTES)
-    for module in (freespace, solids, voxels):
+    for module in (freespace, ground, relief, solids, voxels):
         digest.update(Path(str(module.__file__)).read_bytes())
     return digest.digest()
 

@@ -14,6 +14,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from aeroscene.scene import Scene, Vector3
+from aeroscene.solids.ground import ground_cells
 from aeroscene.solids.shapes import Primitive, scene_primitives
 from aeroscene.solids.voxels import Grid, voxelise
 
@@ -73,6 +74,8 @@ def build_distance_field(
     origin[2] -= resolution_m
     grid = Grid(_vector(origin), resolution_m, (int(shape[0]), int(shape[1]), int(shape[2]) + 1))
     occupied = voxelise(scene_primitives(scene) if primitives is None else primitives, grid)
+    if scene.relief is not None:
+        occupied |= ground_cells(scene.relief, grid)
     occupied[:, :, 0] = True
     return VoxelField(
         origin_enu_m=grid.origin_enu_m,

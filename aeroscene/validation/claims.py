@@ -16,6 +16,7 @@ from jaxtyping import Float
 from aeroscene.areas.needs import LEGS_M, MAX_SLOPE_RAD, STEP_M, AreaNeeds, area_needs
 from aeroscene.scene import InteractionArea, Scene
 from aeroscene.scene.geometry import layer
+from aeroscene.scene.relief import ground_m
 from aeroscene.solids.outlines import outline_of
 from aeroscene.solids.solids import Solids
 from aeroscene.validation.columns import spans
@@ -91,6 +92,7 @@ class _Claim:
     def objections(self) -> Iterator[str]:
         yield from self._figures()
         yield from self._surface()
+        yield from self._ground()
         yield from self._room()
 
     def _figures(self) -> Iterator[str]:
@@ -118,7 +120,9 @@ class _Claim:
         area, solids = self._area, self._solids
         points = np.vstack([self._disc(), self._inner_corners()])
         wanted_m = self._plane.height_m(points)
-        nearest_m = np.abs(wanted_m) if area.object_id is None else np.full(len(points), np.inf)
+        nearest_m = np.full(len(points), np.inf)
+        if area.object_id is None:
+            nearest_m = np.abs(ground_m(self._scene.relief, *points.T) - wanted_m)
         low, high = points.min(axis=0), points.max(axis=0)
         near = solids.near(
             np.array([*low, wanted_m.min() - 0.1]), np.array([*high, wanted_m.max() + 0.1])
@@ -131,10 +135,26 @@ class _Claim:
             bearer = "the ground" if area.object_id is None else self._name(area.object_id)
             yield f"{bearer} has no face there at {missing} of {len(points)} points"
 
-    def _disc(self) -> Float[np.ndarray, "n 2"]:
+    def _ground(self) -> Iterator[str]:
+        """Whether the ground rises above the area, or above the legs beside it."""
+        reach_m = max(self._area.radius, self._needs.body_radius_m)
+        for radius_m, step_m, where in (
+            (self._area.radius, STEP_M, "on"),
+            (reach_m, LEGS_M, "beside"),
+        ):
+            points = self._disc(radius_m)
+            rise_m = ground_m(self._scene.relief, *points.T) - self._plane.height_m(points)
+            if rise_m.max() > step_m + STEP_TOLERANCE_M:
+                yield (
+                    f"the ground rises {rise_m.max():.2f} m above its plane {where} it; "
+                    f"valid: at most {step_m} m"
+                )
+
+    def _disc(self, radius_m: float | None = None) -> Float[np.ndarray, "n 2"]:
+        radius_m = self._area.radius if radius_m is None else radius_m
         turns = 2 * np.pi * np.arange(_TURNS) / _TURNS
         circle = np.stack([np.cos(turns), np.sin(turns)], axis=1)
-        rings = [fraction * self._area.radius * circle for fraction in _RINGS]
+        rings = [fraction * radius_m * circle for fraction in _RINGS]
         return self._plane.centre[:2] + np.vstack([np.zeros((1, 2)), *rings])
 
     def _inner_corners(self) -> Float[np.ndarray, "n 2"]:

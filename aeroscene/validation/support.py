@@ -9,10 +9,11 @@ import shapely
 from jaxtyping import Bool, Float, Int
 from shapely.geometry.base import BaseGeometry
 
-from aeroscene.scene import Scene, SceneObject
+from aeroscene.scene import Relief, Scene, SceneObject
 from aeroscene.scene.box import box_corners
 from aeroscene.scene.geometry import layer, penetration_depth
 from aeroscene.scene.hanging import is_hung
+from aeroscene.scene.relief import ground_m
 from aeroscene.solids.outlines import outline_of
 from aeroscene.solids.solids import Solids
 from aeroscene.validation.columns import spans
@@ -24,6 +25,8 @@ _FOOT_M = 0.03
 """Solids that reach down to within this of the lowest one are feet."""
 _MIDDLE_M = 0.02
 """Distance that the middle of the feet may lie outside what bears them."""
+_N_ACROSS = 17
+"""Points along each side of the feet at which the ground is compared with them."""
 _SLACK_M = 1e-6
 """Rounding of what lies within a box."""
 _UP = np.array([0.0, 0.0, 1.0])
@@ -36,18 +39,20 @@ def floating(scene: Scene, solids: Solids) -> Iterator[Finding]:
     boxes = [obj.bbox for obj in scene.objects]
     corners = box_corners(*([getattr(box, name) for box in boxes] for name in "pqs"))
     bottoms_m = corners[..., 2].min(axis=1).tolist()
+    below_m = ground_m(scene.relief, corners[..., 0], corners[..., 1]).min(axis=1).tolist()
     row = {obj.id: number for number, obj in enumerate(scene.objects)}
     row_of_solid = np.array([row[i] for i in solids.object_id.tolist()], dtype=int)
     family = _family(scene, row)
     is_borne = _on_one_box(solids, row_of_solid, family, np.array(bottoms_m))
     for number, obj in enumerate(scene.objects):
-        if bottoms_m[number] <= GAP_M or is_borne[number]:
+        if bottoms_m[number] <= below_m[number] + GAP_M or is_borne[number]:
             continue
         own = np.flatnonzero(row_of_solid == number)
         if not len(own):
             continue
         is_other = ~family[number, row_of_solid]
-        detail = _Stand(solids, own, is_other, bottoms_m[number]).objection()
+        stand = _Stand(scene.relief, solids, own, is_other, bottoms_m[number])
+        detail = stand.objection()
         if detail and not (_may_hang(obj) and _touches(solids, own, is_other)):
             yield Finding(
                 kind="floating",
@@ -128,8 +133,14 @@ class _Stand:
     """The feet of one object and what may bear them."""
 
     def __init__(
-        self, solids: Solids, own: Int[np.ndarray, " k"], is_other: np.ndarray, bottom_m: float
+        self,
+        relief: Relief | None,
+        solids: Solids,
+        own: Int[np.ndarray, " k"],
+        is_other: np.ndarray,
+        bottom_m: float,
     ) -> None:
+        self._relief = relief
         self._solids = solids
         self._bottom_m = bottom_m
         self._feet = own[solids.low_m[own, 2] <= solids.low_m[own, 2].min() + _FOOT_M]
@@ -138,7 +149,7 @@ class _Stand:
         low[2], high[2] = bottom_m - GAP_M, bottom_m + GAP_M
         near = solids.near(low, high)
         self._bearers = near[is_other[near]]
-        low[2] = 0.0
+        low[2] = 0.0 if relief is None else relief.min_m
         below = solids.near(low, high)
         self._below = below[is_other[below]]
 
@@ -148,6 +159,8 @@ class _Stand:
             return None
         feet = shapely.union_all([outline_of(self._solids.points(i)) for i in self._feet])
         borne = [self._bearing(i, feet) for i in self._bearers]
+        if self._relief is not None:
+            borne.append(self._bearing_ground(self._relief, feet))
         base = shapely.convex_hull(shapely.union_all(borne)) if borne else shapely.Point()
         if base.is_empty:
             return f"{self._gap_m(feet):.2f} m above what is below; valid: at most {GAP_M} m"
@@ -174,10 +187,18 @@ class _Stand:
         points = layer(self._solids.points(index), _UP, low_m, high_m)
         return shapely.intersection(outline_of(points), feet)
 
+    def _bearing_ground(self, relief: Relief, feet: BaseGeometry) -> BaseGeometry:
+        """Part of the feet that the ground reaches up to: on a slope their uphill side."""
+        x0, y0, x1, y1 = feet.bounds
+        x, y = np.meshgrid(np.linspace(x0, x1, _N_ACROSS), np.linspace(y0, y1, _N_ACROSS))
+        points = np.vstack([np.column_stack([x.ravel(), y.ravel()]), shapely.get_coordinates(feet)])
+        points = points[relief.height_m(*points.T) >= self._bottom_m - GAP_M]
+        return shapely.intersection(outline_of(points), feet)
+
     def _gap_m(self, feet: BaseGeometry) -> float:
         """Least height of the corners of the feet above what is below them, or the ground."""
         points = shapely.get_coordinates(feet)
-        top_m = np.zeros(len(points))
+        top_m = ground_m(self._relief, *points.T)
         for index in self._below:
             top_m = np.fmax(top_m, spans(self._solids, int(index), points)[:, 1])
         return float(self._bottom_m - top_m.max())

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from math import isfinite
 
+from aeroscene.scene import Relief
 from autonomy.types import IDLE, OFF, ControlLevel, Setpoint, Vector3
 from flightsim.autopilot.actuator_test import ActuatorTest
 from flightsim.autopilot.arming import ArmingChecks
@@ -56,6 +57,7 @@ class Autopilot:
         initial_parameters: Mapping[str, float] | None = None,
         parameter_ranges: Mapping[str, tuple[float, float]] | None = None,
         pilot_speeds_limit_all: bool = True,
+        terrain: Relief | None = None,
     ) -> None:
         """Connect the parts.
 
@@ -67,6 +69,8 @@ class Autopilot:
             parameter_ranges: Ranges that widen those of the table, by name.
             pilot_speeds_limit_all: Whether the greatest climb and descent of the sticks bound
                 automatic flight too, as in PX4.
+            terrain: Map of the terrain, above which some altitudes count; without it they count
+                above home.
 
         Raises:
             ParameterError: If one of the initial parameters is unknown or out of range.
@@ -85,6 +89,7 @@ class Autopilot:
         self._events = EventLog()
         self._vehicle = Vehicle(plant, self.parameters, hover)
         self._flight = FlightContext(self._vehicle, self.parameters, self._events, frame)
+        self._flight.terrain = terrain
         self._flight.limits.pilot_speeds_limit_all = pilot_speeds_limit_all
         self.battery_monitor = BatteryMonitor(self.parameters, self._events, airframe.battery.cells)
         self.datalink = DatalinkWatch(self.parameters)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from math import atan2, hypot, radians
 
+from aeroscene.scene import Relief
 from autonomy.types import NAN3, ZERO3, ControlLevel, Setpoint, Vector3
 from flightsim.autopilot.collision_prevention import CollisionPrevention
 from flightsim.autopilot.events import EventLog, Severity
@@ -36,6 +37,7 @@ class FlightContext:
         heading: Yaw reference.
         limits: Limits of the references.
         target_enu_m: Position that the vehicle flies to, for reports.
+        terrain: Map of the terrain's height that the vehicle carries; None if it has none.
     """
 
     def __init__(
@@ -59,6 +61,18 @@ class FlightContext:
         self.heading = HeadingMotion()
         self.limits = FlightLimits(parameters)
         self.target_enu_m: Vector3 | None = None
+        self.terrain: Relief | None = None
+
+    @property
+    def home_m(self) -> float:
+        """ENU height of home, 0 before there is one."""
+        return 0.0 if self.home is None else self.home.position_enu_m[2]
+
+    def terrain_m(self, east_m: float, north_m: float) -> float:
+        """ENU height of the terrain at a place: that of home without a map of the terrain."""
+        if self.terrain is None:
+            return self.home_m
+        return float(self.terrain.height_m(east_m, north_m))
 
     def move_home(self, position_enu_m: Vector3 | None, *, is_manual: bool = True) -> None:
         """Set home to a position, or to the vehicle's."""

@@ -81,7 +81,7 @@ FRAME_GLOBAL = frozenset({0, 5})
 FRAME_RELATIVE = frozenset({3, 6})
 """Frames with altitude above home."""
 FRAME_TERRAIN = frozenset({10, 11})
-"""Frames with altitude above terrain, which is assumed at the height of home."""
+"""Frames with altitude above terrain: of the scene's relief, or else at the height of home."""
 FRAME_LOCAL_NED = 1
 FRAME_LOCAL_ENU = 4
 GEODETIC_FRAMES = FRAME_GLOBAL | FRAME_RELATIVE | FRAME_TERRAIN

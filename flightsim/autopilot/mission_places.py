@@ -9,6 +9,7 @@ from flightsim.autopilot.flight_context import FlightContext
 from flightsim.autopilot.mission_item import (
     FRAME_GLOBAL,
     FRAME_LOCAL_NED,
+    FRAME_TERRAIN,
     PAYLOAD_COMMANDS,
     PLACE_COMMANDS,
     Cmd,
@@ -24,11 +25,14 @@ _PASSED_OVER = PAYLOAD_COMMANDS | {
 def place_of(item: MissionItem, flight: FlightContext) -> Vector3:
     """ENU position of an item that flies somewhere; missing coordinates are the path's."""
     here = flight.path.position_enu_m
-    home_m = 0.0 if flight.home is None else flight.home.position_enu_m[2]
+    home_m, above_m = flight.home_m, flight.home_m
     if item.is_geodetic:
         origin_m = flight.frame.origin.altitude_m
-        up_m = item.z - origin_m if item.frame in FRAME_GLOBAL else home_m + item.z
         east_m, north_m, _ = flight.frame.enu_from_geodetic(Geodetic(item.x, item.y, origin_m))
+        if item.frame in FRAME_TERRAIN:
+            x, y = (here[0], here[1]) if item.is_here else (east_m, north_m)
+            above_m = flight.terrain_m(x, y)
+        up_m = item.z - origin_m if item.frame in FRAME_GLOBAL else above_m + item.z
     elif item.frame == FRAME_LOCAL_NED:
         east_m, north_m, up_m = swap_enu_ned((item.x, item.y, item.z))
     else:

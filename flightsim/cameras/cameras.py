@@ -96,8 +96,8 @@ class Cameras:
     def render_ids(self, camera: str) -> np.ndarray:
         """What `render` shows at each pixel: int32 (height, width) of ids of the scene's objects.
 
-        Negative are the vehicle (-1), the bare ground (-2), the sky (-3), movers (-10 and below),
-        other vehicles (-100 and below).
+        Negative are the vehicle (-1), the bare ground (-2), the sky (-3), what stands around the
+        site (-4), movers (-10 and below), other vehicles (-100 and below).
         """
         return self._renderer.render_ids(self._plant.data, camera)
 

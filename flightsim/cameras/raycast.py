@@ -13,6 +13,7 @@ from typing import Literal
 import mujoco
 import numpy as np
 
+from aeroscene.neighbourhood import neighbours_of
 from autonomy.types import Vector3
 from flightsim.cameras.fine_picture import SAMPLES, FineLight, vehicle_triangles
 from flightsim.cameras.mates import MateShapes
@@ -60,7 +61,9 @@ class RaycastCameraRenderer:
         self._model = world.as_seen()
         self._poses = PoseCopy(self._model, world.camera_name)
         self._mates = MateShapes(world, self._model)
-        mesh = lit(drawn_mesh(world.scene, world.solids, FAST), world.solids)
+        mesh = drawn_mesh(world.scene, world.solids, FAST)
+        solids = (*world.solids, *neighbours_of(world.scene))
+        mesh = lit(mesh, solids, world.scene.relief)
         self._fast = _Stage(mesh, _far_m(world.model), is_lit=True)
         self._fine: tuple[_Stage, FineLight] | None = None
         self._ids: _Ids | None = None

@@ -39,8 +39,11 @@ def geom_triangles(model: mujoco.MjModel, geom_id: int) -> Triangles:
         return capsule(float(size[0]), float(size[1]), slices, stacks).corners_m()
     if kind == mujoco.mjtGeom.mjGEOM_MESH:
         return _mesh(model, int(model.geom_dataid[geom_id]))
+    if kind == mujoco.mjtGeom.mjGEOM_HFIELD:
+        return _height_field(model, int(model.geom_dataid[geom_id]))
     raise ShapeError(
-        f"geom {geom_id} is a {kind.name}; valid: plane, box, ellipsoid, cylinder, capsule, mesh"
+        f"geom {geom_id} is a {kind.name}; "
+        "valid: plane, box, ellipsoid, cylinder, capsule, mesh, height field"
     )
 
 
@@ -54,3 +57,17 @@ def _mesh(model: mujoco.MjModel, mesh_id: int) -> Triangles:
     first_vertex, first_face = model.mesh_vertadr[mesh_id], model.mesh_faceadr[mesh_id]
     faces = model.mesh_face[first_face : first_face + model.mesh_facenum[mesh_id]]
     return model.mesh_vert[first_vertex + faces].astype(float)
+
+
+def _height_field(model: mujoco.MjModel, number: int) -> Triangles:
+    """The upper surface; the common edge of a cell's triangles is that of the contacts."""
+    n_rows, n_columns = int(model.hfield_nrow[number]), int(model.hfield_ncol[number])
+    half_x, half_y, most_m, _ = model.hfield_size[number].tolist()
+    data = model.hfield_data[model.hfield_adr[number] :][: n_rows * n_columns]
+    x, y = np.meshgrid(
+        np.linspace(-half_x, half_x, n_columns), np.linspace(-half_y, half_y, n_rows)
+    )
+    nodes = np.stack([x, y, most_m * data.reshape(n_rows, n_columns).astype(float)], axis=-1)
+    a, b, c, d = nodes[:-1, :-1], nodes[:-1, 1:], nodes[1:, 1:], nodes[1:, :-1]
+    both = np.stack([np.stack([a, b, c], axis=2), np.stack([a, c, d], axis=2)], axis=2)
+    return both.reshape(-1, 3, 3)

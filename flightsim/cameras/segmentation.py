@@ -10,12 +10,21 @@ from jaxtyping import Int32, UInt8
 
 from aeroscene.scene.catalogue import CATALOGUE, category_id
 from flightsim.cameras.view import NO_OBJECT_ID
-from flightsim.world import FIRST_MATE_ID, FIRST_MOVER_ID, GROUND_ID, VEHICLE_ID, World
+from flightsim.world import (
+    FIRST_MATE_ID,
+    FIRST_MOVER_ID,
+    GROUND_ID,
+    NEIGHBOUR_ID,
+    VEHICLE_ID,
+    World,
+)
 
 NOTHING_CLASS = 0
 """The sky."""
 _FIRST_OTHER = max(CATALOGUE) + 1
-GROUND_CLASS, VEHICLE_CLASS, PERSON_CLASS, DRONE_CLASS = range(_FIRST_OTHER, _FIRST_OTHER + 4)
+GROUND_CLASS, VEHICLE_CLASS, PERSON_CLASS, DRONE_CLASS, NEIGHBOUR_CLASS = range(
+    _FIRST_OTHER, _FIRST_OTHER + 5
+)
 CLASS_NAMES: Mapping[int, str] = MappingProxyType(
     {NOTHING_CLASS: "sky"}
     | {number: category.name for number, category in CATALOGUE.items()}
@@ -24,6 +33,7 @@ CLASS_NAMES: Mapping[int, str] = MappingProxyType(
         VEHICLE_CLASS: "own vehicle",
         PERSON_CLASS: "person",
         DRONE_CLASS: "drone",
+        NEIGHBOUR_CLASS: "surroundings",
     }
 )
 """Name of each class: 1 to 70 are the categories of `category_id` in a scene's document."""
@@ -37,6 +47,7 @@ class Classes:
         """Look up every object, mover and other vehicle of a world."""
         classes = {obj.id: obj.category_id for obj in world.scene.objects}
         classes |= {NO_OBJECT_ID: NOTHING_CLASS, GROUND_ID: GROUND_CLASS, VEHICLE_ID: VEHICLE_CLASS}
+        classes[NEIGHBOUR_ID] = NEIGHBOUR_CLASS
         for index, mover in enumerate(world.obstacles):
             classes[FIRST_MOVER_ID - index] = _MOVER_CLASSES[mover.kind]
         classes |= {FIRST_MATE_ID - k: DRONE_CLASS for k in range(world.n_vehicles)}

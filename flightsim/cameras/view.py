@@ -50,7 +50,8 @@ class RgbdFrame(PosedDepth):
     """Colours, uint8 (height, width, 3)."""
     instance_ids: np.ndarray | None = None
     """Object of each pixel, int32 (height, width): ids of the scene's objects, -1 the vehicle, -2
-    the bare ground, -3 the sky, movers from -10 down; None unless `Cameras` segments."""
+    the bare ground, -3 the sky, -4 what stands around the site, movers from -10 down; None unless
+    `Cameras` segments."""
     class_ids: np.ndarray | None = None
     """Class of each pixel, uint8 (height, width): keys of `segmentation.CLASS_NAMES`; likewise."""
 

@@ -1,8 +1,8 @@
 """Floor plan of a scene in cells: room to walk, drive or fly at one height.
 
-A column's floor is the top of its solid part from the ground up; an obstacle is anything above it
-within the mover's height, or a step to the next column. A cell is occupied if anything may reach
-into it, so distances to obstacles are never overestimated.
+A column's floor is the top of its solid part from the ground up, relief included. An obstacle is
+anything above it within the mover's height, or a step to the next column. A cell is occupied if
+anything may reach into it, so distances to obstacles are never overestimated.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from jaxtyping import Bool, Float
 
 from aeroscene.scene import Scene, SceneObject
 from aeroscene.solids.freespace import distance_to_occupied
+from aeroscene.solids.ground import ground_cells
 from aeroscene.solids.shapes import Primitive
 from aeroscene.solids.voxels import Grid, voxelise
 
@@ -31,16 +32,25 @@ class Columns:
 
     grid: Grid
     occupied: Bool[np.ndarray, "nx ny nz"]
+    ground_m: Float[np.ndarray, "nx ny"]
+    """Height of the ground, overestimated by up to one cell."""
 
     @classmethod
     def of(cls, scene: Scene, solids: Iterable[Primitive], height_m: float) -> Columns:
-        """Voxelise solids up to a height above the scene's lowest point."""
+        """Voxelise ground and solids up to a height above the scene's highest ground."""
         low = np.array(scene.extent_min_enu_m)
         span = np.array(scene.extent_max_enu_m) - low
         nx, ny = (max(1, ceil(s / CELL_M - 1e-6)) for s in span[:2].tolist())
         x, y, z = (low + CELL_M / 2).tolist()
-        grid = Grid((x, y, z), CELL_M, (nx, ny, ceil(height_m / CELL_M)))
-        return cls(grid, voxelise(solids, grid))
+        relief = scene.relief
+        rise_m = 0.0 if relief is None else relief.max_m - float(low[2])
+        grid = Grid((x, y, z), CELL_M, (nx, ny, ceil((rise_m + height_m) / CELL_M)))
+        occupied, ground_m = voxelise(solids, grid), np.full((nx, ny), low[2])
+        if relief is not None:
+            ground = ground_cells(relief, grid)
+            occupied |= ground
+            ground_m += CELL_M * ground.sum(axis=2)
+        return cls(grid, occupied, ground_m)
 
     @property
     def centres_enu_m(self) -> tuple[Float[np.ndarray, "nx 1"], Float[np.ndarray, "1 ny"]]:
@@ -61,7 +71,7 @@ class Columns:
         top = np.minimum(layer + ceil(height_m / CELL_M), self.occupied.shape[2])
         at_floor = np.take_along_axis(filled, layer[..., None], axis=2)[..., 0]
         in_band = np.take_along_axis(filled, top[..., None], axis=2)[..., 0] - at_floor
-        blocked = full | (in_band > 0) | (level_m - bottom_m > _HIGHEST_FLOOR_M)
+        blocked = full | (in_band > 0) | (level_m - self.ground_m > _HIGHEST_FLOOR_M)
         return Floor(self, level_m, _clearance_m(blocked | _is_at_step(level_m)))
 
     def layer(self, bottom_m: float, height_m: float) -> Floor:

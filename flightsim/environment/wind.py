@@ -146,7 +146,7 @@ AIR_DTYPE = np.dtype(
     [
         ("is_steady", "i8"),  # nothing to do in a tick
         ("first_normal", "i8"),  # of its block among the plant's normals
-        ("is_sheltered", "i8"),  # by buildings
+        ("is_sheltered", "i8"),  # by buildings or hills
         *fields("dt_s", "gust_clock_s", *_TAKEN_OVER),
         *fields("speed_mps", "up_mps", "shelter_cell_m"),
         *fields("shelter_origin_enu_m", "flow", shape=(3,)),  # velocity over the open wind's
@@ -179,7 +179,7 @@ def set_wind(
         air: Record of `AIR_DTYPE`, changed.
         cfg: Wind under the open sky.
         has_rooms: Whether there are rooms without wind.
-        is_sheltered: Whether the field of buildings holds for this direction.
+        is_sheltered: Whether the field about buildings and hills holds for this direction.
     """
     is_steady = cfg.turbulence_mps == 0.0 and cfg.gust_mps == 0.0
     is_still = cfg.steady_enu_mps == ZERO3
@@ -197,6 +197,7 @@ def set_wind(
 def move_air(
     air: np.record,
     position_enu_m: np.ndarray,
+    height_m: float,
     velocity_enu_mps: np.ndarray,
     rooms: np.ndarray,
     shelter: np.ndarray,
@@ -207,7 +208,8 @@ def move_air(
 
     Args:
         air: Record of the air, changed.
-        position_enu_m: True position of the vehicle; its height is above the ground plane.
+        position_enu_m: True position of the vehicle.
+        height_m: Its height above the ground.
         velocity_enu_mps: True velocity.
         rooms: Rooms without wind (n, 8), see `flightsim.environment.rooms`.
         shelter: Velocity over the open wind's (nx, ny, nz, 3), where the air is sheltered.
@@ -225,7 +227,7 @@ def move_air(
         step_turbulence(
             air.states,
             air.turbulence_wind_mps,
-            position_enu_m[2],
+            height_m,
             speed,
             air.turbulence_mps,
             air.dt_s,

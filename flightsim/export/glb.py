@@ -16,7 +16,8 @@ from trimesh.visual import TextureVisuals
 from trimesh.visual.material import PBRMaterial
 
 from aeroscene.files.names import file_name
-from aeroscene.scene import InteractionArea, Scene
+from aeroscene.neighbourhood import neighbours_of
+from aeroscene.scene import InteractionArea, Relief, Scene
 from aeroscene.solids.shapes import MATERIALS, Material
 from flightsim.export.files import staged
 from flightsim.export.meshes import (
@@ -24,16 +25,24 @@ from flightsim.export.meshes import (
     ObjectMesh,
     area_facts,
     area_name,
+    neighbour_skins,
     object_meshes,
     object_name,
     scene_facts,
 )
+from flightsim.looks.relief_ground import relief_surface
+from flightsim.looks.surroundings import GROUND_MATERIAL
 from flightsim.looks.tessellation import Surface
 from flightsim.looks.textures import tile
 from flightsim.world import World
 
 ROOT = "scene_enu"
 """Node whose axes are east, north and up."""
+GROUND = "ground"
+"""Node of the ground of a relief; without a relief the ground is no part of the file."""
+
+SURROUNDINGS = "surroundings"
+"""Begin of the names of the nodes of what stands around the site, one for each material."""
 
 _GLTF_FROM_ENU = np.array(
     [[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, -1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]]
@@ -60,15 +69,29 @@ def _graph(world: World) -> trimesh.Scene:
     start = {"start_position_enu_m": list(world.scene.start_position_enu_m)}
     extras = scene_facts(world.scene) | start
     graph.graph.update(ROOT, "world", matrix=_GLTF_FROM_ENU, metadata=extras)
+    around = neighbours_of(world.scene)
     materials = {
         name: _material(MATERIALS[name])
-        for name in dict.fromkeys(solid.material for solid in world.solids)
+        for name in dict.fromkeys(solid.material for solid in (*world.solids, *around))
     }
+    for material, skin in neighbour_skins(world.scene).items():
+        name = f"{SURROUNDINGS}_{material}"
+        mesh = _trimesh(skin, materials[material], MATERIALS[material])
+        graph.add_geometry(mesh, node_name=name, geom_name=name, parent_node_name=ROOT)
+    if world.scene.relief is not None:
+        _add_relief(graph, world.scene.relief)
     for mesh in object_meshes(world.scene, world.solids):
         _add_object(graph, mesh, world.scene, materials)
     for area in world.scene.interaction_areas:
         _add_area(graph, area)
     return graph
+
+
+def _add_relief(graph: trimesh.Scene, relief: Relief) -> None:
+    """Add the grid of the relief as the node `ground`."""
+    look = MATERIALS[GROUND_MATERIAL]
+    mesh = _trimesh(relief_surface(relief, 0.0), _material(look), look)
+    graph.add_geometry(mesh, node_name=GROUND, geom_name=GROUND, parent_node_name=ROOT)
 
 
 def _add_object(

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
+from aeroscene.neighbourhood import neighbours_of
 from aeroscene.scene import InteractionArea, Scene, SceneObject
 from aeroscene.scene.box import rotation_matrix
 from aeroscene.solids.shapes import Primitive
@@ -69,6 +70,11 @@ def object_meshes(
             skins=_skins(own, np.linalg.inv(pose), detail),
             solids=tuple(primitive for primitive in own if primitive.collides),
         )
+
+
+def neighbour_skins(scene: Scene, detail: Detail = EXPORT_DETAIL) -> dict[str, Surface]:
+    """Visible surfaces of what stands around a site, in the world, one for each material."""
+    return _skins(neighbours_of(scene), np.eye(4), detail)
 
 
 def object_name(obj: SceneObject) -> str:

@@ -16,13 +16,15 @@ import mujoco
 import numpy as np
 
 from aeroscene.files.names import file_name
+from aeroscene.neighbourhood import neighbours_of
 from aeroscene.scene import InteractionArea
 from flightsim.export.files import staged, write_png
 from flightsim.export.meshes import AREA_RGB, EXPORT_DETAIL, area_name, object_name
 from flightsim.looks.drawing import add_looks
 from flightsim.looks.geom_groups import GeomGroup
 from flightsim.world import World, new_spec
-from flightsim.world.geometry import add_ground, add_solids
+from flightsim.world.geometry import add_solids
+from flightsim.world.ground import add_ground, add_ground_beyond
 from flightsim.world.starts import add_vehicles
 
 _AREA_GROUP = 4
@@ -50,25 +52,39 @@ def _spec(world: World) -> mujoco.MjSpec:
     add_looks(spec, world.scene, world.solids, EXPORT_DETAIL)
     for geom in spec.worldbody.geoms:
         geom.contype = geom.conaffinity = 0
-    add_ground(spec)
-    # The ground lies in the plane of the skins that show it.
-    spec.geom("ground").group = int(GeomGroup.VEHICLE_SHAPE)
+    n_before = len(spec.worldbody.geoms)
+    add_ground(spec, world.scene.relief)
+    add_ground_beyond(spec, world.scene.relief)
+    # The ground lies in the surface of the skins that show it.
+    for geom in itertools.islice(spec.worldbody.geoms, n_before, None):
+        geom.group = int(GeomGroup.VEHICLE_SHAPE)
     solids = [solid for solid in world.solids if solid.collides]
-    n_looks = len(spec.worldbody.geoms)
+    n_before = len(spec.worldbody.geoms)
     add_solids(spec, solids)
     count: Counter[str] = Counter()
-    geoms = itertools.islice(spec.worldbody.geoms, n_looks, None)
+    geoms = itertools.islice(spec.worldbody.geoms, n_before, None)
     for geom, solid in zip(geoms, solids, strict=True):
         label = object_name(world.scene.object_by_id[solid.object_id])
         geom.name = f"{label}_{count[label]}"
         geom.group = int(GeomGroup.VEHICLE_SHAPE)
         count[label] += 1
+    _add_neighbours(spec, world)
     for area in world.scene.interaction_areas:
         _add_area(spec, area)
     if world.vehicle_body_id >= 0:
         add_vehicles(spec, world.vehicles)
         spec.add_key(name="start", qpos=world.rest_qpos)
     return spec
+
+
+def _add_neighbours(spec: mujoco.MjSpec, world: World) -> None:
+    """Add the solids around the site under the names `surroundings_0`, `surroundings_1`..."""
+    n_before = len(spec.worldbody.geoms)
+    solids = [part for part in neighbours_of(world.scene) if part.collides]
+    add_solids(spec, solids, "neighbour")
+    for number, geom in enumerate(itertools.islice(spec.worldbody.geoms, n_before, None)):
+        geom.name = f"surroundings_{number}"
+        geom.group = int(GeomGroup.VEHICLE_SHAPE)
 
 
 def _add_area(spec: mujoco.MjSpec, area: InteractionArea) -> None:

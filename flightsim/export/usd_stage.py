@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from pxr import Gf, Kind, Sdf, Usd, UsdGeom, UsdLux, UsdPhysics, UsdShade, Vt
 
-from aeroscene.scene import InteractionArea, SceneObject
+from aeroscene.neighbourhood import neighbours_of
+from aeroscene.scene import InteractionArea, Relief, SceneObject
 from aeroscene.solids.shapes import MATERIALS, Primitive
 from autonomy.model.quadrotor import GRAVITY_MPS2
 from flightsim.export.meshes import (
@@ -16,6 +17,7 @@ from flightsim.export.meshes import (
     Pose,
     area_facts,
     area_name,
+    neighbour_skins,
     object_meshes,
     object_name,
     pose_matrix,
@@ -31,6 +33,7 @@ from flightsim.export.usd_prims import (
     set_pose,
 )
 from flightsim.export.usd_vehicle import add_vehicle
+from flightsim.looks.relief_ground import relief_surface
 from flightsim.looks.tessellation import Surface
 from flightsim.world import World
 
@@ -62,6 +65,7 @@ class _Writer:
         self._add_ground()
         for mesh in object_meshes(self._world.scene, self._world.solids):
             self._add_object(mesh)
+        self._add_neighbours()
         for area in self._world.scene.interaction_areas:
             self._add_area(area)
         if self._world.vehicle_body_id >= 0:
@@ -92,6 +96,10 @@ class _Writer:
         sky.CreateColorAttr(Gf.Vec3f(0.75, 0.85, 1.0))
 
     def _add_ground(self) -> None:
+        label(define_xform(self._stage, "/World/Ground", np.eye(4)), "ground")
+        if (relief := self._world.scene.relief) is not None:
+            self._add_relief(relief)
+            return
         half = _GROUND_HALF_M
         corners = np.array([(-half, -half, 0), (half, -half, 0), (half, half, 0), (-half, half, 0)])
         surface = Surface(
@@ -100,13 +108,21 @@ class _Writer:
             corners[:, :2],
             np.array([(0, 1, 2), (0, 2, 3)], dtype=np.int32),
         )
-        label(define_xform(self._stage, "/World/Ground", np.eye(4)), "ground")
         self._define_mesh("/World/Ground/look", surface, "grass")
         plane = UsdGeom.Plane.Define(self._stage, "/World/Ground/solid")
         plane.CreateAxisAttr(UsdGeom.Tokens.z)
         plane.CreatePurposeAttr(UsdGeom.Tokens.guide)
         UsdPhysics.CollisionAPI.Apply(plane.GetPrim())
         self._bind(plane.GetPrim(), "grass")
+
+    def _add_relief(self, relief: Relief) -> None:
+        """Add the ground of a relief, whose triangles are also its collider."""
+        path, surface = "/World/Ground/look", relief_surface(relief, _GROUND_HALF_M)
+        self._define_mesh(path, surface, "grass")
+        prim = self._stage.GetPrimAtPath(path)
+        UsdPhysics.CollisionAPI.Apply(prim)
+        shape = UsdPhysics.MeshCollisionAPI.Apply(prim)
+        shape.CreateApproximationAttr(UsdPhysics.Tokens.none)
 
     def _add_object(self, mesh: ObjectMesh) -> None:
         obj = mesh.obj
@@ -123,6 +139,20 @@ class _Writer:
         local = np.linalg.inv(mesh.pose_enu)
         for index, solid in enumerate(mesh.solids):
             self._add_solid(f"{path}/solids/solid_{index}", solid, local)
+
+    def _add_neighbours(self) -> None:
+        """Add what stands around the site: its skins, and its solids as colliders."""
+        neighbours = neighbours_of(self._world.scene)
+        if not neighbours:
+            return
+        path = "/World/Surroundings"
+        label(define_xform(self._stage, path, np.eye(4)), "surroundings")
+        UsdGeom.Scope.Define(self._stage, f"{path}/looks")
+        for material, skin in neighbour_skins(self._world.scene).items():
+            self._define_mesh(f"{path}/looks/{material}", skin, material)
+        UsdGeom.Scope.Define(self._stage, f"{path}/solids")
+        for index, solid in enumerate(part for part in neighbours if part.collides):
+            self._add_solid(f"{path}/solids/solid_{index}", solid, np.eye(4))
 
     def _define_mesh(self, path: str, surface: Surface, material: str) -> None:
         mesh = define_mesh(self._stage, path, surface.vertices_m, surface.triangles)

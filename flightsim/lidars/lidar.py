@@ -60,7 +60,7 @@ class Lidar:
             cfg: The lidar, such as `lidar_by_name("vlp16")`.
         """
         self._plant, self._cfg = plant, cfg
-        self._rays = new_rays(plant.world, plant.data)
+        self._rays = new_rays(plant.world, plant.data, plant.world.wide_rays)
         self._shot_us = 1e6 / (cfg.scan_hz * cfg.pattern.shots_per_scan)
         self._since_us = plant.time_us
         self._n_fired = 0

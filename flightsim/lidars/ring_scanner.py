@@ -17,7 +17,7 @@ class RingScanner:
     """Scans the true world: all that the vehicle can collide with, and not the vehicle itself."""
 
     def __init__(self, world: World, data: mujoco.MjData) -> None:
-        self._rays = new_rays(world, data)
+        self._rays = new_rays(world, data, world.wide_rays)
         self._vehicle_body = world.vehicle_body_id
         self._beams_enu_m = np.zeros((N_BEAMS, 6))
         self._ranges_m = np.zeros(N_BEAMS)

@@ -8,6 +8,8 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Float
 
+from aeroscene.scene import Relief
+from aeroscene.scene.relief import ground_m
 from aeroscene.solids.shapes import Primitive
 from flightsim.looks.light import SUN_DIRECTION, is_sunward, normals_for_light, surface_light
 from flightsim.looks.mesh import WorldMesh
@@ -32,28 +34,31 @@ _CIRCLE = np.linspace(0.0, 2 * np.pi, 17)[:-1]
 _DECAGON = np.linspace(0.0, 2 * np.pi, 11)[:-1]
 
 
-def lit(mesh: WorldMesh, solids: Sequence[Primitive]) -> WorldMesh:
+def lit(mesh: WorldMesh, solids: Sequence[Primitive], relief: Relief | None = None) -> WorldMesh:
     """Mesh with shadows on it and light in its normals.
 
     Args:
         mesh: Mesh of the whole world, with true normals.
         solids: Solids that cast shadows.
+        relief: Height of the ground; without it the ground is the plane z = 0.
     """
     face_of = _face_of_vertex(mesh)
     rings = _rings(mesh)
     normals = mesh.normals_enu
     middles, areas_m2 = _middles_and_areas(mesh, rings)
     face_normals = normals[mesh.face_first]
-    sky = _sky_share(mesh, face_of, middles, areas_m2)
+    above_m = middles[:, 2] - ground_m(relief, middles[:, 0], middles[:, 1])
+    sky = _sky_share(mesh, face_of, middles, areas_m2, above_m)
     is_exact = (areas_m2 > _LARGE_FACE_M2) & is_sunward(face_normals)
     is_shown = ~np.array([paint.is_clear for paint in mesh.paints], dtype=bool)[mesh.face_paint]
     exact = np.flatnonzero(is_exact & is_shown)
-    corners = np.concatenate([rings[f] for f in exact])
+    corners = np.concatenate([np.zeros(0, dtype=int), *(rings[f] for f in exact)])
     shadows = cast(
         casters(_casters(solids)),
         mesh.vertices_enu_m[corners],
         np.repeat(np.arange(len(exact)), mesh.face_count[exact]),
         face_normals[exact],
+        is_ground_level=relief is None,
     )
     sun = _sun_at_vertices(mesh, face_of, middles)
     is_of_exact = np.isin(face_of, exact)
@@ -103,12 +108,21 @@ def _middles_and_areas(
 
 
 def _sky_share(
-    mesh: WorldMesh, face_of: np.ndarray, middles: np.ndarray, areas_m2: np.ndarray
+    mesh: WorldMesh,
+    face_of: np.ndarray,
+    middles: np.ndarray,
+    areas_m2: np.ndarray,
+    above_m: np.ndarray,
 ) -> np.ndarray:
-    """Share of the sky not hidden by roofs, (v,): the same for all corners of a flat face."""
+    """Share of the sky not hidden by roofs, (v,): the same for all corners of a flat face.
+
+    `above_m` is the height of the faces' middles above the ground.
+    """
     is_roof = (areas_m2 > _ROOF_M2) & (np.abs(mesh.normals_enu[mesh.face_first][:, 2]) > 0.5)
-    is_roof &= middles[:, 2] > 1.5
-    is_cover = is_roof[face_of[mesh.triangles[:, 0]]] & (face_of[mesh.triangles[:, 0]] >= 0)
+    is_roof &= above_m > 1.5
+    face = face_of[mesh.triangles[:, 0]]
+    is_cover = face >= 0
+    is_cover[is_cover] = is_roof[face[is_cover]]
     roofs = RayScene(mesh.corners_enu_m()[is_cover & ~mesh.is_clear()])
     face_normals = mesh.normals_enu[mesh.face_first]
     of_faces = _free_share(roofs, middles + _UNDER_ROOF_M * face_normals)

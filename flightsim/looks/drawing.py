@@ -14,11 +14,13 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from aeroscene.neighbourhood import neighbours_of
 from aeroscene.scene import Scene
 from aeroscene.solids.shapes import Primitive
 from flightsim.looks.geom_groups import GeomGroup
 from flightsim.looks.light import AMBIENT_RGB, SUN_DIRECTION, SUN_RGB
 from flightsim.looks.mesh import MeshBuilder, WorldMesh, add_solids
+from flightsim.looks.neighbours import add_neighbours
 from flightsim.looks.paint import Paint
 from flightsim.looks.skins import Skin, skins
 from flightsim.looks.sky import HORIZON_RGB, ZENITH_RGB
@@ -84,7 +86,7 @@ def add_looks(
         # Load polygons and rays only when someone draws.
         from flightsim.looks.bake import lit
 
-        mesh = lit(mesh, primitives)
+        mesh = lit(mesh, (*primitives, *neighbours_of(scene)), scene.relief)
     materials: dict[Paint, str] = {}
     for index, skin in enumerate(skins(mesh)):
         if skin.paint not in materials:
@@ -95,10 +97,11 @@ def add_looks(
 
 def drawn_mesh(scene: Scene, primitives: Sequence[Primitive], detail: Detail) -> WorldMesh:
     """All static surfaces that a camera sees, with true normals."""
-    builder = MeshBuilder()
+    builder = MeshBuilder(scene.relief)
     add_surroundings(builder, scene, _FAR_EXTENTS * _half_diagonal_m(scene))
     categories = {obj.id: obj.category for obj in scene.objects}
     add_solids(builder, primitives, categories, detail)
+    add_neighbours(builder, neighbours_of(scene))
     return builder.mesh()
 
 

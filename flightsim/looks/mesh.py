@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from aeroscene.scene import Relief
+from aeroscene.scene.relief import ground_m
 from aeroscene.solids.shapes import Primitive
 from flightsim.looks.dressing import ALL_FACES, Piece, dress
 from flightsim.looks.paint import Paint
@@ -96,9 +98,10 @@ def add_solids(
 
 
 class MeshBuilder:
-    """Collects surfaces into a mesh."""
+    """Collects surfaces into a mesh; faces that lie on the ground are left out."""
 
-    def __init__(self) -> None:
+    def __init__(self, relief: Relief | None = None) -> None:
+        self._relief = relief
         self._paints: dict[Paint, int] = {}
         self._parts: list[tuple[np.ndarray, ...]] = []
         self._n_vertices = 0
@@ -122,7 +125,8 @@ class MeshBuilder:
                 row[list(piece.faces)] = True
         corners = corners.reshape(*shape, 3)
         faces_down = directions.reshape(*shape, 3)[:, :, 0, 2] < -0.5
-        is_shown &= ~faces_down | (corners[..., 2] > _ON_GROUND_M).any(axis=2)
+        above_m = corners[..., 2] - ground_m(self._relief, corners[..., 0], corners[..., 1])
+        is_shown &= ~faces_down | (above_m > _ON_GROUND_M).any(axis=2)
         paint = np.array([self.paint(piece.paint) for piece in pieces])
         self.add_quads(
             corners[is_shown],

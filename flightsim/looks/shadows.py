@@ -66,6 +66,8 @@ def cast(
     corners_enu_m: Float[np.ndarray, "c 3"],
     face_of_corner: Int[np.ndarray, " c"],
     normals_enu: Float[np.ndarray, "f 3"],
+    *,
+    is_ground_level: bool = True,
 ) -> Shadows:
     """Shadows on faces that look towards the sun.
 
@@ -74,12 +76,13 @@ def cast(
         corners_enu_m: Corners of the faces, ring by ring, counter-clockwise from outside.
         face_of_corner: Face of each corner, 0 to f - 1, ascending.
         normals_enu: Outward normals.
+        is_ground_level: Whether the ground is the plane z = 0, on which many faces share shadows.
     """
     rings = shapely.linearrings(corners_enu_m @ _ACROSS, indices=face_of_corner)
     polygons = np.asarray(shapely.polygons(rings))
     _, first = np.unique(face_of_corner, return_index=True)
     offset = np.einsum("fi,fi->f", normals_enu, corners_enu_m[first])
-    is_ground = (normals_enu[:, 2] > _LEVEL) & (offset < _GROUND_M)
+    is_ground = (normals_enu[:, 2] > _LEVEL) & (offset < _GROUND_M) & is_ground_level
     ground, other = np.flatnonzero(is_ground), np.flatnonzero(~is_ground)
     on_ground, ground_shade = _on_ground(casters_, polygons[ground])
     on_other, other_shade = _on_planes(casters_, polygons[other], normals_enu[other], offset[other])

@@ -1,6 +1,8 @@
-"""Ground of a scene: grass around it, and fields behind hedges as far as cameras see.
+"""Ground of a scene: grass around it, and land behind hedges as far as cameras see.
 
-It lies in the plane z = 0, the ground of the physics.
+Crops and bare soil begin only around scenes in the country; a town ends in meadows.
+
+It lies in the ground of the physics: the plane z = 0, or the relief.
 """
 
 from __future__ import annotations
@@ -10,9 +12,11 @@ import math
 
 import numpy as np
 
+from aeroscene.neighbourhood import MANNERS
 from aeroscene.scene import Scene
 from flightsim.looks.mesh import MeshBuilder
 from flightsim.looks.paint import Paint, material_paint
+from flightsim.looks.relief_ground import add_relief
 from flightsim.looks.sky import FAR_LAND_RGB
 
 GROUND_MATERIAL = "grass"
@@ -32,6 +36,8 @@ _FIELDS: tuple[Paint, ...] = (
     Paint("crops", (0.80, 0.68, 0.36), (14.0, 14.0)),
     Paint("soil", (0.50, 0.38, 0.27), (9.0, 9.0)),
 )
+_N_MEADOWS = 2
+"""Number of fields, from the first, that are meadows."""
 _HEDGE = Paint("leaves", (0.26, 0.40, 0.19), (3.0, 3.0))
 _UP = np.array([0.0, 0.0, 1.0])
 _Patch = tuple[np.ndarray, Paint]
@@ -40,7 +46,10 @@ _Patch = tuple[np.ndarray, Paint]
 
 def add_surroundings(builder: MeshBuilder, scene: Scene, reach_m: float) -> None:
     """Add the ground of a scene up to a distance from its centre."""
-    rng = np.random.default_rng([scene.seed, 0x6E0])
+    rng, fields = np.random.default_rng([scene.seed, 0x6E0]), _fields(scene)
+    if scene.relief is not None:
+        add_relief(builder, scene.relief, GROUND_MATERIAL, fields, _outward_m(reach_m), rng)
+        return
     low, high = np.array(scene.extent_min_enu_m)[:2], np.array(scene.extent_max_enu_m)[:2]
     lines = [_lines(low[k] - _YARD_M, high[k] + _YARD_M, reach_m) for k in range(2)]
     points = _jittered(rng, lines)
@@ -52,7 +61,7 @@ def add_surroundings(builder: MeshBuilder, scene: Scene, reach_m: float) -> None
         if ring == 0:
             patches.append((quad, material_paint(GROUND_MATERIAL)))
         else:
-            field = _FIELDS[int(rng.integers(len(_FIELDS)))]
+            field = fields[int(rng.integers(len(fields)))]
             patches += _field(quad, field, ring, (low + high) / 2)
     corners = np.array([quad for quad, _ in patches])
     tiles = corners / np.array([paint.size_m for _, paint in patches])[:, None]
@@ -64,11 +73,21 @@ def add_surroundings(builder: MeshBuilder, scene: Scene, reach_m: float) -> None
     )
 
 
+def _fields(scene: Scene) -> tuple[Paint, ...]:
+    manner = MANNERS.get(scene.theme)
+    return _FIELDS if manner is None or manner.is_rural else _FIELDS[:_N_MEADOWS]
+
+
 def _lines(low_m: float, high_m: float, reach_m: float) -> np.ndarray:
     """Borders of fields along one axis; the middle cell is the yard."""
-    outward = np.cumsum([*_STRIPS_M, *[_STRIPS_M[-1]] * 9])
-    outward = outward[: int(np.searchsorted(outward, reach_m)) + 1]
+    outward = _outward_m(reach_m)
     return np.concatenate([low_m - outward[::-1], [low_m, high_m], high_m + outward])
+
+
+def _outward_m(reach_m: float) -> np.ndarray:
+    """Distances from the yard at which fields end, up to beyond a distance."""
+    outward = np.cumsum([*_STRIPS_M, *[_STRIPS_M[-1]] * 9])
+    return outward[: int(np.searchsorted(outward, reach_m)) + 1]
 
 
 def _rings_out(cell: int, n_cells: int) -> int:

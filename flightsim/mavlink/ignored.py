@@ -41,7 +41,7 @@ _REASONS: Mapping[str, str] = {
     "SETUP_SIGNING": "this link does not sign",
     "SET_ACTUATOR_CONTROL_TARGET": "valid are setpoints, and MAV_CMD_ACTUATOR_TEST on the ground",
     "SET_HOME_POSITION": "valid is MAV_CMD_DO_SET_HOME",
-    "TERRAIN_DATA": "the height of home serves as the terrain's",
+    "TERRAIN_DATA": "the scene's relief serves as the terrain, or else the height of home",
     "TRAJECTORY_REPRESENTATION_BEZIER": "valid are setpoints",
     "TRAJECTORY_REPRESENTATION_WAYPOINTS": "valid are setpoints",
     "VISION_POSITION_DELTA": "valid are ODOMETRY and VISION_POSITION_ESTIMATE",

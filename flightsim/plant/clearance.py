@@ -1,8 +1,9 @@
 """Distance from a point to the nearest static solid, in compiled code, by the tree of the rays.
 
 The distance is a lower bound. It is measured to the bounding box of a geom in the geom's own axes,
-which for a box is exact, and it is 0 inside that box. Subtrees farther away than the nearest solid
-so far are skipped, so that a search visits a few dozen of a scene's hundreds of geoms.
+which for a box is exact, and it is 0 inside that box. Above a height field it is at least the
+height times the cosine of the steepest slope. Subtrees farther away than the nearest solid so far
+are skipped, so that a search visits a few dozen of a scene's hundreds of geoms.
 """
 
 from __future__ import annotations
@@ -12,7 +13,9 @@ import math
 import numpy as np
 
 from autonomy.jit import kernel
+from flightsim.plant.height_fields import above_field_m
 from flightsim.plant.mujoco_calls import doubles, integers, table
+from flightsim.plant.rays import HEIGHT_FIELD
 
 
 @kernel
@@ -95,7 +98,7 @@ def _box_m(box: np.ndarray, point: np.ndarray) -> float:
 
 @kernel
 def _solid_m(r: np.record, f: np.record, geom: int, point: np.ndarray) -> float:
-    """Distance to the bounding box of a geom in the geom's own axes."""
+    """Distance to the bounding box of a geom in the geom's own axes, or to a height field."""
     place, turn = doubles(r.xpos_address + 24 * geom, 3), doubles(r.xmat_address + 72 * geom, 9)
     around = doubles(f.aabb_address + 48 * geom, 6)
     x, y, z = point[0] - place[0], point[1] - place[1], point[2] - place[2]
@@ -104,4 +107,6 @@ def _solid_m(r: np.record, f: np.record, geom: int, point: np.ndarray) -> float:
         along = x * turn[k] + y * turn[3 + k] + z * turn[6 + k]
         outside = max(abs(along - around[k]) - around[3 + k], 0.0)
         square += outside * outside
+    if integers(r.type_address, r.n_geoms)[geom] == HEIGHT_FIELD:
+        return max(above_field_m(r, geom, point), math.sqrt(square))
     return math.sqrt(square)

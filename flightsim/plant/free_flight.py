@@ -22,10 +22,11 @@ import math
 import mujoco
 import numpy as np
 
+from aeroscene.neighbourhood import GAP_M
 from autonomy.jit import fields, kernel
 from flightsim.plant.clearance import clearance_m
 from flightsim.plant.mujoco_calls import doubles
-from flightsim.world import World
+from flightsim.world import NEIGHBOUR_ID, World
 
 _MARGIN_M = 0.01
 """Added to a vehicle's reach, so that rounding cannot hide a contact."""
@@ -49,6 +50,8 @@ FREE_FLIGHT_DTYPE = np.dtype(
         *fields("inertia_flu_kgm2", "gravity_enu_mps2", shape=(3,)),
         ("centre_enu_m", "f8", 3),  # where the clearance was measured last
         ("clearance_m", "f8"),  # radius of the free sphere; negative: contacts are possible in it
+        # Horizontal bounds of the flight volume: what stands around it is not in the rays' tree.
+        *fields("low_enu_m", "high_enu_m", shape=(2,)),
     ],
     align=True,
 )
@@ -80,6 +83,11 @@ def new_free_flight(world: World, data: mujoco.MjData, *, is_on: bool) -> np.nda
     f["reach_m"] = _reach_m(model, body) + _MARGIN_M
     f["mass_kg"], f["inertia_flu_kgm2"] = model.body_mass[body], model.body_inertia[body]
     f["gravity_enu_mps2"], f["dt_s"] = model.opt.gravity, model.opt.timestep
+    f["low_enu_m"], f["high_enu_m"] = -np.inf, np.inf
+    if np.any(world.geom_object_id == NEIGHBOUR_ID):
+        spare_m = min(GAP_M - 0.5 - float(f["reach_m"]), 0.0)
+        f["low_enu_m"] = np.array(world.scene.extent_min_enu_m[:2]) - spare_m
+        f["high_enu_m"] = np.array(world.scene.extent_max_enu_m[:2]) + spare_m
     return records
 
 
@@ -97,11 +105,21 @@ def is_free(plants: np.ndarray) -> bool:
         f = plants[k].free_flight
         if f.is_on == 0:
             return False
-        away_m = _apart_m(f.centre_enu_m, doubles(plants[k].engine.qpos_address, 3))
+        place = doubles(plants[k].engine.qpos_address, 3)
+        if not _is_within(f, place):
+            return False
+        away_m = _apart_m(f.centre_enu_m, place)
         # Written so that a position that is not a number fails the test.
         if not away_m < abs(f.clearance_m):
             return _measure_clearance(plants)
     return _have_clearance(plants)
+
+
+@kernel
+def _is_within(f: np.record, place: np.ndarray) -> bool:
+    """Whether a place lies within the sides of the flight volume, if anything stands beyond."""
+    is_east = f.low_enu_m[0] <= place[0] <= f.high_enu_m[0]
+    return is_east and f.low_enu_m[1] <= place[1] <= f.high_enu_m[1]
 
 
 @kernel
@@ -209,9 +227,10 @@ def _reach_m(model: mujoco.MjModel, body: int) -> float:
 
 
 def _is_plain(world: World) -> bool:
-    """Whether this integration equals MuJoCo's, and the ray tree holds every geom with contacts.
+    """Whether this integration equals MuJoCo's, and every geom with contacts is known.
 
-    Joints, damping, actuators, fluid forces or an offset centre of mass would make a difference.
+    The ray tree holds all but those that stand around the site, which bounds keep away. Joints,
+    damping, actuators, fluid forces or an offset centre of mass would make a difference.
     """
     model, tree = world.model, world.rays
     bodies = [view.vehicle_body_id for view in world.views]
@@ -222,7 +241,8 @@ def _is_plain(world: World) -> bool:
     is_centred = not model.body_ipos[bodies].any() and bool(
         (model.body_iquat[bodies] == (1.0, 0.0, 0.0, 0.0)).all()
     )
-    known = np.concatenate([tree.leaf_geoms, tree.endless_geoms, tree.moving_geoms])
+    around = np.flatnonzero(world.geom_object_id == NEIGHBOUR_ID)
+    known = np.concatenate([tree.leaf_geoms, tree.endless_geoms, tree.moving_geoms, around])
     is_known = bool(np.isin(np.flatnonzero(_may_touch(model)), known).all())
     return is_free and not has_forces and not is_damped and is_centred and is_known
 

@@ -16,6 +16,7 @@ from flightsim.environment.rooms import ROOM_COLUMNS
 from flightsim.environment.steel import STEEL_COLUMNS
 from flightsim.environment.wind import AIR_NORMALS, move_air
 from flightsim.plant.free_flight import is_free, step_free
+from flightsim.plant.height_fields import ground_m
 from flightsim.plant.mujoco_calls import (
     call_engine,
     doubles,
@@ -97,7 +98,8 @@ def _command(p: np.record) -> None:
     normals = doubles(e.normals_address, e.n_normals)
     first = air.first_normal + e.tick % e.tick_hz * AIR_NORMALS
     gusts = normals[first : first + AIR_NORMALS]
-    move_air(air, qpos[0:3], qvel[0:3], rooms, shelter, gusts, p.rotors.wind_enu_mps)
+    height_m = qpos[2] - ground_m(e.rays, qpos[0], qpos[1])
+    move_air(air, qpos[0:3], height_m, qvel[0:3], rooms, shelter, gusts, p.rotors.wind_enu_mps)
 
 
 @kernel

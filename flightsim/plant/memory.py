@@ -134,9 +134,11 @@ class PlantMemory:
         """Change the wind from the next advance on."""
         was_smooth = self.plant["air"]["turbulence_mps"] == 0.0
         around = self._around
-        is_sheltered = len(around.blocks) > 0 and cfg.speed_mps + cfg.gust_mps > 0.0
+        is_sheltered = around.is_sheltered and cfg.speed_mps + cfg.gust_mps > 0.0
         if is_sheltered:
-            self._shelter[:] = kept_shelter(around.grid, around.blocks, cfg.axis_enu)
+            self._shelter[:] = kept_shelter(
+                around.grid, around.blocks, around.ground_below_m, cfg.axis_enu
+            )
         has_rooms = len(around.rooms) > 0
         set_wind(self.plant["air"], cfg, has_rooms=has_rooms, is_sheltered=is_sheltered)
         self.plant["rotors"]["wind_enu_mps"] = cfg.steady_enu_mps

@@ -188,6 +188,12 @@ def doubles(address: int, n: int) -> np.ndarray:
 
 
 @kernel
+def floats(address: int, n: int) -> np.ndarray:
+    """The n floats of 32 bits at an address."""
+    return carray(_pointer(address), (n,), np.float32)
+
+
+@kernel
 def table(address: int, n: int, columns: int) -> np.ndarray:
     """The n rows of doubles at an address."""
     return doubles(address, n * columns).reshape(n, columns)

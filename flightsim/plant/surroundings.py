@@ -10,7 +10,7 @@ from jaxtyping import Float
 from aeroscene.scene import Scene
 from flightsim.environment.effects import Effects
 from flightsim.environment.rooms import indoor_rooms
-from flightsim.environment.shelter import Grid, blocks_of, grid_for
+from flightsim.environment.shelter import Grid, blocks_of, grid_for, ground_below
 from flightsim.environment.steel import steel_dipoles
 
 
@@ -22,18 +22,25 @@ class Surroundings:
     """Without satellites and wind, `flightsim.environment.rooms`."""
     steel: Float[np.ndarray, "n 5"]
     """Near the magnetometer, `flightsim.environment.steel`."""
-    blocks: Float[np.ndarray, "n 7"]
+    blocks: Float[np.ndarray, "n 8"]
     """In the wind, `flightsim.environment.shelter`."""
     grid: Grid
-    """On which the flow around them is known."""
+    """On which the flow around them and over the ground is known."""
+    ground_below_m: Float[np.ndarray, "nx ny"]
+    """Height of the ground below the grid's columns."""
+    is_sheltered: bool
+    """Whether blocks or hills change the wind."""
 
     @classmethod
     def of(cls, scene: Scene, effects: Effects) -> Surroundings:
         """Surroundings in a scene, without those whose effect is off."""
         blocks = blocks_of(scene)[: None if effects.shelter else 0]
+        grid = grid_for(scene, blocks)
         return cls(
             rooms=indoor_rooms(scene),
             steel=steel_dipoles(scene)[: None if effects.steel else 0],
             blocks=blocks,
-            grid=grid_for(scene, blocks),
+            grid=grid,
+            ground_below_m=ground_below(scene, grid),
+            is_sheltered=len(blocks) > 0 or (effects.shelter and scene.relief is not None),
         )

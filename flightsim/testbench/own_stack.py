@@ -60,6 +60,7 @@ class OwnStack:
             },
             parameter_ranges=personality.parameter_ranges,
             pilot_speeds_limit_all=personality.pilot_speeds_limit_all,
+            terrain=plant.world.scene.relief,
         )
         follow_parameters(self.autopilot.parameters, plant)
         video_port = VIDEO_PORT + cfg.instance if has_video else None

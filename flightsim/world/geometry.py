@@ -9,18 +9,11 @@ import mujoco
 import numpy as np
 from jaxtyping import Float, Int
 
+from aeroscene.scene import Relief
 from aeroscene.solids.shapes import MATERIALS, Primitive
 from flightsim.looks.geom_groups import GeomGroup
-from flightsim.looks.surroundings import GROUND_MATERIAL
-
-STATIC_CONTACT: dict[str, Any] = {
-    "contype": 1,
-    "conaffinity": 1,
-    "condim": 3,
-    # The vehicle's softness applies, with the larger friction of the two.
-    "solmix": 0.0,
-    "group": int(GeomGroup.SCENE),
-}
+from flightsim.world.contact import STATIC_CONTACT, friction
+from flightsim.world.ground import add_ground, add_ground_beyond
 
 _UNTOUCHABLE: dict[str, Any] = {"contype": 0, "conaffinity": 0, "group": int(GeomGroup.DECOR)}
 
@@ -31,39 +24,36 @@ _SIMPLE_TYPES = {
 }
 
 
-def add_ground(spec: mujoco.MjSpec) -> None:
-    """Add the plane z = 0, which is geom "ground"."""
-    spec.worldbody.add_geom(
-        name="ground",
-        type=mujoco.mjtGeom.mjGEOM_PLANE,
-        # Zero is infinite. The third number is MuJoCo's grid spacing for drawing.
-        size=(0.0, 0.0, 1.0),
-        rgba=MATERIALS[GROUND_MATERIAL].rgba,
-        friction=friction(GROUND_MATERIAL),
-        **STATIC_CONTACT,
-    )
+def add_solids(
+    spec: mujoco.MjSpec, primitives: Iterable[Primitive], mesh_prefix: str = "mesh"
+) -> None:
+    """Add one geom per primitive, in order, in the plain colour of its material.
 
-
-def add_solids(spec: mujoco.MjSpec, primitives: Iterable[Primitive]) -> None:
-    """Add one geom per primitive, in order, in the plain colour of its material."""
+    Args:
+        spec: Model to add to.
+        primitives: The primitives.
+        mesh_prefix: Begin of the names of their meshes, one for each call.
+    """
     meshes: dict[tuple[tuple[float, ...], ...], str] = {}
     for primitive in primitives:
         spec.worldbody.add_geom(
             pos=primitive.position_enu_m,
             quat=primitive.quat_wxyz,
             rgba=MATERIALS[primitive.material].rgba,
-            **_shape(spec, primitive, meshes),
+            **_shape(spec, primitive, meshes, mesh_prefix),
             **(_contact(primitive) if primitive.collides else _UNTOUCHABLE),
         )
 
 
 class SurfaceProbe:
-    """Finds the exact surface below points, in a model of the static solids alone."""
+    """Finds the exact surface below points, in a model of ground and static solids alone."""
 
-    def __init__(self, solids: Sequence[Primitive]) -> None:
-        spec = mujoco.MjSpec()
-        spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=(0.0, 0.0, 1.0))
-        add_solids(spec, [solid for solid in solids if solid.collides])
+    def __init__(self, relief: Relief | None, solids: Sequence[Primitive]) -> None:
+        spec, colliding = mujoco.MjSpec(), [solid for solid in solids if solid.collides]
+        add_ground(spec, relief)
+        add_solids(spec, colliding)
+        add_ground_beyond(spec, relief)
+        self._n_known = 1 + len(colliding)
         self._model = spec.compile()
         self._data = mujoco.MjData(self._model)
         mujoco.mj_kinematics(self._model, self._data)
@@ -86,7 +76,8 @@ class SurfaceProbe:
         for i, point in enumerate(np.ascontiguousarray(points_enu_m, dtype=float)):
             depth_m = self.distance_m(point, np.array([0.0, 0.0, -1.0]))
             if depth_m < np.inf:
-                heights[i], geoms[i] = point[2] - depth_m, self._geom[0]
+                geom = int(self._geom[0])
+                heights[i], geoms[i] = point[2] - depth_m, geom if geom < self._n_known else 0
         return heights, geoms
 
     def distance_m(
@@ -103,18 +94,16 @@ def _contact(primitive: Primitive) -> dict[str, Any]:
     return {**STATIC_CONTACT, "friction": friction(primitive.material)}
 
 
-def friction(material: str) -> tuple[float, float, float]:
-    """Sliding, torsional and rolling friction of a surface; the last two are MuJoCo's defaults."""
-    return (MATERIALS[material].friction, 0.005, 0.0001)
-
-
 def _shape(
-    spec: mujoco.MjSpec, primitive: Primitive, meshes: dict[tuple[tuple[float, ...], ...], str]
+    spec: mujoco.MjSpec,
+    primitive: Primitive,
+    meshes: dict[tuple[tuple[float, ...], ...], str],
+    mesh_prefix: str,
 ) -> dict[str, Any]:
     """Type and size of a geom; equal meshes are stored once."""
     if primitive.kind == "mesh":
         if primitive.vertices_m not in meshes:
-            name = f"mesh{len(meshes)}"
+            name = f"{mesh_prefix}{len(meshes)}"
             meshes[primitive.vertices_m] = name
             # The shell's inertia is defined for flat meshes too; static geoms need none.
             spec.add_mesh(

@@ -11,11 +11,11 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
-from jaxtyping import Float, Int32
+from jaxtyping import Bool, Float, Int32
 
 _MARGIN_M = 1e-6
 """By which boxes are larger than their geoms: rounding may lose no hit."""
-_UNSUPPORTED = (mujoco.mjtGeom.mjGEOM_HFIELD, mujoco.mjtGeom.mjGEOM_SDF)
+_UNSUPPORTED = (mujoco.mjtGeom.mjGEOM_SDF,)
 
 
 class RayTreeError(ValueError):
@@ -39,18 +39,29 @@ class RayTree:
     """Planes, which no box holds."""
     moving_geoms: Int32[np.ndarray, " m"]
     """Geoms of bodies other than the world."""
+    field_cosines: Float[np.ndarray, " h"]
+    """Cosine of the steepest slope of each height field of the model."""
 
     @classmethod
-    def of(cls, model: mujoco.MjModel) -> RayTree:
+    def of(
+        cls, model: mujoco.MjModel, left_out: Bool[np.ndarray, " ngeom"] | None = None
+    ) -> RayTree:
         """Index the geoms of a model.
 
+        Args:
+            model: The model.
+            left_out: Which geoms no ray shall meet; none of them if it is None.
+
         Raises:
-            RayTreeError: If a geom is a height field or a signed distance field.
+            RayTreeError: If a geom is a signed distance field.
         """
-        geoms = np.flatnonzero(_is_visible(model)).astype(np.int32)
+        is_met = _is_visible(model) if left_out is None else _is_visible(model) & ~left_out
+        geoms = np.flatnonzero(is_met).astype(np.int32)
         for geom in geoms[np.isin(model.geom_type[geoms], _UNSUPPORTED)].tolist():
             kind = mujoco.mjtGeom(model.geom_type[geom]).name
-            raise RayTreeError(f"geom {geom} is a {kind}; valid: planes, primitives and meshes")
+            raise RayTreeError(
+                f"geom {geom} is a {kind}; valid: planes, primitives, meshes and height fields"
+            )
         is_static = model.geom_bodyid[geoms] == 0
         is_endless = model.geom_type[geoms] == mujoco.mjtGeom.mjGEOM_PLANE
         boxed = geoms[is_static & ~is_endless]
@@ -63,7 +74,20 @@ class RayTree:
             leaf_geoms=leaf_geoms.astype(np.int32),
             endless_geoms=geoms[is_static & is_endless],
             moving_geoms=geoms[~is_static],
+            field_cosines=np.array([_cosine(model, i) for i in range(model.nhfield)]),
         )
+
+
+def _cosine(model: mujoco.MjModel, number: int) -> float:
+    """Cosine of the steepest slope of a height field."""
+    first, shape = model.hfield_adr[number], (model.hfield_nrow[number], model.hfield_ncol[number])
+    half_x, half_y, most_m, _ = model.hfield_size[number]
+    heights = most_m * model.hfield_data[first:][: shape[0] * shape[1]].reshape(shape).astype(float)
+    east = np.diff(heights, axis=1) * (shape[1] - 1) / (2.0 * half_x)
+    north = np.diff(heights, axis=0) * (shape[0] - 1) / (2.0 * half_y)
+    slopes = (np.hypot(east[:-1], north[:, :-1]), np.hypot(east[1:], north[:, 1:]))
+    # Data of 32 bits: rounding may have made the field this much steeper.
+    return 1.0 / np.sqrt(1.0 + (1.0001 * max(slope.max() for slope in slopes)) ** 2)
 
 
 def _is_visible(model: mujoco.MjModel) -> np.ndarray:

@@ -106,7 +106,7 @@ def place_vehicles(
 def _free_places(scene: Scene, solids: Sequence[Primitive], radius_m: float) -> Iterator[Vector3]:
     """Free places beside a scene's start, the nearest first."""
     colliding = [solid for solid in solids if solid.collides]
-    probe = SurfaceProbe(colliding)
+    probe = SurfaceProbe(scene.relief, colliding)
     start = np.array(scene.start_position_enu_m)
     low, high = np.array(scene.extent_min_enu_m), np.array(scene.extent_max_enu_m)
     waters = {o.id for o in scene.objects if o.category in WATER}

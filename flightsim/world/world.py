@@ -15,6 +15,7 @@ import mujoco
 import numpy as np
 from jaxtyping import Bool, Int
 
+from aeroscene.neighbourhood import NEIGHBOUR_OBJECT_ID, neighbours_of
 from aeroscene.scene import Scene
 from aeroscene.solids.shapes import Primitive, scene_primitives
 from autonomy.model.quadrotor import GRAVITY_MPS2
@@ -28,7 +29,8 @@ from flightsim.looks.surfaces import Detail
 from flightsim.vehicles.airframe import Airframe
 from flightsim.vehicles.builder import part_name, vehicle_name
 from flightsim.vehicles.touching import let_touch_each_other, let_touch_movers
-from flightsim.world.geometry import SurfaceProbe, add_ground, add_solids
+from flightsim.world.geometry import SurfaceProbe, add_solids
+from flightsim.world.ground import add_ground, add_ground_beyond
 from flightsim.world.rays import RayTree
 from flightsim.world.starts import (
     PlacedVehicle,
@@ -40,9 +42,12 @@ from flightsim.world.starts import (
 )
 
 VEHICLE_ID, GROUND_ID = -1, -2
-"""Ids of the vehicle's own geoms and of the ground plane in `World.geom_object_id`."""
+"""Ids of the vehicle's own geoms and of the ground in `World.geom_object_id`."""
 GROUND_NAME = "the ground"
-"""Name of the ground plane, as `World.name_of` gives it."""
+"""Name of the ground, as `World.name_of` gives it."""
+NEIGHBOUR_ID = NEIGHBOUR_OBJECT_ID
+"""Id of what stands around the site, in `World.geom_object_id`; -3 is the sky of pictures."""
+NEIGHBOUR_NAME = "the surroundings"
 FIRST_MOVER_ID = -10
 """Id of the first moving obstacle in `World.geom_object_id`; the next ones count down."""
 FIRST_MATE_ID = -100
@@ -57,13 +62,16 @@ class World:
     scene: Scene
     """The scene, with this vehicle's start."""
     solids: tuple[Primitive, ...]
-    """All static solids: geom 0 is the ground, geom 1 + i is solid i."""
+    """All static solids: geom 0 is the ground, geom 1 + i is solid i. The ground beyond the grid of
+    a relief and what stands around the site follow."""
     obstacles: tuple[MovingObstacle, ...]
     """All movers: mocap body i is obstacle i."""
     movers: MoverSet
     """Appearance of the movers."""
     rays: RayTree
-    """By which rays find its geoms."""
+    """By which rays of the plant find its geoms: those of the site, without what is around it."""
+    wide_rays: RayTree
+    """By which lidars find its geoms: those around the site, too."""
     geom_object_id: np.ndarray
     """Id (ngeom,) int32 of a scene object, `VEHICLE_ID`, `GROUND_ID`, or of a mover or mate."""
     vehicle_body_id: int
@@ -189,12 +197,16 @@ def build_world(
     solids = (*scene_primitives(scene), *extra)
     vehicles = place_vehicles(scene, airframes, solids)
     spec = new_spec(scene, physics_hz)
-    add_ground(spec)
+    add_ground(spec, scene.relief)
     add_solids(spec, solids)
+    add_ground_beyond(spec, scene.relief)
+    neighbours = [part for part in neighbours_of(scene) if part.collides]
+    add_solids(spec, neighbours, "neighbour")
     add_vehicles(spec, vehicles)
     if isinstance(traffic, TrafficCfg):
         stands = [vehicle.stand_enu_m for vehicle in vehicles]
-        traffic = plan_traffic(traffic, scene, solids, SurfaceProbe(solids).height_m, stands)
+        probe = SurfaceProbe(scene.relief, solids)
+        traffic = plan_traffic(traffic, scene, solids, probe.height_m, stands)
     movers = MoverSet(traffic)
     if len(vehicles) > 1:
         let_touch_each_other(spec, len(vehicles))
@@ -205,7 +217,8 @@ def build_world(
     _enable_sleep(model)
     _put_movers(model, traffic)
     bodies = [model.body(vehicle_name(k)).id for k in range(len(vehicles))]
-    ids = _geom_ids(model, solids, bodies)
+    ids = _geom_ids(model, solids, len(neighbours), bodies)
+    wide_rays, is_neighbour = RayTree.of(model), ids == NEIGHBOUR_ID
     for vehicle, body in zip(vehicles, bodies, strict=True):
         if (geom := inside_of(model, body)) is not None:
             where = f"{vehicle.stand_enu_m} puts the vehicle inside"
@@ -217,7 +230,8 @@ def build_world(
         obstacles=tuple(traffic),
         movers=movers,
         scene=scene,
-        rays=RayTree.of(model),
+        rays=RayTree.of(model, is_neighbour) if is_neighbour.any() else wide_rays,
+        wide_rays=wide_rays,
         geom_object_id=ids,
         vehicle_body_id=bodies[0] if bodies else -1,
         rest_qpos=settle(model, vehicles, bodies) if vehicles else model.qpos0.copy(),
@@ -226,11 +240,15 @@ def build_world(
 
 
 def _geom_ids(
-    model: mujoco.MjModel, solids: Sequence[Primitive], bodies: Sequence[int]
+    model: mujoco.MjModel, solids: Sequence[Primitive], n_neighbours: int, bodies: Sequence[int]
 ) -> Int[np.ndarray, " geoms"]:
     """What each geom belongs to: an object by its id, the ground, a vehicle or a mover."""
     ids = np.zeros(model.ngeom, dtype=np.int32)
-    ids[: 1 + len(solids)] = [GROUND_ID, *(solid.object_id for solid in solids)]
+    n_static = int(np.count_nonzero(model.geom_bodyid == 0))
+    # The ground, the solids, the ground beyond a relief's grid, the neighbours.
+    ids[:n_static] = GROUND_ID
+    ids[1 : 1 + len(solids)] = [solid.object_id for solid in solids]
+    ids[n_static - n_neighbours : n_static] = NEIGHBOUR_ID
     for k, body in enumerate(bodies):
         ids[model.geom_bodyid == body] = FIRST_MATE_ID - k if k else VEHICLE_ID
     is_mover = model.body_mocapid[model.geom_bodyid] >= 0
@@ -281,6 +299,8 @@ def _enable_sleep(model: mujoco.MjModel) -> None:
 def _describe(scene: Scene, object_id: int) -> str:
     if object_id == GROUND_ID:
         return GROUND_NAME
+    if object_id == NEIGHBOUR_ID:
+        return NEIGHBOUR_NAME
     if object_id <= FIRST_MOVER_ID:
         return f"moving obstacle {FIRST_MOVER_ID - object_id}"
     category = next((o.category for o in scene.objects if o.id == object_id), "unknown")

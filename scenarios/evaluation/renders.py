@@ -93,7 +93,8 @@ class Camera:
         Raises:
             ValueError: If its geometry does not compile.
         """
-        world = build_world(replace(scene, interaction_areas=()))
+        # Without a theme nothing stands around the site, so that only the scene is compared.
+        world = build_world(replace(scene, interaction_areas=(), theme=""))
         if scene.domain == "indoor":
             world = replace(world, solids=cut_at(world.solids, _CUT_M, _LEAST_M))
         reach_m = self.reach_m.get(scene.domain, max(self.reach_m.values()))

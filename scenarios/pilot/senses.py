@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Float
 
+from aeroscene.neighbourhood import GAP_M, neighbours_of
 from autonomy.perception import DepthImage
 from autonomy.planning import NOTHING_MOVES, MovingObstacles
 from autonomy.rotation import quat_from_rotation_vector, quat_multiply
@@ -142,6 +143,20 @@ class Senses:
             # From here on it is tied to what it sees from this place.
             self._glance("forward")
 
+    def _static_distance_m(self, points_enu_m: Float[np.ndarray, "k 3"]) -> Float[np.ndarray, " k"]:
+        """Distance from points to what is known to stand.
+
+        The map knows nothing of the houses and trees around the site. Movers stay within it, so
+        everything well beyond its sides counts as standing.
+        """
+        distance_m = self._world.map.static_distance_m(points_enu_m)
+        if not neighbours_of(self._world.scene):
+            return distance_m
+        scene, place = self._world.scene, points_enu_m[:, :2]
+        low, high = (np.array(end[:2]) for end in (scene.extent_min_enu_m, scene.extent_max_enu_m))
+        is_beyond = ((place < low - GAP_M / 2) | (place > high + GAP_M / 2)).any(axis=1)
+        return np.where(is_beyond, 0.0, distance_m)
+
     def to_estimate(self, reference: FlatReference) -> FlatReference:
         """Convert a setpoint to the frame that the autopilot steers by."""
         return self._anchor.to_estimate(reference)
@@ -183,7 +198,7 @@ class Senses:
             self._anchor.rely(time_s, image)
         image = self._anchor.image_to_map(image)
         if self._tracker is not None and self._can_tell_movers:
-            self._tracker.update(time_s, image, self._world.map.static_distance_m)
+            self._tracker.update(time_s, image, self._static_distance_m)
         is_ahead = camera == "forward"
         self._world.observe(image, self.telemetry.position_enu_m, is_ahead=is_ahead)
         return image

@@ -153,15 +153,18 @@ def hull_triangles(vertices_m: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "m
 
 
 def _log_ground(stream: rr.RecordingStream, scene: Scene) -> None:
-    """Grass and the fields around, each paint with its texture, a touch below floors and roads."""
+    """Grass, and what is around the site, each paint with its texture, a touch below floors."""
     # Textures load where a scene is recorded, not where a recording is read.
+    from aeroscene.neighbourhood import neighbours_of
     from flightsim.looks.mesh import MeshBuilder
+    from flightsim.looks.neighbours import add_neighbours
     from flightsim.looks.skins import skins
     from flightsim.looks.surroundings import add_surroundings
     from flightsim.looks.textures import tile
 
-    builder = MeshBuilder()
+    builder = MeshBuilder(scene.relief)
     add_surroundings(builder, scene, _GROUND_REACH_M)
+    add_neighbours(builder, neighbours_of(scene))
     for number, skin in enumerate(skins(builder.mesh())):
         texture = skin.paint.texture
         picture = None if texture is None else tile(texture, skin.paint.rgb)

@@ -20,8 +20,8 @@ _LEAST_SPEED_MPS = 0.5
 """Speed of the target above which its velocity tells its course."""
 _SMOOTHING_S = 10.0
 """Time constant of the target's smoothing at a responsiveness of 1."""
-_ABOVE_TARGET = 2
-"""Value of FLW_TGT_ALT_M; the others count from home, for terrain counts as its height."""
+_ABOVE_TERRAIN, _ABOVE_TARGET = 1, 2
+"""Values of FLW_TGT_ALT_M; the height counts from home otherwise."""
 
 
 class Follow:
@@ -121,7 +121,10 @@ class Follow:
 
     def _floor_m(self, target_up_m: float) -> float:
         """ENU height above which FLW_TGT_HT counts."""
-        if self._flight.parameters["FLW_TGT_ALT_M"] == _ABOVE_TARGET:
+        flight = self._flight
+        if flight.parameters["FLW_TGT_ALT_M"] == _ABOVE_TARGET:
             return target_up_m
-        home = self._flight.home
-        return 0.0 if home is None else home.position_enu_m[2]
+        if flight.parameters["FLW_TGT_ALT_M"] == _ABOVE_TERRAIN:
+            east_m, north_m, _ = flight.vehicle.position_enu_m
+            return flight.terrain_m(east_m, north_m)
+        return flight.home_m

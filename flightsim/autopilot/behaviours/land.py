@@ -95,8 +95,8 @@ class Land:
 
     @property
     def _ground_m(self) -> float:
-        home = self._flight.home
-        return 0.0 if home is None else home.position_enu_m[2]
+        x, y, _ = self._flight.vehicle.position_enu_m
+        return self._flight.terrain_m(x, y)
 
 
 class Descend:
@@ -133,8 +133,8 @@ def landing_speed(flight: FlightContext) -> float:
     if height_m is not None and height_m < p["MPC_LAND_ALT3"]:
         return min(slow_mps, p["MPC_LAND_CRWL"])
     if height_m is None:
-        home_m = 0.0 if flight.home is None else flight.home.position_enu_m[2]
-        height_m = flight.vehicle.position_enu_m[2] - home_m
+        x, y, z = flight.vehicle.position_enu_m
+        height_m = z - flight.terrain_m(x, y)
     fast_mps = max(slow_mps, flight.limits.automatic.speed_down_mps)
     low_m, high_m = p["MPC_LAND_ALT2"], p["MPC_LAND_ALT1"]
     share = (height_m - low_m) / max(high_m - low_m, 1e-3)

@@ -1,6 +1,12 @@
-"""Wind among buildings: less in their lee, more at their corners."""
+"""Wind among buildings and over hills: less in their lee, more at corners and over crests."""
 
 from flightsim.environment.shelter.kept import kept_shelter
-from flightsim.environment.shelter.shelter import Grid, blocks_of, flow_at, grid_for
+from flightsim.environment.shelter.shelter import (
+    Grid,
+    blocks_of,
+    flow_at,
+    grid_for,
+    ground_below,
+)
 
-__all__ = ["Grid", "blocks_of", "flow_at", "grid_for", "kept_shelter"]
+__all__ = ["Grid", "blocks_of", "flow_at", "grid_for", "ground_below", "kept_shelter"]

@@ -15,20 +15,23 @@ from flightsim.environment.shelter.shelter import Grid, solve_shelter
 
 
 def kept_shelter(
-    grid: Grid, blocks: Float[np.ndarray, "n 7"], axis: tuple[float, float]
+    grid: Grid,
+    blocks: Float[np.ndarray, "n 8"],
+    ground_below_m: Float[np.ndarray, "nx ny"],
+    axis: tuple[float, float],
 ) -> Float[np.ndarray, "nx ny nz 3"]:
     """`solve_shelter` of a scene and a direction, solved once."""
     folder = cache_folder("winds")
     if folder is None:
-        return solve_shelter(grid, blocks, axis)
-    path = folder / f"{_key(grid, blocks, axis)}.npy"
+        return solve_shelter(grid, blocks, ground_below_m, axis)
+    path = folder / f"{_key(grid, blocks, ground_below_m, axis)}.npy"
     try:
         field = np.load(path, allow_pickle=False)
         if field.shape == (*grid.shape, 3):
             return field
     except (OSError, ValueError, EOFError):
         pass  # not there, or not whole
-    field = solve_shelter(grid, blocks, axis)
+    field = solve_shelter(grid, blocks, ground_below_m, axis)
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with replacing(path) as file:
@@ -38,9 +41,11 @@ def kept_shelter(
     return field
 
 
-def _key(grid: Grid, blocks: np.ndarray, axis: tuple[float, float]) -> str:
+def _key(
+    grid: Grid, blocks: np.ndarray, ground_below_m: np.ndarray, axis: tuple[float, float]
+) -> str:
     digest = hashlib.blake2b(_code(), digest_size=16)
-    for numbers in (grid.origin_enu_m, grid.shape, (grid.cell_m, *axis), blocks):
+    for numbers in (grid.origin_enu_m, grid.shape, (grid.cell_m, *axis), blocks, ground_below_m):
         digest.update(np.array(numbers, dtype=float).tobytes())
     return digest.hexdigest()
 

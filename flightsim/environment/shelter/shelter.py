@@ -10,6 +10,7 @@ from jaxtyping import Float
 
 from aeroscene.scene import Scene
 from aeroscene.scene.catalogue import BLOCKS
+from aeroscene.scene.relief import ground_m
 from autonomy.jit import kernel
 from flightsim.environment.shelter.mass_consistent import mass_consistent
 from flightsim.environment.shelter.wakes import BLOCK_COLUMNS, add_wakes
@@ -21,7 +22,7 @@ _MARGIN_M = 12.0
 
 @dataclass(frozen=True, slots=True)
 class Grid:
-    """Cells over a scene; the first begins at the origin, on the ground plane."""
+    """Cells over a scene; the first begins at the origin, on the lowest ground."""
 
     origin_enu_m: tuple[float, float, float]
     shape: tuple[int, int, int]
@@ -37,8 +38,11 @@ class Grid:
         return x[:, None, None], y[None, :, None], z[None, None, :]
 
 
-def blocks_of(scene: Scene) -> Float[np.ndarray, "n 7"]:
-    """Buildings and the like as upright blocks, a row of `BLOCK_COLUMNS` each."""
+def blocks_of(scene: Scene) -> Float[np.ndarray, "n 8"]:
+    """Buildings and the like as upright blocks, a row of `BLOCK_COLUMNS` each.
+
+    A block reaches down to the ground, also from a podium or over an arch.
+    """
     rows = [
         (
             *thing.bbox.p[:2],
@@ -46,6 +50,7 @@ def blocks_of(scene: Scene) -> Float[np.ndarray, "n 7"]:
             math.sin(thing.bbox.yaw_rad),
             *thing.bbox.s[:2],
             thing.bbox.p[2] + 0.5 * thing.bbox.s[2],
+            float(ground_m(scene.relief, *thing.bbox.p[:2])),
         )
         for thing in scene.objects
         if thing.category in BLOCKS
@@ -53,24 +58,35 @@ def blocks_of(scene: Scene) -> Float[np.ndarray, "n 7"]:
     return np.array(rows, dtype=float).reshape(-1, len(BLOCK_COLUMNS))
 
 
-def grid_for(scene: Scene, blocks: Float[np.ndarray, "n 7"]) -> Grid:
-    """Grid over a scene, up to above its blocks; a single cell if there are none."""
+def grid_for(scene: Scene, blocks: Float[np.ndarray, "n 8"]) -> Grid:
+    """Grid over a scene, up to above its blocks and its relief; a single cell if it has neither."""
     west, south, _ = scene.extent_min_enu_m
-    if len(blocks) == 0:
+    relief = scene.relief
+    if len(blocks) == 0 and relief is None:
         return Grid((west, south, 0.0), (1, 1, 1))
+    low_m, high_m = (0.0, 0.0) if relief is None else (relief.min_m, relief.max_m)
     sides = np.subtract(scene.extent_max_enu_m[:2], (west, south)) + 2.0 * _MARGIN_M
-    height_m = float(blocks[:, 6].max()) + _MARGIN_M
+    height_m = float(blocks[:, 6].max(initial=high_m)) - low_m + _MARGIN_M
     nx, ny, nz = (math.ceil(side / _CELL_M) for side in (*sides, height_m))
-    return Grid((west - _MARGIN_M, south - _MARGIN_M, 0.0), (nx, ny, nz))
+    return Grid((west - _MARGIN_M, south - _MARGIN_M, low_m), (nx, ny, nz))
+
+
+def ground_below(scene: Scene, grid: Grid) -> Float[np.ndarray, "nx ny"]:
+    """Height of the ground below the middles of a grid's columns."""
+    east, north, _ = grid.centres_m
+    return ground_m(scene.relief, east[..., 0], north[..., 0])
 
 
 def solve_shelter(
-    grid: Grid, blocks: Float[np.ndarray, "n 7"], axis: tuple[float, float]
+    grid: Grid,
+    blocks: Float[np.ndarray, "n 8"],
+    ground_below_m: Float[np.ndarray, "nx ny"],
+    axis: tuple[float, float],
 ) -> Float[np.ndarray, "nx ny nz 3"]:
     """Velocity of the air in each cell for an open wind of 1 m/s along a horizontal axis."""
     along = np.ones(grid.shape)
     add_wakes(along, grid.centres_m, blocks, axis)
-    is_solid = _solid(grid, blocks)
+    is_solid = _solid(grid, blocks) | (grid.centres_m[2] < ground_below_m[..., None])
     along[is_solid] = 0.0
     guess = np.stack([along * axis[0], along * axis[1], np.zeros(grid.shape)], axis=-1)
     return mass_consistent(guess, is_solid)
@@ -80,7 +96,7 @@ def _solid(grid: Grid, blocks: np.ndarray) -> np.ndarray:
     """Cells whose middle lies in a block."""
     east, north, up = grid.centres_m
     is_solid = np.zeros(grid.shape, dtype=bool)
-    for x, y, cosine, sine, length, width, top in blocks:
+    for x, y, cosine, sine, length, width, top, _ in blocks:
         dx, dy = east - x, north - y
         along, across = np.abs(cosine * dx + sine * dy), np.abs(cosine * dy - sine * dx)
         is_solid |= (along < 0.5 * length) & (across < 0.5 * width) & (up < top)

@@ -2,7 +2,7 @@
 
     symbol    name
     W, L, H   extents of a block across the wind, along it, and upwards
-    x, y, z   behind its lee face, from its middle across the wind, above ground
+    x, y, z   behind its lee face, from its middle across the wind, above its foot
     u         velocity along the wind over that of the open wind
 
     length of the cavity      L_r = 1.8 W / ((L/H)^0.3 (1 + 0.24 W/H)),  0.3 <= L/H <= 3
@@ -19,14 +19,15 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Float
 
-BLOCK_COLUMNS = ("x", "y", "cos yaw", "sin yaw", "length", "width", "top")
+BLOCK_COLUMNS = ("x", "y", "cos yaw", "sin yaw", "length", "width", "top", "foot")
+"""Top and foot are heights, ENU, m."""
 _WAKE_CAVITIES = 3.0
 
 
 def add_wakes(
     along: Float[np.ndarray, "nx ny nz"],
     centres_m: tuple[np.ndarray, np.ndarray, np.ndarray],
-    blocks: Float[np.ndarray, "n 7"],
+    blocks: Float[np.ndarray, "n 8"],
     axis: tuple[float, float],
 ) -> None:
     """Lessen a velocity along the wind where blocks shelter it.
@@ -38,17 +39,18 @@ def add_wakes(
         axis: Horizontal unit vector along which the wind blows.
     """
     east, north, up = centres_m
-    for x, y, cosine, sine, length, width, top in blocks:
+    for x, y, cosine, sine, length, width, top, foot in blocks:
+        rise = top - foot
         turn = abs(cosine * axis[0] + sine * axis[1]), abs(cosine * axis[1] - sine * axis[0])
         deep = length * turn[0] + width * turn[1]
         wide = length * turn[1] + width * turn[0]
         behind = (east - x) * axis[0] + (north - y) * axis[1] - 0.5 * deep
         aside = (north - y) * axis[0] - (east - x) * axis[1]
-        slender = np.clip(deep / top, 0.3, 3.0) ** 0.3
-        cavity = 1.8 * wide / (slender * (1.0 + 0.24 * wide / top))
+        slender = np.clip(deep / rise, 0.3, 3.0) ** 0.3
+        cavity = 1.8 * wide / (slender * (1.0 + 0.24 * wide / rise))
         end = cavity * np.sqrt(
             np.maximum(1.0 - (2.0 * aside / wide) ** 2, 0.0)
-            * np.maximum(1.0 - (up / top) ** 2, 0.0)
+            * np.maximum(1.0 - ((up - foot) / rise) ** 2, 0.0)
         )
         is_lee = (behind > 0.0) & (end > 0.0) & (behind < _WAKE_CAVITIES * end)
         ratio = np.divide(behind, end, out=np.ones(is_lee.shape), where=is_lee)

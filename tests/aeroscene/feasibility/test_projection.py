@@ -12,6 +12,7 @@ from aeroscene.feasibility.settling import cut_overlaps
 from aeroscene.layouts.flyable import make_flyable
 from aeroscene.layouts.neutral import neutral_layout
 from aeroscene.scene import Scene
+from aeroscene.sources import load_scene
 from aeroscene.validation import validate
 from tests.aeroscene.conftest import cached_scene
 from tests.aeroscene.feasibility.scenes import (
@@ -169,3 +170,25 @@ def test_crowded_ground_grows_within_the_site_alone():
     corners = np.concatenate([box.corners()[:, :2] for box in covers])
     assert corners.min(axis=0) == pytest.approx([-15.0, -15.0], abs=0.01)
     assert corners.max(axis=0) == pytest.approx([15.0, 25.0], abs=0.01)
+
+
+def test_objects_that_hang_above_a_relief_or_stick_in_it_are_set_onto_it():
+    hills = load_scene("hills")
+    rng = np.random.default_rng(0)
+
+    def moved(obj):
+        if obj.category == "landing_pad":
+            return obj
+        p = (np.array(obj.bbox.p) + rng.normal(0.0, 0.5, 3)).round(3).tolist()
+        return replace(obj, bbox=replace(obj.bbox, p=tuple(p)))
+
+    wrong = replace(hills, objects=tuple(moved(obj) for obj in hills.objects), interaction_areas=())
+    assert any(finding.kind == "floating" for finding in validate(wrong))
+    found = make_feasible(wrong).scene
+    assert found is not None
+    assert found.relief == hills.relief
+    assert validate(found) == ()
+    for obj in found.objects:
+        corners = np.vstack([obj.bbox.corners()[:, :2], obj.bbox.p[:2]])
+        lowest_m = found.relief.height_m(*corners.T).min()
+        assert obj.bbox.p[2] - obj.bbox.s[2] / 2 == pytest.approx(lowest_m, abs=0.02)

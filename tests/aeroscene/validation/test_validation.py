@@ -21,6 +21,7 @@ from aeroscene.validation import validate
 from aeroscene.validation.columns import spans
 from tests.aeroscene.sampling_solids import holds
 from tests.aeroscene.solids.test_voxels import primitives
+from tests.flightsim.handmade import incline, relief_scene
 
 LAWN, TABLE, CHAIR, CAR, CRATE, WALL, DECK = range(7)
 
@@ -345,3 +346,27 @@ def test_a_box_with_its_middle_on_an_edge_of_another_is_not_held_by_its_corner(s
         floating[beyond_m] = [f for f in found if f.kind == "floating" and f.object_id == 77]
     assert floating[-0.1] == []
     assert len(floating[0.1]) == 1
+
+
+def on_hill(bottom_m, size_m=(1.0, 1.0, 1.0)):
+    """A crate on a slope of a tenth towards east, 10 m up, its middle where the ground is 11 m."""
+    scene = relief_scene(incline(0.1, 0.0, height_m=10.0))
+    box = OrientedBox((10.0, 0.0, bottom_m + size_m[2] / 2), (1.0, 0.0, 0.0, 0.0), size_m)
+    crate = SceneObject(
+        id=0,
+        scene_id=scene.scene_id,
+        parent_id=None,
+        category_id=category_id("crate"),
+        bbox=box,
+        domain="outdoor",
+    )
+    return [f.kind for f in validate(replace(scene, objects=(crate,)))]
+
+
+@pytest.mark.parametrize(
+    ("bottom_m", "stands"),
+    [(10.95, True), (10.5, True), (11.0, True), (11.03, False), (11.05, False), (12.0, False)],
+)
+def test_an_object_stands_on_the_relief_under_it(bottom_m, stands):
+    """From 10.95 m all of it is on the ground; above 11.02 m its middle is beside what bears it."""
+    assert ("floating" not in on_hill(bottom_m)) == stands

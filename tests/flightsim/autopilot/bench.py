@@ -12,15 +12,16 @@ from flightsim.plant import Plant
 from flightsim.plant.cfg import PlantCfg
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import build_world
-from tests.flightsim.handmade import empty_scene
+from tests.flightsim.handmade import empty_scene, relief_scene
 
 GROUND_AMSL_M = 488.0
 NAN = math.nan
 
 
 @cache
-def world_with(vehicle, start=(0.0, 0.0, 0.0), extra=()):
-    return build_world(empty_scene(start), AIRFRAMES[vehicle], extra=extra)
+def world_with(vehicle, start=(0.0, 0.0, 0.0), extra=(), relief=None):
+    scene = empty_scene(start) if relief is None else relief_scene(relief)
+    return build_world(scene, AIRFRAMES[vehicle], extra=extra)
 
 
 class Bench:
@@ -33,16 +34,18 @@ class Bench:
         initial_parameters=None,
         start=(0.0, 0.0, 0.0),
         extra=(),
+        relief=None,
         seed=7,
         **plant,
     ):
-        self.plant = Plant(world_with(vehicle, start, extra), PlantCfg(seed=seed, **plant))
+        self.plant = Plant(world_with(vehicle, start, extra, relief), PlantCfg(seed=seed, **plant))
         self.frame = LocalFrame(Geodetic(47.4, 8.5, GROUND_AMSL_M))
         self.pilot = Autopilot(
             self.plant,
             self.frame,
             airframe=AIRFRAMES[vehicle],
             initial_parameters=initial_parameters,
+            terrain=relief,
         )
         self.texts: list[str] = []
         self.reached: list[int] = []

@@ -10,6 +10,7 @@ from flightsim.autopilot.mission_item import Cmd, MissionItem
 from flightsim.autopilot.modes import Mode
 from flightsim.autopilot.results import CommandResult
 from tests.flightsim.autopilot.bench import NAN, Bench
+from tests.flightsim.handmade import hills
 
 MISSION_FRAME = 2
 
@@ -359,3 +360,29 @@ def test_headings_of_waypoints_are_taken():
     yaws.append(bench.yaw_rad)
     assert abs(abs(yaws[0]) - math.pi) < 0.3, "270 degrees by compass is west"
     assert yaws[1] == pytest.approx(math.pi / 2, abs=0.2), "none given: towards the waypoint"
+
+
+TERRAIN_FRAME, HOME_FRAME = 10, 6
+
+
+@pytest.mark.parametrize(
+    ("frame", "is_above_terrain"), [(TERRAIN_FRAME, True), (HOME_FRAME, False)]
+)
+def test_altitudes_above_terrain_count_from_the_relief(frame, is_above_terrain):
+    relief = hills()
+    bench = Bench(relief=relief)
+    x, y = 11.0, -4.0
+    ground_m = float(relief.height_m(x, y))
+    assert ground_m > 2.0
+    items = [
+        bench.item(Cmd.TAKEOFF, 0.0, 0.0, 8.0),
+        waypoint(bench, x, y, 9.0, hold_s=2.0, frame=frame),
+        bench.item(Cmd.LAND, x, y, 0.0, frame=frame),
+    ]
+    assert fly(bench, items, 90.0)
+    base_m = ground_m if is_above_terrain else 0.0
+    assert closest(bench, x, y, base_m + 9.0) < 0.8
+    # It lands on the slope whatever the altitude of the item says.
+    east_m, north_m, _ = bench.plant.truth.position_enu_m
+    standing_m = bench.plant.truth.position_enu_m[2] - float(relief.height_m(east_m, north_m))
+    assert standing_m == pytest.approx(bench.plant.world.airframe.leg_length_m, abs=0.08)

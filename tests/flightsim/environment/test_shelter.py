@@ -13,13 +13,14 @@ from flightsim.environment.shelter.mass_consistent import mass_consistent
 from flightsim.environment.shelter.shelter import solve_shelter
 
 EAST = (1.0, 0.0)
-BLOCK = np.array([[0.0, 0.0, 1.0, 0.0, 10.0, 10.0, 12.0]])
+BLOCK = np.array([[0.0, 0.0, 1.0, 0.0, 10.0, 10.0, 12.0, 0.0]])
 GRID = Grid((-41.0, -41.0, 0.0), (41, 41, 14))
+LEVEL = np.zeros((41, 41))
 
 
 @pytest.fixture(scope="module")
 def field():
-    return solve_shelter(GRID, BLOCK, EAST)
+    return solve_shelter(GRID, BLOCK, LEVEL, EAST)
 
 
 def at(field, *position, grid=GRID):
@@ -79,9 +80,26 @@ def test_the_wake_recovers_downwind(field):
 
 
 def test_the_field_turns_with_the_wind():
-    north = solve_shelter(GRID, BLOCK, (0.0, 1.0))
-    east = solve_shelter(GRID, BLOCK, EAST)
+    north = solve_shelter(GRID, BLOCK, LEVEL, (0.0, 1.0))
+    east = solve_shelter(GRID, BLOCK, LEVEL, EAST)
     np.testing.assert_allclose(at(north, 3.0, 9.0, 3.0)[1], at(east, 9.0, 3.0, 3.0)[0], atol=1e-3)
+
+
+def test_wind_is_stronger_over_a_crest_and_blows_along_its_slopes():
+    east = GRID.centres_m[0][..., 0]
+    ridge = np.broadcast_to(np.clip(10.0 - 0.5 * np.abs(east), 0.0, None), (41, 41))
+    flow = solve_shelter(GRID, np.zeros((0, 8)), ridge, EAST)
+    assert at(flow, 0.0, 0.0, 13.0)[0] > 1.1
+    assert at(flow, -10.0, 0.0, 8.0)[2] > 0.1 > -0.1 > at(flow, 10.0, 0.0, 8.0)[2]
+    np.testing.assert_array_equal(at(flow, 0.0, 0.0, 5.0), 0.0)
+
+
+def test_a_block_on_a_hill_shelters_as_one_in_the_plain(field):
+    raised = GRID.origin_enu_m[:2]
+    grid = Grid((*raised, 30.0), GRID.shape)
+    block = BLOCK + (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 30.0, 30.0)
+    flow = solve_shelter(grid, block, LEVEL + 30.0, EAST)
+    np.testing.assert_allclose(flow, field, atol=1e-9)
 
 
 def test_interpolation_is_exact_for_linear_fields_and_ends_with_the_grid():
@@ -98,12 +116,12 @@ def test_a_solved_field_is_kept_and_a_damaged_one_replaced(tmp_path, monkeypatch
     monkeypatch.setenv("AEROSCENE_CACHE_DIR", str(tmp_path))
     monkeypatch.delenv("AEROSCENE_CACHE", raising=False)
     grid = Grid((-20.0, -20.0, 0.0), (20, 20, 10))
-    once = kept_shelter(grid, BLOCK, EAST)
+    once = kept_shelter(grid, BLOCK, np.zeros((20, 20)), EAST)
     (path,) = (tmp_path / "winds").iterdir()
     path.write_bytes(path.read_bytes()[:100])
-    again = kept_shelter(grid, BLOCK, EAST)
+    again = kept_shelter(grid, BLOCK, np.zeros((20, 20)), EAST)
     np.testing.assert_array_equal(once, again)
-    kept_shelter(grid, BLOCK, (math.cos(0.3), math.sin(0.3)))
+    kept_shelter(grid, BLOCK, np.zeros((20, 20)), (math.cos(0.3), math.sin(0.3)))
     assert len(list((tmp_path / "winds").iterdir())) == 2
 
 
@@ -111,9 +129,10 @@ def test_a_field_has_the_same_bits_however_many_threads_blas_has():
     code = (
         "import hashlib, numpy as np; from flightsim.environment.shelter import Grid;"
         "from flightsim.environment.shelter.shelter import solve_shelter;"
-        "block = np.array([[0.0, 0.0, 1.0, 0.0, 10.0, 10.0, 12.0]]);"
+        "block = np.array([[0.0, 0.0, 1.0, 0.0, 10.0, 10.0, 12.0, 0.0]]);"
         "grid = Grid((-41.0, -41.0, 0.0), (41, 41, 14));"
-        "print(hashlib.md5(solve_shelter(grid, block, (0.6, 0.8)).tobytes()).hexdigest())"
+        "flow = solve_shelter(grid, block, np.zeros((41, 41)), (0.6, 0.8));"
+        "print(hashlib.md5(flow.tobytes()).hexdigest())"
     )
     bits = {
         subprocess.run(

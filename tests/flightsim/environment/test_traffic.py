@@ -93,7 +93,7 @@ def test_movers_keep_away_from_the_start(world):
 def test_the_seed_settles_everything():
     scene = load_scene("500")
     solids = scene_primitives(scene)
-    probe = SurfaceProbe(solids)
+    probe = SurfaceProbe(None, solids)
 
     def paths(seed):
         return plan_traffic(

@@ -37,7 +37,7 @@ def blow(air, n, *, height_m=10.0, normals=None, rooms=OPEN):
     rows = []
     for k in range(n):
         noise = np.zeros(5) if normals is None else normals[k]
-        move_air(air, position, STILL, rooms, UNSHELTERED, noise, wind)
+        move_air(air, position, height_m, STILL, rooms, UNSHELTERED, noise, wind)
         rows.append(wind.copy())
     return np.array(rows)
 

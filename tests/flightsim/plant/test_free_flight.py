@@ -15,7 +15,7 @@ from flightsim.plant.clearance import clearance_m
 from flightsim.plant.free_flight import is_free, new_free_flight
 from flightsim.plant.rays import new_rays
 from flightsim.vehicles.catalogue import airframe_by_name
-from flightsim.world import build_world
+from flightsim.world import NEIGHBOUR_ID, build_world
 from tests.flightsim.handmade import empty_scene
 
 GUSTY = WindCfg(speed_mps=5.0, turbulence_mps=1.0)
@@ -88,7 +88,8 @@ def test_the_clearance_is_the_distance_to_the_nearest_bounding_box():
     model, data, rng = world.model, world.new_data(), np.random.default_rng(4)
     free = new_free_flight(world, data, is_on=True)[0]
     rays = new_rays(world, data)[0]
-    solids = np.flatnonzero((model.geom_bodyid == 0) & (model.geom_contype != 0))
+    is_site = world.geom_object_id != NEIGHBOUR_ID
+    solids = np.flatnonzero((model.geom_bodyid == 0) & (model.geom_contype != 0) & is_site)
     boxed = solids[model.geom_type[solids] != mujoco.mjtGeom.mjGEOM_PLANE]
     turns = data.geom_xmat[boxed].reshape(-1, 3, 3)
     for _ in range(500):

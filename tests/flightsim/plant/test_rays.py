@@ -1,5 +1,7 @@
 """Rays through the tree meet what MuJoCo's own rays meet, to the bit, and look at few geoms."""
 
+import math
+
 import mujoco
 import numpy as np
 import pytest
@@ -9,7 +11,7 @@ from flightsim.environment.movers import MovingObstacle
 from flightsim.plant.rays import cast_rays, new_rays
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import build_world
-from flightsim.world.rays import RayTree, RayTreeError
+from flightsim.world.rays import RayTree
 from tests.flightsim.handmade import empty_scene, solid
 
 N_RAYS = 4_000
@@ -76,7 +78,7 @@ def test_rays_meet_what_mujocos_own_meet_to_the_bit(name, sees_vehicle):
     mujoco.mj_forward(world.model, data)
     excluded = -1 if sees_vehicle else world.vehicle_body_id
     rays, found_m = random_rays(world, N_RAYS), np.empty(N_RAYS)
-    cast_rays(new_rays(world, data), rays, excluded, found_m)
+    cast_rays(new_rays(world, data, world.wide_rays), rays, excluded, found_m)
     np.testing.assert_array_equal(found_m, by_mujoco(world, data, rays, excluded))
     assert 0.2 < np.isfinite(found_m).mean() < 1.0
 
@@ -109,11 +111,12 @@ def test_boxes_hold_what_is_below_them_and_every_geom_is_in_one_leaf():
             assert np.all(tree.boxes_enu_m[node, 3:] >= tree.boxes_enu_m[child, 3:])
 
 
-def test_invisible_geoms_are_in_no_tree_and_height_fields_are_refused():
+def test_invisible_geoms_are_in_no_tree_and_height_fields_are():
     spec = mujoco.MjSpec()
     spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=(1, 1, 1), rgba=(1, 1, 1, 0))
     assert RayTree.of(spec.compile()).leaf_geoms.tolist() == [-1]
     spec.add_hfield(name="hill", nrow=2, ncol=2, size=(1, 1, 1, 1), userdata=[0, 1, 0, 1])
     spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_HFIELD, hfieldname="hill")
-    with pytest.raises(RayTreeError, match="HFIELD; valid: planes, primitives and meshes"):
-        RayTree.of(spec.compile())
+    tree = RayTree.of(spec.compile())
+    assert tree.leaf_geoms.tolist() == [1]
+    assert tree.field_cosines == pytest.approx([math.sqrt(0.8)], abs=1e-3)

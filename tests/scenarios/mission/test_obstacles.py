@@ -1,5 +1,7 @@
 """What the planner keeps away from is what the physics collides with."""
 
+import math
+
 import mujoco
 import numpy as np
 import pytest
@@ -8,8 +10,9 @@ from aeroscene.solids.freespace import build_distance_field
 from aeroscene.solids.shapes import scene_primitives
 from aeroscene.sources import load_scene
 from flightsim.vehicles.catalogue import AIRFRAMES
-from flightsim.world import build_world
+from flightsim.world import NEIGHBOUR_ID, build_world
 from scenarios.mission.obstacles import distance_field, scene_obstacles
+from tests.flightsim.handmade import hills, relief_scene
 from tests.scenarios.landing_scenes import yard
 
 
@@ -27,13 +30,15 @@ def hits(scene, n_rays):
     # Only what collides counts: paint and panes belong to another group.
     solid_groups = {int(model.geom_group[i]) for i in range(model.ngeom) if model.geom_contype[i]}
     groups = np.array([g in solid_groups for g in range(6)], np.uint8)
-    reach = np.array(
-        [
-            mujoco.mj_ray(model, data, p, v, groups, 1, world.vehicle_body_id, geom)
-            for p, v in zip(starts, towards, strict=True)
-        ]
-    )
-    return starts, towards, reach
+
+    def reach_m(point, way):
+        hit_m = mujoco.mj_ray(model, data, point, way, groups, 1, world.vehicle_body_id, geom)
+        return math.nan if world.geom_object_id[geom[0]] == NEIGHBOUR_ID else hit_m
+
+    reach = np.array([reach_m(*ray) for ray in zip(starts, towards, strict=True)])
+    # The planner knows the site, and nothing of what stands around it.
+    is_of_site = ~np.isnan(reach)
+    return starts[is_of_site], towards[is_of_site], reach[is_of_site]
 
 
 @pytest.mark.parametrize("scene", ["yard", "42"])
@@ -64,3 +69,20 @@ def test_cells_never_promise_more_room_than_there_is():
     exact, _ = obstacles.signed_distance(field.centres(cells))
     promised = field.distance_m[tuple(cells.T)]
     assert np.all(promised <= np.maximum(exact, 0.0) + 1e-3)
+
+
+def test_obstacles_of_a_relief_hold_all_of_the_ground_and_little_air():
+    scene = relief_scene(hills())
+    obstacles = scene_obstacles(scene, ())
+    rng = np.random.default_rng(6)
+    x, y = rng.uniform(-39.0, 39.0, (2, 1_000))
+    height_m = scene.relief.height_m(x, y)
+
+    def distances_m(above_m):
+        return obstacles.signed_distance(np.column_stack([x, y, height_m + above_m]))[0]
+
+    assert distances_m(-0.001).max() <= 0.0
+    assert distances_m(0.05).min() > 0.0
+    # No bound is above the height over the ground, and few are far below.
+    assert (distances_m(2.0) <= 2.0 + 1e-9).all()
+    assert np.median(distances_m(2.0)) > 1.5

@@ -4,6 +4,7 @@ from collections import Counter
 import cv2
 import numpy as np
 import pytest
+import rerun as rr
 import shapely
 from hypothesis import given
 from hypothesis import strategies as st
@@ -16,8 +17,11 @@ from scenarios.recording.scene import (
     DRONE_CLASS_RGB,
     PERCHING_RGB,
     hull_triangles,
+    log_scene,
     polygon_triangles,
 )
+from tests.flightsim.handmade import hills, relief_scene
+from tests.scenarios.recording.conftest import Contents
 
 BATCHES = {
     "box": "Boxes3D:half_sizes",
@@ -149,3 +153,19 @@ def test_png_of_depth_loses_nothing():
     depth = np.random.default_rng(0).integers(0, 65535, (24, 32), dtype=np.uint16)
     decoded = cv2.imdecode(np.frombuffer(encode_png(depth), np.uint8), cv2.IMREAD_UNCHANGED)
     np.testing.assert_array_equal(decoded, depth)
+
+
+def test_the_ground_of_a_relief_is_drawn_at_its_height(tmp_path):
+    scene, path = relief_scene(hills()), tmp_path / "hills.rrd"
+    with rr.RecordingStream("hills") as stream:
+        stream.save(path)
+        log_scene(stream, scene, ())
+    contents, drawn = Contents(path), []
+    for entity in contents.entities():
+        if entity.startswith("/world/ground/"):
+            drawn += contents.column(entity[1:], "Mesh3D:vertex_positions")[1]
+    points = np.concatenate([np.array(value, dtype=float) for value in drawn])
+    relief = scene.relief
+    assert len(points) > relief.heights_m.size
+    off_m = points[:, 2] - relief.height_m(points[:, 0], points[:, 1])
+    np.testing.assert_allclose(off_m, -0.02, atol=1e-3)

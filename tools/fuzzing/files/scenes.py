@@ -10,6 +10,12 @@ from aeroscene.corpus.field import field_scene
 from aeroscene.scene.io import scene_to_json
 from fuzzing.files.case import HERE, Case, changed, packed
 
+
+def _relief(heights: Any, spacing: Any = 200.0, origin: Any = (-100.0, -100.0)) -> dict[str, Any]:
+    """A relief; by its defaults one cell that covers the scene."""
+    return {"origin": origin, "spacing": spacing, "heights": heights}
+
+
 _HUGE = 10**30
 _IDS: tuple[tuple[str, str], ...] = (
     ("id-parent-folder", "../../x"),
@@ -72,6 +78,18 @@ _VALUES: tuple[tuple[str, str, Any], ...] = (
     ("area-class-unknown", "interaction_areas.0.drone_class", "\x1bhuge"),
     ("wishes-nested", "wishes", {"a": [[]]}),
     ("wishes-huge", "wishes", {"objects": 1e308}),
+    ("relief-empty", "relief", _relief([])),
+    ("relief-of-one-node", "relief", _relief([[0.0]])),
+    ("relief-of-many-rows", "relief", _relief([[0.0, 0.0]] * 100_000)),
+    ("relief-of-a-long-row", "relief", _relief([[0.0] * 300_000] * 2)),
+    ("relief-ragged", "relief", _relief([[0.0] * 3, [0.0] * 2])),
+    ("relief-steep", "relief", _relief([[0.0, 150.0], [0.0, 0.0]], spacing=1.0)),
+    ("relief-nan", "relief", _relief([[float("nan"), 0.0], [0.0, 0.0]])),
+    ("relief-1e300", "relief", _relief([[1e300, 0.0], [0.0, 0.0]])),
+    ("relief-spacing-0", "relief", _relief([[0.0, 0.0], [0.0, 0.0]], spacing=0.0)),
+    ("relief-spacing-text", "relief", _relief([[0.0, 0.0], [0.0, 0.0]], spacing="\x1b[2J")),
+    ("relief-elsewhere", "relief", _relief([[0.0, 0.0], [0.0, 0.0]], origin=(9e3, 9e3))),
+    ("relief-beyond-the-volume", "relief", _relief([[0.0, 90.0], [0.0, 0.0]])),
     ("objects-null", "objects", None),
     ("objects-of-nothing", "objects", [None] * 500_000),
 )

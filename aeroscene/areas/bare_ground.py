@@ -1,0 +1,75 @@
+"""Faces of the bare ground of a relief, and where the ground is in the way of other faces."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import tan
+
+import numpy as np
+import shapely
+from jaxtyping import Float
+
+from aeroscene.areas.faces import Face
+from aeroscene.areas.needs import MAX_SLOPE_RAD, NEEDS
+from aeroscene.areas.spots import MAX_RADIUS_M
+from aeroscene.scene import Relief, Scene
+from aeroscene.scene.relief import ground_m
+
+APART_M = 12.0
+"""Least distance between the middles of two faces: a meadow needs no area at every step."""
+_LATTICE_M = 2.0
+"""Spacing of the places that are tried."""
+_TOLERANCE_M = 0.004
+"""Distance of the ground from the plane of an area up to which it is even."""
+_RIM_M = 0.05
+"""Added to the radius of a face, because its circle is a polygon."""
+_TURNS = 16
+_RINGS = (0.33, 0.67, 1.0)
+_ANGLES = 2 * np.pi * np.arange(_TURNS) / _TURNS
+_CIRCLE = np.column_stack([np.cos(_ANGLES), np.sin(_ANGLES)])
+_DISC: Float[np.ndarray, "k 2"] = np.vstack([np.zeros((1, 2)), *(r * _CIRCLE for r in _RINGS)])
+"""Points of a disc of radius 1."""
+_RADII_M = tuple(
+    max(needs.surface_radius_m, needs.body_radius_m) + _RIM_M for needs in NEEDS.values()
+)
+
+
+def ground_faces(scene: Scene) -> list[Face]:
+    """Even and gentle discs of the ground of a relief, the widest first; none without a relief."""
+    if scene.relief is None:
+        return []
+    faces: list[Face] = []
+    taken = np.zeros((0, 2))
+    for radius_m in sorted({*_RADII_M, MAX_RADIUS_M + _RIM_M}, reverse=True):
+        for x, y, *plane in _even_discs(scene, scene.relief, radius_m):
+            if len(taken) and np.hypot(*(taken - (x, y)).T).min() < APART_M:
+                continue
+            taken = np.vstack([taken, (x, y)])
+            outline = shapely.Point(x, y).buffer(radius_m)
+            faces.append(Face(None, outline, (plane[0], plane[1]), plane[2]))
+    return faces
+
+
+def _even_discs(scene: Scene, relief: Relief, radius_m: float) -> Iterator[tuple[float, ...]]:
+    """Discs of a radius on a lattice: middle, gradient and height at the origin of their planes."""
+    low, high = scene.extent_min_enu_m, scene.extent_max_enu_m
+    x, y = (np.arange(low[i] + radius_m, high[i] - radius_m, _LATTICE_M) for i in range(2))
+    middles = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+    disc = radius_m * _DISC
+    points = middles[:, None] + disc
+    heights = relief.height_m(points[..., 0], points[..., 1])
+    basis = np.column_stack([disc, np.ones(len(disc))])
+    planes = heights @ np.linalg.pinv(basis).T
+    off_m = np.abs(heights - planes @ basis.T).max(axis=1)
+    slope = np.hypot(planes[:, 0], planes[:, 1])
+    is_even = (off_m <= _TOLERANCE_M) & (slope <= tan(MAX_SLOPE_RAD))
+    at_origin = planes[:, 2] - np.einsum("ij,ij->i", planes[:, :2], middles)
+    found = np.column_stack([middles, planes[:, :2], at_origin])[is_even]
+    yield from map(tuple, found.tolist())
+
+
+def ground_rise_m(scene: Scene, face: Face, centre: shapely.Point, radius_m: float) -> float:
+    """Greatest height of the ground above a face's plane, within a circle."""
+    points = np.array([centre.x, centre.y]) + radius_m * _DISC
+    plane_m = face.height_at_origin_m + points @ np.array(face.gradient)
+    return float((ground_m(scene.relief, *points.T) - plane_m).max())
