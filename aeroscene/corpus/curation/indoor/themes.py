@@ -53,7 +53,7 @@ THEMES: tuple[Theme, ...] = (
             upper=("open_office", "lounge"),
             depth_m=(4.5, 5.25),
         ),
-        fulness=1.16,
+        fulness=1.2,
         features=("screen", "garden", "kiosk", "podium"),
     ),
     Theme(
@@ -63,13 +63,13 @@ THEMES: tuple[Theme, ...] = (
         size_m=((23, 27), (12, 13), _CEILING_M),
         programme=Programme(
             halls=("lobby",),
-            near=("bedroom", "bathroom", "kitchen", "living", "bedroom"),
-            far=("living", "bedroom", "kitchen", "bedroom", "dining", "bathroom"),
+            near=("bedroom", "bathroom", "kitchen", "bedroom", "bathroom", "dining"),
+            far=("living", "bedroom", "kitchen", "bedroom", "living"),
             upper=("lounge",),
             depth_m=(4.0, 4.5),
             corridor_m=2.75,
         ),
-        fulness=1.12,
+        fulness=1.2,
         features=("screen", "garden", "podium"),
     ),
     Theme(
@@ -80,8 +80,8 @@ THEMES: tuple[Theme, ...] = (
         tall_chance=0.2,
         programme=Programme(
             halls=("lobby",),
-            near=("classroom", "bathroom", "classroom", "office", "classroom", "store"),
-            far=("office", "meeting", "bathroom", "workshop", "kitchen", "store"),
+            near=("classroom", "classroom", "library", "classroom"),
+            far=("office", "bathroom", "meeting", "workshop", "kitchen", "store"),
             upper=("library", "lounge"),
             depth_m=(6.75, 7.5),
         ),
@@ -97,7 +97,7 @@ THEMES: tuple[Theme, ...] = (
         programme=Programme(
             halls=("lobby",),
             near=("bedroom", "bedroom", "bathroom", "bedroom", "store"),
-            far=("restaurant", "galley", "bedroom", "lounge", "bathroom"),
+            far=("restaurant", "galley", "bedroom", "lounge"),
             upper=("lounge", "restaurant"),
             depth_m=(4.25, 5.0),
             corridor_m=2.75,
@@ -132,7 +132,7 @@ THEMES: tuple[Theme, ...] = (
             upper=("library", "lounge"),
             depth_m=(4.25, 5.0),
         ),
-        fulness=1.16,
+        fulness=1.2,
         features=("screen", "podium", "garden"),
     ),
     Theme(

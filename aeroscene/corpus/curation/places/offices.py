@@ -24,14 +24,16 @@ from aeroscene.solids.shapes.materials import WALL_COLOURS
 
 _PROGRAMMES = {
     "offices": ("office", "meeting", "office", "bathroom", "office", "store"),
-    "flats": ("living", "kitchen", "bedroom", "bathroom", "bedroom", "dining"),
+    "flats": ("living", "kitchen", "bedroom", "bathroom", "bedroom"),
     "cafe": ("cafe", "galley", "store", "office"),
-    "studio": ("open_office", "meeting", "workshop"),
-    "library": ("library", "office", "classroom"),
+    "studio": ("open_office", "meeting", "workshop", "kitchen"),
+    "library": ("library", "office", "meeting", "bathroom"),
 }
 """Rooms of a use, in the order in which a building offers them."""
 _LEAST_SHELL_M = (11.5, 16.0)
 """Width and depth of a parcel whose building can be entered."""
+_BAY_M = (3.2, 3.36)
+"""Range of the length of front for each window."""
 _BAYS_M = (5.2, 7.7, 0.02)
 """Three bays for visitors."""
 
@@ -91,7 +93,7 @@ class Offices:
         """Put the building up; place along the street, setback, depth and length."""
         ground, draw = self.ground, self.ground.draw
         width, depth = ground.parcel.width, ground.parcel.depth
-        length = round(min(draw.between(10.5, 14.0), width - 2.0), 2)
+        length = round(min(draw.count(3, 4) * draw.between(*_BAY_M), width - 2.0), 2)
         deep = round(min(draw.between(7.5, 9.5), depth - setback - 1.0), 2)
         u = draw.between(-0.5, 0.5) * max(0.0, width - length - 3)
         if width >= _LEAST_SHELL_M[0] and depth >= _LEAST_SHELL_M[1]:

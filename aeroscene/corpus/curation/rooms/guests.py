@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from math import pi
 
+from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.rooms.contents import CARTONS, KITCHEN, stock, strew
 from aeroscene.corpus.curation.rooms.interior import Interior
 from aeroscene.corpus.curation.rooms.lines import Piece, fit_line
@@ -30,19 +31,22 @@ def furnish_restaurant(room: Interior) -> Iterator[None]:
 
 def _tables(room: Interior, size: tuple[float, float, float], *, laid_every: int) -> Iterator[None]:
     """Tables with four chairs on a grid that fills the room; some of them laid, two at a time."""
-    for number, (u, v) in enumerate(room.spots(*_TABLE_PITCH_M, (1.35, 1.05))):
+    found: list[tuple[Placed, list[Placed]]] = []
+    for u, v in room.spots(*_TABLE_PITCH_M, (1.35, 1.05)):
         table = room.put("table", u, v, size)
-        chairs = seats(room, table, 4)
-        yield
-        if number % laid_every == 0:
-            # One end of every other table stays free.
-            lay(room, table, chairs[:2])
+        if table:
+            found.append((table, seats(room, table, 4)))
             yield
-            if laid_every == 1 and number % 2:
-                lay(room, table, chairs[2:])
-                yield
-        else:
+    for number, (table, chairs) in enumerate(found):
+        if number % laid_every:
             room.on(table, "cup", 0.0, 0.6)
+            continue
+        # One end of every other table stays free.
+        lay(room, table, chairs[:2])
+        yield
+        if laid_every == 1 and number % 2:
+            lay(room, table, chairs[2:])
+            yield
 
 
 def _bar(room: Interior) -> Iterator[None]:

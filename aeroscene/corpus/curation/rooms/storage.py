@@ -109,13 +109,17 @@ def furnish_aisles(room: Interior) -> Iterator[None]:
     x, y, _ = room.room.size
     turn = 0.0 if y >= x else pi / 2
     pitch = (2.7, 2.05) if turn == 0.0 else (2.05, 2.7)
+    shelves: list[Placed | None] = []
     for u, v in room.spots(*pitch, _aisle_rims(turn), is_tight=True):
         size = (0.45, 2.0, 1.7)
         shift_u, shift_v = (0.225, 0.0) if turn == 0.0 else (0.0, 0.225)
         for sign, heading in ((1, turn), (-1, turn + pi)):
             at = (u + sign * shift_u, v + sign * shift_v)
-            stock(room, room.put("shelf", *at, size, heading, keep=0.0), CARTONS)
-            yield
+            shelves.append(room.put("shelf", *at, size, heading, keep=0.0))
+        yield
+    for shelf in shelves:
+        stock(room, shelf, CARTONS)
+        yield
     for _ in range(3):
         room.lined(room.some_side(), "fridge", 4, (0.7, 0.9, 1.95))
         yield

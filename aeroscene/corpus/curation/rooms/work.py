@@ -170,14 +170,21 @@ def furnish_library(room: Interior) -> Iterator[None]:
     spots = room.spots(2.3, 1.85, (1.5, 1.6), is_tight=True)
     half = size[0] / 2
     stacks = spots[: max(2, round(0.6 * len(spots)))]
+    shelves: list[Placed | None] = []
     for u, v in stacks:
         for sign, turn in ((1, 0.0), (-1, pi)):
-            stock(room, room.put("shelf", u + sign * half, v, size, turn, keep=0.0), ("book",))
-            yield
+            shelves.append(room.put("shelf", u + sign * half, v, size, turn, keep=0.0))
+        yield
+    for shelf in shelves[::2]:
+        stock(room, shelf, ("book",))
+        yield
     for _ in range(3):
         table = room.anywhere("table", (1.1, 1.8, 0.74), keep=0.75)
         seats(room, table, 4)
         strew(room, table, ("book", "lamp", "book"), 2)
+        yield
+    for shelf in shelves[1::2]:
+        stock(room, shelf, ("book",))
         yield
     for side in room.sides:
         for shelf in room.lined(side, "shelf", 2, (0.34, 1.2, 2.0)):
