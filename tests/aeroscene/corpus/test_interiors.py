@@ -31,7 +31,8 @@ TELLING = {
     "changing": "wardrobe", "court": "bench", "stand": "bench", "concourse": "bench",
     "store": "shelf", "racks": "shelf", "goods": "pallet", "storage": "shelf",
     "bathroom": "cabinet", "ward": "bed", "practice": "bed", "waiting": "chair",
-    "restaurant": "plate", "galley": "stove", "aisles": "shelf", "produce": "crate", "checkout": "counter", "booths": "sign",
+    "restaurant": "plate", "galley": "stove", "aisles": "shelf", "produce": "crate",
+    "checkout": "counter", "booths": "sign",
 }  # fmt: skip
 """By what a person recognises each kind of room."""
 

@@ -93,7 +93,9 @@ class Offices:
         """Put the building up; place along the street, setback, depth and length."""
         ground, draw = self.ground, self.ground.draw
         width, depth = ground.parcel.width, ground.parcel.depth
-        length = round(min(draw.count(3, 4) * draw.between(*_BAY_M), width - 2.0), 2)
+        storeys = 1 if draw.chance(0.6) else 2
+        bays = 4 if storeys == 1 else 3
+        length = round(min(bays * draw.between(*_BAY_M), width - 2.0), 2)
         deep = round(min(draw.between(7.5, 9.5), depth - setback - 1.0), 2)
         u = draw.between(-0.5, 0.5) * max(0.0, width - length - 3)
         if width >= _LEAST_SHELL_M[0] and depth >= _LEAST_SHELL_M[1]:
@@ -104,7 +106,7 @@ class Offices:
                 setback + deep / 2,
                 deep=deep,
                 length=length,
-                storeys=1 if draw.chance(0.6) else 2,
+                storeys=storeys,
                 kinds=_PROGRAMMES[self._use],
             )
             if shell:

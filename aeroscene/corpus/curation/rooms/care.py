@@ -7,7 +7,7 @@ from math import pi
 
 from aeroscene.corpus.curation.rooms.contents import CARTONS, PAPERS, equip, stock, strew
 from aeroscene.corpus.curation.rooms.interior import GAP_M, Interior
-from aeroscene.corpus.curation.rooms.tables import seats, stand_table
+from aeroscene.corpus.curation.rooms.tables import seats
 
 _BED_M = (2.05, 0.95, 0.62)
 _BED_PITCH_M = 2.4
@@ -42,7 +42,7 @@ def furnish_ward(room: Interior) -> Iterator[None]:
     room.on(cabinet, "television", 0.0, 0.0)
     strew(room, cabinet, ("box", "plant", "cup"), 2)
     yield
-    table = stand_table(room, (0.8, 0.9, 0.74))
+    table = room.anywhere("table", (0.8, 0.9, 0.74), keep=0.6)
     seats(room, table, 2)
     strew(room, table, ("cup", "book"), 2)
     yield
@@ -61,7 +61,6 @@ def furnish_practice(room: Interior) -> Iterator[None]:
     desk = room.anywhere("desk", (0.8, 1.6, 0.74), keep=0.75) or room.against(
         room.some_side(), "desk", (0.8, 1.5, 0.74)
     )
-    room.in_front(desk, "chair")
     equip(room, desk, is_full=False)
     yield
     room.against(room.some_side(), "bed", (1.95, 0.9, 0.6), look={"form": "divan"})

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from math import floor
 
 from aeroscene.corpus.curation.builder import Placed
-from aeroscene.corpus.curation.rooms.interior import Interior
+from aeroscene.corpus.curation.rooms.interior import GAP_M, Interior
 from aeroscene.scene import Vector3
 from aeroscene.solids.shapes.storage import shelf_boards
 
@@ -55,10 +55,16 @@ def stock(room: Interior, shelf: Placed | None, names: Sequence[str] = BOOKS) ->
 
 
 def equip(room: Interior, desk: Placed | None, *, is_full: bool = True) -> None:
-    """A screen and a cup at one end of a desk; the other end bears a lamp and a book if full."""
+    """A chair before a desk, a screen and a cup at one end; a lamp and a book at the other if full.
+
+    A desk without space for a chair bears papers alone: nobody would look at its screen.
+    """
     if desk is None:
         return
     draw = room.draw
+    if room.in_front(desk, "chair") is None:
+        strew(room, desk, PAPERS, 2)
+        return
     end = 1.0 if draw.chance(0.5) else -1.0
     if draw.chance(0.65):
         room.on(desk, "monitor", -0.5, end)
@@ -87,13 +93,16 @@ def _lay_in_slot(
     slots: int,
     rise: float | None = None,
 ) -> None:
-    """Lay something into one of the equal parts of furniture, on top or on a board."""
+    """Lay something into one of the equal parts of furniture, on top or on a board.
+
+    On a board it stands at the back, which another shelf may touch.
+    """
     wide = (bearer.size[1] - 2 * _SIDE_M) / slots
     reach, play = (bearer.size[0] - size[0]) / 2 - _RIM_M, (wide - size[1]) / 2
     if reach < 0 or play < 0:
         return
     v = (slot - (slots - 1) / 2) * wide + room.draw.between(-1.0, 1.0) * play
-    u = (room.draw.between(-0.8, 0.4) if rise is None else -0.9) * reach
+    u = room.draw.between(-0.8, 0.4) * reach if rise is None else min(0.0, GAP_M - _RIM_M - reach)
     room.lie(bearer, name, round(u, 3), round(v, 3), size, rise=rise)
 
 
@@ -117,5 +126,5 @@ def _size_on_board(room: Interior, name: str, deep: float, high: float) -> Vecto
     if name == "book":
         return (round(min(0.2, deep - 0.06), 2), room.draw.between(0.28, 0.38), 0.26)
     if name == "box":
-        return (round(min(x, deep - 0.05), 2), y, min(z, floor(100 * high) / 100))
+        return (round(min(x, deep - 0.06), 2), y, min(z, floor(100 * high) / 100))
     return (x, y, z)

@@ -11,7 +11,7 @@ from aeroscene.corpus.curation.rooms.interior import Interior
 from aeroscene.corpus.curation.rooms.lines import Piece, fit_line
 from aeroscene.corpus.curation.rooms.tables import lay, seats
 
-_TABLE_PITCH_M = (2.7, 2.3)
+_TABLE_PITCH_M = (2.9, 2.5)
 """Distances between tables: across, where the chairs stand, and along."""
 
 
@@ -32,11 +32,18 @@ def furnish_restaurant(room: Interior) -> Iterator[None]:
 def _tables(room: Interior, size: tuple[float, float, float], *, laid_every: int) -> Iterator[None]:
     """Tables with four chairs on a grid that fills the room; some of them laid, two at a time."""
     found: list[tuple[Placed, list[Placed]]] = []
+    ended: set[tuple[str, float]] = set()
+    begun: set[tuple[str, float]] = set()
     for u, v in room.spots(*_TABLE_PITCH_M, (1.35, 1.05)):
-        table = room.put("table", u, v, size)
-        if table:
-            found.append((table, seats(room, table, 4)))
-            yield
+        lines = {("u", u), ("v", v)}
+        table = None if lines & ended else room.put("table", u, v, size)
+        if table is None:
+            # Rows and columns have no holes: they end where they are interrupted.
+            ended |= lines & begun
+            continue
+        begun |= lines
+        found.append((table, seats(room, table, 4)))
+        yield
     for number, (table, chairs) in enumerate(found):
         if number % laid_every:
             room.on(table, "cup", 0.0, 0.6)

@@ -16,7 +16,7 @@ from aeroscene.corpus.curation.rooms.contents import (
 )
 from aeroscene.corpus.curation.rooms.interior import Interior
 from aeroscene.corpus.curation.rooms.lines import Piece, fit_line
-from aeroscene.corpus.curation.rooms.tables import lay_all, seats, stand_table
+from aeroscene.corpus.curation.rooms.tables import lay, lay_all, seats, stand_table
 
 _ENDS = ("left", "right")
 _SMALL_M2 = 12.0
@@ -76,7 +76,6 @@ def furnish_bedroom(room: Interior) -> Iterator[None]:
         strew(room, stand, ("lamp", "lamp", "book"), 1)
     yield
     desk = room.against(other, "desk", (0.65, draw.between(1.1, 1.4), 0.74))
-    room.in_front(desk, "chair")
     equip(room, desk, is_full=False)
     yield
     chest = room.against(room.some_side(), "cabinet", (0.45, draw.between(0.8, 1.3), 0.85))
@@ -113,15 +112,15 @@ def furnish_kitchen(room: Interior) -> Iterator[None]:
     draw = room.draw
     line = fit_line(room, _kitchen_line(room), draw.one_of(_ENDS))
     yield
-    tops = [piece for piece in line if piece.name == "counter"]
-    for top in tops:
-        strew(room, top, KITCHEN, 3)
-    yield
     is_small = room.area < _SMALL_M2
     table = stand_table(room, (0.8 if is_small else 0.9, 1.2 if is_small else 1.6, 0.74))
     chairs = seats(room, table, 2 if is_small else 4)
     yield
-    yield from lay_all(room, table, chairs)
+    for top in (piece for piece in line if piece.name == "counter"):
+        strew(room, top, KITCHEN, 2)
+    lay(room, table, chairs[:1])
+    yield
+    yield from lay_all(room, table, chairs[1:])
     top = room.against(room.some_side(), "counter", (0.62, draw.between(1.2, 1.8), 0.92))
     strew(room, top, KITCHEN, 3)
     yield

@@ -1,8 +1,9 @@
-"""Furniture in line: fitted end to end along a wall, or with seats between."""
+"""Furniture that touches: in line along a wall, or in pairs in the open."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import pi
 
 from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.frame import QUARTER
@@ -56,3 +57,18 @@ def _stand_line(room: Interior, pieces: Sequence[Piece], wall: str, start: float
         found += [placed] if placed else []
         at += size[1]
     return found
+
+
+def stand_pair(
+    room: Interior, name: str, u: float, v: float, size: Vector3, turn: float
+) -> list[Placed]:
+    """Stand two alike back to back in the open, if there is space for both."""
+    middle = room.room.frame.moved(u, v, turn)
+    envelope = (2 * size[0] + 2 * GAP_M, size[1] + 2 * GAP_M, size[2])
+    if not room.is_free(middle, envelope):
+        return []
+    found = (
+        room.stand(name, middle.moved(sign * size[0] / 2, 0.0, heading), size, 0.0)
+        for sign, heading in ((1, 0.0), (-1, pi))
+    )
+    return [placed for placed in found if placed]

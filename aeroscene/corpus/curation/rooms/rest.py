@@ -39,7 +39,7 @@ _HOME: _Accents = (
     ("book", "cup", "lamp"),
 )
 _SEATING: _Accents = (("coffee_table",), ("armchair", "plant", "shelf", "lamp"), ("book", "cup"))
-_CARE: _Accents = ((), ("cabinet", "shelf", "chair", "bin", "plant"), ("box", "cup", "book"))
+_CARE: _Accents = ((), ("cabinet", "shelf", "armchair", "bin", "plant"), ("box", "cup", "book"))
 _COOKING: _Accents = ((), ("counter", "shelf", "cabinet", "box"), ("cup", "plate", "box"))
 _GOODS: _Accents = (("pallet", "crate"), ("crate", "barrel", "shelf", "box"), ("box",))
 _SPORT: _Accents = (

@@ -8,6 +8,7 @@ from math import pi
 from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.rooms.contents import CARTONS, stock, strew
 from aeroscene.corpus.curation.rooms.interior import Interior
+from aeroscene.corpus.curation.rooms.lines import stand_pair
 from aeroscene.corpus.curation.rooms.tables import lay, seats
 
 _RACK = {"form": "rack"}
@@ -109,13 +110,10 @@ def furnish_aisles(room: Interior) -> Iterator[None]:
     x, y, _ = room.room.size
     turn = 0.0 if y >= x else pi / 2
     pitch = (2.7, 2.05) if turn == 0.0 else (2.05, 2.7)
-    shelves: list[Placed | None] = []
+    shelves: list[Placed] = []
     for u, v in room.spots(*pitch, _aisle_rims(turn), is_tight=True):
         size = (0.45, 2.0, 1.7)
-        shift_u, shift_v = (0.225, 0.0) if turn == 0.0 else (0.0, 0.225)
-        for sign, heading in ((1, turn), (-1, turn + pi)):
-            at = (u + sign * shift_u, v + sign * shift_v)
-            shelves.append(room.put("shelf", *at, size, heading, keep=0.0))
+        shelves += stand_pair(room, "shelf", u, v, size, turn)
         yield
     for shelf in shelves:
         stock(room, shelf, CARTONS)

@@ -8,6 +8,7 @@ from math import pi
 from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.rooms.contents import CARTONS, PAPERS, equip, stock, strew
 from aeroscene.corpus.curation.rooms.interior import Interior
+from aeroscene.corpus.curation.rooms.lines import stand_pair
 from aeroscene.corpus.curation.rooms.tables import seats, stand_table
 
 _DESK_M2 = 9.0
@@ -23,7 +24,6 @@ def furnish_office(room: Interior) -> Iterator[None]:
         desk = room.anywhere("desk", size, keep=0.7, turn=turn)
         if desk is None:
             desk = room.against(room.some_side(), "desk", (0.75, 1.4, 0.74))
-        room.in_front(desk, "chair")
         equip(room, desk, is_full=draw.chance(0.6))
         yield
     shelf = room.against(room.some_side(), "shelf", (0.36, draw.between(0.9, 1.5), 1.9))
@@ -51,11 +51,9 @@ def furnish_open_office(room: Interior) -> Iterator[None]:
     draw = room.draw
     size = (0.84, draw.between(1.5, 1.8), 0.74)
     spots = room.spots(3.3, size[1] + 0.15, (1.75, size[1] / 2 + 0.35), is_tight=True)
-    half = size[0] / 2
     for index, (u, v) in enumerate(spots):
-        for sign, turn in ((1, 0.0), (-1, pi)):
-            desk = room.put("desk", u + sign * half, v, size, turn, keep=0.0)
-            room.in_front(desk, "chair")
+        # Chairs stand at the outer sides, which are the fronts.
+        for desk in stand_pair(room, "desk", u, v, size, 0.0):
             equip(room, desk, is_full=draw.chance(0.4))
             yield
         if index % 3 == 2:
@@ -168,12 +166,10 @@ def furnish_library(room: Interior) -> Iterator[None]:
     draw = room.draw
     size = (0.34, 1.8, draw.between(1.9, 2.15))
     spots = room.spots(2.3, 1.85, (1.5, 1.6), is_tight=True)
-    half = size[0] / 2
     stacks = spots[: max(2, round(0.6 * len(spots)))]
-    shelves: list[Placed | None] = []
+    shelves: list[Placed] = []
     for u, v in stacks:
-        for sign, turn in ((1, 0.0), (-1, pi)):
-            shelves.append(room.put("shelf", u + sign * half, v, size, turn, keep=0.0))
+        shelves += stand_pair(room, "shelf", u, v, size, 0.0)
         yield
     for shelf in shelves[::2]:
         stock(room, shelf, ("book",))
@@ -196,7 +192,6 @@ def furnish_library(room: Interior) -> Iterator[None]:
             room.beside(chair, "lamp", 0.0, chair.size[1] / 2 + 0.35, 0.0, (0.4, 0.4, 1.5))
         yield
     desk = room.against(room.some_side(), "desk")
-    room.in_front(desk, "chair")
     equip(room, desk)
     yield
     for _ in range(3):
