@@ -12,7 +12,7 @@ from aeroscene.corpus.curation.rooms.uses import MOST_ASPECT, USES
 LEAST_ROOM_M = 3.1
 """Shortest room along a row: a door of 1.75 m between its jambs, and walls."""
 _GIVE = {"bathroom": 0.2, "store": 0.5}
-"""How readily a room grows or shrinks to make a row whole, where less than others."""
+"""How readily a room grows to make a row whole, where less than others."""
 
 
 def pack_row(
@@ -54,8 +54,11 @@ def _stretched(
     rooms: list[tuple[str, float]], low: float, high: float
 ) -> list[tuple[str, float, float]]:
     """The same rooms end to end from low to high, their borders in the middles of cells."""
-    weights = [along * _GIVE.get(kind, 1.0) for kind, along in rooms]
     rest = high - low - sum(along for _, along in rooms)
+    if rest > 0:
+        weights = [along * _GIVE.get(kind, 1.0) for kind, along in rooms]
+    else:
+        weights = [along - LEAST_ROOM_M + 0.01 for _, along in rooms]
     ends = [low]
     at = low
     for (_, along), weight in zip(rooms[:-1], weights[:-1], strict=True):

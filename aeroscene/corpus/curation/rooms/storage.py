@@ -67,7 +67,7 @@ def furnish_goods(room: Interior) -> Iterator[None]:
     """Blocks of pallets with lanes between, a van, a packing table, crates and barrels in rows."""
     draw = room.draw
     for number, (u, v) in enumerate(room.spots(3.9, 1.4, 1.6, is_tight=True)):
-        height = 0.144 if draw.chance(0.2) else draw.between(0.5, 1.3)
+        height = 0.15 if draw.chance(0.2) else draw.between(0.5, 1.3)
         for shift in (-0.66, 0.66):
             pallet = room.put("pallet", u + shift, v, (1.25, 1.15, height))
             if pallet and height < 0.2:

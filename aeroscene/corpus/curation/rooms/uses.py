@@ -50,7 +50,7 @@ USES: dict[str, Use] = {
     "classroom": Use(46.0, 62.0, 55.0),
     "library": Use(45.0, 90.0, 45.0),
     "workshop": Use(26.0, 50.0, 38.0),
-    "store": Use(10.0, 20.0, 62.0),
+    "store": Use(12.0, 22.0, 58.0),
     "changing": Use(16.0, 28.0, 36.0),
     "gym": Use(40.0, 80.0, 24.0),
     "cafe": Use(32.0, 64.0, 52.0),
