@@ -26,7 +26,7 @@ class Theme:
     """Ranges of the length, the width and the ceiling's height, which a tall building exceeds."""
     tall_chance: float = 0.0
     """How often the building has two storeys."""
-    tall_share: float = 0.8
+    tall_share: float = 0.75
     """Length of a building of two storeys, relative to one of a single storey."""
     programme: Programme
     fulness: float = 1.15
@@ -53,7 +53,7 @@ THEMES: tuple[Theme, ...] = (
             upper=("open_office", "lounge"),
             depth_m=(5.25, 5.75),
         ),
-        fulness=1.12,
+        fulness=1.17,
         features=("screen", "garden", "kiosk", "podium"),
     ),
     Theme(
