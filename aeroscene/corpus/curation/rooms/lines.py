@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import pi
 
-from aeroscene.corpus.curation.builder import Placed
+from aeroscene.corpus.curation.builder import Attributes, Placed
 from aeroscene.corpus.curation.frame import QUARTER
 from aeroscene.corpus.curation.rooms.interior import GAP_M, Interior
 from aeroscene.scene import Vector3
@@ -60,7 +60,13 @@ def _stand_line(room: Interior, pieces: Sequence[Piece], wall: str, start: float
 
 
 def stand_pair(
-    room: Interior, name: str, u: float, v: float, size: Vector3, turn: float
+    room: Interior,
+    name: str,
+    u: float,
+    v: float,
+    size: Vector3,
+    turn: float,
+    look: Attributes | None = None,
 ) -> list[Placed]:
     """Stand two alike back to back in the open, if there is space for both."""
     middle = room.room.frame.moved(u, v, turn)
@@ -68,7 +74,7 @@ def stand_pair(
     if not room.is_free(middle, envelope):
         return []
     found = (
-        room.stand(name, middle.moved(sign * size[0] / 2, 0.0, heading), size, 0.0)
+        room.stand(name, middle.moved(sign * size[0] / 2, 0.0, heading), size, 0.0, look)
         for sign, heading in ((1, 0.0), (-1, pi))
     )
     return [placed for placed in found if placed]

@@ -17,8 +17,9 @@ _RACK = {"form": "rack"}
 def furnish_store(room: Interior) -> Iterator[None]:
     """Full shelves along the walls, crates, pallets and boxes on the floor, a worktop."""
     draw = room.draw
+    size = (0.42, draw.between(1.0, 1.4), 1.95)
     for side in (room.long_side(), room.some_side()):
-        for shelf in room.lined(side, "shelf", 2, (0.42, draw.between(1.0, 1.4), 1.95)):
+        for shelf in room.lined(side, "shelf", 2, size):
             stock(room, shelf, CARTONS)
             yield
     for name in ("crate", "pallet", "box"):
@@ -33,17 +34,6 @@ def furnish_store(room: Interior) -> Iterator[None]:
         yield
 
 
-def _rack(room: Interior, u: float, v: float, turn: float) -> list[Placed]:
-    """Two shelves back to back."""
-    size, form = (0.5, 2.0, 2.2), _RACK
-    shift_u, shift_v = (0.265, 0.0) if turn == 0.0 else (0.0, 0.265)
-    pair = (
-        room.put("shelf", u + shift_u, v + shift_v, size, turn, look=form),
-        room.put("shelf", u - shift_u, v - shift_v, size, turn + pi, look=form),
-    )
-    return [shelf for shelf in pair if shelf]
-
-
 def furnish_racks(room: Interior) -> Iterator[None]:
     """Long rows of racks with aisles between, pallets in rows along the walls."""
     draw = room.draw
@@ -51,7 +41,7 @@ def furnish_racks(room: Interior) -> Iterator[None]:
     turn = 0.0 if y >= x else pi / 2
     pitch = (3.6, 2.1) if turn == 0.0 else (2.1, 3.6)
     for u, v in room.spots(*pitch, 1.7, is_tight=True):
-        for shelf in _rack(room, u, v, turn):
+        for shelf in stand_pair(room, "shelf", u, v, (0.5, 2.0, 2.2), turn, _RACK):
             if draw.chance(0.4):
                 room.on(shelf, "box", 0.0, draw.between(-0.9, 0.9))
         yield
