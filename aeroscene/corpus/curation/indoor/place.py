@@ -20,6 +20,8 @@ from aeroscene.corpus.curation.start import PAD_M, NoStartError
 
 _PAD_M = (1.8, 1.8, 0.06)
 """Size of the pads in halls and on galleries."""
+_WITH_PADS = frozenset(("lobby", "concourse", "court", "gym", "garden", "goods", "stand", "lounge"))
+"""Kinds of halls in which drones come and go beside the start."""
 _ROUNDS = 7
 """How often the list of features is gone through."""
 FEATURED_M2 = 48.0
@@ -104,7 +106,7 @@ def _furnish(zone: Zone, interior: Interior) -> Iterator[None]:
     """What makes the kind, a pad where drones come and go, then whatever else fits."""
     growth = FURNISHINGS[zone.kind](interior)
     yield from islice(growth, 1)
-    if zone.role in {"hall", "gallery"} and interior.draw.chance(0.6):
+    if zone.kind in _WITH_PADS and interior.draw.chance(0.8):
         interior.anywhere("landing_pad", _PAD_M, keep=0.6)
         yield
     yield from growth

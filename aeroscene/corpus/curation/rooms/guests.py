@@ -32,16 +32,15 @@ def furnish_restaurant(room: Interior) -> Iterator[None]:
 def _tables(room: Interior, size: tuple[float, float, float], *, laid_every: int) -> Iterator[None]:
     """Tables with four chairs on a grid that fills the room; some of them laid, two at a time."""
     found: list[tuple[Placed, list[Placed]]] = []
-    ended: set[tuple[str, float]] = set()
-    begun: set[tuple[str, float]] = set()
+    begun: set[float] = set()
+    ended: set[float] = set()
     for u, v in room.spots(*_TABLE_PITCH_M, (1.35, 1.05)):
-        lines = {("u", u), ("v", v)}
-        table = None if lines & ended else room.put("table", u, v, size)
+        table = None if u in ended else room.put("table", u, v, size)
         if table is None:
-            # Rows and columns have no holes: they end where they are interrupted.
-            ended |= lines & begun
+            # A row has no holes: it ends where it is interrupted.
+            ended |= {u} & begun
             continue
-        begun |= lines
+        begun.add(u)
         found.append((table, seats(room, table, 4)))
         yield
     for number, (table, chairs) in enumerate(found):
