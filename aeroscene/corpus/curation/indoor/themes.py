@@ -146,7 +146,7 @@ THEMES: tuple[Theme, ...] = (
             upper=("lounge",),
             depth_m=(4.75, 5.5),
         ),
-        fulness=1.22,
+        fulness=1.36,
         features=("podium", "pavilion", "garden", "screen"),
     ),
     Theme(
@@ -212,7 +212,7 @@ THEMES: tuple[Theme, ...] = (
             depth_m=(4.25, 5.0),
             n_open=1,
         ),
-        fulness=1.12,
+        fulness=1.16,
         features=("container", "dock", "net", "container", "cabin", "dock"),
     ),
     Theme(

@@ -11,7 +11,7 @@ from aeroscene.corpus.curation.rooms.interior import Interior
 from aeroscene.corpus.curation.rooms.lines import Piece, fit_line
 from aeroscene.corpus.curation.rooms.tables import lay, seats
 
-_TABLE_PITCH_M = (2.9, 2.5)
+_TABLE_PITCH_M = (3.1, 2.6)
 """Distances between tables: across, where the chairs stand, and along."""
 
 

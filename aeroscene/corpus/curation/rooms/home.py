@@ -116,11 +116,12 @@ def furnish_kitchen(room: Interior) -> Iterator[None]:
     table = stand_table(room, (0.8 if is_small else 0.9, 1.2 if is_small else 1.6, 0.74))
     chairs = seats(room, table, 2 if is_small else 4)
     yield
+    lay(room, table, chairs[:2])
+    yield
     for top in (piece for piece in line if piece.name == "counter"):
         strew(room, top, KITCHEN, 2)
-    lay(room, table, chairs[:1])
     yield
-    yield from lay_all(room, table, chairs[1:])
+    yield from lay_all(room, table, chairs[2:])
     top = room.against(room.some_side(), "counter", (0.62, draw.between(1.2, 1.8), 0.92))
     strew(room, top, KITCHEN, 3)
     yield

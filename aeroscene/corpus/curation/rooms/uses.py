@@ -54,7 +54,7 @@ USES: dict[str, Use] = {
     "changing": Use(16.0, 28.0, 36.0),
     "gym": Use(40.0, 80.0, 24.0),
     "cafe": Use(32.0, 64.0, 52.0),
-    "restaurant": Use(45.0, 90.0, 68.0),
+    "restaurant": Use(45.0, 90.0, 82.0),
     "galley": Use(22.0, 38.0, 66.0),
     "ward": Use(20.0, 30.0, 62.0),
     "practice": Use(14.0, 20.0, 62.0),
