@@ -135,7 +135,7 @@ def test_furnishing_repeats_itself_exactly(kind):
 
 def test_a_room_too_small_for_its_kind_stays_as_it_is(kind):
     room, objects = _furnished(kind, side=2.4)
-    assert len(objects) <= 20
+    assert len(objects) <= 24
     for obj in objects:
         assert np.all(np.abs(obj.bbox.corners()[:, 0]) <= room.size[0] / 2 + 1e-6)
 

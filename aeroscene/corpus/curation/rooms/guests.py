@@ -7,6 +7,7 @@ from math import pi
 
 from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.rooms.contents import CARTONS, KITCHEN, stock, strew
+from aeroscene.corpus.curation.rooms.grid import middle_first
 from aeroscene.corpus.curation.rooms.interior import Interior
 from aeroscene.corpus.curation.rooms.lines import Piece, fit_line
 from aeroscene.corpus.curation.rooms.tables import lay, seats
@@ -33,12 +34,12 @@ def _tables(room: Interior, size: tuple[float, float, float], *, laid_every: int
     """Tables with four chairs on a grid that fills the room; some of them laid, two at a time."""
     found: list[tuple[Placed, list[Placed]]] = []
     begun: set[float] = set()
-    ended: set[float] = set()
-    for u, v in room.spots(*_TABLE_PITCH_M, (1.35, 1.05)):
-        table = None if u in ended else room.put("table", u, v, size)
+    ended: set[tuple[float, bool]] = set()
+    for u, v in middle_first(room.spots(*_TABLE_PITCH_M, (1.35, 1.05))):
+        table = None if (u, v > 0) in ended else room.put("table", u, v, size)
         if table is None:
-            # A row has no holes: it ends where it is interrupted.
-            ended |= {u} & begun
+            # A row has no holes: on either side it ends where it is interrupted.
+            ended |= {(u, v > 0)} if u in begun else set()
             continue
         begun.add(u)
         found.append((table, seats(room, table, 4)))

@@ -7,6 +7,7 @@ from math import pi
 
 from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.rooms.contents import CARTONS, stock, strew
+from aeroscene.corpus.curation.rooms.grid import middle_first
 from aeroscene.corpus.curation.rooms.interior import Interior
 from aeroscene.corpus.curation.rooms.lines import stand_pair
 from aeroscene.corpus.curation.rooms.tables import lay, seats
@@ -40,7 +41,8 @@ def furnish_racks(room: Interior) -> Iterator[None]:
     x, y, _ = room.room.size
     turn = 0.0 if y >= x else pi / 2
     pitch = (3.6, 2.1) if turn == 0.0 else (2.1, 3.6)
-    for u, v in room.spots(*pitch, 1.7, is_tight=True):
+    spots = room.spots(*pitch, 1.7, is_tight=True)
+    for u, v in middle_first(spots, along=1 if turn == 0.0 else 0):
         for shelf in stand_pair(room, "shelf", u, v, (0.5, 2.0, 2.2), turn, _RACK):
             if draw.chance(0.4):
                 room.on(shelf, "box", 0.0, draw.between(-0.9, 0.9))
@@ -101,7 +103,8 @@ def furnish_aisles(room: Interior) -> Iterator[None]:
     turn = 0.0 if y >= x else pi / 2
     pitch = (2.7, 2.05) if turn == 0.0 else (2.05, 2.7)
     shelves: list[Placed] = []
-    for u, v in room.spots(*pitch, _aisle_rims(turn), is_tight=True):
+    spots = room.spots(*pitch, _aisle_rims(turn), is_tight=True)
+    for u, v in middle_first(spots, along=1 if turn == 0.0 else 0):
         size = (0.45, 2.0, 1.7)
         shelves += stand_pair(room, "shelf", u, v, size, turn)
         yield

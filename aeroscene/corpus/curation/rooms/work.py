@@ -7,6 +7,7 @@ from math import pi
 
 from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.rooms.contents import CARTONS, PAPERS, equip, stock, strew
+from aeroscene.corpus.curation.rooms.grid import middle_first
 from aeroscene.corpus.curation.rooms.interior import Interior
 from aeroscene.corpus.curation.rooms.lines import stand_pair
 from aeroscene.corpus.curation.rooms.tables import seats, stand_table
@@ -52,7 +53,7 @@ def furnish_open_office(room: Interior) -> Iterator[None]:
     draw = room.draw
     size = (0.84, draw.between(1.5, 1.8), 0.74)
     spots = room.spots(3.3, size[1] + 0.15, (1.75, size[1] / 2 + 0.35), is_tight=True)
-    for index, (u, v) in enumerate(spots):
+    for index, (u, v) in enumerate(middle_first(spots)):
         # Chairs stand at the outer sides, which are the fronts.
         for desk in stand_pair(room, "desk", u, v, size, 0.0):
             equip(room, desk, is_full=draw.chance(0.4))
