@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 
 from aeroscene.corpus.curation.builder import Builder
 from aeroscene.corpus.curation.draw import Draw
-from aeroscene.corpus.curation.indoor.room_space import RoomSpace
+from aeroscene.corpus.curation.room_space import RoomSpace
 from aeroscene.corpus.curation.rooms import care, fair, guests, home, public, storage, work
 from aeroscene.corpus.curation.rooms.interior import Interior
 from aeroscene.corpus.curation.rooms.rest import furnish_rest

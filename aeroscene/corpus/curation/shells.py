@@ -9,11 +9,12 @@ from dataclasses import dataclass
 from aeroscene.corpus.curation.builder import Builder, Placed
 from aeroscene.corpus.curation.draw import Draw
 from aeroscene.corpus.curation.frame import Frame
+from aeroscene.corpus.curation.indoor.laying import lay_room
 from aeroscene.corpus.curation.indoor.partitions import raise_walls
-from aeroscene.corpus.curation.indoor.room_space import RoomSpace, lay_room
 from aeroscene.corpus.curation.indoor.themes import FINISHES
 from aeroscene.corpus.curation.indoor.walls import insets
 from aeroscene.corpus.curation.indoor.zones import choose_doors, find_borders
+from aeroscene.corpus.curation.room_space import RoomSpace
 from aeroscene.corpus.curation.storeys import plan_storey
 from aeroscene.solids.shapes.facade import (
     LINTEL_M,

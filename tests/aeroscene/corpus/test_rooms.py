@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections import Counter, defaultdict
 from collections.abc import Sequence
 from functools import cache
+from itertools import combinations
 
 import numpy as np
 import pytest
@@ -18,9 +19,9 @@ from aeroscene.corpus.curation.composers.indoor import draw_plan
 from aeroscene.corpus.curation.curate import curate_layout
 from aeroscene.corpus.curation.draw import Draw
 from aeroscene.corpus.curation.frame import Frame
-from aeroscene.corpus.curation.indoor.room_space import RoomSpace
 from aeroscene.corpus.curation.indoor.themes import THEMES
 from aeroscene.corpus.curation.interiors import furnish_room
+from aeroscene.corpus.curation.room_space import RoomSpace
 from aeroscene.corpus.curation.rooms.interior import GAP_M
 from aeroscene.corpus.curation.shells import raise_shell
 from aeroscene.scene import Scene, SceneObject
@@ -208,7 +209,7 @@ def near_misses(objects: Sequence[SceneObject]) -> list[tuple[SceneObject, Scene
     """Pairs on one bearer that neither touch nor keep the least gap, of those that share height."""
     outlines = [shapely.MultiPoint(obj.bbox.corners()[:, :2]).convex_hull for obj in objects]
     found = []
-    for i, j in zip(*np.triu_indices(len(objects), 1), strict=True):
+    for i, j in combinations(range(len(objects)), 2):
         first, second = objects[i], objects[j]
         share = abs(first.bbox.p[2] - second.bbox.p[2]) < (first.bbox.s[2] + second.bbox.s[2]) / 2
         gap = outlines[i].distance(outlines[j])

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 from typing import TypeVar
 
 from aeroscene.corpus.curation.builder import Placed
-from aeroscene.corpus.curation.indoor.room_space import RoomSpace
 from aeroscene.corpus.curation.indoor.zones import Zone
+from aeroscene.corpus.curation.room_space import RoomSpace
 
 T = TypeVar("T")
 

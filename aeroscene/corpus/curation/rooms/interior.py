@@ -8,7 +8,7 @@ from math import pi
 from aeroscene.corpus.curation.builder import Attributes, Builder, Placed
 from aeroscene.corpus.curation.draw import Draw
 from aeroscene.corpus.curation.frame import QUARTER, Frame
-from aeroscene.corpus.curation.indoor.room_space import RoomSpace
+from aeroscene.corpus.curation.room_space import RoomSpace
 from aeroscene.corpus.curation.rooms.grid import grid_spots
 from aeroscene.scene import Vector3
 from aeroscene.solids.shapes.furniture import WOODS

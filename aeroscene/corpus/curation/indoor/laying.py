@@ -1,27 +1,12 @@
-"""A room to furnish, and how it is laid between walls."""
+"""Lays the rooms of a plan between its walls."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 from aeroscene.corpus.curation.builder import Builder, Placed
 from aeroscene.corpus.curation.indoor.zones import Side, Zone
-from aeroscene.solids.shapes.shell import FINISH_M
-
-
-@dataclass(frozen=True, slots=True)
-class RoomSpace:
-    """A room to furnish: x towards the building's front, y to its left."""
-
-    placed: Placed
-    kind: str = ""
-    """Its use, where that is decided already."""
-
-    @property
-    def floor(self) -> float:
-        """Height on which furniture stands."""
-        return self.placed.base + FINISH_M
+from aeroscene.corpus.curation.room_space import RoomSpace
 
 
 def lay_room(
