@@ -27,9 +27,9 @@ _COMPOSERS = {"mixed": compose_mixed, "outdoor": compose_outdoor, "indoor": comp
 
 
 _N_COARSE: dict[SceneDomain, _Spread] = {
-    "mixed": (26.0, 3.5),
-    "outdoor": (28.5, 4.0),
-    "indoor": (25.0, 4.0),
+    "mixed": (29.0, 3.5),
+    "outdoor": (31.0, 4.0),
+    "indoor": (27.0, 4.0),
 }
 _N_FINE: dict[SceneDomain, _Spread] = {
     "mixed": (119.0, 12.0),
@@ -40,7 +40,7 @@ _N_FINE: dict[SceneDomain, _Spread] = {
 
 The rooms of mixed scenes hold as much as rooms do, on top of what stands outdoors.
 """
-_UNDER_SKY: tuple[_Spread, ...] = ((66.0, 8.0), (13.9, 2.5), (10.5, 1.2), (20.0, 5.0))
+_UNDER_SKY: tuple[_Spread, ...] = ((80.0, 8.0), (13.7, 2.5), (12.0, 1.2), (20.0, 5.0))
 _N_AREAS: dict[SceneDomain, tuple[_Spread, ...]] = {
     "mixed": _UNDER_SKY,
     "outdoor": _UNDER_SKY,

@@ -106,7 +106,7 @@ def _furnish(zone: Zone, interior: Interior) -> Iterator[None]:
     """What makes the kind, a pad where drones come and go, then whatever else fits."""
     growth = FURNISHINGS[zone.kind](interior)
     yield from islice(growth, 1)
-    if zone.kind in _WITH_PADS and interior.draw.chance(0.8):
+    if zone.kind in _WITH_PADS:
         interior.anywhere("landing_pad", _PAD_M, keep=0.6)
         yield
     yield from growth

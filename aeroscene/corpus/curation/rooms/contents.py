@@ -54,7 +54,9 @@ def stock(room: Interior, shelf: Placed | None, names: Sequence[str] = BOOKS) ->
                 _lay_in_slot(room, shelf, name, size, slot, slots, rise)
 
 
-def equip(room: Interior, desk: Placed | None, *, is_full: bool = True) -> None:
+def equip(
+    room: Interior, desk: Placed | None, *, is_full: bool = True, end: float | None = None
+) -> None:
     """A chair before a desk, a screen and a cup at one end; a lamp and a book at the other if full.
 
     A desk without space for a chair bears papers alone: nobody would look at its screen.
@@ -65,7 +67,8 @@ def equip(room: Interior, desk: Placed | None, *, is_full: bool = True) -> None:
     if room.in_front(desk, "chair") is None:
         strew(room, desk, PAPERS, 2)
         return
-    end = 1.0 if draw.chance(0.5) else -1.0
+    if end is None:
+        end = 1.0 if draw.chance(0.5) else -1.0
     if draw.chance(0.65):
         room.on(desk, "monitor", -0.5, end)
     else:

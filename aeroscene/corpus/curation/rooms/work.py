@@ -21,11 +21,11 @@ def furnish_office(room: Interior) -> Iterator[None]:
     draw = room.draw
     count = max(1, min(3, round(room.area / _DESK_M2)))
     for turn in (0.0, pi / 2, pi)[:count]:
-        size = (0.82, draw.between(1.5, 1.8), 0.74)
+        size = (0.84, draw.between(1.7, 1.85), 0.74)
         desk = room.anywhere("desk", size, keep=0.7, turn=turn)
         if desk is None:
             desk = room.against(room.some_side(), "desk", (0.75, 1.4, 0.74))
-        equip(room, desk, is_full=draw.chance(0.6))
+        equip(room, desk, is_full=draw.chance(0.4))
         yield
     shelf = room.against(room.some_side(), "shelf", (0.36, draw.between(0.9, 1.5), 1.9))
     stock(room, shelf, PAPERS)
@@ -51,12 +51,13 @@ def furnish_office(room: Interior) -> Iterator[None]:
 def furnish_open_office(room: Interior) -> Iterator[None]:
     """Islands of desks face to face, cabinets along the walls, shelves, a round of armchairs."""
     draw = room.draw
-    size = (0.84, draw.between(1.5, 1.8), 0.74)
+    size = (0.84, draw.between(1.76, 1.9), 0.74)
     spots = room.spots(3.3, size[1] + 0.15, (1.75, size[1] / 2 + 0.35), is_tight=True)
     for index, (u, v) in enumerate(middle_first(spots)):
         # Chairs stand at the outer sides, which are the fronts.
-        for desk in stand_pair(room, "desk", u, v, size, 0.0):
-            equip(room, desk, is_full=draw.chance(0.4))
+        pair = stand_pair(room, "desk", u, v, size, 0.0)
+        for desk, end in zip(pair, (1.0, -1.0), strict=False):
+            equip(room, desk, is_full=draw.chance(0.3), end=end)
             yield
         if index % 3 == 2:
             for cabinet in room.lined(room.some_side(), "cabinet", 2):
