@@ -13,6 +13,7 @@ from aeroscene.feasibility.layout import Layout
 from aeroscene.feasibility.roles import is_chained, is_fitting
 from aeroscene.scene import SceneObject
 from aeroscene.scene.catalogue import (
+    BOARDED,
     BRIDGES,
     BUILDINGS,
     CANOPIES,
@@ -29,6 +30,7 @@ from aeroscene.scene.hanging import is_hung
 from aeroscene.scene.relief import ground_m
 from aeroscene.solids.shapes.build import object_primitives
 from aeroscene.solids.shapes.shell import FINISH_M
+from aeroscene.solids.shapes.storage import shelf_boards
 from aeroscene.solids.solids import Solids, colliding
 from aeroscene.validation.columns import spans
 
@@ -90,6 +92,9 @@ def _within_m(layout: Layout, row: int, parent: SceneObject) -> float:
         faces_m = (low_m + FINISH_M,)
     elif parent.category in WATER:
         faces_m = (low_m + DRAUGHT_M, *((low_m,) if obj.category in DECKS else ()))
+    elif parent.category in BOARDED and parent.attributes.get("form") == "open":
+        boards_m = shelf_boards(top_m - low_m)
+        faces_m = (*(low_m + board_m for board_m in boards_m), top_m)
     elif parent.category in CANOPIES:
         faces_m = (low_m, top_m)
     elif parent.category in BUILDINGS:

@@ -103,7 +103,7 @@ _FINE: tuple[_Row, ...] = (
     ("desk",          (0.6, 0.9),   (1.1, 2),     (0.7, 0.78),   "floor",             "wood",      "table tabletop landable"),
     ("cabinet",       (0.35, 0.7),  (0.6, 2),     (0.7, 1.2),    "floor",             "wood",      "backed landable"),
     ("wardrobe",      (0.5, 0.7),   (0.8, 2.4),   (1.8, 2.3),    "floor",             "wood",      "backed"),
-    ("shelf",         (0.25, 0.5),  (0.6, 2),     (1.2, 2.2),    "floor",             "wood",      "backed"),
+    ("shelf",         (0.25, 0.5),  (0.6, 2),     (1.2, 2.2),    "floor",             "wood",      "backed boarded"),
     ("coffee_table",  (0.5, 0.9),   (0.8, 1.4),   (0.35, 0.5),   "floor",             "wood",      "tabletop two_sided landable"),
     ("nightstand",    (0.35, 0.5),  (0.4, 0.6),   (0.4, 0.65),   "floor",             "wood",      ""),
     ("counter",       (0.55, 0.8),  (1.2, 4.5),   (0.85, 1.1),   "floor",             "stone",     "tabletop backed landable"),
@@ -210,6 +210,7 @@ TABLETOPS = _with("tabletop")  # seats may belong to it
 SETTINGS = _with("setting")  # is laid on a table before a seat
 SCREENS = _with("screen")  # is looked at from the front
 BACKED = _with("backed")  # stands with its back to a wall
+BOARDED = _with("boarded")  # bears things on the boards within it too
 
 # Shape
 LEAFY = _with("leafy")

@@ -153,9 +153,12 @@ class Builder:
         """Keep a box of air free of everything that is placed from now on."""
         self._occupants.append(_occupant(spot, size, base, 0.0, -1))
 
-    def is_free(self, spot: Frame, size: Vector3, base: float) -> bool:
-        """Whether nothing stands in a box."""
-        return not self._is_taken(_occupant(spot, size, base, 0.0, -1), frozenset())
+    def is_free(
+        self, spot: Frame, size: Vector3, base: float, inside: Placed | None = None
+    ) -> bool:
+        """Whether nothing stands in a box, but for what contains it."""
+        line = frozenset() if inside is None else self._ancestors[inside.id] | {inside.id}
+        return not self._is_taken(_occupant(spot, size, base, 0.0, -1), line)
 
     def _leaves_bounds(self, spot: Frame, size: Vector3) -> bool:
         if self._bounds is None:

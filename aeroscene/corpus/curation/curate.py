@@ -13,7 +13,7 @@ from aeroscene.corpus.curation.builder import Builder, Placed
 from aeroscene.corpus.curation.composers import compose_indoor, compose_mixed, compose_outdoor
 from aeroscene.corpus.curation.composition import Composition, fill
 from aeroscene.corpus.curation.start import start_yaw
-from aeroscene.scene import Scene
+from aeroscene.scene import Scene, SceneDomain
 from aeroscene.scene.origin import ALTITUDE_M, LATITUDE_DEG, LONGITUDE_DEG
 
 _SEED_SPACE = 2026
@@ -21,16 +21,35 @@ _SEED_SPACE = 2026
 HEADROOM_M = 10.0
 """Flight volume above the highest thing, where the sky is open."""
 
+_Spread = tuple[float, float]
+
 _COMPOSERS = {"mixed": compose_mixed, "outdoor": compose_outdoor, "indoor": compose_indoor}
 
 
-_N_COARSE = (31.0, 4.0)
-_N_FINE = (108.5, 12.0)
-"""Mean and spread of the numbers of objects at which a scene is full."""
-_N_AREAS = ((44.9, 8.0), (12.0, 2.5), (5.8, 1.2), (20.0, 5.0))
+_N_COARSE: dict[SceneDomain, _Spread] = {
+    "mixed": (29.0, 3.5),
+    "outdoor": (31.0, 4.0),
+    "indoor": (27.0, 4.0),
+}
+_N_FINE: dict[SceneDomain, _Spread] = {
+    "mixed": (119.0, 12.0),
+    "outdoor": (108.5, 12.0),
+    "indoor": (108.5, 12.0),
+}
+"""Mean and spread of the numbers of objects at which a scene is full.
+
+The rooms of mixed scenes hold as much as rooms do, on top of what stands outdoors.
+"""
+_UNDER_SKY: tuple[_Spread, ...] = ((71.5, 8.0), (13.9, 2.5), (12.5, 1.2), (20.0, 5.0))
+_N_AREAS: dict[SceneDomain, tuple[_Spread, ...]] = {
+    "mixed": _UNDER_SKY,
+    "outdoor": _UNDER_SKY,
+    "indoor": ((44.9, 8.0), (12.0, 2.5), (5.8, 1.2), (20.0, 5.0)),
+}
 """Mean and spread of the most areas that a scene keeps: small, medium, large, perching.
 
-Scenes that have less to offer keep all; the averages come out at the paper's.
+Scenes that have less to offer keep all; the averages over all domains come out at the paper's.
+Rooms offer fewer than sites do, and hardly any to large drones: these need open floors or roofs.
 """
 
 
@@ -78,12 +97,12 @@ def _streams(index: int) -> list[np.random.Generator]:
 
 
 def _budget(index: int) -> Budget:
-    return draw_budget(_streams(index)[1])
+    return draw_budget(_streams(index)[1], scene_domain(index))
 
 
-def draw_budget(rng: np.random.Generator) -> Budget:
+def draw_budget(rng: np.random.Generator, domain: SceneDomain) -> Budget:
     """Counts about the paper's averages, each scene its own, within two and a half spreads."""
-    means, spreads = np.array([_N_COARSE, _N_FINE, *_N_AREAS]).T
+    means, spreads = np.array([_N_COARSE[domain], _N_FINE[domain], *_N_AREAS[domain]]).T
     counts = np.rint(means + spreads * rng.standard_normal(len(means)).clip(-2.5, 2.5))
     n_coarse, n_fine, *areas = (int(count) for count in counts)
     small, medium, large, perching = areas

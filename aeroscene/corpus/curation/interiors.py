@@ -4,8 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from aeroscene.corpus.curation.rooms import fair, home, public, storage, work
+from aeroscene.corpus.curation.builder import Builder
+from aeroscene.corpus.curation.draw import Draw
+from aeroscene.corpus.curation.room_space import RoomSpace
+from aeroscene.corpus.curation.rooms import care, fair, guests, home, public, storage, work
 from aeroscene.corpus.curation.rooms.interior import Interior
+from aeroscene.corpus.curation.rooms.rest import furnish_rest
+from aeroscene.corpus.curation.rooms.uses import USES
+
+_SETTLED = 0.55
+"""How full rooms of a mixed scene are when the rest of it begins to grow, relative to their use."""
 
 FURNISHINGS: dict[str, Callable[[Interior], Iterator[None]]] = {
     "office": work.furnish_office,
@@ -18,7 +26,13 @@ FURNISHINGS: dict[str, Callable[[Interior], Iterator[None]]] = {
     "bedroom": home.furnish_bedroom,
     "kitchen": home.furnish_kitchen,
     "dining": home.furnish_dining,
-    "cafe": public.furnish_cafe,
+    "bathroom": home.furnish_bathroom,
+    "ward": care.furnish_ward,
+    "practice": care.furnish_practice,
+    "waiting": care.furnish_waiting,
+    "cafe": guests.furnish_cafe,
+    "restaurant": guests.furnish_restaurant,
+    "galley": guests.furnish_galley,
     "lobby": public.furnish_lobby,
     "lounge": public.furnish_lounge,
     "corridor": public.furnish_corridor,
@@ -39,4 +53,21 @@ FURNISHINGS: dict[str, Callable[[Interior], Iterator[None]]] = {
 }
 """What each kind of room contains: steps that each leave the room whole, most telling first."""
 
-__all__ = ["FURNISHINGS", "Interior"]
+__all__ = ["FURNISHINGS", "Interior", "furnish_room", "settle"]
+
+
+def furnish_room(builder: Builder, draw: Draw, space: RoomSpace, kind: str = "") -> Iterator[None]:
+    """All furniture of a room by itself, of its own use or else of a kind."""
+    kind = space.kind or kind
+    room = Interior(builder, draw, space)
+    yield from FURNISHINGS[kind](room)
+    yield from furnish_rest(room, kind)
+
+
+def settle(builder: Builder, space: RoomSpace, growth: Iterator[None]) -> None:
+    """Let a room's furniture grow until it looks lived in."""
+    area = space.placed.size[0] * space.placed.size[1]
+    wanted = builder.n_fine + _SETTLED * USES[space.kind].per_100_m2 * area / 100.0
+    for _ in growth:
+        if builder.n_fine >= wanted:
+            return

@@ -90,6 +90,13 @@ def _open_wardrobe(look: Look, wood: str) -> list[Part]:
     ]
 
 
+def shelf_boards(height_m: float) -> tuple[float, ...]:
+    """Heights of the upper faces of an open shelf's or a bookcase's boards, from the lowest, m."""
+    levels = max(2, min(5, round(height_m / 0.42)))
+    rise = (height_m - 0.05) / levels
+    return tuple(0.045 + level * rise for level in range(levels))
+
+
 def shelf(look: Look) -> list[Part]:
     """Boards between two sides, a rack of steel with cartons, or a bookcase with a back."""
     x, y, z = look.size_m
@@ -97,15 +104,17 @@ def shelf(look: Look) -> list[Part]:
     if form == "rack":
         return _rack(look)
     wood = look.set_choice("wood", WOODS)
-    levels = max(2, min(5, round(z / 0.42)))
-    rise = (z - 0.05) / levels
+    boards = shelf_boards(z)
+    rise = (z - 0.05) / len(boards)
     inner = centred(y - 0.06)
     parts = [block(x, inwards(sign, y / 2, 0.03), (0, z), wood) for sign in (-1, 1)]
     parts.append(block(x, inner, (z - 0.03, z), wood))
-    parts += [block(x, inner, (0.02 + i * rise, 0.045 + i * rise), wood) for i in range(levels)]
+    parts += [
+        block(x, inner, (0.02 + i * rise, 0.045 + i * rise), wood) for i in range(len(boards))
+    ]
     if form == "bookcase":
         parts.append(block(inwards(-1, x / 2, 0.015), inner, (0, z), wood))
-    return parts + _books(look, levels, rise, form)
+    return parts + _books(look, len(boards), rise, form)
 
 
 def _books(look: Look, levels: int, rise: float, form: str) -> list[Part]:

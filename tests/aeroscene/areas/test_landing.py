@@ -105,8 +105,10 @@ def test_perches_are_small_high_and_on_nothing_soft(scene):
 
 
 def test_every_scene_has_areas_far_from_the_start_for_both_vehicles(scene):
+    least_m = 8 if scene.domain == "indoor" else 15
+
     def is_far(area: InteractionArea) -> bool:
-        return math.dist(area.centroid, scene.start_position_enu_m) >= 15
+        return math.dist(area.centroid, scene.start_position_enu_m) >= least_m
 
     far = Counter(area.drone_class for area in scene.landing_areas if is_far(area))
     assert far["medium"] + far["large"] >= 2

@@ -31,7 +31,7 @@ from tests.aeroscene.layouts.samples import house
 QUICK = FeasibilityCfg(is_validated=False)
 
 
-@pytest.mark.parametrize("index", [7, 44, 311])
+@pytest.mark.parametrize("index", [10, 44, 311])
 def test_a_sound_scene_stays_as_it_is(index):
     scene = cached_scene(index)
     result = make_feasible(scene, QUICK)
@@ -42,7 +42,7 @@ def test_a_sound_scene_stays_as_it_is(index):
     assert result.report.rejection is None
 
 
-@pytest.mark.parametrize(("index", "sigma_m"), [(42, 0.1), (311, 0.5), (7, 2.0)])
+@pytest.mark.parametrize(("index", "sigma_m"), [(42, 0.1), (26, 0.5), (7, 2.0)])
 def test_an_unsettled_scene_becomes_sound(index, sigma_m):
     raw = unsettled(cached_scene(index), sigma_m, seed=index)
     result = make_feasible(raw, QUICK)

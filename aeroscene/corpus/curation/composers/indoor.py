@@ -41,8 +41,9 @@ def compose_indoor(builder: Builder, rng: np.random.Generator) -> Composition:
 def draw_plan(draw: Draw, theme: Theme) -> FloorPlan:
     """Size, height and zones of a building of a theme."""
     length_m, width_m, roof_m = theme.size_m
-    size = (_half_metres(draw, length_m), _half_metres(draw, width_m))
     is_tall = draw.chance(theme.tall_chance)
+    share = theme.tall_share if is_tall else 1.0
+    size = (_half_metres(draw, length_m, share), _half_metres(draw, width_m))
     low, high = TALL_M if is_tall and roof_m[1] < TALL_M[0] else roof_m
     height = 0.25 * draw.count(round(4 * low), round(4 * high))
     programme = replace(theme.programme, is_tall=is_tall)
@@ -56,5 +57,5 @@ def draw_plan(draw: Draw, theme: Theme) -> FloorPlan:
     )
 
 
-def _half_metres(draw: Draw, span: tuple[float, float]) -> float:
-    return 0.5 * draw.count(round(2 * span[0]), round(2 * span[1]))
+def _half_metres(draw: Draw, span: tuple[float, float], share: float = 1.0) -> float:
+    return 0.5 * draw.count(round(2 * share * span[0]), round(2 * share * span[1]))

@@ -9,6 +9,7 @@ from aeroscene.corpus.curation.draw import Draw
 from aeroscene.corpus.curation.frame import Frame
 from aeroscene.corpus.curation.indoor.floor_plan import Building, FloorPlan, sure
 from aeroscene.corpus.curation.indoor.galleries import guard_gallery, lay_upper_slabs
+from aeroscene.corpus.curation.indoor.laying import lay_room
 from aeroscene.corpus.curation.indoor.partitions import raise_walls
 from aeroscene.corpus.curation.indoor.plans import START_M, open_place
 from aeroscene.corpus.curation.indoor.walls import insets
@@ -20,7 +21,6 @@ from aeroscene.corpus.curation.indoor.zones import (
     choose_doors,
     find_borders,
 )
-from aeroscene.corpus.curation.shells import RoomSpace
 from aeroscene.solids.shapes.facade import SLAB_TOP_M, WALL_M
 from aeroscene.solids.shapes.shell import FINISH_M
 
@@ -43,7 +43,7 @@ def raise_building(builder: Builder, draw: Draw, frame: Frame, plan: FloorPlan) 
     _lay_rooms(builder, building, insets(zones, borders))
     building.sides += [_walled_sides(index, borders, zones) for index in range(len(zones))]
     lay_upper_slabs(builder, building, borders)
-    raise_walls(builder, draw, building, borders, doors)
+    raise_walls(builder, draw, building.shell, zones, borders, doors)
     for border in borders:
         if barrier(zones, border) == "rail":
             guard_gallery(builder, draw, building, border)
@@ -65,20 +65,14 @@ def _lay_rooms(builder: Builder, building: Building, margins: Sequence[dict[Side
     """A room for each zone; air stays free in the middle of wide ones and above the start."""
     shell = building.shell
     for zone, margin in zip(building.plan.zones, margins, strict=True):
-        x0, x1 = zone.x0 + margin["x0"], zone.x1 - margin["x1"]
-        y0, y1 = zone.y0 + margin["y0"], zone.y1 - margin["y1"]
         finish = building.plan.finishes.get(zone.kind, "floor_tiles")
-        look = {"finish": finish, "use": zone.kind}
-        spot = shell.frame.moved((x0 + x1) / 2, (y0 + y1) / 2)
-        size = (x1 - x0, y1 - y0, zone.clear)
-        placed = builder.place(
-            "room", spot, size, base=zone.level, parent=shell, domain="indoor", look=look
-        )
-        building.spaces.append(RoomSpace(sure(placed)))
+        space = sure(lay_room(builder, shell, zone, margin, finish))
+        building.spaces.append(space)
         if zone.open_m > 0:
             size = (zone.open_m, zone.open_m, zone.clear - 0.1)
             u, v = open_place(zone)
-            builder.reserve(spot.moved(u, v), size, zone.level + FINISH_M + 0.01)
+            spot = space.placed.frame.moved(u, v)
+            builder.reserve(spot, size, zone.level + FINISH_M + 0.01)
     hall = building.spaces[0]
     size = (START_M, START_M, hall.placed.size[2] - 0.1)
     builder.reserve(hall.placed.frame, size, hall.floor + PAD_RISE_M + 0.001)

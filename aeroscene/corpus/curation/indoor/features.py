@@ -26,7 +26,7 @@ def _tucked(
 
 
 def _kiosk(room: Interior) -> Placed | None:
-    return _tucked(room, "kiosk", (2.4, room.draw.between(2.6, 3.6), 2.8), _painted(room))
+    return _tucked(room, "kiosk", (2.2, room.draw.between(2.4, 2.8), 2.5), _painted(room))
 
 
 def _garden(room: Interior) -> Placed | None:

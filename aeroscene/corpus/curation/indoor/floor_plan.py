@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import TypeVar
 
 from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.indoor.zones import Zone
-from aeroscene.corpus.curation.shells import RoomSpace
+from aeroscene.corpus.curation.room_space import RoomSpace
+
+T = TypeVar("T")
 
 
 class OverlapError(ValueError):
@@ -43,7 +46,7 @@ class Building:
     """Sides along which walls stand, for each room."""
 
 
-def sure(placed: Placed | None) -> Placed:
+def sure(placed: T | None) -> T:
     """What a plan needs placed.
 
     Raises:

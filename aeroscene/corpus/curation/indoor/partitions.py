@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from aeroscene.corpus.curation.builder import Builder
+from aeroscene.corpus.curation.builder import Builder, Placed
 from aeroscene.corpus.curation.draw import Draw
-from aeroscene.corpus.curation.indoor.floor_plan import Building, sure
+from aeroscene.corpus.curation.indoor.floor_plan import sure
 from aeroscene.corpus.curation.indoor.walls import PARTITION_M, wall_spans
 from aeroscene.corpus.curation.indoor.zones import CELL_M, DOORS_M, Border, Zone
 from aeroscene.scene import AttributeValue
@@ -14,7 +14,7 @@ from aeroscene.solids.shapes.facade import SLAB_M
 
 _APRON_M = 1.3
 """Air kept free before and behind a door."""
-_HEADS_M = {DOORS_M[0]: 2.75, DOORS_M[1]: 2.25, DOORS_M[2]: 2.25}
+_HEADS_M = {DOORS_M[0]: 2.75, DOORS_M[1]: 2.25, DOORS_M[2]: 2.25, DOORS_M[3]: 2.25}
 """Height of a door's head above the first cell border over the slab, by the door's width."""
 _HATCH_M = (1.75, 0.75)
 """Width of an inner window and its sill above the first cell border over the slab."""
@@ -25,7 +25,8 @@ _GLAZED = frozenset(("meeting", "open_office", "cafe", "lounge", "library", "gym
 def raise_walls(
     builder: Builder,
     draw: Draw,
-    building: Building,
+    shell: Placed,
+    zones: Sequence[Zone],
     borders: Sequence[Border],
     doors: dict[int, float],
 ) -> None:
@@ -34,16 +35,17 @@ def raise_walls(
     Args:
         builder: Builder to add to.
         draw: Places of the doors, choice of windows.
-        building: Its shell and rooms stand already.
-        borders: All borders of its plan.
+        shell: The building, whose rooms stand already.
+        zones: A plan, in the building's frame.
+        borders: All borders of the plan.
         doors: Widths of the doors under the numbers of their borders.
     """
     openings: list[tuple[Border, float, float, float]] = []
-    for index, span in wall_spans(building.plan.zones, borders).items():
-        air = _raise_wall(builder, draw, building, borders[index], span, doors.get(index))
+    for index, span in wall_spans(zones, borders).items():
+        air = _raise_wall(builder, draw, shell, zones, borders[index], span, doors.get(index))
         openings += [(borders[index], *air)] if air else []
     for border, at, width, low in openings:
-        _keep_free(builder, building, border, at, width, low)
+        _keep_free(builder, shell, border, at, width, low)
 
 
 def is_edge(zones: Sequence[Zone], border: Border) -> bool:
@@ -54,7 +56,8 @@ def is_edge(zones: Sequence[Zone], border: Border) -> bool:
 def _raise_wall(
     builder: Builder,
     draw: Draw,
-    building: Building,
+    shell: Placed,
+    plan: Sequence[Zone],
     border: Border,
     span: tuple[float, float],
     door_m: float | None,
@@ -63,7 +66,7 @@ def _raise_wall(
     middle, length = (span[0] + span[1]) / 2, span[1] - span[0]
     if length < PARTITION_M:
         return None
-    zones = [building.plan.zones[i] for i in border.zones]
+    zones = [plan[i] for i in border.zones]
     look: dict[str, AttributeValue] = {"colour": "white"}
     rooms = [zone for zone in zones if zone.role == "room"]
     if len(rooms) == 1 and rooms[0].kind in _GLAZED:
@@ -71,7 +74,7 @@ def _raise_wall(
     # The wall's own y axis is the building's y, or minus its x.
     sign = 1.0 if border.along == "y" else -1.0
     # Beside the edge of an upper floor it stands on the wall below, not on the slab.
-    base = border.base - SLAB_M if is_edge(building.plan.zones, border) else border.base
+    base = border.base - SLAB_M if is_edge(plan, border) else border.base
     rise = _first_cell(border.base) - base
     air: tuple[float, float, float] | None = None
     if door_m is not None:
@@ -91,7 +94,7 @@ def _raise_wall(
             "window_height_m": round(rise + _HEADS_M[1.75], 4),
         }
         air = (at, _HATCH_M[0], base + rise + _HATCH_M[1])
-    shell, size = building.shell, (PARTITION_M, length, border.top - base)
+    size = (PARTITION_M, length, border.top - base)
     spot = shell.frame.moved(*border.spot(middle))
     sure(builder.place("wall", spot, size, base=base, parent=shell, domain="indoor", look=look))
     return air
@@ -110,10 +113,10 @@ def _door_place(draw: Draw, border: Border, width: float) -> float:
 
 
 def _keep_free(
-    builder: Builder, building: Building, border: Border, at: float, width: float, low: float
+    builder: Builder, shell: Placed, border: Border, at: float, width: float, low: float
 ) -> None:
     """Reserve the air before and behind an opening."""
     u, v, _ = border.spot(at)
     size = (2 * _APRON_M, width + 0.2) if border.along == "y" else (width + 0.2, 2 * _APRON_M)
     height = _first_cell(border.base) + _HEADS_M[1.75] - low
-    builder.reserve(building.shell.frame.moved(u, v), (*size, height), low)
+    builder.reserve(shell.frame.moved(u, v), (*size, height), low)

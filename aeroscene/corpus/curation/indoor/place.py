@@ -15,12 +15,13 @@ from aeroscene.corpus.curation.indoor.plans import clear_end_m
 from aeroscene.corpus.curation.indoor.zones import Zone
 from aeroscene.corpus.curation.interiors import FURNISHINGS, Interior
 from aeroscene.corpus.curation.rooms.rest import furnish_rest
+from aeroscene.corpus.curation.rooms.uses import USES
 from aeroscene.corpus.curation.start import PAD_M, NoStartError
 
 _PAD_M = (1.8, 1.8, 0.06)
 """Size of the pads in halls and on galleries."""
-_SHARE_EXPONENT = 0.7
-"""A zone's share of the furniture grows with this power of its area: small rooms are fuller."""
+_WITH_PADS = frozenset(("lobby", "concourse", "court", "gym", "garden", "goods", "stand", "lounge"))
+"""Kinds of halls in which drones come and go beside the start."""
 _ROUNDS = 7
 """How often the list of features is gone through."""
 FEATURED_M2 = 48.0
@@ -70,12 +71,12 @@ class IndoorPlace:
                     break
 
     def details(self) -> Iterator[None]:
-        """Furniture of the zone that has least for its size; a pad in halls and on galleries."""
+        """Furniture of the zone that has least for its use; a pad in halls and on galleries."""
         zones = self.building.plan.zones
         growths = [
             _furnish(zone, interior) for zone, interior in zip(zones, self._all(), strict=True)
         ]
-        shares = [zone.area**_SHARE_EXPONENT for zone in zones]
+        shares = [zone.area * USES[zone.kind].per_100_m2 / 100 for zone in zones]
         filled = dict.fromkeys(range(len(zones)), 0.0)
         while filled:
             index = min(filled, key=lambda i: filled[i])
@@ -103,8 +104,10 @@ class IndoorPlace:
 
 def _furnish(zone: Zone, interior: Interior) -> Iterator[None]:
     """What makes the kind, a pad where drones come and go, then whatever else fits."""
-    yield from FURNISHINGS[zone.kind](interior)
-    if zone.role in {"hall", "gallery"} and interior.draw.chance(0.6):
+    growth = FURNISHINGS[zone.kind](interior)
+    yield from islice(growth, 1)
+    if zone.kind in _WITH_PADS:
         interior.anywhere("landing_pad", _PAD_M, keep=0.6)
         yield
+    yield from growth
     yield from furnish_rest(interior, zone.kind)

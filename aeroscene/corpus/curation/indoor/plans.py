@@ -1,35 +1,39 @@
-"""Two kinds of floor plans: rooms along corridors that open into a hall, and a wide hall.
+"""Two kinds of floor plans: rooms along a corridor that opens into a hall, and a wide hall.
 
 Both are drawn in the building's frame with the hall that a flight starts in as their first zone.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections import deque
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import cycle, pairwise
 from typing import Literal
 
 from aeroscene.corpus.curation.draw import Draw
+from aeroscene.corpus.curation.indoor.packing import pack_row
 from aeroscene.corpus.curation.indoor.zones import Role, Zone, snapped
 from aeroscene.solids.shapes.facade import SLAB_M, SLAB_TOP_M, WALL_M
 
 LOW_CEILING_M = 3.5
 """Underside of an upper storey."""
 UPPER_LEVEL_M = LOW_CEILING_M + SLAB_M
-CORRIDOR_M = 3.25
-"""Distance between the middles of a corridor's walls: 3.1 m clear."""
 START_M = 6.4
 """Side of the square in the middle of the first hall that stays free around the start."""
+LEAST_HALL_M = 7.0
+"""Shortest side of that hall."""
+_LEAST_WING_M = 4.5
+"""Shortest row of rooms beside a hall."""
 _SHOWN = ("booths", "produce", "aisles", "checkout")
 _STORED = ("racks", "goods")
-_SEATED = ("classroom", "library", "open_office", "stand", "concourse")
+_SEATED = ("library", "stand", "concourse", "restaurant")
 _DENSE = frozenset((*_SHOWN, *_STORED, *_SEATED))
 """Kinds of zones that rows of furniture fill."""
-_SNUG = frozenset(("living", "dining", "bedroom", "meeting", "office"))
-"""Kinds of rooms that look empty with a free middle."""
 _OPEN_M = 5.6
-"""Side of the square in a wide room that stays free for a large drone."""
+"""Side of the square in a wide zone that stays free for a large drone."""
+
+Span = tuple[float, float]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -37,18 +41,22 @@ class Programme:
     """Which kinds of zones a building offers, in order of importance."""
 
     halls: tuple[str, ...]
-    small: tuple[str, ...]
-    """Kinds of small rooms."""
-    wide: tuple[str, ...]
-    """Kinds of wide rooms."""
+    near: tuple[str, ...]
+    """Kinds of rooms in the row of `depth_m`: along the whole corridor, or at the hall's end."""
+    far: tuple[str, ...] = ("store",)
+    """Kinds of rooms on the other side of the corridor, which takes the rest of the width."""
     upper: tuple[str, ...]
     """Kinds of galleries over the rooms."""
+    depth_m: Span
+    """Range of the depth of the row of near rooms."""
+    corridor_m: float = 3.25
+    """Distance between the middles of a corridor's walls."""
+    hall_m: Span = (7.25, 8.75)
+    """Range of the length of each hall along the corridor, or of the first of a wide hall."""
     is_tall: bool = False
     """Whether galleries lie over the rooms; else all ceilings are at one height."""
-    rear: tuple[str, ...] = ("store",)
-    """Kinds of rooms behind those of the deep row."""
-    rear_chance: float = 0.0
-    """How often a wing's deep row is parted in that way."""
+    n_open: int = 0
+    """How many halls besides the first keep a square free for a large drone."""
 
 
 class _Storey:
@@ -59,26 +67,17 @@ class _Storey:
         self.programme = programme
         self.roof = roof
         self.zones: list[Zone] = []
-        self._small = self._kinds(programme.small)
-        self._wide = self._kinds(programme.wide)
-        self._upper = self._kinds(programme.upper)
-        self._rear = cycle(programme.rear)
+        self.near = self._kinds(programme.near)
+        self.far = self._kinds(programme.far)
+        self._upper = cycle(self._kinds(programme.upper))
 
-    def _kinds(self, kinds: Sequence[str]) -> Iterator[str]:
+    def _kinds(self, kinds: Sequence[str]) -> deque[str]:
         """The first kind first, the others in turn from a random one on."""
         first, *others = kinds
         start = self.draw.count(0, max(0, len(others) - 1))
-        return cycle((first, *others[start:], *others[:start]))
+        return deque((first, *others[start:], *others[:start]))
 
-    def add(
-        self,
-        kind: str,
-        role: Role,
-        x: tuple[float, float],
-        y: tuple[float, float],
-        *,
-        is_low: bool = False,
-    ) -> Zone:
+    def add(self, kind: str, role: Role, x: Span, y: Span, *, is_low: bool = False) -> Zone:
         """A zone of the ground floor, as high as the building or under a gallery."""
         ceiling = LOW_CEILING_M if is_low else self.roof
         zone = Zone(
@@ -95,27 +94,15 @@ class _Storey:
         return zone
 
     def add_row(
-        self,
-        x: tuple[float, float],
-        y: tuple[float, float],
-        *,
-        along: Literal["x", "y"],
-        pitch: float,
-        is_low: bool,
-        is_rear: bool = False,
+        self, kinds: deque[str], x: Span, y: Span, *, along: Literal["x", "y"], is_low: bool
     ) -> None:
-        """Rooms side by side along x or y, each about `pitch` long."""
-        low, high = x if along == "x" else y
-        depth = (y[1] - y[0]) if along == "x" else (x[1] - x[0])
-        count = max(1, round((high - low) / pitch))
-        lines = [low, *(snapped(low + i * (high - low) / count) for i in range(1, count)), high]
-        for a, b in pairwise(lines):
-            is_wide = min(depth, b - a) >= 6.0
-            kind = next(self._rear if is_rear else self._wide if is_wide else self._small)
-            sides = ((a, b), y) if along == "x" else (x, (a, b))
+        """Rooms side by side along x or y, each about as large as its kind asks for."""
+        (low, high), across = (x, y) if along == "x" else (y, x)
+        for kind, a, b in pack_row(self.draw, kinds, low, high, across[1] - across[0]):
+            sides = ((a, b), across) if along == "x" else (across, (a, b))
             self.add(kind, "room", *sides, is_low=is_low)
 
-    def add_gallery(self, x: tuple[float, float], y: tuple[float, float]) -> None:
+    def add_gallery(self, x: Span, y: Span) -> None:
         """An upper floor that is open towards the hall, in two parts where it is long."""
         clear = round(self.roof - UPPER_LEVEL_M, 4)
         is_wide = x[1] - x[0] > y[1] - y[0]
@@ -126,100 +113,97 @@ class _Storey:
             self.zones[-1] = replace(zone, level=UPPER_LEVEL_M, clear=clear)
 
     def finish(self) -> tuple[Zone, ...]:
-        """All zones; wide halls without rows keep a square free for a large drone.
-
-        So does every other one of the remaining wide zones but the first.
-        """
-        first, *others = self.zones
-        n_wide = 0
-        for index, zone in enumerate(others):
-            open_m = _wide_open(zone)
-            is_free = zone.role == "hall" and zone.kind not in _DENSE
-            n_wide += open_m > 0 and not is_free
-            others[index] = replace(zone, open_m=open_m if is_free or n_wide % 2 else 0.0)
-        return (first, *others)
-
-
-def _wide_open(zone: Zone) -> float:
-    if zone.kind in _SNUG:
-        return 0.0
-    least = 10.5 if zone.kind in _DENSE else 7.5
-    is_wide = min(zone.size) >= 7.5 and max(zone.size) >= least and zone.area >= 75.0
-    return _OPEN_M if is_wide else 0.0
+        """All zones; the largest halls but the first keep a square free for a large drone."""
+        halls = [
+            index
+            for index, zone in enumerate(self.zones)
+            if index and zone.role == "hall" and min(zone.size) >= _OPEN_M + 1.2
+        ]
+        halls.sort(key=lambda index: -max(self.zones[index].size))
+        for index in halls[: self.programme.n_open]:
+            self.zones[index] = replace(self.zones[index], open_m=_OPEN_M)
+        return tuple(self.zones)
 
 
 def plan_spine(
     draw: Draw, size: tuple[float, float], roof: float, programme: Programme
 ) -> tuple[Zone, ...]:
-    """A hall across the building; corridors lead from it between two rows of rooms."""
+    """A corridor between two rows of rooms; a hall takes the place of some of the far row.
+
+    In a tall building the hall reaches across both rows, and galleries look down into it.
+    """
     half_x, half_y = size[0] / 2 - WALL_M, size[1] / 2 - WALL_M
     storey = _Storey(draw, programme, roof)
-    length = draw.between(9.5, 12.0)
-    if programme.is_tall:
-        hall = (-half_x, snapped(-half_x + length))
-    else:
-        middle = draw.between(-0.08, 0.08) * size[0]
-        hall = (snapped(middle - length / 2), snapped(middle + length / 2))
-    cut = snapped(draw.between(-0.1, 0.1) * size[1])
-    halls = [(-half_y, cut), (cut, half_y)]
-    for kind, y in zip(cycle(programme.halls), halls, strict=False):
-        storey.add(kind, "hall", hall, y)
-    shallow = draw.between(6.0, 7.5)
-    for wing in ((-half_x, hall[0]), (hall[1], half_x)):
-        if wing[1] - wing[0] < 4.0:
-            continue
-        _add_wing(storey, wing, half_y, shallow if draw.chance(0.5) else -shallow)
+    sign = 1.0 if draw.chance(0.5) else -1.0
+    edge = snapped(half_y - draw.between(*programme.depth_m))
+    far = edge - programme.corridor_m
+    halls = _hall_lines(draw, half_x, programme)
+    inner = (-half_y, half_y if programme.is_tall else edge)
+    for kind, x in zip(programme.halls, pairwise(halls), strict=True):
+        storey.add(kind, "hall", x, _side(inner, sign))
+    if not programme.is_tall:
+        x = (halls[0], halls[-1])
+        storey.add_row(storey.near, x, _side((edge, half_y), sign), along="x", is_low=False)
+    for wing in ((-half_x, halls[0]), (halls[-1], half_x)):
+        if wing[1] - wing[0] >= _LEAST_WING_M - 0.2:
+            _add_wing(storey, wing, half_y, (far, edge), sign)
     return storey.finish()
 
 
-def _add_wing(storey: _Storey, x: tuple[float, float], half_y: float, shallow: float) -> None:
-    """A corridor between a shallow row of rooms and a deep one.
+def _side(y: Span, sign: float) -> Span:
+    """A range of y, mirrored where the sign is negative."""
+    return y if sign > 0 else (-y[1], -y[0])
 
-    The shallow row lies at y > 0 where `shallow` is positive. In a tall building a gallery covers
-    it and the corridor, and sometimes the deep row too, whose rooms are as high as the hall else.
-    """
-    is_tall, draw = storey.programme.is_tall, storey.draw
-    edge = snapped(half_y - shallow) if shallow > 0 else snapped(-half_y - shallow)
-    far = edge - CORRIDOR_M if shallow > 0 else edge + CORRIDOR_M
-    near_row = (edge, half_y) if shallow > 0 else (-half_y, edge)
-    deep_row = (-half_y, far) if shallow > 0 else (far, half_y)
-    is_covered = is_tall and draw.chance(0.35)
-    storey.add("corridor", "corridor", x, (min(edge, far), max(edge, far)), is_low=is_tall)
-    storey.add_row(x, near_row, along="x", pitch=draw.between(4.2, 5.4), is_low=is_tall)
-    pitch = draw.between(8.0, 10.0)
-    if draw.chance(storey.programme.rear_chance):
-        middle = snapped((deep_row[0] + deep_row[1]) / 2)
-        parts = ((deep_row[0], middle), (middle, deep_row[1]))
-        front, rear = parts if shallow < 0 else parts[::-1]
-        storey.add_row(x, front, along="x", pitch=pitch, is_low=is_covered)
-        storey.add_row(x, rear, along="x", pitch=pitch, is_low=is_covered, is_rear=True)
+
+def _hall_lines(draw: Draw, half_x: float, programme: Programme) -> list[float]:
+    """Ends of the halls along the corridor, somewhere in the middle or at its low end."""
+    lengths = [max(LEAST_HALL_M, draw.between(*programme.hall_m)) for _ in programme.halls]
+    rest = 2 * half_x - sum(lengths)
+    low = draw.between(0.3, 0.7) * rest
+    if low < _LEAST_WING_M or rest - low < _LEAST_WING_M or draw.chance(0.25):
+        lines = [-half_x]
     else:
-        storey.add_row(x, deep_row, along="x", pitch=pitch, is_low=is_covered)
+        lines = [snapped(low - half_x)]
+    for length in lengths:
+        lines.append(snapped(lines[-1] + length))
+    return lines
+
+
+def _add_wing(storey: _Storey, x: Span, half_y: float, corridor: Span, sign: float) -> None:
+    """A corridor between its rows; a gallery covers the near one, and sometimes both.
+
+    The far row's rooms are as high as the hall where no gallery covers them.
+    """
+    is_tall = storey.programme.is_tall
+    far, edge = corridor
+    is_covered = is_tall and storey.draw.chance(0.35)
+    storey.add("corridor", "corridor", x, _side((far, edge), sign), is_low=is_tall)
+    storey.add_row(storey.near, x, _side((edge, half_y), sign), along="x", is_low=is_tall)
+    storey.add_row(storey.far, x, _side((-half_y, far), sign), along="x", is_low=is_covered)
     if is_tall:
-        covered = (min(far, near_row[0]), max(far, near_row[1]))
-        storey.add_gallery(x, (-half_y, half_y) if is_covered else covered)
+        storey.add_gallery(x, _side((-half_y if is_covered else far, half_y), sign))
 
 
 def plan_hall(
     draw: Draw, size: tuple[float, float], roof: float, programme: Programme
 ) -> tuple[Zone, ...]:
-    """A hall of two to four open zones; rooms under a gallery along one end."""
+    """A hall of two to four open zones; rooms along one end, under a gallery where it is tall."""
     half_x, half_y = size[0] / 2 - WALL_M, size[1] / 2 - WALL_M
     storey = _Storey(draw, programme, roof)
-    edge = snapped(-half_x + draw.between(6.2, 8.0))
-    columns = 3 if half_x - edge >= 27.0 else 2
-    step = (half_x - edge) / columns
-    lines = [edge, *(snapped(edge + i * step) for i in range(1, columns)), half_x]
-    rows = [-half_y, snapped(draw.between(-0.1, 0.1) * size[1]), half_y]
+    edge = snapped(-half_x + draw.between(*programme.depth_m))
+    first = snapped(edge + max(LEAST_HALL_M, draw.between(*programme.hall_m)))
+    columns = 2 if half_x - first >= 17.0 else 1
+    step = (half_x - first) / columns
+    lines = [edge, first, *(snapped(first + i * step) for i in range(1, columns)), half_x]
+    rows = [-half_y, snapped(draw.between(-0.03, 0.03) * size[1]), half_y]
     halls = cycle(programme.halls)
     for x in pairwise(lines):
         for y in pairwise(rows):
             storey.add(next(halls), "hall", x, y)
-    storey.add_row(
-        (-half_x, edge), (-half_y, half_y), along="y", pitch=draw.between(6.5, 9.5), is_low=True
-    )
+    row = ((-half_x, edge), (-half_y, half_y))
+    storey.add_row(storey.near, *row, along="y", is_low=programme.is_tall)
     if programme.is_tall:
-        storey.add_gallery((-half_x, edge), (-half_y, half_y))
+        storey.add_gallery(*row)
     return storey.finish()
 
 

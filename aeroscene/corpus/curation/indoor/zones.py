@@ -24,11 +24,11 @@ Side = Literal["x0", "x1", "y0", "y1"]
 CELL_M = 0.25
 _LEAST_SHARED_M = 0.3
 """Zones that meet along less than this do not meet."""
-_JAMB_M = 0.5
+JAMB_M = 0.5
 """Least wall on either side of a door."""
-DOORS_M = (2.75, 2.25, 1.75)
-"""Widths of doors, the widest first: for large, medium and small drones."""
-_DOOR_ROOM_M = (6.0, 3.8, 0.0)
+DOORS_M = (2.75, 2.25, 1.75, 1.5)
+"""Widths of doors, the widest first: for large, medium and small drones, and in narrow walls."""
+_DOOR_ROOM_M = (6.0, 3.8, 0.0, 0.0)
 """Least side of the room that gets each of them."""
 _PREFERENCE: dict[Role, int] = {"corridor": 0, "hall": 1, "gallery": 2, "room": 3}
 
@@ -144,7 +144,7 @@ def barrier(zones: Sequence[Zone], border: Border) -> Barrier:
 def door_width(zone: Zone, border: Border) -> float | None:
     """Width of a room's door in a border, None where it is too short for any."""
     for width, least in zip(DOORS_M, _DOOR_ROOM_M, strict=True):
-        if min(zone.size) >= least and border.length >= width + 2 * _JAMB_M:
+        if min(zone.size) >= least and border.length >= width + 2 * JAMB_M:
             return width
     return None
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from aeroscene.corpus.curation.builder import Attributes
 from aeroscene.corpus.curation.frame import STREETWARD
-from aeroscene.corpus.curation.interiors import FURNISHINGS, Interior
+from aeroscene.corpus.curation.interiors import furnish_room, settle
 from aeroscene.corpus.curation.places.ground import Ground
 from aeroscene.corpus.curation.places.turns import in_turn
 from aeroscene.corpus.curation.shells import RoomSpace, Shell, raise_shell
@@ -21,9 +21,20 @@ _CEILING_M = 0.3
 
 
 def raise_furnished(
-    ground: Ground, name: str, u: float, v: float, *, deep: float, length: float, storeys: int
+    ground: Ground,
+    name: str,
+    u: float,
+    v: float,
+    *,
+    deep: float,
+    length: float,
+    storeys: int,
+    kinds: Sequence[str],
 ) -> Shell | None:
-    """An enterable building with its door to the street, or None where it does not fit."""
+    """An enterable building with its door to the street, or None where it does not fit.
+
+    Its rooms are of the kinds in turn.
+    """
     return raise_shell(
         ground.builder,
         ground.draw,
@@ -36,6 +47,7 @@ def raise_furnished(
         base=ground.level,
         turn=STREETWARD,
         colour=ground.draw.one_of((*WALL_COLOURS, "brick")),
+        kinds=kinds,
     )
 
 
@@ -56,11 +68,19 @@ def raise_hall(ground: Ground, u: float, v: float, size: Vector3, look: Attribut
     return Shell(hall, rooms, size[2])
 
 
-def furnish(ground: Ground, rooms: Sequence[RoomSpace], kinds: Sequence[str]) -> Iterator[None]:
-    """Furnish all rooms side by side, so that none stays empty when the scene is full."""
-    yield from in_turn(
-        *(
-            FURNISHINGS[kinds[index % len(kinds)]](Interior(ground.builder, ground.draw, space))
-            for index, space in enumerate(rooms)
-        )
-    )
+def furnish(
+    ground: Ground, rooms: Sequence[RoomSpace], kinds: Sequence[str] = ()
+) -> Iterator[None]:
+    """Furnish all rooms; those with a use of their own at once, so that none looks empty.
+
+    The others are of the kinds in turn, and grow side by side with the rest of the place.
+    """
+    growths = [
+        furnish_room(ground.builder, ground.draw, space, kinds[index % len(kinds)] if kinds else "")
+        for index, space in enumerate(rooms)
+    ]
+    if any(space.kind for space in rooms):
+        for space, growth in zip(rooms, growths, strict=True):
+            settle(ground.builder, space, growth)
+        yield
+    yield from in_turn(*growths)

@@ -33,7 +33,7 @@ _SHELL_PLOT_M = 17.0
 _LEAST_SHELL_M = (12.2, 15.0)
 """Width beside the drive and depth of a plot whose house can be entered."""
 _SHELL_DEPTH_M = 8.4
-_ROOMS = ("living", "kitchen", "bedroom", "dining")
+_ROOMS = ("living", "kitchen", "bedroom", "bathroom", "bedroom")
 
 
 @dataclass(slots=True)
@@ -132,9 +132,16 @@ class Houses:
 
     def _raise_shell(self, plot: _Plot, setback: float) -> None:
         ground = self.ground
-        deep, length = _SHELL_DEPTH_M, min(14.0, round(plot.space - 1.4, 2))
+        deep, length = _SHELL_DEPTH_M, min(10.4, round(plot.space - 1.4, 2))
         shell = raise_furnished(
-            ground, "house", plot.house_u, setback + deep / 2, deep=deep, length=length, storeys=1
+            ground,
+            "house",
+            plot.house_u,
+            setback + deep / 2,
+            deep=deep,
+            length=length,
+            storeys=1,
+            kinds=_ROOMS,
         )
         if shell:
             self._rooms += shell.rooms
@@ -201,7 +208,7 @@ class Houses:
     def details(self) -> Iterator[None]:
         """Furniture, then cars on the drives, and the life of the gardens."""
         yield from in_turn(
-            furnish(self.ground, self._rooms, _ROOMS),
+            furnish(self.ground, self._rooms),
             self._front(),
             *(self._garden(plot) for plot in self._plots),
         )

@@ -23,15 +23,17 @@ from aeroscene.corpus.curation.shells import RoomSpace
 from aeroscene.solids.shapes.materials import WALL_COLOURS
 
 _PROGRAMMES = {
-    "offices": ("office", "meeting", "office", "store"),
-    "flats": ("living", "kitchen", "bedroom", "dining"),
-    "cafe": ("cafe", "kitchen", "office", "meeting"),
-    "studio": ("open_office", "lounge", "meeting", "workshop"),
-    "library": ("library", "lobby", "classroom", "office"),
+    "offices": ("office", "meeting", "office", "bathroom", "office", "store"),
+    "flats": ("living", "kitchen", "bedroom", "bathroom", "bedroom"),
+    "cafe": ("cafe", "galley", "store", "office"),
+    "studio": ("open_office", "meeting", "workshop", "kitchen"),
+    "library": ("library", "office", "meeting", "bathroom"),
 }
 """Rooms of a use, in the order in which a building offers them."""
 _LEAST_SHELL_M = (11.5, 16.0)
 """Width and depth of a parcel whose building can be entered."""
+_BAY_M = (3.2, 3.36)
+"""Range of the length of front for each window."""
 _BAYS_M = (5.2, 7.7, 0.02)
 """Three bays for visitors."""
 
@@ -91,7 +93,9 @@ class Offices:
         """Put the building up; place along the street, setback, depth and length."""
         ground, draw = self.ground, self.ground.draw
         width, depth = ground.parcel.width, ground.parcel.depth
-        length = round(min(draw.between(12, 16.5), width - 2.0), 2)
+        storeys = 1 if draw.chance(0.6) else 2
+        bays = 4 if storeys == 1 else 3
+        length = round(min(bays * draw.between(*_BAY_M), width - 2.0), 2)
         deep = round(min(draw.between(7.5, 9.5), depth - setback - 1.0), 2)
         u = draw.between(-0.5, 0.5) * max(0.0, width - length - 3)
         if width >= _LEAST_SHELL_M[0] and depth >= _LEAST_SHELL_M[1]:
@@ -102,7 +106,8 @@ class Offices:
                 setback + deep / 2,
                 deep=deep,
                 length=length,
-                storeys=1 if draw.chance(0.2) else 2,
+                storeys=storeys,
+                kinds=_PROGRAMMES[self._use],
             )
             if shell:
                 self._building, self._rooms = shell.building, list(shell.rooms)
@@ -124,7 +129,7 @@ class Offices:
             roofs.append(furnish_flat_roof(ground.builder, draw, self._roof))
         if self._roof_deck:
             roofs.append(furnish_roof_deck(ground.builder, draw, self._roof_deck))
-        rooms = furnish(ground, self._rooms, _PROGRAMMES[self._use])
+        rooms = furnish(ground, self._rooms)
         yield from in_turn(rooms, self._receive(), *roofs, self._garden())
 
     def _receive(self) -> Iterator[None]:

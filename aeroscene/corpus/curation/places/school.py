@@ -83,7 +83,14 @@ class School:
         school = None
         if self.is_furnished and min(width, depth) >= _LEAST_SHELL_M:
             shell = raise_furnished(
-                ground, "building", 0, v, deep=deep, length=min(length, 18.0), storeys=2
+                ground,
+                "building",
+                0,
+                v,
+                deep=deep,
+                length=min(length, 18.0),
+                storeys=2,
+                kinds=_ROOMS,
             )
             if shell:
                 school, self._rooms = shell.building, shell.rooms
@@ -150,7 +157,7 @@ class School:
         roof = iter(())
         if self._roof and self._is_flat:
             roof = furnish_flat_roof(ground.builder, ground.draw, self._roof)
-        rooms = furnish(ground, self._rooms, _ROOMS)
+        rooms = furnish(ground, self._rooms)
         yield from in_turn(rooms, self._play(), self._arrive(), roof, self._plant())
 
     def _play(self) -> Iterator[None]:

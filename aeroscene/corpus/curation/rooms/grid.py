@@ -44,3 +44,11 @@ def _spread(length: float, pitch: float) -> tuple[int, float]:
         return (0, 0.0)
     count = int(length // pitch) + 1
     return (count, length / (count - 1) if count > 1 else 0.0)
+
+
+def middle_first(spots: list[tuple[float, float]], *, along: int = 1) -> list[tuple[float, float]]:
+    """Places in an order in which all rows grow alike, each from its middle.
+
+    Rows run along y, or along x where `along` is 0.
+    """
+    return sorted(spots, key=lambda spot: (abs(spot[along]), spot[along], spot[1 - along]))

@@ -4,107 +4,184 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from aeroscene.corpus.curation.builder import Placed
+from aeroscene.corpus.curation.rooms.contents import (
+    BOOKS,
+    CARTONS,
+    HOME,
+    KITCHEN,
+    equip,
+    stock,
+    strew,
+)
 from aeroscene.corpus.curation.rooms.interior import Interior
-from aeroscene.corpus.curation.rooms.tables import lay, seats
+from aeroscene.corpus.curation.rooms.lines import Piece, fit_line
+from aeroscene.corpus.curation.rooms.tables import lay, lay_all, seats, stand_table
+
+_ENDS = ("left", "right")
+_SMALL_M2 = 12.0
+"""Rooms up to this size have a bed for one, and a small table."""
 
 
 def furnish_living(room: Interior) -> Iterator[None]:
-    """Sofa, coffee table and television in line; armchair, shelf, lamp, plant."""
+    """Sofa, coffee table and television in line; armchairs, shelves, lamps, plants, a table."""
     draw = room.draw
-    side, other = ("left", "right") if draw.chance(0.5) else ("right", "left")
+    side, other = _ENDS if draw.chance(0.5) else _ENDS[::-1]
     sofa = room.against(side, "sofa")
     table = room.in_front(sofa, "coffee_table", gap=0.45)
     yield
-    cabinet = room.against(other, "cabinet", (0.45, 1.6, 0.72))
+    cabinet = room.against(other, "cabinet", (0.45, draw.between(1.4, 1.8), 0.72))
     room.on(cabinet, "television", 0.0, 0.0)
     yield
     if sofa:
-        room.beside(sofa, "lamp", 0.0, sofa.size[1] / 2 + 0.4, 0.0, (0.45, 0.45, 1.6))
+        at = sofa.size[1] / 2 + 0.3
+        stand = room.beside(sofa, "nightstand", -0.2, at, 0.0, (0.42, 0.5, 0.5))
+        strew(room, stand, ("lamp",), 1)
     room.against("back", "armchair")
     yield
-    dining = room.anywhere("table", (0.95, 1.8, 0.74), keep=0.8)
+    strew(room, table, ("book", "cup", "plate"), 3)
+    shelf = room.against(other, "shelf", (0.34, draw.between(0.9, 1.6), draw.between(1.8, 2.2)))
+    yield
+    stock(room, shelf)
+    yield
+    dining = stand_table(room, (0.9, draw.between(1.6, 1.8), 0.74))
     chairs = seats(room, dining, 4)
     yield
-    room.against(other, "shelf")
+    yield from lay_all(room, dining, chairs[:2] if draw.chance(0.6) else chairs)
     room.against(side, "plant")
+    room.against("front", "lamp", (0.4, 0.4, draw.between(1.5, 1.75)))
     yield
-    room.on(table, "book", 0.1, 0.5)
-    room.on(table, "cup", -0.2, -0.6)
-    lay(room, dining, chairs[2:4])
-    yield
-    room.against(room.some_side(), "shelf")
+    strew(room, cabinet, HOME, 2)
     room.against(room.some_side(), "armchair")
+    yield
+    sideboard = room.against(room.some_side(), "cabinet")
+    strew(room, sideboard, HOME, 3)
+    yield
+    room.against(room.some_side(), "plant")
+    stock(room, room.against(room.some_side(), "shelf"), BOOKS)
     yield
 
 
 def furnish_bedroom(room: Interior) -> Iterator[None]:
-    """A bed between nightstands, wardrobe, desk with chair."""
+    """A bed between nightstands with lamps, a wardrobe, a desk, a chest of drawers, a shelf."""
     draw = room.draw
-    side, other = ("left", "right") if draw.chance(0.5) else ("right", "left")
-    bed = room.against(side, "bed")
-    stands = []
-    if bed:
-        for sign in (-1, 1):
-            u = -bed.size[0] / 2 + 0.25
-            v = sign * (bed.size[1] / 2 + 0.35)
-            stands.append(room.beside(bed, "nightstand", u, v, 0.0, (0.42, 0.5, 0.5)))
+    side, other = _ENDS if draw.chance(0.5) else _ENDS[::-1]
+    wide = draw.between(0.9, 1.2) if room.area < _SMALL_M2 else draw.between(1.4, 1.8)
+    bed = room.against(side, "bed", (2.02, wide, draw.between(0.5, 0.68)))
+    stands = _flank(room, bed)
     yield
-    room.against(other, "wardrobe")
+    wardrobe = room.against(other, "wardrobe")
     yield
     for stand in stands:
-        if draw.chance(0.7):
-            room.on(stand, "lamp", 0.0, 0.0)
+        strew(room, stand, ("lamp", "lamp", "book"), 1)
     yield
-    desk = room.against(other, "desk")
-    room.in_front(desk, "chair")
-    room.on(desk, "laptop", 0.0, 0.5)
+    desk = room.against(other, "desk", (0.65, draw.between(1.1, 1.4), 0.74))
+    equip(room, desk, is_full=False)
     yield
+    chest = room.against(room.some_side(), "cabinet", (0.45, draw.between(0.8, 1.3), 0.85))
+    if draw.chance(0.44):
+        room.on(chest, "television", 0.0, 0.0)
+    strew(room, chest, HOME, 2)
+    yield
+    strew(room, wardrobe, CARTONS, 2)
     room.against("back", "plant")
+    yield
+    shelf = room.against(room.some_side(), "shelf", (0.3, draw.between(0.7, 1.2), 1.8))
+    stock(room, shelf)
+    yield
     room.against("front", "armchair")
+    room.against(room.some_side(), "box")
+    room.against(room.some_side(), "bin", (0.35, 0.35, 0.7))
     yield
-    room.against(room.some_side(), "cabinet")
-    room.against(room.some_side(), "shelf")
-    yield
+
+
+def _flank(room: Interior, bed: Placed | None) -> list[Placed]:
+    """Nightstands on either side of a bed's head."""
+    if bed is None:
+        return []
+    found: list[Placed] = []
+    for sign in (-1, 1):
+        u, v = -bed.size[0] / 2 + 0.21, sign * (bed.size[1] / 2 + 0.28)
+        stand = room.beside(bed, "nightstand", u, v, 0.0, (0.42, 0.5, 0.5))
+        found += [stand] if stand else []
+    return found
 
 
 def furnish_kitchen(room: Interior) -> Iterator[None]:
-    """Counter, stove and fridge along one wall; a table set for a meal."""
+    """Fridge, worktop, stove and worktop in line along a wall, another worktop, a laid table."""
     draw = room.draw
-    side = draw.one_of(("left", "right"))
-    counter = room.against(side, "counter", (0.62, draw.between(1.8, 2.8), 0.92))
-    if counter:
-        stove = (0.62, 0.6, 0.9)
-        fridge = (0.65, 0.7, 1.85)
-        at = counter.size[1] / 2 + 0.05
-        sign = 1.0 if draw.chance(0.5) else -1.0
-        room.beside(counter, "stove", 0.0, sign * (at + 0.3), 0.0, stove)
-        room.beside(counter, "fridge", 0.0, -sign * (at + 0.35), 0.0, fridge)
+    line = fit_line(room, _kitchen_line(room), draw.one_of(_ENDS))
     yield
-    table = room.anywhere("table", (0.95, draw.between(1.7, 2.1), 0.74), keep=0.75)
-    chairs = seats(room, table, 4)
-    yield
-    lay(room, table, chairs[2:4])
-    yield
-    room.on(counter, draw.one_of(("plate", "box")), 0.0, 0.6)
-    room.on(counter, "cup", 0.0, -0.5)
-    yield
-    room.against("back", "bin", (0.4, 0.4, 0.75))
-    room.against(room.some_side(), "shelf")
-    yield
-
-
-def furnish_dining(room: Interior) -> Iterator[None]:
-    """A long table set for a meal, a sideboard."""
-    draw = room.draw
-    turn = 0.0 if draw.chance(0.5) else 1.5707963267948966
-    table = room.anywhere("table", (1.1, draw.between(2.0, 2.6), 0.75), keep=0.85, turn=turn)
-    chairs = seats(room, table, 6)
+    is_small = room.area < _SMALL_M2
+    table = stand_table(room, (0.8 if is_small else 0.9, 1.2 if is_small else 1.6, 0.74))
+    chairs = seats(room, table, 2 if is_small else 4)
     yield
     lay(room, table, chairs[:2])
     yield
-    cabinet = room.against(room.some_side(), "cabinet")
-    room.on(cabinet, "lamp", 0.0, 0.7)
+    for top in (piece for piece in line if piece.name == "counter"):
+        strew(room, top, KITCHEN, 2)
     yield
-    lay(room, table, chairs[2:3])
+    yield from lay_all(room, table, chairs[2:])
+    top = room.against(room.some_side(), "counter", (0.62, draw.between(1.2, 1.8), 0.92))
+    strew(room, top, KITCHEN, 3)
+    yield
+    shelf = room.against(room.some_side(), "shelf", (0.34, draw.between(0.7, 1.1), 1.9))
+    stock(room, shelf, ("box", "plate", "cup"))
+    room.against("back", "bin", (0.4, 0.4, 0.75))
+    yield
+    cabinet = room.against(room.some_side(), "cabinet")
+    strew(room, cabinet, KITCHEN, 3)
+    room.against(room.some_side(), "plant")
+    yield
+
+
+def _kitchen_line(room: Interior) -> list[Piece]:
+    """What a kitchen's wall holds: two worktops where there is space for both, else one."""
+    draw = room.draw
+    space = max(room.room.size[:2]) - 1.4
+    count = 2 if space >= 2.7 else 1
+    tops = [
+        ("counter", (0.62, draw.between(1.2, max(1.21, min(1.9, space / count))), 0.92))
+        for _ in range(count)
+    ]
+    stove = ("stove", (0.62, 0.6, 0.92))
+    fridge = ("fridge", (0.65, draw.between(0.6, 0.7), draw.between(1.7, 1.95)))
+    return [fridge, tops[0], stove, *tops[1:]]
+
+
+def furnish_dining(room: Interior) -> Iterator[None]:
+    """A long table laid for all its chairs, a sideboard, a cabinet of glasses."""
+    draw = room.draw
+    table = stand_table(room, (1.0, draw.between(1.8, 2.3), 0.75))
+    chairs = seats(room, table, 6)
+    yield
+    yield from lay_all(room, table, chairs)
+    cabinet = room.against(room.some_side(), "cabinet")
+    strew(room, cabinet, HOME, 3)
+    yield
+    shelf = room.against(room.some_side(), "shelf")
+    stock(room, shelf, ("plate", "cup", "book", "box"))
+    yield
+    room.against(room.some_side(), "plant")
+    other = room.against(room.some_side(), "cabinet")
+    strew(room, other, KITCHEN, 3)
+    yield
+    room.against(room.some_side(), "armchair")
+    room.against(room.some_side(), "lamp", (0.4, 0.4, 1.6))
+    yield
+
+
+def furnish_bathroom(room: Interior) -> Iterator[None]:
+    """A cabinet, a shelf, a box for the laundry, a plant, a bin; nothing to wash in yet."""
+    draw = room.draw
+    cabinet = room.against(room.some_side(), "cabinet", (0.45, draw.between(0.7, 1.2), 0.85))
+    strew(room, cabinet, ("cup", "box", "plant"), 2)
+    yield
+    room.against(room.some_side(), "box", (0.4, 0.5, 0.55))
+    room.against(room.some_side(), "bin", (0.35, 0.35, 0.7))
+    yield
+    shelf = room.against(room.some_side(), "shelf", (0.3, 0.7, 1.7))
+    stock(room, shelf, CARTONS)
+    yield
     room.against(room.some_side(), "plant")
     yield

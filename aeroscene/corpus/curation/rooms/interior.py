@@ -8,17 +8,21 @@ from math import pi
 from aeroscene.corpus.curation.builder import Attributes, Builder, Placed
 from aeroscene.corpus.curation.draw import Draw
 from aeroscene.corpus.curation.frame import QUARTER, Frame
+from aeroscene.corpus.curation.room_space import RoomSpace
 from aeroscene.corpus.curation.rooms.grid import grid_spots
-from aeroscene.corpus.curation.shells import RoomSpace
 from aeroscene.scene import Vector3
 from aeroscene.solids.shapes.furniture import WOODS
 from aeroscene.solids.shapes.materials import FABRIC_COLOURS
 
-_GAP_M = 0.03
-"""Gap between furniture and the wall behind it."""
-_TRIES = 6
+GAP_M = 0.03
+"""Gap between furniture and the wall behind it, and least gap between two things."""
+_TRIES = 8
 
-_INDOOR_SIZES: dict[str, Vector3] = {"bin": (0.42, 0.42, 0.8), "sign": (0.2, 1.3, 2.3)}
+_INDOOR_SIZES: dict[str, Vector3] = {
+    "bin": (0.42, 0.42, 0.8),
+    "sign": (0.2, 1.3, 2.3),
+    "crate": (0.9, 0.9, 0.75),
+}
 
 SIDES = ("front", "back", "left", "right")
 # Where a wall is, in half sides of the room, and its turn: v leads from the wall into the room.
@@ -60,8 +64,10 @@ class Interior:
         """Furniture on which small things can lie."""
         # One room, one taste: furniture shares its wood and upholstery its colour.
         self._style = {"wood": draw.one_of(WOODS), "colour": draw.one_of(FABRIC_COLOURS)}
-        # Corners bear things too, so no table is round.
+        # Corners bear things too, so no table is round; every other board of an open shelf is free.
         self._forms = {
+            "shelf": "open",
+            "nightstand": "drawers",
             "table": draw.one_of(("legs", "trestle", "pedestal")),
             "coffee_table": draw.one_of(("panels", "legs")),
             "sign": "board",
@@ -113,13 +119,13 @@ class Interior:
         frame, length = self.wall(side)
         is_square = abs(turn) % pi < 0.1
         deep, wide = (size[0], size[1]) if is_square else (size[1], size[0])
-        reach = length / 2 - wide / 2 - _GAP_M
+        reach = length / 2 - wide / 2 - GAP_M
         if reach < 0:
             return None
-        v = deep / 2 + _GAP_M
+        v = deep / 2 + GAP_M
         for _ in range(_TRIES):
             spot = frame.moved(self.draw.between(-reach, reach), v, QUARTER + turn)
-            placed = self._stand(name, spot, size, 0.02, look)
+            placed = self.stand(name, spot, size, GAP_M, look)
             if placed:
                 return placed
         return None
@@ -134,7 +140,7 @@ class Interior:
         for sign in (-1.0, 1.0):
             while row and len(row) < count:
                 end = row[-1] if sign > 0 else row[0]
-                placed = self._stand(name, end.frame.moved(0.0, sign * (size[1] + gap)), size)
+                placed = self.stand(name, end.frame.moved(0.0, sign * (size[1] + gap)), size)
                 if placed is None:
                     break
                 row.insert(len(row) if sign > 0 else 0, placed)
@@ -157,7 +163,7 @@ class Interior:
             return None
         for _ in range(_TRIES):
             u, v = self.draw.between(-reach_u, reach_u), self.draw.between(-reach_v, reach_v)
-            placed = self._stand(name, self.room.frame.moved(u, v, turn), size, keep, look)
+            placed = self.stand(name, self.room.frame.moved(u, v, turn), size, keep, look)
             if placed:
                 return placed
         return None
@@ -175,8 +181,8 @@ class Interior:
         for rank in range(ranks):
             for index in range(count):
                 u = (index - (count - 1) / 2) * (size[1] + gap)
-                v = size[0] / 2 + _GAP_M + rank * pitch
-                self._stand(name, frame.moved(u, v, QUARTER), size)
+                v = size[0] / 2 + GAP_M + rank * pitch
+                self.stand(name, frame.moved(u, v, QUARTER), size)
                 if index % 6 == 5:
                     yield
             yield
@@ -194,12 +200,12 @@ class Interior:
         v: float,
         size: Vector3 | None = None,
         turn: float = 0.0,
-        keep: float = 0.02,
+        keep: float = GAP_M,
         look: Attributes | None = None,
     ) -> Placed | None:
         """Stand something at a place of the room, from its middle."""
         size = size or self._size_of(name)
-        return self._stand(name, self.room.frame.moved(u, v, turn), size, keep, look)
+        return self.stand(name, self.room.frame.moved(u, v, turn), size, keep, look)
 
     def beside(
         self,
@@ -211,7 +217,7 @@ class Interior:
         size: Vector3 | None = None,
     ) -> Placed | None:
         """Stand something at a place in another object's frame."""
-        return self._stand(name, anchor.frame.moved(u, v, turn), size or self._size_of(name))
+        return self.stand(name, anchor.frame.moved(u, v, turn), size or self._size_of(name))
 
     def in_front(self, anchor: Placed | None, name: str, gap: float = 0.06) -> Placed | None:
         """Stand something before an object's front, facing it."""
@@ -219,7 +225,7 @@ class Interior:
             return None
         size = self._size_of(name)
         u = anchor.size[0] / 2 + gap + size[0] / 2
-        return self._stand(name, anchor.frame.moved(u, 0.0, pi), size)
+        return self.stand(name, anchor.frame.moved(u, 0.0, pi), size)
 
     def behind(self, anchor: Placed | None, name: str) -> Placed | None:
         """Stand something behind an object, facing its back."""
@@ -227,7 +233,7 @@ class Interior:
             return None
         size = self._size_of(name)
         u = -(anchor.size[0] / 2 + 0.06 + size[0] / 2)
-        return self._stand(name, anchor.frame.moved(u, 0.0), size)
+        return self.stand(name, anchor.frame.moved(u, 0.0), size)
 
     def on(
         self, bearer: Placed | None, name: str, u: float, v: float, turn: float = 0.0
@@ -271,19 +277,36 @@ class Interior:
         size: Vector3,
         turn: float = 0.0,
         look: Attributes | None = None,
+        rise: float | None = None,
     ) -> Placed | None:
-        """Lay something of a given size on top of something, at a place in its frame."""
-        spot = bearer.frame.moved(u, v, turn)
-        return self._builder.place(name, spot, size, parent=bearer, within=bearer, look=look)
+        """Lay something of a given size on something, at a place in its frame.
 
-    def _stand(
+        It lies on top, or on a board `rise` above the foot.
+        """
+        return self._builder.place(
+            name,
+            bearer.frame.moved(u, v, turn),
+            size,
+            base=None if rise is None else bearer.base + rise,
+            parent=bearer,
+            within=bearer,
+            margin=GAP_M,
+            look=look,
+        )
+
+    def is_free(self, spot: Frame, size: Vector3) -> bool:
+        """Whether nothing of the room stands in a box on its floor."""
+        return self._builder.is_free(spot, size, self.floor, inside=self.room)
+
+    def stand(
         self,
         name: str,
         spot: Frame,
         size: Vector3,
-        margin: float = 0.02,
+        margin: float = GAP_M,
         look: Attributes | None = None,
     ) -> Placed | None:
+        """Stand something on the floor at a place of the world, `margin` from everything."""
         if self.floor + size[2] > self.room.top:
             return None
         if name in _STYLED:

@@ -1,96 +1,90 @@
-"""Rooms in which people come together: cafes, lobbies, gardens, gyms, courts."""
+"""Rooms in which people come together: lobbies, lounges, gardens, gyms, courts."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from math import pi
 
+from aeroscene.corpus.curation.rooms.contents import stock, strew
 from aeroscene.corpus.curation.rooms.interior import Interior
 from aeroscene.corpus.curation.rooms.tables import lay, seats
 
-
-def furnish_cafe(room: Interior) -> Iterator[None]:
-    """A bar along one wall and small tables with chairs."""
-    draw = room.draw
-    side = draw.one_of(("left", "right"))
-    bar = room.against(side, "counter", (0.7, draw.between(2.4, 3.6), 1.05))
-    for at in (-0.6, 0.5):
-        room.on(bar, draw.one_of(("cup", "plate", "box")), 0.0, at)
-    yield
-    size = (0.95, draw.between(1.6, 1.9), 0.74)
-    for number, (u, v) in enumerate(room.spots(3.1, 2.7, 1.9)):
-        table = room.put("table", u, v, size)
-        chairs = seats(room, table, 4)
-        if number % 2 == 0:
-            lay(room, table, chairs[2:3])
-        yield
-    room.against(side, "fridge")
-    room.against("back", "plant")
-    yield
-    room.against(room.some_side(), "bin")
-    room.against(room.some_side(), "plant")
-    yield
+_FLANKS = ("left", "right")
+"""Sides of a room along its x axis."""
 
 
 def furnish_lobby(room: Interior) -> Iterator[None]:
-    """A reception desk, sofas around low tables, plants, a sign."""
+    """A reception desk, sofas before low tables, plants, full shelves, a sign."""
     draw = room.draw
-    side = room.some_side()
-    desk = room.against(side, "counter", (0.75, draw.between(2.4, 3.4), 1.05))
+    desk = room.against(room.some_side(), "counter", (0.75, draw.between(2.2, 3.0), 1.05))
     room.on(desk, "monitor", 0.0, 0.7)
-    room.on(desk, "laptop", 0.0, -0.7)
+    strew(room, desk, ("book", "cup", "plant"), 2)
     yield
     for _ in range(2):
         sofa = room.against(room.some_side(), "sofa")
         table = room.in_front(sofa, "coffee_table", gap=0.45)
-        room.on(table, draw.one_of(("book", "cup")), 0.0, 0.8)
+        strew(room, table, ("book", "cup"), 2)
+        yield
+    for _ in range(2):
+        room.against(room.some_side(), "plant", (0.8, 0.8, 1.7))
         yield
     for u, v in room.spots(4.6, 3.4, 2.2):
         room.put("bench", u + 0.75, v, (0.5, 1.9, 0.45), keep=0.2)
         room.put("planter", u, v, (0.7, 1.9, 0.9))
         room.put("bench", u - 0.75, v, (0.5, 1.9, 0.45), turn=pi, keep=0.2)
         yield
-    for _ in range(2):
-        room.against(room.some_side(), "plant", (0.8, 0.8, 1.7))
-        yield
     room.against(room.some_side(), "sign", (0.2, 1.2, 2.2))
-    room.lined(room.some_side(), "bench", 2)
+    room.lined(room.some_side(), "bench", 2, (0.45, 1.7, 0.45))
     yield
     cabinet = room.against(room.some_side(), "cabinet")
     room.on(cabinet, "television", 0.0, 0.0)
+    strew(room, cabinet, ("book", "plant"), 2)
     room.against(room.some_side(), "bin")
+    yield
+    stock(room, room.against(room.some_side(), "shelf"))
     yield
     yield from room.line_walls(("plant", "armchair", "bench"), 4)
 
 
 def furnish_lounge(room: Interior) -> Iterator[None]:
-    """Groups of armchairs around low tables, standing tables, shelves."""
-    spots = room.spots(3.6, 2.9, 2.0)
+    """Groups of armchairs around low tables, sofas, standing tables, full shelves."""
+    spots = room.spots(3.2, 2.6, (1.8, 1.5))
     for u, v in spots[::2]:
         table = room.put("coffee_table", u, v, (0.9, 1.2, 0.45))
         seats(room, table, 2, "armchair")
+        strew(room, table, ("book", "cup"), 2)
         yield
     sofa = room.against(room.some_side(), "sofa")
-    room.in_front(sofa, "coffee_table", gap=0.45)
+    strew(room, room.in_front(sofa, "coffee_table", gap=0.45), ("book", "cup"), 2)
     yield
     for u, v in spots[1::2]:
-        table = room.put("table", u, v, (0.95, 1.8, 0.75))
+        table = room.put("table", u, v, (0.95, 1.6, 0.75))
         chairs = seats(room, table, 4)
-        lay(room, table, chairs[:1])
         yield
-    room.lined(room.some_side(), "shelf", 2)
-    yield
-    yield from room.line_walls(("plant", "planter", "lamp", "bin"), 4)
+        lay(room, table, chairs[:2])
+        yield
+    for shelf in room.lined(room.some_side(), "shelf", 2):
+        stock(room, shelf)
+        yield
+    yield from room.line_walls(("plant", "planter", "lamp", "bin", "armchair"), 5)
 
 
 def furnish_corridor(room: Interior) -> Iterator[None]:
-    """Benches, plants and bins along the walls; the middle stays free."""
+    """Benches, plants, shallow cabinets and bins along the walls; the middle stays free."""
     draw = room.draw
     x, y, _ = room.room.size
-    sides = ("left", "right") if x >= y else ("front", "back")
-    for name, size in (("plant", None), ("bench", (0.42, 1.5, 0.45)), ("bin", (0.4, 0.4, 0.8))):
-        room.against(draw.one_of(sides), name, size)
+    sides = [side for side in room.sides if (side in _FLANKS) == (x >= y)] or list(room.sides)
+    for _ in range(2):
+        cabinet = room.against(draw.one_of(sides), "cabinet", (0.38, draw.between(0.8, 1.2), 0.85))
+        strew(room, cabinet, ("plant", "book", "lamp", "box"), 2)
         yield
+        for name, size in (
+            ("plant", (0.4, 0.4, 1.2)),
+            ("bench", (0.42, 1.4, 0.45)),
+            ("bin", (0.36, 0.36, 0.75)),
+        ):
+            room.against(draw.one_of(sides), name, size)
+            yield
 
 
 def furnish_garden(room: Interior) -> Iterator[None]:
@@ -129,16 +123,16 @@ def furnish_gym(room: Interior) -> Iterator[None]:
 
 
 def furnish_changing(room: Interior) -> Iterator[None]:
-    """Lockers along the walls, benches in rows between them."""
-    room.lined("left", "wardrobe", 3, (0.55, 1.0, 1.9))
+    """Lockers along the walls, benches in rows between them, bags."""
+    room.lined(room.long_side(), "wardrobe", 4, (0.55, 0.8, 1.9))
     yield
-    for u, v in room.spots(2.2, 2.4, 1.8)[:6]:
+    for u, v in room.spots(1.6, 2.2, (1.4, 1.1))[:6]:
         room.put("bench", u, v, (0.42, 1.8, 0.45), keep=0.2)
         yield
-    room.lined("right", "wardrobe", 3, (0.55, 1.0, 1.9))
+    room.lined(room.some_side(), "wardrobe", 3, (0.55, 0.8, 1.9))
     yield
-    room.against(room.some_side(), "bin", (0.4, 0.4, 0.8))
-    room.against(room.some_side(), "box")
+    for name, size in (("bin", (0.4, 0.4, 0.8)), ("box", None), ("box", None), ("bench", None)):
+        room.against(room.some_side(), name, size)
     yield
 
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from itertools import islice
 
 from aeroscene.corpus.curation.builder import Placed
+from aeroscene.corpus.curation.rooms.contents import BOOKS, CARTONS, stock, strew
 from aeroscene.corpus.curation.rooms.interior import Interior
 from aeroscene.corpus.curation.rooms.tables import seats
 from aeroscene.scene import Vector3
@@ -31,12 +32,15 @@ _SEATED = {"table": "chair", "coffee_table": "armchair"}
 # Free-standing furniture, furniture against walls, small things on top.
 _Accents = tuple[tuple[str, ...], tuple[str, ...], tuple[str, ...]]
 _PUBLIC: _Accents = (("table", "planter"), ("bench", "plant", "bin"), ("cup", "book"))
-_WORK: _Accents = (("table", "desk"), ("cabinet", "shelf", "plant", "bin"), ("book", "cup", "box"))
+_WORK: _Accents = ((), ("cabinet", "shelf", "plant", "box"), ("book", "cup", "box"))
 _HOME: _Accents = (
-    ("table", "coffee_table"),
-    ("cabinet", "shelf", "plant", "lamp"),
-    ("book", "cup"),
+    (),
+    ("cabinet", "plant", "shelf", "lamp", "box", "armchair"),
+    ("book", "cup", "lamp"),
 )
+_SEATING: _Accents = (("coffee_table",), ("armchair", "plant", "shelf", "lamp"), ("book", "cup"))
+_CARE: _Accents = ((), ("cabinet", "shelf", "armchair", "bin", "plant"), ("box", "cup", "book"))
+_COOKING: _Accents = ((), ("counter", "shelf", "cabinet", "box"), ("cup", "plate", "box"))
 _GOODS: _Accents = (("pallet", "crate"), ("crate", "barrel", "shelf", "box"), ("box",))
 _SPORT: _Accents = (
     ("landing_pad", "crate", "bench"),
@@ -45,7 +49,10 @@ _SPORT: _Accents = (
 )
 _ACCENTS: dict[str, _Accents] = {
     **dict.fromkeys(("office", "open_office", "meeting", "classroom", "library"), _WORK),
-    **dict.fromkeys(("living", "bedroom", "kitchen", "dining", "lounge"), _HOME),
+    **dict.fromkeys(("living", "bedroom", "dining", "bathroom"), _HOME),
+    **dict.fromkeys(("ward", "practice", "waiting"), _CARE),
+    **dict.fromkeys(("kitchen", "galley"), _COOKING),
+    "lounge": _SEATING,
     **dict.fromkeys(("store", "racks", "goods", "storage", "workshop", "aisles"), _GOODS),
     **dict.fromkeys(("gym", "court", "changing", "stand"), _SPORT),
     "booths": (("table", "crate"), ("plant", "sign", "cabinet"), ("book", "cup", "box")),
@@ -53,6 +60,11 @@ _ACCENTS: dict[str, _Accents] = {
     "checkout": (("crate", "table"), ("bin", "plant", "bench"), ("box", "cup")),
     "corridor": ((), ("plant", "cabinet", "bench"), ("book",)),
 }
+_STOCKS = {
+    **dict.fromkeys(("store", "racks", "goods", "storage", "workshop", "aisles"), CARTONS),
+    **dict.fromkeys(("kitchen", "galley"), ("plate", "box", "cup")),
+}
+"""What shelves hold where they hold no books."""
 
 
 def furnish_rest(room: Interior, kind: str) -> Iterator[None]:
@@ -67,11 +79,12 @@ def furnish_rest(room: Interior, kind: str) -> Iterator[None]:
             if name in _SEATED:
                 seats(room, stand, 2, _SEATED[name])
             yield
-        room.lined(room.some_side(), draw.one_of(lining), 2, gap=0.3)
+        for placed in room.lined(room.some_side(), draw.one_of(lining), 2 if free else 1, gap=0.3):
+            if placed.name == "shelf":
+                stock(room, placed, _STOCKS.get(kind, BOOKS))
         yield
         for bearer in islice(room.bearers, number, None, _ROUNDS):
-            for _ in range(2):
-                room.on(bearer, draw.one_of(small), draw.between(-0.6, 0.6), 0.9)
+            strew(room, bearer, small, 2)
             yield
 
 

@@ -6,41 +6,33 @@ from collections.abc import Iterator
 from math import pi
 
 from aeroscene.corpus.curation.builder import Placed
+from aeroscene.corpus.curation.rooms.contents import CARTONS, stock, strew
+from aeroscene.corpus.curation.rooms.grid import middle_first
 from aeroscene.corpus.curation.rooms.interior import Interior
+from aeroscene.corpus.curation.rooms.lines import stand_pair
 from aeroscene.corpus.curation.rooms.tables import lay, seats
 
 _RACK = {"form": "rack"}
 
 
 def furnish_store(room: Interior) -> Iterator[None]:
-    """Shelves along the walls, crates and boxes on the floor."""
+    """Full shelves along the walls, crates, pallets and boxes on the floor, a worktop."""
     draw = room.draw
-    for side in ("left", "right"):
-        room.lined(side, "shelf", 2)
-        yield
+    size = (0.42, draw.between(1.0, 1.4), 1.95)
+    for side in (room.long_side(), room.some_side()):
+        for shelf in room.lined(side, "shelf", 2, size):
+            stock(room, shelf, CARTONS)
+            yield
     for name in ("crate", "pallet", "box"):
-        room.against(draw.one_of(("left", "right", "back")), name)
+        room.against(room.some_side(), name)
     yield
-    counter = room.against(room.some_side(), "counter", (0.8, 2.0, 0.95))
-    room.on(counter, "box", 0.0, 0.85)
+    counter = room.against(room.some_side(), "counter", (0.7, draw.between(1.3, 1.8), 0.95))
+    strew(room, counter, CARTONS, 3)
     yield
-    for bearer in room.bearers[:4]:
-        room.on(bearer, "box", 0.0, draw.between(-0.9, 0.9))
-    yield
-    for _ in range(3):
-        room.against(room.some_side(), draw.one_of(("barrel", "crate", "box")))
-    yield
-
-
-def _rack(room: Interior, u: float, v: float, turn: float) -> list[Placed]:
-    """Two shelves back to back."""
-    size, form = (0.5, 2.0, 2.2), _RACK
-    shift_u, shift_v = (0.26, 0.0) if turn == 0.0 else (0.0, 0.26)
-    pair = (
-        room.put("shelf", u + shift_u, v + shift_v, size, turn, look=form),
-        room.put("shelf", u - shift_u, v - shift_v, size, turn + pi, look=form),
-    )
-    return [shelf for shelf in pair if shelf]
+    for _ in range(2):
+        for name in ("barrel", "crate", "box"):
+            room.against(room.some_side(), name)
+        yield
 
 
 def furnish_racks(room: Interior) -> Iterator[None]:
@@ -49,8 +41,9 @@ def furnish_racks(room: Interior) -> Iterator[None]:
     x, y, _ = room.room.size
     turn = 0.0 if y >= x else pi / 2
     pitch = (3.6, 2.1) if turn == 0.0 else (2.1, 3.6)
-    for u, v in room.spots(*pitch, 1.7, is_tight=True):
-        for shelf in _rack(room, u, v, turn):
+    spots = room.spots(*pitch, 1.7, is_tight=True)
+    for u, v in middle_first(spots, along=1 if turn == 0.0 else 0):
+        for shelf in stand_pair(room, "shelf", u, v, (0.5, 2.0, 2.2), turn, _RACK):
             if draw.chance(0.4):
                 room.on(shelf, "box", 0.0, draw.between(-0.9, 0.9))
         yield
@@ -66,7 +59,7 @@ def furnish_goods(room: Interior) -> Iterator[None]:
     """Blocks of pallets with lanes between, a van, a packing table, crates and barrels in rows."""
     draw = room.draw
     for number, (u, v) in enumerate(room.spots(3.9, 1.4, 1.6, is_tight=True)):
-        height = 0.144 if draw.chance(0.2) else draw.between(0.5, 1.3)
+        height = 0.15 if draw.chance(0.2) else draw.between(0.5, 1.3)
         for shift in (-0.66, 0.66):
             pallet = room.put("pallet", u + shift, v, (1.25, 1.15, height))
             if pallet and height < 0.2:
@@ -87,8 +80,9 @@ def furnish_storage(room: Interior) -> Iterator[None]:
     """A deck with goods: shelves along the walls, crates and boxes between them."""
     draw = room.draw
     for side in ("left", "right", "back", "front"):
-        room.lined(side, "shelf", 3)
-        yield
+        for shelf in room.lined(side, "shelf", 3):
+            stock(room, shelf, CARTONS)
+            yield
     for u, v in room.spots(2.6, 1.3, 1.6, is_tight=True):
         room.put("crate", u, v, (1.1, 1.1, draw.between(0.6, 1.0)))
         yield
@@ -97,20 +91,29 @@ def furnish_storage(room: Interior) -> Iterator[None]:
         yield
 
 
+def _aisle_rims(turn: float) -> tuple[float, float]:
+    """How far shop shelves keep from the walls across their rows and along them."""
+    return (1.5, 1.6) if turn == 0.0 else (1.6, 1.5)
+
+
 def furnish_aisles(room: Interior) -> Iterator[None]:
     """Shop shelves back to back in rows, cool cabinets and bargains on pallets along the walls."""
     draw = room.draw
     x, y, _ = room.room.size
     turn = 0.0 if y >= x else pi / 2
-    pitch = (3.2, 2.05) if turn == 0.0 else (2.05, 3.2)
-    for u, v in room.spots(*pitch, 1.9, is_tight=True):
+    pitch = (2.7, 2.05) if turn == 0.0 else (2.05, 2.7)
+    shelves: list[Placed] = []
+    spots = room.spots(*pitch, _aisle_rims(turn), is_tight=True)
+    for u, v in middle_first(spots, along=1 if turn == 0.0 else 0):
         size = (0.45, 2.0, 1.7)
-        shift_u, shift_v = (0.24, 0.0) if turn == 0.0 else (0.0, 0.24)
-        room.put("shelf", u + shift_u, v + shift_v, size, turn, look=_RACK)
-        room.put("shelf", u - shift_u, v - shift_v, size, turn + pi, look=_RACK)
+        shelves += stand_pair(room, "shelf", u, v, size, turn)
+        yield
+    for shelf in shelves:
+        stock(room, shelf, CARTONS)
         yield
     for _ in range(3):
         room.lined(room.some_side(), "fridge", 4, (0.7, 0.9, 1.95))
+        yield
         room.lined(room.some_side(), "pallet", 2, (1.25, 1.15, draw.between(0.6, 1.0)))
         yield
 
@@ -120,13 +123,12 @@ def furnish_produce(room: Interior) -> Iterator[None]:
     sizes = {"table": (1.3, 2.0, 0.78), "pallet": (1.25, 1.15, 0.8), "crate": (1.2, 1.2, 0.7)}
     kinds = tuple(sizes)
     ranks: dict[float, str] = {}
-    for u, v in room.spots(3.0, 2.3, 2.0):
+    for u, v in room.spots(2.5, 2.2, (1.5, 1.5)):
         # One kind a row.
         name = ranks.setdefault(u, kinds[len(ranks) % len(kinds)])
         bearer = room.put(name, u, v, sizes[name])
         if name == "table":
-            room.on(bearer, "box", 0.6, 0.85)
-            room.on(bearer, "box", -0.6, 0.85)
+            strew(room, bearer, CARTONS, 3)
         yield
     for _ in range(3):
         room.lined(room.some_side(), "fridge", 4, (0.7, 0.9, 1.95))
@@ -157,5 +159,11 @@ def furnish_checkout(room: Interior) -> Iterator[None]:
         table = room.put("table", *spot, (0.95, 1.8, 0.74))
         chairs = seats(room, table, 4)
         lay(room, table, chairs[2:3])
+        yield
+    for _ in range(2):
+        till = room.against(room.some_side(), "counter", (0.8, 2.0, 0.9))
+        room.on(till, "monitor", 0.0, 0.8)
+        strew(room, till, CARTONS, 2)
+        stock(room, room.against(room.some_side(), "shelf"), CARTONS)
         yield
     yield from room.line_walls(("plant", "bin", "sign", "bench", "box"), 5)

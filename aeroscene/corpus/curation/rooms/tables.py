@@ -2,14 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from math import pi
 
 from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.rooms.interior import Interior
+from aeroscene.scene import Vector3
 
 _SEAT_PITCH_M = 0.75
 """Distance between the middles of chairs side by side."""
+_BESIDE_M = 0.04
+"""Gap between a plate and what lies to its sides."""
+_KEEPS_M = (0.8, 0.55)
+"""Distance of a free-standing table from everything, at first and where that finds no place."""
+LAID_AT_ONCE = 2
+"""Places laid in one step."""
+
+
+def stand_table(room: Interior, size: Vector3, turn: float | None = None) -> Placed | None:
+    """A table in the open where there is space, or else against a wall."""
+    turn = (0.0 if room.draw.chance(0.5) else pi / 2) if turn is None else turn
+    for keep in _KEEPS_M:
+        for heading in (turn, pi / 2 - turn):
+            table = room.anywhere("table", size, keep=keep, turn=heading)
+            if table:
+                return table
+    return room.against(room.some_side(), "table", size)
 
 
 def seats(room: Interior, table: Placed | None, count: int, name: str = "chair") -> list[Placed]:
@@ -19,9 +37,9 @@ def seats(room: Interior, table: Placed | None, count: int, name: str = "chair")
     x, y, _ = table.size
     found: list[Placed] = []
     per_side = max(1, int(y // _SEAT_PITCH_M))
+    size = room.draw.size_of(name)
     for index in range(min(count, 2 * per_side)):
         sign = 1 if index % 2 else -1
-        size = room.draw.size_of(name)
         v = (index // 2 - (per_side - 1) / 2) * _SEAT_PITCH_M
         turn = pi if sign > 0 else 0.0
         chair = room.beside(table, name, sign * (x / 2 + size[0] / 2 + 0.08), v, turn, size)
@@ -31,18 +49,25 @@ def seats(room: Interior, table: Placed | None, count: int, name: str = "chair")
 
 
 def lay(room: Interior, table: Placed | None, chairs: Sequence[Placed]) -> None:
-    """A plate with a cup and cutlery before each chair of a table."""
+    """A plate between cutlery and a cup before each chair of a table."""
     if table is None:
         return
     x = table.size[0] / 2
+    plate, cutlery, cup = (room.draw.size_of(name) for name in ("plate", "cutlery", "cup"))
     for chair in chairs:
         u, v = table.frame.local(chair.frame.x, chair.frame.y)
         sign = 1.0 if u > 0 else -1.0
-        for name, inward, across in (
-            ("plate", 0.17, 0.0),
-            ("cutlery", 0.17, 0.22),
-            ("cup", 0.36, -0.2),
-        ):
-            size = room.draw.size_of(name)
-            turn = pi if sign > 0 else 0.0
-            room.lie(table, name, sign * (x - inward), v + sign * across, size, turn)
+        turn = pi if sign > 0 else 0.0
+        at = sign * (x - plate[0] / 2 - 0.03)
+        if room.lie(table, "plate", at, v, plate, turn) is None:
+            continue
+        for name, size, side in (("cutlery", cutlery, 1.0), ("cup", cup, -1.0)):
+            across = sign * side * (plate[1] / 2 + _BESIDE_M + size[1] / 2)
+            room.lie(table, name, at, v + across, size, turn)
+
+
+def lay_all(room: Interior, table: Placed | None, chairs: Sequence[Placed]) -> Iterator[None]:
+    """The same for all chairs, some of them a step."""
+    for first in range(0, len(chairs), LAID_AT_ONCE):
+        lay(room, table, chairs[first : first + LAID_AT_ONCE])
+        yield

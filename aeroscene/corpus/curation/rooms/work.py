@@ -6,164 +6,197 @@ from collections.abc import Iterator
 from math import pi
 
 from aeroscene.corpus.curation.builder import Placed
+from aeroscene.corpus.curation.rooms.contents import CARTONS, PAPERS, equip, stock, strew
+from aeroscene.corpus.curation.rooms.grid import middle_first
 from aeroscene.corpus.curation.rooms.interior import Interior
-from aeroscene.corpus.curation.rooms.tables import seats
+from aeroscene.corpus.curation.rooms.lines import stand_pair
+from aeroscene.corpus.curation.rooms.tables import seats, stand_table
+
+_DESK_M2 = 9.0
+"""Floor of an office for each desk."""
 
 
 def furnish_office(room: Interior) -> Iterator[None]:
-    """Desks with screens and chairs, shelves, a cabinet, a plant."""
+    """Desks with screens, lamps and chairs, full shelves, a cabinet, a table, a plant."""
     draw = room.draw
-    for turn in (0.0, pi / 2, pi):
-        size = (0.88, draw.between(1.6, 1.9), 0.74)
-        desk = room.anywhere("desk", size, keep=0.75, turn=turn)
+    count = max(1, min(3, round(room.area / _DESK_M2)))
+    for turn in (0.0, pi / 2, pi)[:count]:
+        size = (0.84, draw.between(1.7, 1.85), 0.74)
+        desk = room.anywhere("desk", size, keep=0.7, turn=turn)
         if desk is None:
-            desk = room.against(room.some_side(), "desk")
-        room.in_front(desk, "chair")
-        _equip(room, desk, draw.one_of(_ENDS))
+            desk = room.against(room.some_side(), "desk", (0.75, 1.4, 0.74))
+        equip(room, desk, is_full=draw.chance(0.4))
         yield
-    room.against(draw.one_of(("left", "right")), draw.one_of(("shelf", "cabinet")))
+    shelf = room.against(room.some_side(), "shelf", (0.36, draw.between(0.9, 1.5), 1.9))
+    stock(room, shelf, PAPERS)
     yield
-    table = room.anywhere("table", (0.9, 0.9, 0.74), keep=0.7)
+    cabinet = room.against(room.some_side(), "cabinet")
+    strew(room, cabinet, PAPERS, 3)
+    yield
+    stock(room, room.against(room.some_side(), "shelf", (0.36, 0.9, 1.9)), PAPERS)
+    yield
+    room.against(room.some_side(), "plant")
+    room.against(room.some_side(), "bin", (0.35, 0.35, 0.7))
+    yield
+    # Its chairs keep so far from the desks that nobody takes them for theirs.
+    table = room.anywhere("table", (0.8, 0.9, 0.74), keep=1.25)
     seats(room, table, 2)
+    strew(room, table, ("cup", "book"), 2)
     yield
-    room.against(room.some_side(), draw.one_of(("plant", "bin")))
-    room.against(room.some_side(), "cabinet")
+    strew(room, room.against(room.some_side(), "cabinet"), PAPERS, 3)
+    room.against(room.some_side(), "armchair")
     yield
-
-
-_BOOKCASE = {"form": "bookcase"}
-_ENDS = ("left", "right")
-
-
-def _equip(room: Interior, desk: Placed | None, end: str) -> None:
-    """A screen at one end of a desk, perhaps a cup or a book, the other end free."""
-    draw = room.draw
-    at = 1.0 if end == "left" else -1.0
-    if draw.chance(0.65):
-        room.on(desk, "monitor", -0.5, at)
-    else:
-        room.on(desk, "laptop", 0.1, at)
-    if draw.chance(0.4):
-        room.on(desk, draw.one_of(("book", "cup")), 0.7, at)
 
 
 def furnish_open_office(room: Interior) -> Iterator[None]:
-    """Islands of desks face to face, cabinets along the walls, a round of armchairs."""
+    """Islands of desks face to face, cabinets along the walls, shelves, a round of armchairs."""
     draw = room.draw
-    size = (0.88, draw.between(1.7, 1.95), 0.74)
-    spots = room.spots(3.6, 2.2, 1.7, is_tight=True)
-    half = size[0] / 2 + 0.02
-    for index, (u, v) in enumerate(spots):
-        pair = [room.put("desk", u + half, v, size), room.put("desk", u - half, v, size, turn=pi)]
-        for desk, end in zip(pair, _ENDS, strict=True):
-            room.in_front(desk, "chair")
-            _equip(room, desk, end)
-        yield
-        if index % 3 == 2:
-            room.lined(room.some_side(), "cabinet", 2)
+    size = (0.84, draw.between(1.76, 1.9), 0.74)
+    spots = room.spots(3.3, size[1] + 0.15, (1.75, size[1] / 2 + 0.35), is_tight=True)
+    for index, (u, v) in enumerate(middle_first(spots)):
+        # Chairs stand at the outer sides, which are the fronts.
+        pair = stand_pair(room, "desk", u, v, size, 0.0)
+        for desk, end in zip(pair, (1.0, -1.0), strict=False):
+            equip(room, desk, is_full=draw.chance(0.3), end=end)
             yield
-    for _ in range(3):
-        room.against(room.some_side(), draw.one_of(("plant", "shelf", "bin")))
-    yield
-    table = room.anywhere("coffee_table", (0.85, 1.1, 0.42), keep=1.0)
+        if index % 3 == 2:
+            for cabinet in room.lined(room.some_side(), "cabinet", 2):
+                strew(room, cabinet, PAPERS, 2)
+            yield
+    for _ in range(2):
+        stock(room, room.against(room.some_side(), "shelf"), PAPERS)
+        room.against(room.some_side(), draw.one_of(("plant", "bin")))
+        yield
+    table = room.anywhere("coffee_table", (0.85, 1.1, 0.42), keep=0.8)
     seats(room, table, 2, "armchair")
+    strew(room, table, ("book", "cup"), 2)
     yield
 
 
 def furnish_meeting(room: Interior) -> Iterator[None]:
-    """A long table with chairs, a screen on a cabinet."""
+    """A long table with chairs and what people bring, a screen on a cabinet, shelves."""
     draw = room.draw
-    size = (1.2, draw.between(2.0, 2.6), 0.74)
     x, y, _ = room.room.size
+    long = min(2.6, max(1.6, max(x, y) - 2.6))
+    size = (1.15, round(draw.between(0.85, 1.0) * long, 2), 0.74)
     turn = pi / 2 if x > y else 0.0
-    table = room.put("table", 0.0, 0.0, size, turn=turn) or room.anywhere("table", size, keep=0.9)
-    seats(room, table, draw.count(4, 6))
+    table = room.put("table", 0.0, 0.0, size, turn=turn) or stand_table(room, size, turn)
+    chairs = seats(room, table, 6)
     yield
-    cabinet = room.against(room.some_side(), "cabinet")
+    cabinet = room.against(room.some_side(), "cabinet", (0.45, draw.between(1.3, 1.8), 0.85))
     room.on(cabinet, "television", 0.0, 0.0)
+    strew(room, cabinet, PAPERS, 2)
     yield
-    room.on(table, "laptop", 0.5, 0.8)
-    room.on(table, "cup", -0.6, 0.9)
+    for chair in chairs:
+        _bring(room, table, chair)
+    yield
+    stock(room, room.against(room.some_side(), "shelf"), PAPERS)
     yield
     room.against(room.some_side(), "plant")
-    room.against(room.some_side(), "shelf")
+    room.against(room.some_side(), "bin", (0.35, 0.35, 0.7))
     yield
+    strew(room, room.against(room.some_side(), "cabinet"), PAPERS, 3)
+    room.against(room.some_side(), "plant")
+    yield
+
+
+def _bring(room: Interior, table: Placed | None, chair: Placed) -> None:
+    """A laptop, a book or a cup before a chair of a table, the laptop's screen towards it."""
+    if table is None:
+        return
+    name = room.draw.one_of(("laptop", "cup", "book"))
+    size = room.draw.size_of(name)
+    u, v = table.frame.local(chair.frame.x, chair.frame.y)
+    sign = 1.0 if u > 0 else -1.0
+    at = sign * (table.size[0] / 2 - size[0] / 2 - 0.05)
+    room.lie(table, name, at, v, size, 0.0 if sign > 0 else pi)
 
 
 def furnish_workshop(room: Interior) -> Iterator[None]:
-    """Work benches along the walls, a table with tools, barrels and crates."""
+    """Work benches along the walls, a table with tools, full shelves, barrels and crates."""
     draw = room.draw
     for side in ("left", "right"):
-        bench = room.against(side, "counter", (0.75, draw.between(2.0, 3.2), 0.92))
-        room.on(bench, "box", 0.0, draw.between(-0.8, 0.8))
+        bench = room.against(side, "counter", (0.75, draw.between(1.8, 2.8), 0.92))
+        strew(room, bench, ("box", "lamp", "laptop", "box"), 3)
         yield
-    table = room.anywhere("table", (1.2, 2.2, 0.8), keep=1.0)
-    room.on(table, "box", 0.5, 0.85)
+    table = stand_table(room, (1.2, 2.0, 0.8))
+    strew(room, table, CARTONS, 2)
     yield
-    room.lined(room.some_side(), "shelf", 3)
-    yield
+    for shelf in room.lined(room.some_side(), "shelf", 3, (0.4, 1.0, 1.9)):
+        stock(room, shelf, CARTONS)
+        yield
     room.lined(room.some_side(), "barrel", 3)
     yield
-    for name in ("crate", "pallet", "crate"):
+    for name in ("crate", "pallet", "crate", "bin"):
         room.against(room.some_side(), name)
     yield
-    for bearer in room.bearers[:4]:
-        room.on(bearer, draw.one_of(("box", "laptop", "lamp")), 0.0, draw.between(-0.9, 0.9))
+    strew(room, room.against(room.some_side(), "cabinet"), ("box", "book"), 3)
     yield
 
 
 def furnish_classroom(room: Interior) -> Iterator[None]:
-    """Rows of pupils' tables that face the teacher's desk at the back (-x) wall."""
+    """Rows of pupils' tables that face the teacher's desk at the back (-x) wall, full shelves."""
     draw = room.draw
     x, _, _ = room.room.size
-    desk = room.put("desk", -x / 2 + 1.6, draw.between(-1.0, 1.0), (0.8, 1.6, 0.75))
+    desk = room.put("desk", -x / 2 + 1.5, draw.between(-1.0, 1.0), (0.8, 1.6, 0.75))
     room.behind(desk, "chair")
     room.on(desk, "laptop", 0.0, 0.7, turn=pi)
-    room.against("back", "cabinet", (0.4, 1.8, 1.0))
+    strew(room, room.against("back", "cabinet", (0.4, 1.8, 1.0)), PAPERS, 2)
     yield
-    size = (0.85, 1.4, 0.74)
-    spots = [(u, v) for u, v in room.spots(2.3, 2.3, 1.4, is_tight=True) if u > -x / 2 + 3.0]
-    for u, v in spots[:12]:
+    size = (0.82, 1.4, 0.74)
+    spots = [(u, v) for u, v in room.spots(1.9, 1.9, 1.25, is_tight=True) if u > -x / 2 + 2.9]
+    for u, v in spots[:15]:
         table = room.put("table", u, v, size, turn=pi)
         if table:
             for side in (-0.34, 0.34):
                 seat = (0.45, 0.42, 0.82)
                 room.beside(table, "chair", -(0.5 * size[0] + 0.28), side, 0.0, seat)
+            if draw.chance(0.4):
+                room.on(table, draw.one_of(("book", "laptop")), -0.3, 0.7, turn=pi)
         yield
-    room.lined("right", "shelf", 3)
+    for shelf in room.lined("right", "shelf", 2, (0.36, draw.between(0.9, 1.3), 1.8)):
+        stock(room, shelf)
+        yield
+    strew(room, room.against(room.some_side(), "cabinet"), PAPERS, 3)
     yield
-    for bearer in room.bearers[2:10]:
-        room.on(bearer, draw.one_of(("book", "laptop")), 0.2, 0.9)
-        yield
     room.against(room.some_side(), "plant")
     room.against(room.some_side(), "bin")
     yield
 
 
 def furnish_library(room: Interior) -> Iterator[None]:
-    """Rows of shelves back to back, reading tables, armchairs with lamps."""
+    """Rows of full shelves back to back, reading tables with lamps, armchairs, a desk."""
     draw = room.draw
-    size = (0.4, 1.8, 2.1)
-    spots = room.spots(2.6, 2.0, 1.6, is_tight=True)
-    for index in range(0, min(len(spots), 10), 2):
-        for u, v in spots[index : index + 2]:
-            room.put("shelf", u + 0.21, v, size, look=_BOOKCASE)
-            room.put("shelf", u - 0.21, v, size, turn=pi, look=_BOOKCASE)
+    size = (0.34, 1.8, draw.between(1.9, 2.15))
+    spots = room.spots(2.3, 1.85, (1.5, 1.6), is_tight=True)
+    stacks = spots[: max(2, round(0.6 * len(spots)))]
+    shelves: list[Placed] = []
+    for u, v in stacks:
+        shelves += stand_pair(room, "shelf", u, v, size, 0.0)
+        yield
+    for shelf in shelves[::2]:
+        stock(room, shelf, ("book",))
         yield
     for _ in range(3):
-        table = room.anywhere("table", (1.1, 1.8, 0.74), keep=0.8)
+        table = room.anywhere("table", (1.1, 1.8, 0.74), keep=0.75)
         seats(room, table, 4)
-        room.on(table, "book", 0.3, 0.8)
+        strew(room, table, ("book", "lamp", "book"), 2)
         yield
+    for shelf in shelves[1::2]:
+        stock(room, shelf, ("book",))
+        yield
+    for side in room.sides:
+        for shelf in room.lined(side, "shelf", 2, (0.34, 1.2, 2.0)):
+            stock(room, shelf)
+            yield
     for _ in range(2):
         chair = room.against(room.some_side(), "armchair")
         if chair:
             room.beside(chair, "lamp", 0.0, chair.size[1] / 2 + 0.35, 0.0, (0.4, 0.4, 1.5))
         yield
     desk = room.against(room.some_side(), "desk")
-    room.in_front(desk, "chair")
-    room.on(desk, "monitor", -0.4, 0.8)
+    equip(room, desk)
     yield
     for _ in range(3):
-        room.against(room.some_side(), draw.one_of(("plant", "shelf")))
+        room.against(room.some_side(), draw.one_of(("plant", "armchair", "bin")))
     yield

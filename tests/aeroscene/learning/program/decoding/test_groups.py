@@ -94,7 +94,7 @@ def test_the_first_make_room_for_those_behind_them(rows):
 
 
 def test_a_program_whose_rows_are_unevenly_apart_decodes_to_shelves_back_to_back():
-    program = encode(cached_scene(398)).program
+    program = encode(cached_scene(206)).program
     behind_another = next(
         token
         for token, kind in enumerate(program.kinds)
@@ -114,7 +114,7 @@ def n_back_to_back(scene):
 
 
 def test_rows_that_reach_out_of_their_room_end_where_it_does():
-    program = encode(cached_scene(398)).program
+    program = encode(cached_scene(206)).program
     channels = program.channels.copy()
     rows = [token for token, kind in enumerate(program.kinds) if kind.is_group]
     channels[rows, PITCH] *= 3.0

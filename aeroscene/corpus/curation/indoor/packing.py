@@ -1,0 +1,68 @@
+"""Cuts a row of rooms so that each is about as large as its use asks for."""
+
+from __future__ import annotations
+
+from collections import deque
+from itertools import pairwise
+
+from aeroscene.corpus.curation.draw import Draw
+from aeroscene.corpus.curation.indoor.zones import snapped
+from aeroscene.corpus.curation.rooms.uses import MOST_ASPECT, USES
+
+LEAST_ROOM_M = 3.1
+"""Shortest room along a row: a door of 1.75 m between its jambs, and walls."""
+_GIVE = {"bathroom": 0.2, "store": 0.5}
+"""How readily a room grows to make a row whole, where less than others."""
+
+
+def pack_row(
+    draw: Draw, kinds: deque[str], low: float, high: float, depth: float
+) -> list[tuple[str, float, float]]:
+    """Kind and ends of each room of a row, from its low end to its high one.
+
+    The row takes rooms until the next one would leave the row fuller than without it, and
+    stretches them all to fill it.
+
+    Args:
+        draw: Areas, each within the range of its use.
+        kinds: What the rooms are to be in turn; goes on to what the next row begins with.
+        low: Where the row begins, m.
+        high: Where it ends.
+        depth: Width of the row, m.
+    """
+    length = high - low
+    rooms: list[tuple[str, float]] = []
+    taken = 0.0
+    while True:
+        wanted = _along(draw, kinds[0], depth)
+        is_full = length - taken < 0.5 * wanted or (len(rooms) + 1) * LEAST_ROOM_M > length
+        if rooms and is_full:
+            break
+        rooms.append((kinds[0], wanted))
+        kinds.rotate(-1)
+        taken += wanted
+    return _stretched(rooms, low, high)
+
+
+def _along(draw: Draw, kind: str, depth: float) -> float:
+    """How long a room of a kind is along a row of a depth."""
+    wanted = USES[kind].draw_area(draw) / depth
+    return max(LEAST_ROOM_M, depth / MOST_ASPECT, min(wanted, MOST_ASPECT * depth))
+
+
+def _stretched(
+    rooms: list[tuple[str, float]], low: float, high: float
+) -> list[tuple[str, float, float]]:
+    """The same rooms end to end from low to high, their borders in the middles of cells."""
+    rest = high - low - sum(along for _, along in rooms)
+    if rest > 0:
+        weights = [along * _GIVE.get(kind, 1.0) for kind, along in rooms]
+    else:
+        weights = [along - LEAST_ROOM_M + 0.01 for _, along in rooms]
+    ends = [low]
+    at = low
+    for (_, along), weight in zip(rooms[:-1], weights[:-1], strict=True):
+        at += along + rest * weight / sum(weights)
+        ends.append(snapped(at))
+    ends.append(high)
+    return [(kind, a, b) for (kind, _), (a, b) in zip(rooms, pairwise(ends), strict=True)]
