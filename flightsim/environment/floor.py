@@ -12,9 +12,11 @@ from dataclasses import dataclass
 from math import ceil
 
 import numpy as np
+import shapely
 from jaxtyping import Bool, Float
 
 from aeroscene.scene import Scene, SceneObject
+from aeroscene.scene.outline import OUTLINE, footprint
 from aeroscene.solids.freespace import distance_to_occupied
 from aeroscene.solids.shapes import Primitive
 from aeroscene.solids.voxels import Grid, voxelise
@@ -78,6 +80,9 @@ class Columns:
         x, y = self.centres_enu_m
         inside = np.zeros(self.grid.shape[:2], dtype=bool)
         for obj in objects:
+            if OUTLINE in obj.attributes:
+                inside |= shapely.contains_xy(footprint(obj), x, y)
+                continue
             yaw = obj.bbox.yaw_rad
             dx, dy = x - obj.bbox.p[0], y - obj.bbox.p[1]
             u = np.cos(yaw) * dx + np.sin(yaw) * dy
