@@ -19,7 +19,7 @@ from aeroscene.areas.needs import AreaLimits
 from aeroscene.areas.reach import FIELD_CAP_M
 from aeroscene.scene import Scene, SceneObject, Vector3
 from aeroscene.scene.catalogue import LAWNS, OPEN_GROUND, ROADS, ROOMS
-from aeroscene.scene.outline import footprint
+from aeroscene.scene.footprint import footprint
 from aeroscene.solids.freespace import VoxelField, build_distance_field
 from aeroscene.solids.shapes import Primitive, scene_primitives
 from aeroscene.solids.shapes.shell import FINISH_M

@@ -149,11 +149,9 @@ def _apart(site: Site, blocks: Sequence[Block]) -> list[Block]:
             kept.append(block)
             continue
         left = shapely.difference(block.polygon, shapely.union_all(rivals), grid_size=0.01)
-        if left.area > 0.999 * block.polygon.area:
-            left = shapely.set_precision(left, 0.01)
-            parts = list(areal_parts(left, _LEAST_M2))
-        else:
-            parts = list(areal_parts(shapely.set_precision(opened(left), 0.01), _LEAST_M2))
+        if left.area < 0.999 * block.polygon.area:
+            left = opened(left)
+        parts = list(areal_parts(site.within(left), _LEAST_M2))
         if not parts:
             site.dropped[_HIDDEN] += 1
         kept += [replace(block, polygon=part) for part in parts]

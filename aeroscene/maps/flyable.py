@@ -6,6 +6,7 @@ woods, a start on open ground and the landing areas. What cannot be built is lef
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -14,6 +15,7 @@ from pathlib import Path
 import shapely
 
 from aeroscene.areas.needs import AreaLimits
+from aeroscene.areas.reach import FIELD_CAP_M
 from aeroscene.areas.start import NO_START, Ground, with_start
 from aeroscene.files.names import file_name
 from aeroscene.layouts.assembly import Assembly
@@ -30,6 +32,7 @@ from aeroscene.maps.streets import lay_pavements, lay_streets
 from aeroscene.maps.surfaces import is_ground, lay_base, lay_surfaces
 from aeroscene.maps.trees import is_tree, is_wood, plant_trees
 from aeroscene.scene import Scene, SceneObject
+from aeroscene.solids.freespace import build_distance_field
 from aeroscene.solids.shapes import scene_primitives
 from aeroscene.solids.solids import colliding
 from aeroscene.validation.boxes import overlaps
@@ -41,7 +44,12 @@ SKY_M = 8.0
 LEAST_TOP_M = 25.0
 MOST_TOP_M = 120.0
 """Top of the flight volume; taller buildings are cut there."""
+_TOWN_SHARE, _HOUSES_SHARE = 0.35, 0.4
+"""Built share of a town's ground, and the share of that from which its yards are gardens."""
 _LIMITS = AreaLimits(small=60, medium=60, large=60, perching=40)
+_CELL_M = 0.25
+_MOST_CELLS = 100_000_000
+"""Cells that take half a gigabyte; of a larger place the cells are larger, on the safe side."""
 _NOTHING = "no building, street, ground or tree"
 _HIDDEN = "runs below the ground or inside a building"
 _OVERLAPS = "overlaps something else"
@@ -107,7 +115,9 @@ def make_place(place: Place, scene_id: str) -> tuple[Scene, MapReport]:
             f"{MOST_OBJECTS}, name smaller bounds"
         )
     draft = _sound(site, _draft(site, scene_id))
-    scene = with_start(draft, _grounds(site, draft), _LIMITS)
+    primitives = scene_primitives(draft)
+    voxels = build_distance_field(draft, _cell_m(draft), primitives, FIELD_CAP_M)
+    scene = with_start(draft, _grounds(site, draft), _LIMITS, primitives, voxels)
     if scene is None:
         raise MapError(f"{place.bounds} has {NO_START}")
     report = MapReport(
@@ -117,6 +127,13 @@ def make_place(place: Place, scene_id: str) -> tuple[Scene, MapReport]:
         notes=dict(site.notes),
     )
     return scene, report
+
+
+def _cell_m(scene: Scene) -> float:
+    """Edge of the cells in which free space is searched: twice as long in a large place."""
+    low, high = scene.extent_min_enu_m, scene.extent_max_enu_m
+    volume_m3 = math.prod(b - a for a, b in zip(low, high, strict=True))
+    return _CELL_M if volume_m3 <= _MOST_CELLS * _CELL_M**3 else 2 * _CELL_M
 
 
 def _build(site: Site) -> None:
@@ -129,7 +146,7 @@ def _build(site: Site) -> None:
     if not (buildings or streets or paths or trees or _with(others, is_ground)):
         raise MapError(f"{site.place.bounds} has {_NOTHING}; valid: a map with one of them there")
     site.dropped[_HIDDEN] += len(_with(lines, street_facts.is_hidden_way))
-    lay_base(site, sum(f.geometry.area for f in buildings))
+    lay_base(site, is_town=_is_town(site, buildings))
     raise_buildings(site, buildings)
     lay_streets(site, streets)
     footways, walks = _split(paths, lambda tags: tags.get("footway") == "sidewalk")
@@ -142,6 +159,15 @@ def _build(site: Site) -> None:
     place_furniture(site, [f for f in points if f not in trees], ways)
     plant_trees(site, trees, _with(areas, is_wood))
     site.dropped += Counter()  # Without reasons that nothing was left out for.
+
+
+def _is_town(site: Site, buildings: Sequence[Feature]) -> bool:
+    """Whether the ground between buildings is paved: it is where they are many and no houses."""
+    built = [(f.geometry.area, building_facts.category(f.tags)) for f in buildings]
+    built_m2 = sum(area for area, _ in built)
+    houses_m2 = sum(area for area, category in built if category == "house")
+    is_dense = built_m2 > _TOWN_SHARE * site.place.area.area
+    return is_dense and houses_m2 < _HOUSES_SHARE * built_m2
 
 
 def _of_dimension(features: Sequence[Feature], dimension: int) -> list[Feature]:

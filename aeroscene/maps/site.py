@@ -9,9 +9,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import shapely
+from shapely.geometry.base import BaseGeometry
 
 from aeroscene.layouts.assembly import Assembly, upright_box
-from aeroscene.maps.claims import GRID_M, Claims
+from aeroscene.maps.claims import GRID_M, Claims, areal
 from aeroscene.maps.document import Feature
 from aeroscene.maps.place import Place
 from aeroscene.scene import AttributeValue, OrientedBox, Vector3
@@ -55,6 +56,10 @@ class Site:
     """Features that are not in the scene, under the reason."""
     notes: Counter[str] = field(default_factory=Counter)
     """What the map does not say and was assumed, under a sentence."""
+
+    def within(self, shape: BaseGeometry) -> BaseGeometry:
+        """The part of an area inside the bounds, its corners on the grid."""
+        return areal(shapely.intersection(areal(shape), self.place.area, grid_size=GRID_M))
 
     def cover_at(self, x_m: float, y_m: float) -> Cover:
         """The uppermost cover at a point; heights of the ground are known here alone.

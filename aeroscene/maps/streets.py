@@ -95,7 +95,7 @@ def _lay(
     attributes: dict[str, AttributeValue],
 ) -> None:
     """Add pieces of ground with outlines."""
-    for part in areal_parts(polygon, 0.5):
+    for part in areal_parts(site.within(polygon), 0.5):
         base_m = site.covers[0].top_m
         frame = framed(part, base_m, base_m + thickness_m)
         number = site.add(category, frame.box, feature, None, {**frame.attributes, **attributes})

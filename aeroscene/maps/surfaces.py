@@ -12,10 +12,9 @@ from dataclasses import dataclass
 import shapely
 from shapely.geometry.base import BaseGeometry
 
-from aeroscene.layouts.assembly import slab
 from aeroscene.layouts.ground import cover
 from aeroscene.maps import street_facts as facts
-from aeroscene.maps.claims import GRID_M, on_grid, opened, split
+from aeroscene.maps.claims import GRID_M, areal_parts, on_grid, opened, split
 from aeroscene.maps.document import Feature, Tags
 from aeroscene.maps.site import Cover, Site, framed
 from aeroscene.maps.tags import length_m
@@ -24,8 +23,6 @@ BASE_M = 0.04
 """Thickness of the base."""
 _TILE_M = 60.0
 _LEAST_M2 = 2.0
-_BUILT_SHARE = 0.35
-"""Share of buildings from which the ground between them is paved where the map says nothing."""
 _WATERWAYS_M = {"river": 10.0, "canal": 8.0, "stream": 2.0, "ditch": 1.0, "drain": 1.0}
 _RAIL_BED_M = 3.2
 
@@ -104,17 +101,17 @@ def _kind(tags: Tags) -> _Kind | None:
     )
 
 
-def lay_base(site: Site, built_m2: float) -> None:
-    """Add the ground under everything: grass, or paving where most of it is built up."""
-    is_town = built_m2 > _BUILT_SHARE * site.place.area.area
-    category = "plaza" if is_town else "lawn"
+def lay_base(site: Site, *, is_town: bool) -> None:
+    """Add the ground under everything: grass, or the paving of a town."""
+    category, finish = ("plaza", "paving") if is_town else ("lawn", "grass")
     whole = Cover(site.place.area, BASE_M, 0, is_open=True)
     tiles: list[Cover] = []
     for tile in cover(site.place.area, _TILE_M):
-        box = slab(tile, 0.0, BASE_M)
-        attributes = {"form": "border"} if is_town else {"form": "plain"}
-        number = site.add(category, box, None, None, attributes)
-        tiles.append(Cover(shapely.box(*tile), BASE_M, number, is_open=True))
+        square = shapely.box(*tile)
+        frame = framed(square, 0.0, BASE_M, 0.0)
+        attributes = {**frame.attributes, "finish": finish}
+        number = site.add(category, frame.box, None, None, attributes)
+        tiles.append(Cover(square, BASE_M, number, is_open=True))
     site.covers += [whole, *tiles]
     site.n_base = len(tiles)
 
@@ -149,9 +146,7 @@ def _shapes(feature: Feature) -> Iterator[tuple[_Kind, BaseGeometry]]:
 
 def _lay(site: Site, kind: _Kind, feature: Feature, polygon: BaseGeometry) -> None:
     finish = kind.finish if kind is _WATER else facts.finish(feature.tags, kind.finish)
-    for part in shapely.get_parts(polygon):
-        if not isinstance(part, shapely.Polygon) or part.area < _LEAST_M2 / 2:
-            continue
+    for part in areal_parts(site.within(polygon), _LEAST_M2 / 2):
         frame = framed(part, BASE_M, BASE_M + kind.thickness_m)
         attributes = {**frame.attributes, "finish": finish}
         number = site.add(kind.category, frame.box, feature, None, attributes)

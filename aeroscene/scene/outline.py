@@ -13,13 +13,11 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from aeroscene.files.bounds import MOST_POINTS
-from aeroscene.scene.box import OrientedBox, Vector3, rotation_matrix
+from aeroscene.scene.box import OrientedBox, Vector3
 from aeroscene.scene.errors import SceneError, require
 
 if TYPE_CHECKING:
     import shapely
-
-    from aeroscene.scene.scene import SceneObject
 
 OUTLINE = "outline"
 """Name of the attribute."""
@@ -85,17 +83,3 @@ def require_outline(attributes: Mapping[str, object], box: OrientedBox) -> None:
         outline_in_box(attributes, box.s)
         if not box.is_upright:
             raise SceneError(f"bbox.q is {box.q}; valid: an upright box for an object with {OUTLINE}")
-
-
-def footprint(obj: SceneObject) -> shapely.Polygon:
-    """The ground that an object covers seen from above, ENU, m: its outline or that of its box."""
-    import shapely
-
-    box = obj.bbox
-    outline = outline_in_box(obj.attributes, box.s)
-    if outline is None:
-        hull = shapely.convex_hull(shapely.MultiPoint(box.corners()[:, :2]))
-        assert isinstance(hull, shapely.Polygon)
-        return hull
-    turn = rotation_matrix(box.q)[:2, :2]
-    return shapely.transform(outline, lambda points: points @ turn.T + box.p[:2])

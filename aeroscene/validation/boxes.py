@@ -12,7 +12,8 @@ from jaxtyping import Bool, Int
 
 from aeroscene.scene import Scene, SceneObject
 from aeroscene.scene.box import box_corners
-from aeroscene.scene.outline import OUTLINE, footprint
+from aeroscene.scene.footprint import footprint
+from aeroscene.scene.outline import OUTLINE
 from aeroscene.scene.overlap import near_pairs, pair_iou
 from aeroscene.scene.rooms import NO_ROOM, tile_groups
 from aeroscene.validation.findings import Finding

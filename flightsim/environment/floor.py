@@ -16,7 +16,8 @@ import shapely
 from jaxtyping import Bool, Float
 
 from aeroscene.scene import Scene, SceneObject
-from aeroscene.scene.outline import OUTLINE, footprint
+from aeroscene.scene.footprint import footprint
+from aeroscene.scene.outline import OUTLINE
 from aeroscene.solids.freespace import distance_to_occupied
 from aeroscene.solids.shapes import Primitive
 from aeroscene.solids.voxels import Grid, voxelise

@@ -44,7 +44,12 @@ def is_convex(polygon: shapely.Polygon) -> bool:
 
 def can_be_pitched(polygon: shapely.Polygon) -> bool:
     """Whether a gable or a hip can be built over a polygon in the frame of its box."""
-    return is_convex(polygon) or _fill(polygon) >= LEAST_FILL or bool(wings(polygon))
+    return is_convex(polygon) or _is_full(polygon) or bool(wings(polygon))
+
+
+def _is_full(polygon: shapely.Polygon) -> bool:
+    """Whether one gable over all of it looks like a roof: hardly any courtyard or recess."""
+    return _fill(polygon) >= LEAST_FILL and not polygon.interiors
 
 
 def _fill(polygon: shapely.Polygon) -> float:
@@ -71,7 +76,7 @@ def outlined_roof(look: Look, polygon: shapely.Polygon) -> list[Part] | None:
     if found:
         widest = max(_short_side(wing) for wing in found)
         return [_wing(wing, z * _short_side(wing) / widest, form, tiles) for wing in found]
-    if not is_convex(polygon) and _fill(polygon) < LEAST_FILL:
+    if not is_convex(polygon) and not _is_full(polygon):
         return None
     return _gable(polygon, z, wall, tiles)
 
