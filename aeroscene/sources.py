@@ -26,7 +26,8 @@ _NUMBER = re.compile(r"(?:(?P<source>corpus|gen):)?(?P<number>[0-9]{1,9})")
 _SCENE_ID = re.compile(r"(?P<source>aeroscene|corpus)-(?P<number>[0-9]{4,9})")
 _FILE = re.compile(r"(?P<path>.+?\.jsonl?(?:\.gz)?)(?:#(?P<scene_id>.*))?", re.DOTALL)
 _MAP = re.compile(
-    r"(?P<path>.+?\.(?:osm(?:\.gz|\.xml|\.pbf)?|pbf|geojson(?:\.gz)?))(?:#(?P<bounds>.*))?", re.DOTALL
+    r"(?P<path>.+?\.(?:osm(?:\.gz|\.xml|\.pbf)?|pbf|geojson(?:\.gz)?))(?:#(?P<bounds>.*))?",
+    re.DOTALL,
 )
 _GEOJSON_KEY = b'"FeatureCollection"'
 # Keys by which a layout is known even where its JSON is cut short.

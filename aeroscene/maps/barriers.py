@@ -11,7 +11,7 @@ from shapely.geometry.base import BaseGeometry
 
 from aeroscene.layouts.assembly import upright_box
 from aeroscene.maps.document import Feature, Tags
-from aeroscene.maps.site import Site
+from aeroscene.maps.site import Cover, Site
 from aeroscene.maps.tags import length_m
 
 _FORMS: Mapping[str, tuple[str, float, float]] = {
@@ -26,14 +26,25 @@ _FORMS: Mapping[str, tuple[str, float, float]] = {
     "yes": ("rails", 0.1, 1.2),
 }
 """Form, thickness and height of each kind of barrier."""
-_FENCE_FORMS = {"wood": "boards", "wooden": "boards", "panel": "boards", "chain_link": "mesh",
-                "wire": "mesh", "barbed_wire": "mesh", "wire_mesh": "mesh"}
+_FENCE_FORMS = {
+    "wood": "boards",
+    "wooden": "boards",
+    "panel": "boards",
+    "chain_link": "mesh",
+    "wire": "mesh",
+    "barbed_wire": "mesh",
+    "wire_mesh": "mesh",
+}
+_SAMPLE_M = 0.5
+"""A fence looks for the ground under it this often."""
 _GATE_HALF_M = 1.3
 _LEAST_M = 1.0
 _LONGEST_M = 40.0
 _CLEAR_M = 0.12
 """Gap between a barrier and the walls, streets and paths that it meets."""
 _SHORT = f"is a piece of fence shorter than {_LEAST_M:g} m"
+
+_Point2 = tuple[float, float]
 
 
 def is_barrier(tags: Tags) -> bool:
@@ -82,18 +93,33 @@ def _raise(site: Site, feature: Feature, line: shapely.LineString) -> None:
         form = _FENCE_FORMS.get(tags.get("fence_type", tags.get("material", "")), form)
     height_m = length_m(tags, "height", 0.3, 12.0) or usual_m
     thick_m = length_m(tags, "width", 0.05, 2.0) or thick_m
-    for (ax, ay), (bx, by) in pairwise(line.coords):
-        whole = math.hypot(bx - ax, by - ay)
-        n = max(1, math.ceil(whole / _LONGEST_M))
-        length = whole / n - thick_m / 2
-        if length < _LEAST_M:
-            site.dropped[_SHORT] += 1
-            continue
-        heading = math.atan2(by - ay, bx - ax)
-        for k in range(n):
-            at = (k + 0.5) / n
-            x, y = ax + at * (bx - ax), ay + at * (by - ay)
-            ground = site.cover_at(x, y)
+    corners = [(x, y) for x, y in shapely.get_coordinates(line).tolist()]
+    for start, end in pairwise(corners):
+        for a, b, ground in _pieces(site, start, end):
+            length = math.dist(a, b) - thick_m / 2
+            if length < _LEAST_M:
+                site.dropped[_SHORT] += 1
+                continue
+            middle = ((a[0] + b[0]) / 2, (a[1] + b[1]) / 2)
+            heading = math.atan2(b[1] - a[1], b[0] - a[0])
             size = (thick_m, length, height_m)
-            box = upright_box((x, y), heading - math.pi / 2, size, ground.top_m)
+            box = upright_box(middle, heading - math.pi / 2, size, ground.top_m)
             site.add("fence", box, feature, ground.object_id, {"form": form})
+
+
+def _pieces(site: Site, start: _Point2, end: _Point2) -> Iterator[tuple[_Point2, _Point2, Cover]]:
+    """Parts of a straight fence, each on one cover and not too long."""
+    length = math.dist(start, end)
+    n = max(1, math.ceil(length / _SAMPLE_M))
+    most = math.ceil(_LONGEST_M / _SAMPLE_M)
+    middles = [_between(start, end, (k + 0.5) / n) for k in range(n)]
+    covers = [site.cover_at(*middle) for middle in middles]
+    first = 0
+    for k in range(1, n + 1):
+        if k == n or covers[k].top_m != covers[first].top_m or k - first == most:
+            yield _between(start, end, first / n), _between(start, end, k / n), covers[first]
+            first = k
+
+
+def _between(start: _Point2, end: _Point2, share: float) -> _Point2:
+    return (start[0] + share * (end[0] - start[0]), start[1] + share * (end[1] - start[1]))

@@ -228,7 +228,8 @@ def _colour(block: Block) -> str:
 def _roof_attributes(block: Block, form: str) -> Attributes:
     found: Attributes = {"colour": _colour(block)}
     if form == "flat":
-        found["cover"] = "roofing"
+        covers = ("roofing", "roofing", "gravel", "concrete")
+        found["cover"] = covers[crc32(b"cover" + block.feature.source_id.encode()) % len(covers)]
     elif named := tiles(block.feature.tags):
         found["tiles"] = named
     return found

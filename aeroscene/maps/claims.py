@@ -48,7 +48,7 @@ def split(shape: BaseGeometry, least_m2: float) -> Iterator[shapely.Polygon]:
         x0, y0, x1, y1 = part.bounds
         side = max(x1 - x0, y1 - y0)
         n_corners = shapely.get_num_coordinates(part)
-        if side <= _MOST_SIDE_M and n_corners <= _MOST_CORNERS or side < 1.0:
+        if (side <= _MOST_SIDE_M and n_corners <= _MOST_CORNERS) or side < 1.0:
             yield part
             continue
         x, y = (x0 + x1) / 2, (y0 + y1) / 2

@@ -25,7 +25,6 @@ _WALL_M = 0.1
 _ON_STREET = "stands in the middle of a street"
 _IN_BUILDING = "stands inside a building"
 _AT_BORDER = "reaches beyond the bounds"
-_UNKNOWN = "is no ground, building or thing that we have"
 
 
 def place_furniture(site: Site, features: Sequence[Feature], ways: Sequence[BaseGeometry]) -> None:
@@ -56,7 +55,11 @@ def _place(site: Site, feature: Feature, kind: PointKind, ways: shapely.STRtree)
         yaw = _towards_way(moved, ways) if kind.faces_way else 0.0
     size = _size_m(feature, kind)
     ground = site.cover_at(moved.x, moved.y)
-    box = upright_box((moved.x, moved.y), yaw, size, ground.top_m)
+    middle = (
+        moved.x - kind.foot_x_m * math.cos(yaw),
+        moved.y - kind.foot_x_m * math.sin(yaw),
+    )
+    box = upright_box(middle, yaw, size, ground.top_m)
     outline = shapely.convex_hull(shapely.MultiPoint(box.corners()[:, :2]))
     if not site.place.area.covers(outline):
         site.dropped[_AT_BORDER] += 1

@@ -30,6 +30,7 @@ def read_osm_pbf(path: Path, where: str, bounds: Bounds | None) -> OsmData:
     """
     try:
         import osmium
+        import osmium.io
     except ImportError:
         raise MapError(
             f"{where} needs osmium; valid: pip install 'aeroscene[maps]', or the map as .osm or "
@@ -57,7 +58,9 @@ def read_osm_pbf(path: Path, where: str, bounds: Bounds | None) -> OsmData:
     return data
 
 
-def _touching(osmium: Any, path: Path, bounds: Bounds | None) -> tuple[set[int], set[int], set[int]]:
+def _touching(
+    osmium: Any, path: Path, bounds: Bounds | None
+) -> tuple[set[int], set[int], set[int]]:
     """Ways and relations with a node in the bounds, and the nodes that they need."""
     inside: set[int] = set()
     ways: set[int] = set()

@@ -51,9 +51,7 @@ def locate(raw: RawMap, bounds: Bounds) -> Place:
         shape = shapely.transform(feature.geometry, lambda points: (points - origin) * scale)
         cut = _cut(shape, area, dropped)
         if cut is not None:
-            found.append(
-                Feature(source_id=feature.source_id, tags=feature.tags, geometry=cut)
-            )
+            found.append(Feature(source_id=feature.source_id, tags=feature.tags, geometry=cut))
     return Place(bounds=bounds, area=area, features=tuple(found), dropped=dropped)
 
 
@@ -72,14 +70,18 @@ def _cut(shape: BaseGeometry, area: shapely.Polygon, dropped: Counter[str]) -> B
         if shape.is_empty or shapely.get_dimensions(shape) < 2:
             dropped[_BROKEN] += 1
             return None
-    rectangle = area if shapely.get_dimensions(shape) != 1 else shapely.buffer(
-        area, _REACH_M, join_style="mitre"
+    rectangle = (
+        area
+        if shapely.get_dimensions(shape) != 1
+        else shapely.buffer(area, _REACH_M, join_style="mitre")
     )
     if shapely.covers(rectangle, shape):
         return shape
     cut = shapely.intersection(shape, rectangle)
     wanted = shapely.get_dimensions(shape)
-    parts = [p for p in shapely.get_parts(cut) if shapely.get_dimensions(p) == wanted and not p.is_empty]
+    parts = [
+        p for p in shapely.get_parts(cut) if shapely.get_dimensions(p) == wanted and not p.is_empty
+    ]
     if not parts:
         return None
     if shapely.get_num_coordinates(cut) > _MOST_CORNERS:

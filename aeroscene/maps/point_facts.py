@@ -18,6 +18,8 @@ class PointKind:
     form: str | None = None
     faces_way: bool = False
     """Whether its front is turned to the street or path beside it."""
+    foot_x_m: float = 0.0
+    """Where along its box it touches the ground: the map has the place of its foot."""
     is_movable: bool = True
     """Whether it may be set beside a street in the middle of which the map has it."""
 
@@ -25,7 +27,7 @@ class PointKind:
 _BENCH = PointKind("bench", (0.6, 1.8, 0.85), "rest", faces_way=True)
 _BIN = PointKind("bin", (0.45, 0.45, 1.0), "litter")
 _CONTAINER_BIN = PointKind("bin", (0.8, 1.2, 1.3), "wheelie")
-_LAMP = PointKind("street_lamp", (1.6, 0.3, 5.5), "arm", faces_way=True)
+_LAMP = PointKind("street_lamp", (1.6, 0.3, 5.5), "arm", faces_way=True, foot_x_m=-0.65)
 _LIGHT = PointKind("traffic_light", (0.35, 0.35, 3.2), "vehicle", faces_way=True)
 _CROSSING_LIGHT = PointKind("traffic_light", (0.35, 0.35, 2.6), "pedestrian", faces_way=True)
 _BICYCLE = PointKind("bicycle", (1.8, 0.6, 1.1), "city")
@@ -43,19 +45,37 @@ _BOAT = PointKind("boat", (6.0, 2.2, 1.6), "motor", is_movable=False)
 
 _BY_TAG: Mapping[str, Mapping[str, PointKind]] = {
     "amenity": {
-        "bench": _BENCH, "lounger": _BENCH, "waste_basket": _BIN, "waste_disposal": _CONTAINER_BIN,
-        "recycling": _CONTAINER_BIN, "bicycle_parking": _BICYCLE, "bicycle_rental": _BICYCLE,
-        "post_box": _POST_BOX, "vending_machine": _KIOSK, "telephone": _SIGN, "fountain": _FOUNTAIN,
-        "shelter": _SHELTER, "parcel_locker": _CONTAINER_BIN, "clock": _SIGN,
+        "bench": _BENCH,
+        "lounger": _BENCH,
+        "waste_basket": _BIN,
+        "waste_disposal": _CONTAINER_BIN,
+        "recycling": _CONTAINER_BIN,
+        "bicycle_parking": _BICYCLE,
+        "bicycle_rental": _BICYCLE,
+        "post_box": _POST_BOX,
+        "vending_machine": _KIOSK,
+        "telephone": _SIGN,
+        "fountain": _FOUNTAIN,
+        "shelter": _SHELTER,
+        "parcel_locker": _CONTAINER_BIN,
+        "clock": _SIGN,
     },
     "highway": {
-        "street_lamp": _LAMP, "traffic_signals": _LIGHT, "bus_stop": _SIGN, "stop": _SIGN,
-        "give_way": _SIGN, "speed_camera": _SIGN,
+        "street_lamp": _LAMP,
+        "traffic_signals": _LIGHT,
+        "bus_stop": _SIGN,
+        "stop": _SIGN,
+        "give_way": _SIGN,
+        "speed_camera": _SIGN,
     },
     "crossing": {"traffic_signals": _CROSSING_LIGHT},
     "natural": {"shrub": _BUSH},
-    "man_made": {"planter": _PLANTER, "storage_tank": _TANK, "water_tank": _TANK,
-                 "street_cabinet": _CONTAINER_BIN},
+    "man_made": {
+        "planter": _PLANTER,
+        "storage_tank": _TANK,
+        "water_tank": _TANK,
+        "street_cabinet": _CONTAINER_BIN,
+    },
     "leisure": {"picnic_table": _TABLE},
     "tourism": {"information": _BOARD},
     "advertising": {"billboard": _BOARD, "board": _BOARD, "column": _BOARD, "poster_box": _BOARD},
@@ -76,4 +96,6 @@ def kind_at(tags: Tags) -> PointKind | None:
         return _SIGN
     if tags.get("indoor") == "yes" or tags.get("location") in {"underground", "indoor"}:
         return None
-    return next((kinds[tags[key]] for key, kinds in _BY_TAG.items() if tags.get(key) in kinds), None)
+    return next(
+        (kinds[tags[key]] for key, kinds in _BY_TAG.items() if tags.get(key) in kinds), None
+    )

@@ -54,6 +54,7 @@ class Site:
     """Number of the tiles."""
     dropped: Counter[str] = field(default_factory=Counter)
     """Features that are not in the scene, under the reason."""
+    _tree: shapely.STRtree | None = None
     notes: Counter[str] = field(default_factory=Counter)
     """What the map does not say and was assumed, under a sentence."""
 
@@ -67,12 +68,10 @@ class Site:
         Ground that is not level enters here: everything that stands on the ground asks for the
         height under it.
         """
-        point = shapely.Point(x_m, y_m)
-        for cover in reversed(self.covers):
-            x0, y0, x1, y1 = cover.polygon.bounds
-            if x0 <= x_m <= x1 and y0 <= y_m <= y1 and cover.polygon.covers(point):
-                return cover
-        return self.covers[0]
+        if self._tree is None or len(self._tree.geometries) != len(self.covers):
+            self._tree = shapely.STRtree([cover.polygon for cover in self.covers])
+        found = self._tree.query(shapely.Point(x_m, y_m), predicate="covered_by")
+        return self.covers[max(found, default=0)]
 
     def add(
         self,
@@ -88,7 +87,9 @@ class Site:
             named["source_id"] = feature.source_id
             if name := feature.tags.get("name"):
                 named["source_name"] = _printable(name)
-        return self.assembly.add(category, box, "outdoor", parent_id, {**named, **(attributes or {})})
+        return self.assembly.add(
+            category, box, "outdoor", parent_id, {**named, **(attributes or {})}
+        )
 
 
 def _printable(name: str) -> str:

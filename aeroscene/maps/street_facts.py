@@ -10,15 +10,34 @@ from aeroscene.maps.tags import length_m, number
 LANE_M = 3.0
 PAVEMENT_M = 2.0
 _STREETS_M = {
-    "motorway": 10.0, "trunk": 8.0, "primary": 7.5, "secondary": 7.0, "tertiary": 6.5,
-    "unclassified": 6.0, "residential": 6.0, "road": 6.0, "living_street": 5.0, "busway": 6.5,
-    "motorway_link": 5.0, "trunk_link": 5.0, "primary_link": 5.0, "secondary_link": 5.0,
-    "tertiary_link": 5.0, "service": 4.0, "raceway": 8.0,
+    "motorway": 10.0,
+    "trunk": 8.0,
+    "primary": 7.5,
+    "secondary": 7.0,
+    "tertiary": 6.5,
+    "unclassified": 6.0,
+    "residential": 6.0,
+    "road": 6.0,
+    "living_street": 5.0,
+    "busway": 6.5,
+    "motorway_link": 5.0,
+    "trunk_link": 5.0,
+    "primary_link": 5.0,
+    "secondary_link": 5.0,
+    "tertiary_link": 5.0,
+    "service": 4.0,
+    "raceway": 8.0,
 }
 """Width of a carriageway with two ways of traffic where the map does not say it."""
 _PATHS_M = {
-    "pedestrian": 6.0, "footway": 2.0, "path": 1.6, "cycleway": 2.4, "steps": 2.0, "track": 3.0,
-    "bridleway": 2.0, "platform": 3.0,
+    "pedestrian": 6.0,
+    "footway": 2.0,
+    "path": 1.6,
+    "cycleway": 2.4,
+    "steps": 2.0,
+    "track": 3.0,
+    "bridleway": 2.0,
+    "platform": 3.0,
 }
 _RAILS = frozenset({"rail", "light_rail", "narrow_gauge", "preserved", "tram"})
 _WITH_PAVEMENTS = frozenset(
@@ -30,7 +49,7 @@ _ONE_WAY = 0.65
 _MOST_LANES = 10
 _FINISHES = {
     "cobbles": ("sett", "cobblestone", "unhewn_cobblestone", "cobblestone:flattened"),
-    "paving": ("paving_stones", "paved", "concrete:plates", "bricks", "brick", "tiles"),
+    "paving": ("paving_stones", "concrete:plates", "bricks", "brick", "tiles"),
     "concrete": ("concrete", "concrete:lanes"),
     "gravel": ("gravel", "fine_gravel", "compacted", "pebblestone", "unpaved", "rock"),
     "soil": ("dirt", "earth", "ground", "mud"),
@@ -104,7 +123,9 @@ def pavements(tags: Tags) -> frozenset[Side]:
 
 def pavement_width_m(tags: Tags) -> float:
     """Width of the pavements along a street."""
-    stated = [length_m(tags, f"sidewalk:{side}:width", 0.8, 10) for side in ("both", "left", "right")]
+    stated = [
+        length_m(tags, f"sidewalk:{side}:width", 0.8, 10) for side in ("both", "left", "right")
+    ]
     return next((width for width in stated if width is not None), PAVEMENT_M)
 
 

@@ -69,15 +69,21 @@ def lay_pavements(site: Site, features: Sequence[Feature], footways: Sequence[Fe
             centre = shapely.LineString(line.points)
             reach = line.width_m / 2 + width
             if len(sides) == 2:
-                strips.append(shapely.buffer(centre, reach, cap_style="flat", join_style="mitre",
-                                             mitre_limit=2.0))
+                strips.append(
+                    shapely.buffer(
+                        centre, reach, cap_style="flat", join_style="mitre", mitre_limit=2.0
+                    )
+                )
             else:
                 signed = reach if "left" in sides else -reach
                 strips.append(shapely.buffer(centre, signed, single_sided=True))
     for feature in footways:
         half = facts.path_width_m(feature.tags) / 2
-        strips.append(shapely.buffer(feature.geometry, half, cap_style="flat", join_style="mitre",
-                                     mitre_limit=2.0))
+        strips.append(
+            shapely.buffer(
+                feature.geometry, half, cap_style="flat", join_style="mitre", mitre_limit=2.0
+            )
+        )
     if not strips:
         return
     shape = shapely.intersection(shapely.union_all(strips), site.place.area)
@@ -110,7 +116,9 @@ def _lines(feature: Feature) -> Iterator[_Line]:
         return
     for part in shapely.get_parts(shapely.simplify(feature.geometry, _SIMPLIFY_M)):
         points = [(round(x, 3), round(y, 3)) for x, y in shapely.get_coordinates(part).tolist()]
-        points = [p for k, p in enumerate(points) if k == 0 or math.dist(p, points[k - 1]) > _NODE_M]
+        points = [
+            p for k, p in enumerate(points) if k == 0 or math.dist(p, points[k - 1]) > _NODE_M
+        ]
         if len(points) >= 2:
             yield _Line(feature, tuple(points), facts.street_width_m(feature.tags))
 
@@ -120,8 +128,13 @@ def _carriageway(site: Site, lines: Sequence[_Line]) -> BaseGeometry:
     if not lines:
         return shapely.Polygon()
     bands = [
-        shapely.buffer(shapely.LineString(line.points), line.width_m / 2, cap_style="flat",
-                       join_style="mitre", mitre_limit=2.0)
+        shapely.buffer(
+            shapely.LineString(line.points),
+            line.width_m / 2,
+            cap_style="flat",
+            join_style="mitre",
+            mitre_limit=2.0,
+        )
         for line in lines
     ]
     discs = [

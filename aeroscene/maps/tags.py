@@ -13,8 +13,24 @@ _LENGTH = re.compile(
 )
 _FEET = re.compile(r"\s*([0-9]{1,4})\s*'\s*(?:([0-9]{1,2}(?:\.[0-9]+)?)\s*(?:\"|''))?\s*")
 _UNITS_M = {"km": 1000.0, "cm": 0.01, "ft": 0.3048, "feet": 0.3048, "'": 0.3048}
-_COMPASS = ("N", "NNE", "NE", "ENE", "E", "ESE", "SE", "SSE", "S", "SSW", "SW", "WSW", "W", "WNW",
-            "NW", "NNW")
+_COMPASS = (
+    "N",
+    "NNE",
+    "NE",
+    "ENE",
+    "E",
+    "ESE",
+    "SE",
+    "SSE",
+    "S",
+    "SSW",
+    "SW",
+    "WSW",
+    "W",
+    "WNW",
+    "NW",
+    "NNW",
+)
 _HEX = re.compile(r"#([0-9a-fA-F]{6}|[0-9a-fA-F]{3})")
 _NAMED_RGB = {
     "white": (1.0, 1.0, 1.0),

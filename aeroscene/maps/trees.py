@@ -58,7 +58,7 @@ def plant_trees(site: Site, features: Sequence[Feature], woods: Sequence[Feature
     if not trees:
         return
     places = np.array([(tree.x, tree.y) for tree in trees])
-    index = shapely.STRtree(shapely.points(places))
+    index = shapely.STRtree([shapely.Point(*place) for place in places.tolist()])
     for number, tree in enumerate(trees):
         room_m = _room_m(site, tree, index, number)
         _plant(site, tree, min(tree.crown_m, room_m))
@@ -111,7 +111,7 @@ def _room_m(site: Site, tree: _Tree, index: shapely.STRtree, number: int) -> flo
     point = shapely.Point(tree.x, tree.y)
     reach = point.buffer(tree.crown_m)
     walls = site.buildings.pieces_near(reach)
-    gaps = [shapely.distance(wall, point) for wall in walls]
+    gaps = [float(shapely.distance(wall, point)) for wall in walls]
     if not site.place.area.covers(point):
         return 0.0
     gaps.append(site.place.area.exterior.distance(point))

@@ -27,9 +27,7 @@ _SLACK_M = 0.02
 _VALID = f"the well-known text of one polygon inside the box, at most {MOST_POINTS} corners"
 
 
-def outline_in_box(
-    attributes: Mapping[str, object], size_m: Vector3
-) -> shapely.Polygon | None:
+def outline_in_box(attributes: Mapping[str, object], size_m: Vector3) -> shapely.Polygon | None:
     """The outline of an object in the frame of its box, m; None for an object without one.
 
     Raises:
@@ -82,4 +80,6 @@ def require_outline(attributes: Mapping[str, object], box: OrientedBox) -> None:
     if OUTLINE in attributes:
         outline_in_box(attributes, box.s)
         if not box.is_upright:
-            raise SceneError(f"bbox.q is {box.q}; valid: an upright box for an object with {OUTLINE}")
+            raise SceneError(
+                f"bbox.q is {box.q}; valid: an upright box for an object with {OUTLINE}"
+            )

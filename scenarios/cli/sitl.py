@@ -61,8 +61,8 @@ class SitlCommand(SitlCfg):
     .json.gz), one of a file of layouts (.jsonl, .jsonl.gz) as FILE#ID or FILE#N, or a map (.osm,
     .osm.gz, .osm.pbf, .geojson), also as FILE#W,S,E,N."""
     bounds: Annotated[str, tyro.conf.arg(metavar="W,S,E,N", help_behavior_hint="")] = ""
-    """Part of a map to fly in: west, south, east and north in degrees, up to 400 x 400 m; by default
-    all of a small map. Write --bounds=-0.13,51.51,-0.12,51.52 where the first is negative."""
+    """Part of a map to fly in: west, south, east and north in degrees, up to 400 x 400 m; by
+    default all of a small map. Write --bounds=-0.13,51.51,-0.12,51.52 if the first is negative."""
 
     def __post_init__(self) -> None:
         """Refuse invalid options, two scenes, and bounds of what is no map."""

@@ -100,9 +100,9 @@ def _joined(triangles: Sequence[Ring]) -> list[Ring]:
     owner: dict[tuple[Point2, Point2], int] = {
         edge: number for number, ring in pieces.items() for edge in _edges(ring)
     }
-    inner = [edge for edge in owner if edge < edge[::-1] and edge[::-1] in owner]
+    inner = [(a, b) for a, b in owner if a < b and (b, a) in owner]
     for edge in sorted(inner, key=lambda e: -_length2(e)):
-        first, second = owner[edge], owner[edge[::-1]]
+        first, second = owner[edge], owner[edge[1], edge[0]]
         if first == second or (ring := _union(pieces[first], pieces[second], edge)) is None:
             continue
         del pieces[second]

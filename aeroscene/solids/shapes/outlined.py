@@ -6,12 +6,12 @@ and exports all follow the same walls. Boxes would need a staircase along every 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from itertools import pairwise
 from math import atan2, cos, hypot, sin
 from typing import TYPE_CHECKING
 
-from aeroscene.scene.catalogue import BUILDINGS, CANOPIES, COVERS, ROOFS, by_name
+from aeroscene.scene.catalogue import by_name
 from aeroscene.scene.outline import outline_in_box
 from aeroscene.solids.shapes.convex import Point2, Ring, convex_pieces
 from aeroscene.solids.shapes.look import Look
@@ -117,9 +117,7 @@ def _walls(polygon: shapely.Polygon) -> list[tuple[Point2, Point2]]:
 
     oriented = shapely.orient_polygons(polygon)
     rings = [oriented.exterior, *oriented.interiors]
-    return [
-        ((ax, ay), (bx, by)) for ring in rings for (ax, ay), (bx, by) in pairwise(ring.coords)
-    ]
+    return [((ax, ay), (bx, by)) for ring in rings for (ax, ay), (bx, by) in pairwise(ring.coords)]
 
 
 def _along(pair: tuple[Point2, Point2]) -> Point2:

@@ -59,6 +59,8 @@ def _fill(polygon: shapely.Polygon) -> float:
 
 def outlined_roof(look: Look, polygon: shapely.Polygon) -> list[Part] | None:
     """A pitched roof; None for a flat one, and where the outline is too irregular for its form."""
+    import shapely
+
     form = look.attributes.get("form")
     if form not in PITCHED:
         return None
@@ -70,7 +72,7 @@ def outlined_roof(look: Look, polygon: shapely.Polygon) -> list[Part] | None:
         low = min(_EDGE_M, 0.5 * z)
         return _planes(polygon, lambda p: low + (z - low) * (p[0] + x / 2) / x, wall, tiles)
     if form == "hip" and is_convex(polygon):
-        shape = polygon.convex_hull
+        shape = shapely.Polygon(shapely.get_coordinates(polygon.convex_hull))
         return [_tent(_corners(shape), _inner_ring(shape), z, tiles)]
     found = [] if is_convex(polygon) or _fill(polygon) > _WINGS_FILL else wings(polygon)
     if found:
@@ -170,7 +172,7 @@ def _grown(rectangle: _Rectangle, polygon: shapely.Polygon, axis: int) -> _Recta
             for value in outward[::-1] if side == k else outward:
                 tried = [*found]
                 tried[side] = value
-                if not reach.covers(shapely.box(*tried)):
+                if not reach.covers(shapely.box(tried[0], tried[1], tried[2], tried[3])):
                     break
                 found = tried
     return (found[0], found[1], found[2], found[3])
