@@ -15,7 +15,10 @@ MIN_SIDE_M = 20.0
 """Shortest side: a drone needs some room to take off and to land elsewhere."""
 ALTITUDE_M = 0.0
 """Height of the ground above the sea; maps do not say it."""
-_VALID = "W,S,E,N in degrees, west below east and south below north, such as 13.4000,52.5100,13.4020,52.5115"
+_VALID = (
+    "W,S,E,N in degrees, west below east and south below north, such as "
+    "13.4000,52.5100,13.4020,52.5115"
+)
 _ROUNDING = 1.0 + 1e-6
 """Bounds that were written with seven decimals may be that much longer than they were meant."""
 
@@ -100,8 +103,8 @@ def require_size(bounds: Bounds, subject: str) -> None:
     if min(x_m, y_m) >= MIN_SIDE_M and max(x_m, y_m) <= MAX_SIDE_M * _ROUNDING:
         return
     raise SceneError(
-        f"{subject} {x_m:.0f} x {y_m:.0f} m; valid: {MIN_SIDE_M:g} to {MAX_SIDE_M:g} m a side, such "
-        f"as {middle_of(bounds)}"
+        f"{subject} {x_m:.0f} x {y_m:.0f} m; valid: {MIN_SIDE_M:g} to {MAX_SIDE_M:g} m a side, "
+        f"such as {middle_of(bounds)}"
     )
 
 

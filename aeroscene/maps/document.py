@@ -1,4 +1,4 @@
-"""A map, whatever file it came from: features with tags, in metres about the middle of its bounds."""
+"""A map, whatever file it came from: features with tags and a geometry."""
 
 from __future__ import annotations
 

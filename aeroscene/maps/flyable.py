@@ -50,7 +50,7 @@ _LIMITS = AreaLimits(small=60, medium=60, large=60, perching=40)
 _CELL_M = 0.25
 _MOST_CELLS = 100_000_000
 """Cells that take half a gigabyte; of a larger place the cells are larger, on the safe side."""
-_NOTHING = "no building, street, ground or tree"
+_NOTHING = "no building, street, ground, fence or tree"
 _HIDDEN = "runs below the ground or inside a building"
 _OVERLAPS = "overlaps something else"
 _FLOATS = "has nothing to stand on"
@@ -143,7 +143,8 @@ def _build(site: Site) -> None:
     streets, paths = _with(lines, street_facts.is_street), _with(lines, street_facts.is_path)
     others = [f for f in areas if not building_facts.is_building(f.tags)]
     barriers, trees = _with([*lines, *areas], is_barrier), _with([*lines, *points], is_tree)
-    if not (buildings or streets or paths or trees or _with(others, is_ground)):
+    ground = _with(others, is_ground)
+    if not (buildings or streets or paths or trees or barriers or ground):
         raise MapError(f"{site.place.bounds} has {_NOTHING}; valid: a map with one of them there")
     site.dropped[_HIDDEN] += len(_with(lines, street_facts.is_hidden_way))
     lay_base(site, is_town=_is_town(site, buildings))

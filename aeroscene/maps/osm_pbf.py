@@ -39,8 +39,8 @@ def read_osm_pbf(path: Path, where: str, bounds: Bounds | None) -> OsmData:
     size = path.stat().st_size
     if size > MOST_PBF_BYTES:
         raise MapError(
-            f"{where} holds {size >> 20} MiB; valid: at most {MOST_PBF_BYTES >> 20} MiB, cut it out "
-            "with osmium extract"
+            f"{where} holds {size >> 20} MiB; valid: at most {MOST_PBF_BYTES >> 20} MiB, cut it "
+            "out with osmium extract"
         )
     data = OsmData()
     try:

@@ -38,8 +38,8 @@ def read_osm_xml(pieces: Iterator[bytes], where: str) -> OsmData:
     except expat.ExpatError as error:
         reason = expat.ErrorString(error.code)
         raise MapError(
-            f"{where} line {error.lineno}: XML is malformed or cut short ({reason}); valid: a whole "
-            "OSM XML file"
+            f"{where} line {error.lineno}: XML is malformed or cut short ({reason}); valid: a "
+            "whole OSM XML file"
         ) from None
     except SceneError as error:
         line = reader.parser.CurrentLineNumber

@@ -121,7 +121,7 @@ class Framed:
 def framed(
     polygon: shapely.Polygon, bottom_m: float, top_m: float, heading_rad: float | None = None
 ) -> Framed:
-    """The smallest box about a polygon; its x axis runs along the longer side, or along a heading."""
+    """The smallest box about a polygon, its x axis along the longer side or along a heading."""
     heading = long_axis_rad(polygon) if heading_rad is None else heading_rad
     c, s = math.cos(heading), math.sin(heading)
     turn = np.array([[c, s], [-s, c]])

@@ -1,7 +1,7 @@
 """Ground: one base under everything, and covers on it for water, parks, squares and paths.
 
-Covers lie beside each other. Where the map has two at one place, the one that people would see wins:
-buildings before streets, streets before pavements, and small areas before large ones.
+Covers lie beside each other. Where the map has two at one place, the one that people would see
+wins: buildings before streets, streets before pavements, and small areas before large ones.
 """
 
 from __future__ import annotations

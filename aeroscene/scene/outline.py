@@ -1,9 +1,9 @@
 """Outlines of objects that are no rectangles seen from above.
 
 The attribute `outline` of an object holds a polygon as well-known text, such as
-`POLYGON ((-5 -4, 5 -4, 5 4, 0 4, 0 0, -5 0, -5 -4))`, with holes where the object has courtyards. Its
-coordinates are metres in the frame of the object's box: x forwards, y to the left, the origin in
-the middle of the box. The object is the prism over that polygon, as high as its box.
+`POLYGON ((-5 -4, 5 -4, 5 4, 0 4, 0 0, -5 0, -5 -4))`, with holes where the object has courtyards.
+Its coordinates are metres in the frame of the object's box: x forwards, y to the left, the origin
+in the middle of the box. The object is the prism over that polygon, as high as its box.
 """
 
 from __future__ import annotations

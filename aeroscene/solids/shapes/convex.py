@@ -59,8 +59,8 @@ def _rectangles(polygon: shapely.Polygon) -> list[Ring] | None:
         line = shapely.LineString([(left - 1, middle), (right + 1, middle)])
         parts = shapely.get_parts(shapely.intersection(polygon, line))
         spans = {(round(p.bounds[0], 3), round(p.bounds[2], 3)) for p in parts if p.length}
-        for span in [span for span in open_strips if span not in spans]:
-            done.append(_rectangle(span, open_strips.pop(span), low))
+        ended = [span for span in open_strips if span not in spans]
+        done += [_rectangle(span, open_strips.pop(span), low) for span in ended]
         for span in sorted(spans):
             open_strips.setdefault(span, low)
     return done + [_rectangle(span, low, levels[-1]) for span, low in open_strips.items()]
