@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Sequence, Set
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -44,13 +44,13 @@ class _Line:
 
 def lay_streets(site: Site, features: Sequence[Feature]) -> None:
     """Add the carriageways of streets; buildings keep their ground."""
-    lines = [line for feature in features for line in _lines(feature)]
+    lines = list(_lines(features))
     carriageway = site.ground.left_of(_carriageway(site, lines))
     site.carriageways.add(carriageway)
     n_at = _meetings(lines)
     shape = areal(shapely.intersection(carriageway, site.place.area, grid_size=GRID_M))
     for line in sorted(lines, key=lambda each: -each.width_m):
-        for stretch in _stretches(line, n_at, lines):
+        for stretch in _stretches(line, n_at):
             shape = _lay_stretch(site, line, stretch, shape)
     finish = Counter(facts.finish(line.feature.tags, "asphalt") for line in lines)
     attributes: dict[str, AttributeValue] = {}
@@ -65,7 +65,7 @@ def lay_pavements(site: Site, features: Sequence[Feature], footways: Sequence[Fe
     strips: list[BaseGeometry] = []
     for feature in features:
         sides, width = facts.pavements(feature.tags), facts.pavement_width_m(feature.tags)
-        for line in _lines(feature) if sides else ():
+        for line in _lines([feature]) if sides else ():
             centre = shapely.LineString(line.points)
             reach = line.width_m / 2 + width
             if len(sides) == 2:
@@ -110,17 +110,30 @@ def _lay(
         site.covers.append(Cover(part, base_m + thickness_m, number, is_open))
 
 
-def _lines(feature: Feature) -> Iterator[_Line]:
-    """The lines of a street, without corners that hardly turn."""
-    if feature.geometry.geom_type not in {"LineString", "MultiLineString"}:
-        return
-    for part in shapely.get_parts(shapely.simplify(feature.geometry, _SIMPLIFY_M)):
-        points = [(round(x, 3), round(y, 3)) for x, y in shapely.get_coordinates(part).tolist()]
-        points = [
-            p for k, p in enumerate(points) if k == 0 or math.dist(p, points[k - 1]) > _NODE_M
-        ]
-        if len(points) >= 2:
-            yield _Line(feature, tuple(points), facts.street_width_m(feature.tags))
+def _lines(features: Sequence[Feature]) -> Iterator[_Line]:
+    """The lines of streets, without corners that hardly turn, but with those where they meet."""
+    parts = [
+        (feature, [(round(x, 2), round(y, 2)) for x, y in shapely.get_coordinates(part).tolist()])
+        for feature in features
+        for part in shapely.get_parts(feature.geometry)
+    ]
+    counts = Counter(_key(point) for _, points in parts for point in dict.fromkeys(points))
+    for feature, points in parts:
+        kept = _simplified(points, {key for key, count in counts.items() if count > 1})
+        if len(kept) >= 2:
+            yield _Line(feature, tuple(kept), facts.street_width_m(feature.tags))
+
+
+def _simplified(points: Sequence[_Point2], fixed: Set[tuple[int, int]]) -> list[_Point2]:
+    kept = [points[0]]
+    first = 0
+    for k in range(1, len(points)):
+        if k == len(points) - 1 or _key(points[k]) in fixed:
+            line = shapely.simplify(shapely.LineString(points[first : k + 1]), _SIMPLIFY_M)
+            corners = [(x, y) for x, y in shapely.get_coordinates(line)[1:].tolist()]
+            kept += [corner for corner in corners if math.dist(corner, kept[-1]) > _NODE_M]
+            first = k
+    return kept
 
 
 def _carriageway(site: Site, lines: Sequence[_Line]) -> BaseGeometry:
@@ -161,11 +174,8 @@ def _key(point: _Point2) -> tuple[int, int]:
     return (round(point[0] / _NODE_M), round(point[1] / _NODE_M))
 
 
-def _stretches(
-    line: _Line, n_at: Counter[tuple[int, int]], lines: Sequence[_Line]
-) -> Iterator[tuple[_Point2, _Point2]]:
+def _stretches(line: _Line, n_at: Counter[tuple[int, int]]) -> Iterator[tuple[_Point2, _Point2]]:
     """Straight parts of a line without the junctions and bends at their ends."""
-    del lines
     for number, (a, b) in enumerate(pairwise(line.points)):
         length = math.dist(a, b)
         before = _trim_m(line, number, n_at)
