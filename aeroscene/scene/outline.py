@@ -48,12 +48,14 @@ def _parsed(text: object, size_m: Vector3) -> shapely.Polygon:
 
 def _decoded(text: object) -> shapely.Polygon | None:
     # Start-up time: most scenes have no outlines.
+    import numpy as np
     import shapely
 
     if not isinstance(text, str) or len(text) > _MOST_TEXT:
         return None
     try:
-        shape = shapely.from_wkt(text)
+        with np.errstate(invalid="ignore"):
+            shape = shapely.from_wkt(text)
     except (shapely.errors.GEOSException, UnicodeError, ValueError):
         return None
     return shape if isinstance(shape, shapely.Polygon) else None

@@ -241,7 +241,9 @@ def test_streets_under_the_ground_are_left_out_and_counted(tmp_path):
 def test_a_map_without_anything_we_have_is_refused(tmp_path):
     file = OsmFile()
     file.node((0, 0), name="nothing")
-    with pytest.raises(MapError, match=r"map\.osm': .* has no building, street, ground, fence or tree"):
+    with pytest.raises(
+        MapError, match=r"map\.osm': .* has no building, street, ground, fence or tree"
+    ):
         made(file, tmp_path)
 
 
