@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterator, Sequence, Set
+from collections.abc import Iterator, Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -124,7 +125,7 @@ def _lines(features: Sequence[Feature]) -> Iterator[_Line]:
             yield _Line(feature, tuple(kept), facts.street_width_m(feature.tags))
 
 
-def _simplified(points: Sequence[_Point2], fixed: Set[tuple[int, int]]) -> list[_Point2]:
+def _simplified(points: Sequence[_Point2], fixed: AbstractSet[tuple[int, int]]) -> list[_Point2]:
     kept = [points[0]]
     first = 0
     for k in range(1, len(points)):

@@ -30,7 +30,7 @@ def test_bounds_are_read_with_their_middle_and_size():
     ],
 )
 def test_what_is_no_rectangle_is_refused_with_an_example(text):
-    with pytest.raises(SceneError, match="bounds are '.*'; valid: W,S,E,N in degrees"):
+    with pytest.raises(SceneError, match=r"bounds are '.*'; valid: W,S,E,N in degrees"):
         parse_bounds(text)
 
 

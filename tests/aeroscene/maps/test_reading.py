@@ -102,7 +102,7 @@ def test_damaged_pbf_is_refused(tmp_path):
     pytest.importorskip("osmium")
     path = tmp_path / "map.osm.pbf"
     path.write_bytes(b"\0\0\0\x0f" + b"x" * 100)
-    with pytest.raises(MapError, match="cannot be read .*; valid: a whole PBF file"):
+    with pytest.raises(MapError, match=r"cannot be read .*; valid: a whole PBF file"):
         read_map(path, bounds_text())
 
 
@@ -176,8 +176,7 @@ BROKEN_GEOJSON = {
         "valid: longitude, latitude in degrees",
     ),
     "not a number": (
-        b'{"type": "FeatureCollection", "features": [{"geometry": {"type": "Point", '
-        b'"coordinates": [NaN, 1]}}]}',
+        b'{"type": "FeatureCollection", "features": [{"geometry": {"coordinates": [NaN, 1]}}]}',
         "not JSON or not all of it",
     ),
     "text": (geojson(feature({"type": "Point", "coordinates": ["18", "55"]})), "has the position"),
