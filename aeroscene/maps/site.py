@@ -141,10 +141,10 @@ def _upwards(length_m: float) -> float:
     return max(math.ceil(length_m / GRID_M - 1e-6) * GRID_M, GRID_M)
 
 
-def long_axis_rad(polygon: shapely.Polygon) -> float:
-    """Direction of the longer side of the smallest rectangle about a polygon."""
+def long_axis_rad(shape: BaseGeometry) -> float:
+    """Direction of the longer side of the smallest rectangle about a shape."""
     (ax, ay), (bx, by), (cx, cy), *_ = shapely.get_coordinates(
-        shapely.oriented_envelope(polygon)
+        shapely.oriented_envelope(shape)
     ).tolist()
     first, second = (bx - ax, by - ay), (cx - bx, cy - by)
     dx, dy = first if math.hypot(*first) >= math.hypot(*second) else second
