@@ -42,7 +42,7 @@ _LEAST_M = 1.0
 _LONGEST_M = 40.0
 _CLEAR_M = 0.12
 """Gap between a barrier and the walls, streets and paths that it meets."""
-_SHORT = f"is a piece of fence shorter than {_LEAST_M:g} m"
+_SHORT = f"pieces of fence shorter than {_LEAST_M:g} m"
 
 _Point2 = tuple[float, float]
 

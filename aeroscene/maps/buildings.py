@@ -28,8 +28,8 @@ _BEARS_M = 0.6
 """Height by which a part may begin above or below what bears it."""
 _ENOUGH_KNOWN = 5
 """Buildings of known height whose median the others take."""
-_HIDDEN = "lies within other buildings"
-_TINY = f"is smaller than {_LEAST_M2:g} m2 within the bounds"
+_HIDDEN = "within other buildings"
+_TINY = f"smaller than {_LEAST_M2:g} m2 within the bounds"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -18,6 +19,7 @@ from aeroscene.areas.needs import AreaLimits
 from aeroscene.areas.reach import FIELD_CAP_M
 from aeroscene.areas.start import NO_START, Ground, with_start
 from aeroscene.files.names import file_name
+from aeroscene.files.visible import visible
 from aeroscene.layouts.assembly import Assembly
 from aeroscene.maps import building_facts, street_facts
 from aeroscene.maps.barriers import is_barrier, raise_barriers
@@ -29,7 +31,7 @@ from aeroscene.maps.place import Place, locate
 from aeroscene.maps.reading import read_map
 from aeroscene.maps.site import Site
 from aeroscene.maps.streets import lay_pavements, lay_streets
-from aeroscene.maps.surfaces import is_ground, lay_base, lay_surfaces
+from aeroscene.maps.surfaces import is_ground, is_strip, lay_base, lay_surfaces
 from aeroscene.maps.trees import is_tree, is_wood, plant_trees
 from aeroscene.scene import Scene, SceneObject
 from aeroscene.solids.freespace import build_distance_field
@@ -46,14 +48,28 @@ MOST_TOP_M = 120.0
 """Top of the flight volume; taller buildings are cut there."""
 _TOWN_SHARE, _HOUSES_SHARE = 0.35, 0.4
 """Built share of a town's ground, and the share of that from which its yards are gardens."""
+_PHYSICAL = (
+    "natural",
+    "waterway",
+    "leisure",
+    "man_made",
+    "barrier",
+    "highway",
+    "railway",
+    "power",
+    "landuse",
+    "amenity",
+)
+"""Keys of what can be seen; an area's first one names its kind."""
+_MOST_NAMED = 6
 _LIMITS = AreaLimits(small=60, medium=60, large=60, perching=40)
 _CELL_M = 0.25
 _MOST_CELLS = 100_000_000
 """Cells that take half a gigabyte; of a larger place the cells are larger, on the safe side."""
 _NOTHING = "no building, street, ground, fence or tree"
-_HIDDEN = "runs below the ground or inside a building"
-_OVERLAPS = "overlaps something else"
-_FLOATS = "has nothing to stand on"
+_HIDDEN = "below the ground or inside a building"
+_OVERLAPS = "overlapping something else"
+_FLOATS = "with nothing to stand on"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -146,7 +162,10 @@ def _build(site: Site) -> None:
     ground = _with(others, is_ground)
     if not (buildings or streets or paths or trees or barriers or ground):
         raise MapError(f"{site.place.bounds} has {_NOTHING}; valid: a map with one of them there")
-    site.dropped[_HIDDEN] += len(_with(lines, street_facts.is_hidden_way))
+    hidden = _with(lines, street_facts.is_hidden_way)
+    site.dropped[_HIDDEN] += len(hidden)
+    used = (*buildings, *streets, *paths, *barriers, *trees, *ground, *hidden)
+    _count_unknown(site, [*areas, *lines], {id(feature) for feature in used})
     lay_base(site, is_town=_is_town(site, buildings))
     raise_buildings(site, buildings)
     lay_streets(site, streets)
@@ -160,6 +179,20 @@ def _build(site: Site) -> None:
     place_furniture(site, [f for f in points if f not in trees], ways)
     plant_trees(site, trees, _with(areas, is_wood))
     site.dropped += Counter()  # Without reasons that nothing was left out for.
+
+
+def _count_unknown(site: Site, features: Sequence[Feature], used: AbstractSet[int]) -> None:
+    """Count areas and lines of kinds that we do not build; points are mostly addresses."""
+    kinds = Counter(
+        f"{key}={feature.tags[key]}"
+        for feature in features
+        if id(feature) not in used and not is_wood(feature.tags) and not is_strip(feature.tags)
+        for key in [key for key in _PHYSICAL if key in feature.tags][:1]
+    )
+    if kinds:
+        named = ", ".join(f"{visible(kind[:60])} {n}" for kind, n in kinds.most_common(_MOST_NAMED))
+        more = ", ..." if len(kinds) > _MOST_NAMED else ""
+        site.dropped[f"of kinds that are not built ({named}{more})"] += sum(kinds.values())
 
 
 def _is_town(site: Site, buildings: Sequence[Feature]) -> bool:

@@ -22,9 +22,9 @@ _FARTHEST_ASIDE_M = 9.0
 _LOOKS_FOR_WAY_M = 25.0
 _WALL_M = 0.1
 """Least gap to a building's wall."""
-_ON_STREET = "stands in the middle of a street"
-_IN_BUILDING = "stands inside a building"
-_AT_BORDER = "reaches beyond the bounds"
+_ON_STREET = "in the middle of a street"
+_IN_BUILDING = "inside a building"
+_AT_BORDER = "reaching beyond the bounds"
 
 
 def place_furniture(site: Site, features: Sequence[Feature], ways: Sequence[BaseGeometry]) -> None:

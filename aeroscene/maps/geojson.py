@@ -32,8 +32,8 @@ _DEPTHS = {
 _MOST_PARTS = 32
 """Geometries of one collection; collections in collections are left out."""
 _HEIGHT = re.compile(r"(?:building_?)?(?:height|hoehe|measured_?height|render_height)(?:_m)?")
-_NULL = "has no geometry"
-_UNKNOWN = "has a geometry of an unknown type"
+_NULL = "without a geometry"
+_UNKNOWN = "of an unknown type of geometry"
 
 
 def read_geojson(data: bytes, where: str) -> RawMap:

@@ -36,8 +36,8 @@ _LINES = {
 }
 """Values of keys that make an area otherwise, for which a closed way is a line."""
 _AREA_RELATIONS = frozenset({"multipolygon", "boundary"})
-_MISSING = "refers to nodes or ways that the map does not hold"
-_BROKEN = "has an outline that is not closed"
+_MISSING = "with references to nodes or ways that the map does not hold"
+_BROKEN = "with an outline that is not closed"
 
 
 def features_of(data: OsmData) -> RawMap:

@@ -15,8 +15,8 @@ from aeroscene.scene.origin import metres_per_degree
 
 _MOST_CORNERS = 5_000
 """Corners of one feature within the bounds; a lake's shore has some hundreds there."""
-_BROKEN = "crosses itself or has no area"
-_LARGE = f"has more than {_MOST_CORNERS} corners"
+_BROKEN = "crossing themselves or without area"
+_LARGE = f"with more than {_MOST_CORNERS} corners"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

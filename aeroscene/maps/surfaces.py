@@ -159,6 +159,15 @@ def _kind(tags: Tags) -> _Kind | None:
     )
 
 
+def is_strip(tags: Tags) -> bool:
+    """Whether a line is ground with a width: a railway or flowing water."""
+    return facts.is_rail(tags) or _is_open_water(tags)
+
+
+def _is_open_water(tags: Tags) -> bool:
+    return tags.get("waterway") in _WATERWAYS_M and tags.get("tunnel", "no") == "no"
+
+
 def lay_base(site: Site, *, is_town: bool) -> None:
     """Add the ground under everything: grass, or the paving of a town."""
     category, finish = ("plaza", "paving") if is_town else ("lawn", "grass")
@@ -197,7 +206,7 @@ def _shapes(feature: Feature) -> Iterator[tuple[_Kind, BaseGeometry]]:
         yield _PATH, shapely.buffer(shape, width / 2, cap_style="flat", quad_segs=3)
     elif facts.is_rail(tags):
         yield _BED, shapely.buffer(shape, _RAIL_BED_M / 2, cap_style="flat")
-    elif tags.get("waterway") in _WATERWAYS_M and tags.get("tunnel", "no") == "no":
+    elif _is_open_water(tags):
         width = length_m(tags, "width", 0.5, 300) or _WATERWAYS_M[tags["waterway"]]
         yield _WATER, shapely.buffer(shape, width / 2, cap_style="flat", quad_segs=3)
 

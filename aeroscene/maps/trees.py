@@ -24,7 +24,7 @@ _HEIGHT_M = 8.0
 _LEAST_CROWN_M = 1.5
 _GAP_M = 0.05
 _WOODS = {("natural", "wood"), ("landuse", "forest"), ("landuse", "orchard")}
-_NO_ROOM = "is a tree without room for its crown"
+_NO_ROOM = "trees without room for their crowns"
 _IN_WOODS = "trees of woods, which the map has as areas, are ours"
 _FORMS = {"needleleaved": "conical", "broadleaved": "round"}
 
@@ -131,7 +131,7 @@ def _plant(site: Site, tree: _Tree, crown_m: float) -> None:
     point = shapely.Point(tree.x, tree.y)
     on_street = any(shapely.intersects(s, point) for s in site.carriageways.pieces_near(point))
     if crown_m < _LEAST_CROWN_M or on_street:
-        site.dropped["stands in the middle of a street" if on_street else _NO_ROOM] += 1
+        site.dropped["in the middle of a street" if on_street else _NO_ROOM] += 1
         return
     ground = site.cover_at(tree.x, tree.y)
     crown_m = round(crown_m, 2)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 OUTLINE = "outline"
 """Name of the attribute."""
 _MOST_TEXT = 50 * MOST_POINTS
-_SLACK_M = 0.02
+_SLACK_M = 0.01
 """Length by which rounded corners may lie outside the box."""
 _VALID = f"the well-known text of one polygon inside the box, at most {MOST_POINTS} corners"
 

@@ -45,7 +45,8 @@ _FINISH = {
     "water": "water",
 }
 _BLOCK_MATERIAL = {"warehouse": "cladding_grey", "garage": "concrete", "kiosk": "timber"}
-_PANEL_M = 0.02
+_PANEL_M, _DOOR_M = 0.012, 0.018
+"""Thickness of panes and doors, half of it before the wall, within what a box lets stand out."""
 _LEAST_WALL_M = 2.0
 """Shorter walls have no windows."""
 _MOST_PANELS = 200
@@ -138,7 +139,7 @@ def _skin(
     length = hypot(bx - ax, by - ay)
     bay_m = FACADE_BAY_M[0]
     wide = min(length, max(1, int(length / bay_m + 1e-6)) * bay_m if width_m is None else width_m)
-    thick = _PANEL_M if width_m is None else 1.5 * _PANEL_M
+    thick = _PANEL_M if width_m is None else _DOOR_M
     out = atan2(ax - bx, by - ay)
     c, s = cos(out / 2) / 2, sin(out / 2) / 2
     return Part(

@@ -70,7 +70,9 @@ def outlined_roof(look: Look, polygon: shapely.Polygon) -> list[Part] | None:
     x, _, z = look.size_m
     if form == "shed":
         low = min(_EDGE_M, 0.5 * z)
-        return _planes(polygon, lambda p: low + (z - low) * (p[0] + x / 2) / x, wall, tiles)
+        return _planes(
+            polygon, lambda p: low + (z - low) * min(1.0, max(0.0, 0.5 + p[0] / x)), wall, tiles
+        )
     if form == "hip" and is_convex(polygon):
         shape = shapely.Polygon(shapely.get_coordinates(polygon.convex_hull))
         return [_tent(_corners(shape), _inner_ring(shape), z, tiles)]

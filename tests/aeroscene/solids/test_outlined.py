@@ -20,6 +20,8 @@ SHAPES = {
     "U": "POLYGON ((-5 -4, 5 -4, 5 4, 2 4, 2 -1, -2 -1, -2 4, -5 4, -5 -4))",
     "court": "POLYGON ((-5 -4, 5 -4, 5 4, -5 4, -5 -4), (-2 -2, 2 -2, 1 2, -2 2, -2 -2))",
     "skewed": "POLYGON ((-5 -4, 5 -3, 4 4, 0 3, 1 0, -5 0, -5 -4))",
+    # As far out of its box as rounding may put it: windows and doors must have room before it.
+    "rounded up": "POLYGON ((-5.009 -4, 5.009 -4.009, 5.009 4, -5 4.009, -5.009 -4))",
     "triangle": "POLYGON ((-5 -4, 5 -4, 0 4, -5 -4))",
 }
 COVERS = ("road", "lawn", "plaza", "sidewalk", "parking_lot", "water")
