@@ -1,4 +1,4 @@
-"""What stands at a point of a map: our category and form, its size, how it is turned."""
+"""Objects at points of a map: category, form, size, and which way they face."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ _BUS_SHELTER = PointKind("canopy", (1.8, 4.0, 2.8), "flat", faces_way=True)
 
 
 def kind_at(tags: Tags) -> PointKind | None:
-    """What stands at a point with these tags; None for what we have nothing like."""
+    """The kind of object at a point with these tags; None where nothing of ours is like it."""
     if tags.get("highway") == "bus_stop" and tags.get("shelter") == "yes":
         return _BUS_SHELTER
     if "traffic_sign" in tags and "highway" not in tags:

@@ -123,7 +123,7 @@ def _corners(shape: shapely.Polygon) -> list[Point2]:
 
 
 def _inner_ring(shape: shapely.Polygon) -> list[Point2]:
-    """Where planes that rise evenly from every edge of a convex polygon meet at the top."""
+    """Corners of the ridge in which planes meet that rise evenly from every edge of a polygon."""
     import shapely
 
     depth = _RIDGE_SHARE * shapely.maximum_inscribed_circle(shape, 0.01).length
