@@ -1,4 +1,4 @@
-"""Sources of scenes: shipped, curated, generated, the field, a file, another project's layout."""
+"""Sources of scenes: shipped, curated, generated, the field, a file, a layout, a map."""
 
 from __future__ import annotations
 
@@ -25,6 +25,11 @@ _NUMBER = re.compile(r"(?:(?P<source>corpus|gen):)?(?P<number>[0-9]{1,9})")
 # The names that these scenes have themselves, as a run prints them.
 _SCENE_ID = re.compile(r"(?P<source>aeroscene|corpus)-(?P<number>[0-9]{4,9})")
 _FILE = re.compile(r"(?P<path>.+?\.jsonl?(?:\.gz)?)(?:#(?P<scene_id>.*))?", re.DOTALL)
+_MAP = re.compile(
+    r"(?P<path>.+?\.(?:osm(?:\.gz|\.xml|\.pbf)?|pbf|geojson(?:\.gz)?))(?:#(?P<bounds>.*))?",
+    re.DOTALL,
+)
+_GEOJSON_KEY = b'"FeatureCollection"'
 # Keys by which a layout is known even where its JSON is cut short.
 _LAYOUT_KEYS = (
     (b'"outdoor_scene"',),
@@ -49,7 +54,9 @@ def load_scene(spec: str, *, skip_invalid: bool = False) -> Scene:
             file that holds a scene of ours, the AeroScene authors' JSON, or a house of 3D-FRONT,
             ProcTHOR or Holodeck; or `FILE.jsonl#ID`, also gzip, for a scene of a file of neutral
             layouts or such houses, where ID is its scene_id, what follows the last slash of that,
-            or its number in the file from 0.
+            or its number in the file from 0; or `FILE.osm#W,S,E,N`, also `.osm.gz`, `.osm.pbf` and
+            `.geojson`, for a place on a map, where W,S,E,N are degrees, and may be left out for a
+            small map.
         skip_invalid: Leave out objects of a layout that break a rule, instead of raising.
 
     Raises:
@@ -64,11 +71,13 @@ def load_scene(spec: str, *, skip_invalid: bool = False) -> Scene:
     file = _FILE.fullmatch(spec)
     if file:
         return _open_file(file["path"], file["scene_id"], skip_invalid=skip_invalid)
+    if place := _MAP.fullmatch(spec):
+        return _open_map(place["path"], place["bounds"])
     named = _NUMBER.fullmatch(canonical_name(spec))
     if named is None or (named["source"] is None and int(named["number"]) >= CORPUS_SIZE):
         raise UnknownSceneError(
             f"scene {spec!r} is unknown; valid: a number from 0 to {CORPUS_SIZE - 1}, corpus:N, "
-            "gen:SEED, field, hills, FILE.json or FILE.jsonl#ID, also with .gz"
+            "gen:SEED, field, hills, FILE.json, FILE.jsonl#ID or FILE.osm#W,S,E,N, also with .gz"
         )
     return _open_number(named["source"] or NUMBERS_NAME, int(named["number"]))
 
@@ -100,7 +109,23 @@ def _open_number(source: str, number: int) -> Scene:
     return generate_scene(number)
 
 
+def is_map(spec: str) -> bool:
+    """Whether a name is that of a map file, with or without bounds."""
+    return _MAP.fullmatch(spec) is not None
+
+
+def _open_map(path: str, bounds: str | None) -> Scene:
+    from aeroscene.maps import open_map
+
+    scene, report = open_map(path, bounds)
+    for line in report.lines:
+        _log.warning("scene %r: %s", scene.scene_id, line)
+    return scene
+
+
 def _open_file(path: str, scene_id: str | None, *, skip_invalid: bool) -> Scene:
+    if _is_geojson(path):
+        return _open_map(path, scene_id)
     if _is_layout(path):
         return _open_layout(path, scene_id, skip_invalid=skip_invalid)
     scene = read_scene(path, _derived_areas)
@@ -116,6 +141,17 @@ def _derived_areas(scene: Scene) -> tuple[InteractionArea, ...]:
     from aeroscene.areas.landing import derive_interaction_areas
 
     return derive_interaction_areas(scene)
+
+
+def _is_geojson(path: str) -> bool:
+    """Whether a JSON file is a map, by its first bytes."""
+    if ".jsonl" in path[-9:]:
+        return False
+    try:
+        with Path(path).open("rb") as file:
+            return _GEOJSON_KEY in file.read(512)
+    except OSError:
+        return False
 
 
 def _is_layout(path: str) -> bool:

@@ -8,11 +8,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from aeroscene.scene.origin import metres_per_degree
 from autonomy.types import Quaternion, Vector3
 
-# WGS 84, NGA.STND.0036.
-_SEMI_MAJOR_AXIS_M = 6378137.0
-_ECCENTRICITY_SQUARED = 6.69437999014e-3
 _HALF_SQRT_2 = math.sqrt(0.5)
 
 
@@ -81,13 +79,8 @@ class LocalFrame:
 
     def __init__(self, origin: Geodetic) -> None:
         self.origin = origin
-        latitude = math.radians(origin.latitude_deg)
-        w = 1.0 - _ECCENTRICITY_SQUARED * math.sin(latitude) ** 2
-        meridian_m = _SEMI_MAJOR_AXIS_M * (1.0 - _ECCENTRICITY_SQUARED) / w**1.5
-        normal_m = _SEMI_MAJOR_AXIS_M / math.sqrt(w)
-        self.metres_per_degree_north = math.radians(meridian_m + origin.altitude_m)
-        self.metres_per_degree_east = math.radians(
-            (normal_m + origin.altitude_m) * math.cos(latitude)
+        self.metres_per_degree_north, self.metres_per_degree_east = metres_per_degree(
+            origin.latitude_deg, origin.altitude_m
         )
 
     def geodetic_from_enu(self, position_enu_m: Vector3) -> Geodetic:

@@ -19,6 +19,7 @@ from aeroscene.areas.needs import AreaLimits
 from aeroscene.areas.reach import FIELD_CAP_M
 from aeroscene.scene import Scene, SceneObject, Vector3
 from aeroscene.scene.catalogue import LAWNS, OPEN_GROUND, ROADS, ROOMS
+from aeroscene.scene.footprint import footprint
 from aeroscene.solids.freespace import VoxelField, build_distance_field
 from aeroscene.solids.shapes import Primitive, scene_primitives
 from aeroscene.solids.shapes.shell import FINISH_M
@@ -109,13 +110,13 @@ def _count_away(scene: Scene) -> int:
 def grounds_of(scene: Scene) -> tuple[tuple[Ground, ...], ...]:
     """The grounds of a scene by rank: indoors the lowest floors first, else what is open."""
     floors = tuple(
-        Ground(_outline(obj), _bottom_m(obj) + FINISH_M, frozenset(scene.ancestors(obj.id)))
+        Ground(footprint(obj), _bottom_m(obj) + FINISH_M, frozenset(scene.ancestors(obj.id)))
         for obj in scene.objects
         if obj.category in ROOMS and _bottom_m(obj) <= scene.extent_min_enu_m[2] + _LOWEST_M
     )
     is_open, last_resort = (
         tuple(
-            Ground(_outline(obj), obj.bbox.p[2] + obj.bbox.s[2] / 2)
+            Ground(footprint(obj), obj.bbox.p[2] + obj.bbox.s[2] / 2)
             for obj in scene.objects
             if obj.category in names and obj.domain == "outdoor"
         )
@@ -170,12 +171,8 @@ def _obstacles(
         low, high = float(corners[:, 2].min()), float(corners[:, 2].max())
         is_low = high > ground_m + _FLAT_M and low < ground_m + FREE_HEIGHT_M
         if is_low and obj.category not in LAWNS | ROOMS and obj.id not in within:
-            outlines.append(_outline(obj))
+            outlines.append(footprint(obj))
     return outlines
-
-
-def _outline(obj: SceneObject) -> BaseGeometry:
-    return shapely.convex_hull(shapely.MultiPoint(obj.bbox.corners()[:, :2]))
 
 
 def _widest(regions: Sequence[BaseGeometry]) -> tuple[int, shapely.LineString] | None:

@@ -30,10 +30,12 @@ def count_values(data: bytes) -> int:
     return 1 + sum(data.count(mark) for mark in (b",", b":", b"[", b"{"))
 
 
-def excess(data: bytes, most_bytes: int = MOST_JSON_BYTES) -> str | None:
+def excess(
+    data: bytes, most_bytes: int = MOST_JSON_BYTES, most_values: int = MOST_VALUES
+) -> str | None:
     """What of a JSON text is beyond the bounds, and what would be valid; None if nothing is."""
     if len(data) > most_bytes:
         return f"holds more than {most_bytes >> 20} MiB of JSON; valid: at most that"
-    if (count := count_values(data)) > MOST_VALUES:
-        return f"holds up to {count} values; valid: at most {MOST_VALUES}"
+    if (count := count_values(data)) > most_values:
+        return f"holds up to {count} values; valid: at most {most_values}"
     return None

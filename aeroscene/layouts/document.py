@@ -77,6 +77,8 @@ class NeutralLayout:
     """Outline, counter-clockwise, not closed, m; empty where the source has no floor."""
     objects: tuple[LayoutObject, ...]
     rooms: tuple[LayoutRoom, ...] = ()
+    doors: tuple[Point2, ...] = ()
+    """Points of doors on the borders of rooms; empty where the source does not say."""
     front: Literal["x", "y"] = "x"
     """Body axis that points to the front of an object."""
     attributes: Mapping[str, Any] = field(default_factory=dict, hash=False)

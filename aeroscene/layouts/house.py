@@ -45,7 +45,7 @@ def build_house(site: Site) -> tuple[Grounds, float]:
         for tile in cover(room.polygon, _ROOM_TILE_M):
             box = slab(tile, 0.0, height_m)
             site.assembly.add("room", box, "indoor", attributes=attributes)
-    for wall in plan_walls(rooms, _furniture(site)):
+    for wall in plan_walls(rooms, _furniture(site), site.layout.doors):
         _raise_wall(site, wall, height_m)
     floors = [shapely.Polygon(room.polygon) for room in rooms]
     outline = _outer_faces(floors)

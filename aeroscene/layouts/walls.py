@@ -1,8 +1,8 @@
 """Walls about rooms, with openings between neighbours: what a source with floors only lacks.
 
 Where two rooms meet, or lie so close that one wall must part them, stands an inner wall; every
-other stretch of a room's outline gets an outer wall on its far side. Layouts of rooms do not say
-where their doors are, so we choose: an opening wherever two neighbours share a stretch that is
+other stretch of a room's outline gets an outer wall on its far side. Layouts of rooms seldom say
+where their doors are, so that we choose: an opening wherever two neighbours share a stretch that is
 free of furniture on both sides, as many more as it takes to join all rooms that can be joined, and
 one to the outside, where furniture is least in its way.
 """
@@ -31,6 +31,8 @@ DOOR_HEIGHT_M = 2.2
 _LEAST_SHARED_M = 0.25
 _JAMB_M = 0.04
 """Least wall on either side of an opening."""
+_AT_DOOR_M = 0.4
+"""Farthest that a stated door lies from its wall."""
 _PARALLEL = 0.999
 _APRON_M = 0.9
 """Depth on either side of an opening that should be free of furniture."""
@@ -92,19 +94,25 @@ def _door_width(wall_m: float) -> float:
     return round(min(DOOR_M, wall_m - 2 * _JAMB_M), 3)
 
 
-def plan_walls(rooms: Sequence[LayoutRoom], furniture: Sequence[shapely.Polygon]) -> list[WallPlan]:
+def plan_walls(
+    rooms: Sequence[LayoutRoom],
+    furniture: Sequence[shapely.Polygon],
+    doors: Sequence[Point2] = (),
+) -> list[WallPlan]:
     """Walls of all rooms.
 
     Args:
         rooms: Outlines that may touch or leave gaps, but do not overlap.
         furniture: Outlines of what stands or hangs lower than an opening's lintel.
+        doors: Where the openings are; more are made only for rooms that no door leads to. Without
+            any, neighbouring rooms have openings where furniture leaves space for them.
     """
     edges = [_edges(index, room.polygon) for index, room in enumerate(rooms)]
     shared = _all_shared(edges)
-    openings = _choose_openings(shared, furniture, len(rooms))
+    openings = _choose_openings(shared, furniture, len(rooms), doors)
     walls = [_wall(stretch, openings.get(index)) for index, stretch in enumerate(shared)]
     outer = [stretch for ring in edges for stretch in _outer_stretches(ring, shared)]
-    exit_ = _choose_exit(outer, furniture)
+    exit_ = _choose_exit(outer, furniture, doors)
     for index, stretch in enumerate(outer):
         walls.append(_wall(stretch, exit_[1] if exit_ and exit_[0] == index else None))
     return walls
@@ -165,9 +173,13 @@ def _wall(stretch: _Stretch, opening: float | None) -> WallPlan:
 
 
 def _choose_openings(
-    shared: list[_Stretch], furniture: Sequence[shapely.Polygon], n_rooms: int
+    shared: list[_Stretch],
+    furniture: Sequence[shapely.Polygon],
+    n_rooms: int,
+    doors: Sequence[Point2],
 ) -> dict[int, float]:
     """Place of the opening along its edge, under the number of the stretch that has one."""
+    stated = _at_doors(shared, doors)
     best: dict[tuple[int, int], tuple[float, float, int, float]] = {}
     tree = shapely.STRtree(list(furniture))
     for index, stretch in enumerate(shared):
@@ -180,13 +192,34 @@ def _choose_openings(
             best.get(pair, (math.inf, 0.0, 0, 0.0)), (blocked, -stretch.length, index, place)
         )
     group = list(range(n_rooms))
-    openings: dict[int, float] = {}
+    openings = dict(stated)
+    for index in stated:
+        a, b = shared[index].edge.room, shared[index].other
+        group = [group[a] if b is not None and member == group[b] else member for member in group]
     for (a, b), (blocked, _, index, place) in sorted(best.items(), key=lambda item: item[1]):
         is_joined = group[a] == group[b]
-        if blocked <= _FREE_M2 or not is_joined:
+        if (blocked <= _FREE_M2 and not doors) or not is_joined:
             openings[index] = place
             group = [group[a] if member == group[b] else member for member in group]
     return openings
+
+
+def _at_doors(stretches: Sequence[_Stretch], doors: Sequence[Point2]) -> dict[int, float]:
+    """Place along its edge of the first door on each stretch that has room for one."""
+    found: dict[int, float] = {}
+    for index, stretch in enumerate(stretches):
+        reach = _door_width(stretch.length) / 2 + _JAMB_M
+        low, high = stretch.low + reach, stretch.high - reach
+        if stretch.length < LEAST_DOOR_M + 2 * _JAMB_M or low > high:
+            continue
+        edge = stretch.edge
+        for x, y in doors:
+            dx, dy = x - edge.ax, y - edge.ay
+            along, out = dx * edge.ux + dy * edge.uy, dx * edge.uy - dy * edge.ux
+            is_on_it = stretch.low <= along <= stretch.high
+            if is_on_it and -_AT_DOOR_M <= out <= stretch.gap + _AT_DOOR_M:
+                found.setdefault(index, min(max(along, low), high))
+    return found
 
 
 def _freest_place(stretch: _Stretch, tree: shapely.STRtree) -> tuple[float, float]:
@@ -214,9 +247,11 @@ def _freest_place(stretch: _Stretch, tree: shapely.STRtree) -> tuple[float, floa
 
 
 def _choose_exit(
-    outer: list[_Stretch], furniture: Sequence[shapely.Polygon]
+    outer: list[_Stretch], furniture: Sequence[shapely.Polygon], doors: Sequence[Point2]
 ) -> tuple[int, float] | None:
     """Number of the stretch with the opening to the outside, and its place; None if none fits."""
+    if stated := _at_doors(outer, doors):
+        return next(iter(stated.items()))
     tree = shapely.STRtree(list(furniture))
     best: tuple[float, float, int, float] | None = None
     for index, stretch in enumerate(outer):

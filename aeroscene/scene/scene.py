@@ -24,6 +24,7 @@ from aeroscene.scene.errors import (
     require_one_of,
     require_within,
 )
+from aeroscene.scene.outline import require_outline
 from aeroscene.scene.polygon import distance_inside, is_simple, signed_area
 from aeroscene.scene.relief import Relief
 
@@ -101,6 +102,7 @@ class SceneObject:
         )
         require_one_of(self.domain, ObjectDomain, "domain")
         _require_numbers(self.attributes, "attributes")
+        require_outline(self.attributes, self.bbox)
 
     @property
     def category(self) -> str:

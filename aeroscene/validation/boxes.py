@@ -1,4 +1,7 @@
-"""Boxes against each other and against the flight volume."""
+"""Boxes against each other and against the flight volume.
+
+An object with an outline counts as the prism over it, not as the box about it.
+"""
 
 from __future__ import annotations
 
@@ -7,8 +10,10 @@ from collections.abc import Iterator
 import numpy as np
 from jaxtyping import Bool, Int
 
-from aeroscene.scene import Scene
+from aeroscene.scene import Scene, SceneObject
 from aeroscene.scene.box import box_corners
+from aeroscene.scene.footprint import footprint
+from aeroscene.scene.outline import OUTLINE
 from aeroscene.scene.overlap import near_pairs, pair_iou
 from aeroscene.scene.rooms import NO_ROOM, tile_groups
 from aeroscene.validation.findings import Finding
@@ -26,6 +31,10 @@ def overlaps(scene: Scene) -> Iterator[Finding]:
     objects, boxes = scene.objects, _boxes(scene)
     first, second = _candidates(scene, *boxes)
     shares = pair_iou(*(values[first] for values in boxes), *(values[second] for values in boxes))
+    for row in np.flatnonzero(shares > 0):
+        a, b = objects[first[row]], objects[second[row]]
+        if OUTLINE in a.attributes or OUTLINE in b.attributes:
+            shares[row] = _prism_iou(a, b)
     for row in np.flatnonzero(shares > MAX_IOU):
         a, b = objects[first[row]], objects[second[row]]
         yield Finding(
@@ -37,12 +46,30 @@ def overlaps(scene: Scene) -> Iterator[Finding]:
         )
 
 
+def _prism_iou(a: SceneObject, b: SceneObject) -> float:
+    """Intersection over union of upright prisms over footprints."""
+    (low_a, high_a), (low_b, high_b) = _heights(a), _heights(b)
+    first, second = footprint(a), footprint(b)
+    high = max(0.0, min(high_a, high_b) - max(low_a, low_b))
+    shared = first.intersection(second).area * high
+    volume = first.area * (high_a - low_a) + second.area * (high_b - low_b)
+    return shared / (volume - shared)
+
+
+def _heights(obj: SceneObject) -> tuple[float, float]:
+    z, height = obj.bbox.p[2], obj.bbox.s[2]
+    return z - height / 2, z + height / 2
+
+
 def _candidates(
     scene: Scene, p: np.ndarray, q: np.ndarray, s: np.ndarray
 ) -> tuple[Int[np.ndarray, " pairs"], Int[np.ndarray, " pairs"]]:
     """Pairs that may overlap by enough: near, like in size, not parent and child."""
     a, b = near_pairs(p, q, s)
     volume = s.prod(axis=1)
+    for row, obj in enumerate(scene.objects):
+        if OUTLINE in obj.attributes:
+            volume[row] = footprint(obj).area * s[row, 2]
     # Two volumes so unlike share too little even where one holds the other.
     ratio = volume[a] / volume[b]
     ids = np.array([obj.id for obj in scene.objects])
@@ -71,8 +98,13 @@ def outside(scene: Scene) -> Iterator[Finding]:
     if not scene.objects:
         return
     corners = box_corners(*_boxes(scene))
+    least, most = corners.min(axis=1), corners.max(axis=1)
+    for row, obj in enumerate(scene.objects):
+        if OUTLINE in obj.attributes:
+            x0, y0, x1, y1 = footprint(obj).bounds
+            least[row, :2], most[row, :2] = (x0, y0), (x1, y1)
     low, high = np.asarray(scene.extent_min_enu_m), np.asarray(scene.extent_max_enu_m)
-    beyond = np.maximum(low - corners.min(axis=1), corners.max(axis=1) - high)
+    beyond = np.maximum(low - least, most - high)
     for obj, by in zip(scene.objects, beyond, strict=True):
         axis = int(np.argmax(by))
         if by[axis] > OUTSIDE_TOLERANCE_M:

@@ -12,9 +12,12 @@ from dataclasses import dataclass
 from math import ceil
 
 import numpy as np
+import shapely
 from jaxtyping import Bool, Float
 
 from aeroscene.scene import Scene, SceneObject
+from aeroscene.scene.footprint import footprint
+from aeroscene.scene.outline import OUTLINE
 from aeroscene.solids.freespace import distance_to_occupied
 from aeroscene.solids.ground import ground_cells
 from aeroscene.solids.shapes import Primitive
@@ -88,6 +91,9 @@ class Columns:
         x, y = self.centres_enu_m
         inside = np.zeros(self.grid.shape[:2], dtype=bool)
         for obj in objects:
+            if OUTLINE in obj.attributes:
+                inside |= shapely.contains_xy(footprint(obj), x, y)
+                continue
             yaw = obj.bbox.yaw_rad
             dx, dy = x - obj.bbox.p[0], y - obj.bbox.p[1]
             u = np.cos(yaw) * dx + np.sin(yaw) * dy

@@ -58,7 +58,8 @@ class CampaignCfg:
     out: Annotated[Path, OutFolder()]
     """Folder of the results; made where it is missing."""
     scenes: str = "0:10"
-    """Numbers of scenes of the dataset: A:B without B, single ones, joined by commas."""
+    """Numbers of scenes of the dataset: A:B without B, single ones, joined by commas; or one place
+    on a map as FILE.osm#W,S,E,N."""
     trials: Annotated[int, Range(1, MOST_TRIALS)] = 30
     """Trials of each scene with each vehicle."""
     vehicles: str = "iris,hummingbird"
@@ -207,14 +208,25 @@ def _trials(cfg: CampaignCfg) -> list[Trial]:
 
     if cfg.suite is not None:
         return _fixed(cfg, cfg.suite).all_trials()
-    numbers = scene_numbers(cfg.scenes)
-    if numbers[-1] >= CORPUS_SIZE:
-        fail(_PROG, f"scenes {cfg.scenes!r} has no scene {numbers[-1]}; valid: 0:{CORPUS_SIZE}")
+    scenes = _scenes(cfg.scenes)
     vehicles = list(dict.fromkeys(cfg.vehicles.split(",")))
     for vehicle in vehicles:
         airframe_by_name(vehicle)
         cfg.equipment.require(vehicle)
-    return all_trials(map(str, numbers), vehicles, cfg.trials)
+    return all_trials(scenes, vehicles, cfg.trials)
+
+
+def _scenes(text: str) -> list[str]:
+    """Names of the scenes; bad input ends the process."""
+    from aeroscene.sources import is_map, load_scene
+
+    if is_map(text):
+        load_scene(text)  # Before the first trial, which would fail for it.
+        return [text]
+    numbers = scene_numbers(text)
+    if numbers[-1] >= CORPUS_SIZE:
+        fail(_PROG, f"scenes {text!r} has no scene {numbers[-1]}; valid: 0:{CORPUS_SIZE}")
+    return [str(number) for number in numbers]
 
 
 def _suite(cfg: CampaignCfg) -> Suite:

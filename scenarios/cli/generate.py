@@ -96,6 +96,9 @@ class GenerateCfg:
     complete: Annotated[str, default_hint("none")] = ""
     """Scene whose coarse objects stay; fine ones are made for them: a number, gen:SEED, corpus:N or
     a file."""
+    plan: Annotated[str, default_hint("none")] = ""
+    """Floor plan to furnish: rooms with a use and doors as GeoJSON, or a file of layouts with
+    rooms, whose furniture is left out."""
     redo: Annotated[str, default_hint("none")] = ""
     """Scene that stays exactly as it is but for the fine objects with their middles in --region,
     which go with all that they bear; about as many are drawn anew there. Coarse objects (site,
@@ -269,6 +272,12 @@ def _requests(cfg: GenerateCfg) -> list[Request]:
     domain: SceneDomain | None = None if cfg.domain == "any" else cfg.domain
     complete: Scene | None = None
     redo: Redo | None = None
+    if cfg.plan:
+        from aeroscene.maps.floor_plan import open_plan
+
+        if cfg.complete or cfg.redo:
+            fail(_PROG, f"plan {cfg.plan!r} stands beside --complete or --redo; valid: one of them")
+        complete = open_plan(cfg.plan)
     if cfg.complete or cfg.redo:
         from aeroscene.sources import load_scene
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -18,6 +19,7 @@ from aeroscene.layouts.mapping import MappingReport
 from aeroscene.layouts.reading import read_layouts
 from aeroscene.scene import SceneError
 from aeroscene.scene.io import write_scene
+from aeroscene.sources import is_map
 from scenarios.cli.command_line import EXIT_DONE, EXIT_NEGATIVE, print_json
 from scenarios.cli.outputs import OutFolder
 from scenarios.cli.progress import progress_bar
@@ -32,7 +34,8 @@ class LayoutsCfg:
     """Say how a file of layouts maps to our categories, and convert it to scenes.
 
     Reads JSON lines of neutral layouts, the AeroScene authors' JSON and 3D-FRONT's own, plain or
-    gzip. Exit status 0 if everything is valid, 1 if something was skipped as invalid.
+    gzip; and places on maps as FILE.osm#W,S,E,N. Exit status 0 if everything is valid, 1 if
+    something was skipped as invalid.
     """
 
     file: tyro.conf.Positional[Path]
@@ -51,6 +54,8 @@ def run(cfg: LayoutsCfg) -> int:
     Raises:
         SceneError: If the file breaks a rule and nothing is to be skipped.
     """
+    if is_map(str(cfg.file)):
+        return _run_map(cfg)
     faults: list[str] = []
     total = MappingReport()
     written: dict[str, str] = {}
@@ -69,6 +74,37 @@ def run(cfg: LayoutsCfg) -> int:
     else:
         _print_report(total, written, cfg)
     return EXIT_NEGATIVE if total.invalid else EXIT_DONE
+
+
+def _run_map(cfg: LayoutsCfg) -> int:
+    """Report what became of a place on a map, and write its scene if asked to."""
+    from aeroscene.maps import open_map
+
+    path, _, bounds = str(cfg.file).partition("#")
+    scene, report = open_map(path, bounds or None)
+    written: list[str] = []
+    if cfg.out is not None:
+        _make_folder(cfg.out)
+        name = f"{file_name(scene.scene_id)}.json"
+        with _named_failures(cfg.out / name):
+            write_scene(scene, cfg.out / name)
+        written.append(name)
+    counts = Counter(obj.category for obj in scene.objects)
+    if cfg.json:
+        facts = {"features": report.n_features, "objects": report.n_objects}
+        more = {"by_category": dict(counts), "dropped": report.dropped, "notes": report.notes}
+        print_json({"scenes": 1, **facts, **more, "written": written})
+        return EXIT_DONE
+    console = terminal()
+    figures = f": {report.n_features} features, {report.n_objects} objects"
+    console.print(styled((scene.scene_id, "bold"), figures), soft_wrap=True)
+    listed = ", ".join(f"{name} {count}" for name, count in counts.most_common())
+    console.print(listed, soft_wrap=True)
+    for line in report.lines:
+        console.print(line, soft_wrap=True)
+    if cfg.out is not None:
+        console.print(f"1 scene written to {cfg.out}", soft_wrap=True)
+    return EXIT_DONE
 
 
 def _with_progress(cfg: LayoutsCfg, faults: list[str]) -> Iterator[NeutralLayout]:

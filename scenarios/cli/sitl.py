@@ -58,11 +58,17 @@ class SitlCommand(SitlCfg):
     )
     scene: Annotated[str, tyro.conf.arg(help_behavior_hint="(default: 42)")] = ""
     """Scene of the dataset by number, corpus:N, gen:SEED, field (open, flat), a scene file (.json,
-    .json.gz), or one of a file of layouts (.jsonl, .jsonl.gz) as FILE#ID or FILE#N."""
+    .json.gz), or one of a file of layouts (.jsonl, .jsonl.gz) as FILE#ID or FILE#N, or a place on
+    a map (.osm, .osm.gz, .osm.pbf, .geojson) as FILE#W,S,E,N in degrees."""
+    bounds: Annotated[str, tyro.conf.arg(metavar="W,S,E,N", help_behavior_hint="")] = ""
+    """Part of a map to fly in: west, south, east and north in degrees, up to 400 x 400 m; by
+    default all of a small map. Write --bounds=-0.13,51.51,-0.12,51.52 if the first is negative."""
 
     def __post_init__(self) -> None:
-        """Refuse invalid options, and two scenes."""
+        """Refuse invalid options, two scenes, and bounds of what is no map."""
         SitlCfg.__post_init__(self)
+        if self.bounds:
+            _require_map(self.place or self.scene, self.bounds)
         if self.place and self.scene:
             raise TestbenchError(
                 f"scene {self.scene!r} is a second one beside {self.place!r}; valid: one"
@@ -72,8 +78,22 @@ class SitlCommand(SitlCfg):
     def cfg(self) -> SitlCfg:
         """Configuration of the run."""
         values: dict[str, Any] = {name.name: getattr(self, name.name) for name in fields(SitlCfg)}
-        values["scene"] = str(self.place or self.scene or SitlCfg.scene)
+        scene = str(self.place or self.scene or SitlCfg.scene)
+        values["scene"] = f"{scene}#{self.bounds}" if self.bounds else scene
         return SitlCfg(**values)
+
+
+def _require_map(scene: str, bounds: str) -> None:
+    """Refuse bounds of a scene that is no map, and bounds that are none."""
+    from aeroscene.maps.bounds import parse_bounds
+    from aeroscene.sources import is_map
+
+    if not is_map(scene) or "#" in scene:
+        raise TestbenchError(
+            f"bounds {bounds!r} are those of no map, scene is {scene!r}; valid: with a map such as "
+            "map.osm, map.osm.pbf or map.geojson"
+        )
+    parse_bounds(bounds)
 
 
 def main(args: list[str] | None = None) -> int:

@@ -119,7 +119,7 @@ def test_an_unknown_scene_gives_one_line_with_what_is_valid(spec):
         load_scene(spec)
     assert str(caught.value) == (
         f"scene {spec!r} is unknown; valid: a number from 0 to 1015, corpus:N, gen:SEED, field, "
-        "hills, FILE.json or FILE.jsonl#ID, also with .gz"
+        "hills, FILE.json, FILE.jsonl#ID or FILE.osm#W,S,E,N, also with .gz"
     )
 
 

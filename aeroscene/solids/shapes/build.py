@@ -33,6 +33,7 @@ from aeroscene.solids.shapes import (
     vehicles,
 )
 from aeroscene.solids.shapes.look import Look, Shape
+from aeroscene.solids.shapes.outlined import outlined_parts
 from aeroscene.solids.shapes.primitive import IDENTITY, Part, Primitive, block
 
 SHAPES: Mapping[str, Shape] = {
@@ -72,7 +73,7 @@ _SLACK_M = 0.02
 
 def object_parts(category: str, look: Look) -> list[Part]:
     """Parts of a category at a size; a size too odd for its shape gives a plain box."""
-    parts = SHAPES[category](look)
+    parts = outlined_parts(category, look) or SHAPES[category](look)
     is_solid = any(part.collides for part in parts)
     if is_solid and all(_is_sound(part, look.size_m) for part in parts):
         return parts

@@ -11,6 +11,7 @@ from jaxtyping import Float
 from aeroscene.scene import Scene
 from aeroscene.scene.catalogue import BLOCKS
 from aeroscene.scene.relief import ground_m
+from aeroscene.solids.rectangles import rectangles_of
 from autonomy.jit import kernel
 from flightsim.environment.shelter.mass_consistent import mass_consistent
 from flightsim.environment.shelter.wakes import BLOCK_COLUMNS, add_wakes
@@ -41,19 +42,21 @@ class Grid:
 def blocks_of(scene: Scene) -> Float[np.ndarray, "n 8"]:
     """Buildings and the like as upright blocks, a row of `BLOCK_COLUMNS` each.
 
-    A block reaches down to the ground, also from a podium or over an arch.
+    A block reaches down to the ground, also from a podium or over an arch. A building with an
+    outline is several blocks, one about each of its convex pieces.
     """
     rows = [
         (
-            *thing.bbox.p[:2],
-            math.cos(thing.bbox.yaw_rad),
-            math.sin(thing.bbox.yaw_rad),
-            *thing.bbox.s[:2],
+            *middle,
+            math.cos(yaw),
+            math.sin(yaw),
+            *sides,
             thing.bbox.p[2] + 0.5 * thing.bbox.s[2],
-            float(ground_m(scene.relief, *thing.bbox.p[:2])),
+            float(ground_m(scene.relief, *middle)),
         )
         for thing in scene.objects
         if thing.category in BLOCKS
+        for middle, yaw, sides in rectangles_of(thing)
     ]
     return np.array(rows, dtype=float).reshape(-1, len(BLOCK_COLUMNS))
 

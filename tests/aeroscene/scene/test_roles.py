@@ -17,6 +17,7 @@ MAKING = {
     "aeroscene/solids/shapes/": "draws each of them",
     "aeroscene/corpus/": "the grammar, and the open field, place objects of them",
     "aeroscene/layouts/": "maps words of other projects to them, and builds rooms of them",
+    "aeroscene/maps/": "builds features of maps as objects of them",
     "aeroscene/partition/storeys/build.py": "builds rooms and walls",
 }
 """Where a category is named, because objects of just this one are made there."""

@@ -18,6 +18,7 @@ from aeroscene.solids.freespace import build_distance_field
 from aeroscene.solids.shapes import scene_primitives
 from aeroscene.solids.solids import Solids, colliding
 from aeroscene.validation import validate
+from aeroscene.validation.boxes import outside, overlaps
 from aeroscene.validation.columns import spans
 from tests.aeroscene.sampling_solids import holds
 from tests.aeroscene.solids.test_voxels import primitives
@@ -370,3 +371,30 @@ def on_hill(bottom_m, size_m=(1.0, 1.0, 1.0)):
 def test_an_object_stands_on_the_relief_under_it(bottom_m, stands):
     """From 10.95 m all of it is on the ground; above 11.02 m its middle is beside what bears it."""
     assert ("floating" not in on_hill(bottom_m)) == stands
+
+
+OUTLINE = "POLYGON ((-5 -4, 5 -4, 5 4, 0 4, 0 0, -5 0, -5 -4))"
+
+
+def outlined(p):
+    """A building of an L-shaped outline."""
+    building = thing(10, "building", p, (10.0, 8.0, 6.0))
+    return replace(building, attributes={"outline": OUTLINE})
+
+
+def test_outlines_that_interlock_do_not_overlap_though_their_boxes_do(sound):
+    first = outlined((0.0, 0.0, 3.0))
+    beside = thing(11, "building", (-2.6, 2.1, 3.0), (4.8, 3.8, 6.0))
+    assert not list(overlaps(replace(sound, objects=(first, beside), interaction_areas=())))
+    within = thing(11, "building", (-2.6, 1.0, 3.0), (4.8, 3.8, 6.0))
+    (finding,) = overlaps(replace(sound, objects=(first, within), interaction_areas=()))
+    assert finding.object_id == 11
+
+
+def test_an_outline_within_the_volume_is_not_outside_though_its_box_is(sound):
+    turned = OrientedBox((11.0, 0.0, 3.0), quat_from_yaw(math.pi / 4), (10.0, 8.0, 6.0))
+    square = "POLYGON ((-2 -2, 2 -2, 2 2, -2 2, -2 -2))"
+    small = replace(outlined((0.0, 0.0, 3.0)), bbox=turned, attributes={"outline": square})
+    assert not list(outside(replace(sound, objects=(small,), interaction_areas=())))
+    whole = replace(small, attributes={})
+    assert list(outside(replace(sound, objects=(whole,), interaction_areas=())))

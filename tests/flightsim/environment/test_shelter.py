@@ -4,13 +4,16 @@ import math
 import os
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from aeroscene.corpus.field import field_scene
 from flightsim.environment.shelter import Grid, flow_at, kept_shelter
 from flightsim.environment.shelter.mass_consistent import mass_consistent
-from flightsim.environment.shelter.shelter import solve_shelter
+from flightsim.environment.shelter.shelter import blocks_of, solve_shelter
+from tests.aeroscene.scene.test_outline import L_SHAPE, outlined
 
 EAST = (1.0, 0.0)
 BLOCK = np.array([[0.0, 0.0, 1.0, 0.0, 10.0, 10.0, 12.0, 0.0]])
@@ -145,3 +148,12 @@ def test_a_field_has_the_same_bits_however_many_threads_blas_has():
         for n_threads in ("1", "2")
     }
     assert len(bits) == 1
+
+
+def test_a_building_with_an_outline_shelters_from_its_walls_not_from_its_box():
+    obj = replace(outlined(L_SHAPE), scene_id="field")
+    scene = replace(field_scene(), objects=(obj,), interaction_areas=())
+    blocks = blocks_of(scene)
+    assert len(blocks) == 2
+    assert (blocks[:, 4] * blocks[:, 5]).sum() == pytest.approx(60.0)
+    assert blocks[:, 6] == pytest.approx([6.0, 6.0])

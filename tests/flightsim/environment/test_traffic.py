@@ -1,17 +1,23 @@
 """Traffic in real scenes: where it belongs, never through solids, never twice the same place."""
 
+from dataclasses import replace
+
 import mujoco
 import numpy as np
 import pytest
 
+from aeroscene.corpus.field import field_scene
+from aeroscene.scene.catalogue import category_id
 from aeroscene.solids.shapes import scene_primitives
 from aeroscene.sources import load_scene
+from flightsim.environment.floor import CELL_M, Columns
 from flightsim.environment.motion import new_movers, place_mover
 from flightsim.environment.traffic import TrafficCfg, TrafficError, plan_traffic
 from flightsim.looks.geom_groups import GeomGroup
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import FIRST_MOVER_ID, build_world
 from flightsim.world.geometry import SurfaceProbe
+from tests.aeroscene.scene.test_outline import L_SHAPE, outlined
 
 IRIS = AIRFRAMES["iris"]
 CASES = {"42": "people=3,cars=2,drones=1", "500": "people=3,drones=2"}
@@ -137,3 +143,11 @@ def test_too_much_traffic_is_refused():
 def test_traffic_reads_what_it_is_told():
     assert TrafficCfg.parse("none", 1) == TrafficCfg(seed=1)
     assert TrafficCfg.parse("cars=2, people=3", 1) == TrafficCfg(people=3, cars=2, seed=1)
+
+
+def test_roads_with_an_outline_cover_no_more_than_it():
+    road = replace(outlined(L_SHAPE), scene_id="field", category_id=category_id("road"))
+    scene = replace(field_scene(), objects=(road,), interaction_areas=())
+    columns = Columns.of(scene, scene_primitives(scene), 2.0)
+    covered_m2 = columns.covered_by([road]).sum() * CELL_M**2
+    assert covered_m2 == pytest.approx(60.0, rel=0.05)

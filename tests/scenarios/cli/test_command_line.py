@@ -51,6 +51,22 @@ def fails_with(capsys, *args):
         (["--headless-seconds", "x"], "headless-seconds 'x' is not valid; valid: a number;"),
         (["--sceen", "4"], "--sceen is unknown; perhaps --scene; see aeroscene-sitl --help"),
         (["41", "--scene", "42"], "scene '42' is a second one beside '41'; valid: one"),
+        (
+            ["42", "--bounds", "1,1,1.001,1.001"],
+            "bounds '1,1,1.001,1.001' are those of no map, scene is '42'; valid: with a map",
+        ),
+        (
+            ["absent.osm", "--bounds", "1,1,0,2"],
+            "bounds are '1,1,0,2'; valid: W,S,E,N in degrees, west below east",
+        ),
+        (
+            ["absent.osm", "--bounds", "1,1,1.01,1.01"],
+            "bounds are 1113 x 1106 m; valid: 20 to 400 m a side, such as ",
+        ),
+        (
+            ["absent.osm", "--bounds=1,1,1.001,1.001"],
+            "map file 'absent.osm' cannot be read (no such file or directory); valid: a map",
+        ),
         (["1016"], "scene '1016' is unknown; valid: a number from 0 to 1015"),
         (["--record", "a/b/c.rrd"], "record: 'a' is not there; valid: a folder that exists"),
         (["--pictures", "pyproject.toml"], "pictures: 'pyproject.toml' is a file; valid: a folder"),

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
 import pytest
 
@@ -8,6 +9,7 @@ from aeroscene.layouts import LayoutError
 from aeroscene.scene.io import read_scene
 from scenarios.cli.layouts import LayoutsCfg, run
 from tests.aeroscene.layouts.samples import block, house, write_lines
+from tests.aeroscene.maps.samples import bounds_text, town
 
 
 @pytest.fixture
@@ -87,3 +89,15 @@ def test_two_scenes_whose_ids_give_one_file_name_become_two_files(tmp_path, caps
     assert run(LayoutsCfg(file=write_lines(tmp_path / "a.jsonl", *lines), out=out)) == 0
     names = {path.name: read_scene(path).scene_id for path in out.iterdir()}
     assert names == {"a-b.json": "a/b", "a-b-2.json": "a b"}
+
+
+def test_a_place_on_a_map_is_reported_and_converted(tmp_path, capsys):
+    path = town().write(tmp_path / "town.osm")
+    name = f"{path}#{bounds_text()}"
+    assert run(LayoutsCfg(file=Path(name), out=tmp_path / "out", json=True)) == 0
+    report = json.loads(capsys.readouterr().out)
+    assert report["by_category"]["house"] == 1
+    assert report["dropped"] == {"inside a building": 1}
+    (written,) = report["written"]
+    scene = read_scene(tmp_path / "out" / written)
+    assert len(scene.objects) == report["objects"]

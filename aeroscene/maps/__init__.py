@@ -1,0 +1,10 @@
+"""Places that exist: OpenStreetMap and GeoJSON as scenes to fly in.
+
+`reading` reads a file into features, `place` projects and cuts them, and one module each builds the
+ground, streets, buildings, barriers, furniture and trees. `flyable` joins them.
+"""
+
+from aeroscene.maps.document import MapError
+from aeroscene.maps.flyable import MapReport, open_map
+
+__all__ = ["MapError", "MapReport", "open_map"]

@@ -1,0 +1,92 @@
+"""Ground that is taken: whoever comes later gets what is left."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import shapely
+from shapely.geometry.base import BaseGeometry
+
+GRID_M = 0.01
+"""Corners lie on this grid, so that neighbours share them exactly."""
+SIMPLIFY_M = 0.1
+"""Farthest that an outline may move when corners are left out."""
+_THIN_M = 0.15
+"""Half the width of slivers that are left out."""
+_MOST_SIDE_M = 80.0
+_MOST_CORNERS = 300
+
+
+def areal_parts(shape: BaseGeometry, least_m2: float) -> Iterator[shapely.Polygon]:
+    """The polygons of a shape that have at least some area."""
+    for part in shapely.get_parts(shape):
+        if isinstance(part, shapely.Polygon) and part.area >= least_m2:
+            yield part
+
+
+def areal(shape: BaseGeometry) -> BaseGeometry:
+    """What of a shape has an area; unions and cuts leave lines and points beside it."""
+    parts = [p for p in shapely.get_parts(shape) if shapely.get_dimensions(p) == 2]
+    return parts[0] if len(parts) == 1 else shapely.MultiPolygon(parts)
+
+
+def opened(shape: BaseGeometry, half_width_m: float = _THIN_M) -> BaseGeometry:
+    """A shape without slivers and spikes that are narrower than twice a length."""
+    inner = shapely.buffer(shape, -half_width_m, join_style="mitre")
+    return shapely.buffer(inner, half_width_m, join_style="mitre", mitre_limit=3.0)
+
+
+def on_grid(shape: BaseGeometry) -> BaseGeometry:
+    """An area with corners on the grid, without corners that hardly turn."""
+    return areal(shapely.set_precision(shapely.simplify(shape, SIMPLIFY_M), GRID_M))
+
+
+def split(shape: BaseGeometry, least_m2: float) -> Iterator[shapely.Polygon]:
+    """The polygons of a shape, halved until none is long or has many corners."""
+    for part in areal_parts(shape, least_m2):
+        x0, y0, x1, y1 = part.bounds
+        side = max(x1 - x0, y1 - y0)
+        n_corners = shapely.get_num_coordinates(part)
+        if (side <= _MOST_SIDE_M and n_corners <= _MOST_CORNERS) or side < 1.0:
+            yield part
+            continue
+        x, y = (x0 + x1) / 2, (y0 + y1) / 2
+        halves = (
+            (shapely.box(x0, y0, x, y1), shapely.box(x, y0, x1, y1))
+            if x1 - x0 >= y1 - y0
+            else (shapely.box(x0, y0, x1, y), shapely.box(x0, y, x1, y1))
+        )
+        for half in halves:
+            yield from split(shapely.intersection(part, half, grid_size=GRID_M), least_m2)
+
+
+class Claims:
+    """A part of the plane, piece by piece."""
+
+    def __init__(self) -> None:
+        self.shapes: list[BaseGeometry] = []
+        self._bounds: list[tuple[float, ...]] = []
+
+    def pieces_near(self, shape: BaseGeometry) -> list[BaseGeometry]:
+        """The pieces whose bounds meet those of a shape."""
+        if not self._bounds or shape.is_empty:
+            return []
+        x0, y0, x1, y1 = shape.bounds
+        b = np.array(self._bounds)
+        is_near = (b[:, 0] <= x1) & (b[:, 2] >= x0) & (b[:, 1] <= y1) & (b[:, 3] >= y0)
+        return [self.shapes[k] for k in np.flatnonzero(is_near)]
+
+    def left_of(self, shape: BaseGeometry) -> BaseGeometry:
+        """What of a shape nobody has."""
+        near = self.pieces_near(shape)
+        if not near or not shapely.intersects(near, shape).any():
+            return shape
+        taken = shapely.union_all(near, grid_size=GRID_M)
+        return areal(shapely.difference(areal(shape), areal(taken), grid_size=GRID_M))
+
+    def add(self, shape: BaseGeometry) -> None:
+        """Take a shape whole."""
+        if not shape.is_empty:
+            self.shapes.append(shape)
+            self._bounds.append(shape.bounds)
