@@ -51,6 +51,7 @@ _N_AREAS: dict[SceneDomain, tuple[_Spread, ...]] = {
 Scenes that have less to offer keep all; the averages over all domains come out at the paper's.
 Rooms offer fewer than sites do, and hardly any to large drones: these need open floors or roofs.
 """
+_OF_ALL: tuple[_Spread, ...] = ((31.0, 4.0), (108.5, 12.0), *_N_AREAS["indoor"])
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,9 +101,16 @@ def _budget(index: int) -> Budget:
     return draw_budget(_streams(index)[1], scene_domain(index))
 
 
-def draw_budget(rng: np.random.Generator, domain: SceneDomain) -> Budget:
-    """Counts about the paper's averages, each scene its own, within two and a half spreads."""
-    means, spreads = np.array([_N_COARSE[domain], _N_FINE[domain], *_N_AREAS[domain]]).T
+def draw_budget(rng: np.random.Generator, domain: SceneDomain | None = None) -> Budget:
+    """Counts about the paper's averages, each scene its own, within two and a half spreads.
+
+    Args:
+        rng: Draws the counts.
+        domain: Whose grammar is to be filled; None for the averages over all scenes, which is what
+            a model is asked for that was trained before domains had budgets of their own.
+    """
+    rows = _OF_ALL if domain is None else (_N_COARSE[domain], _N_FINE[domain], *_N_AREAS[domain])
+    means, spreads = np.array(rows).T
     counts = np.rint(means + spreads * rng.standard_normal(len(means)).clip(-2.5, 2.5))
     n_coarse, n_fine, *areas = (int(count) for count in counts)
     small, medium, large, perching = areas

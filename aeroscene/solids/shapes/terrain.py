@@ -78,14 +78,15 @@ def _pond(look: Look) -> list[Part]:
     """
     x, y, z = look.size_m
     level = 0.5 * z
-    parts = [block(x, y, (0, level - _SHEET_M), "grass")]
+    bed = level - min(_SHEET_M, 0.5 * level)
+    parts = [block(x, y, (0, bed), "grass")]
     shore: list[Vector3] = []
     for corner in range(16):
         angle = 2 * pi * corner / 16
         # One slow wave keeps the outline convex, which colliders need.
         reach = 0.46 + 0.04 * sin(2 * angle + look.variant)
         at = (reach * x * cos(angle), reach * y * sin(angle))
-        shore += [(*at, level - _SHEET_M), (*at, level)]
+        shore += [(*at, bed), (*at, level)]
     return [*parts, hull(shore, "water")]
 
 
