@@ -62,7 +62,7 @@ class ProgramVocabulary:
         if not alike and kind.node != "unit":
             alike = [i for i, other in enumerate(self.kinds) if other.node == kind.node]
         if not alike:
-            raise KeyError(f"{kind.node} {kind.category}")
+            raise KeyError(f"{kind.node} {kind.category}".strip())
         return min(alike, key=lambda i: (len(traits ^ self.traits[i]), -self.counts[i], i))
 
     def nearest_shape(self, shape: Shape) -> int:

@@ -37,7 +37,8 @@ def test_the_more_scenes_are_disturbed_the_worse_they_are(rows, key):
 
 
 @pytest.mark.parametrize(
-    "key", ["collision_rate_without_family", "objects_in_strangers", "colliding_objects"]
+    "key",
+    ["collision_rate_without_family", "objects_in_strangers", "colliding_objects_without_family"],
 )
 def test_disturbed_scenes_collide_and_real_ones_do_not(rows, key):
     real, *disturbed = rows[key].values.values()
@@ -62,7 +63,8 @@ def test_every_group_has_every_figure(rows):
         # Of places there are figures only where there is something to judge.
         finite = np.isfinite(list(row.values.values()))
         assert finite.all() or row.key in PLACES, row.key
-    assert np.isfinite(list(rows["averted_chairs"].values.values())).all()
+    # Chairs that are 2 m off are at no table any more.
+    assert np.isfinite(list(rows["averted_chairs"].values.values())[:3]).all()
 
 
 def test_a_group_that_is_too_small_is_named(reference):

@@ -188,7 +188,7 @@ def test_scene_of_a_new_kind_is_skipped_with_its_reason(known, tmp_path):
     write_scene(cached_scene(45), path)
     fresh = fresh_example(known.encoder, tmp_path, 313)
     assert fresh.example is None
-    assert re.fullmatch(r"kind unit \w+ is unknown", fresh.reason)
+    assert re.fullmatch(r"kind \w+( \w+)? is unknown", fresh.reason)
 
 
 def test_workers_end_with_the_batches(known, tmp_path):
