@@ -141,7 +141,7 @@ class ClosedBlock:
     def _cover(self, mass: Placed) -> None:
         """A gable roof, or a flat one with a parapet."""
         ground, draw = self.ground, self.ground.draw
-        if draw.chance(0.45):
+        if draw.chance(0.25):
             roof = add_row_roof(ground.builder, mass, draw.one_of(TILES))
             self._pitched += [roof] if roof else []
             return

@@ -59,7 +59,7 @@ class Shops:
             self._hang_awning(shop)
             yield
         for shop in self._shops:
-            if draw.chance(0.35):
+            if draw.chance(0.2):
                 add_row_roof(ground.builder, shop, draw.one_of(TILES))
             else:
                 roof = add_flat_roof(ground.builder, shop)

@@ -50,7 +50,7 @@ class Square:
         self._edge = ground.parcel.depth
         self._raise_hall(side)
         yield
-        if self._hall and draw.chance(0.6):
+        if self._hall and draw.chance(0.35):
             add_row_roof(ground.builder, self._hall, draw.one_of(TILES))
         elif self._hall:
             self._roof = add_flat_roof(ground.builder, self._hall)
