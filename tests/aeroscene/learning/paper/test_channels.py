@@ -27,7 +27,7 @@ def test_layouts_are_read_back_as_the_boxes_that_were_written(
         layout = data.examples[number]
         there = batch.mask[0]
         np.testing.assert_allclose(boxes.center_enu_m[0][there], layout.center_enu_m, atol=2e-3)
-        np.testing.assert_allclose(boxes.size_m[0][there], layout.size_m, rtol=1e-4)
+        np.testing.assert_allclose(boxes.size_m[0][there], layout.size_m, rtol=1e-4, atol=1e-4)
         yaw = np.column_stack([np.cos(layout.yaw_rad), np.sin(layout.yaw_rad)])
         # Half a turn of what looks the same after it is none.
         found = boxes.heading[0][there].numpy()
