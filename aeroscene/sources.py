@@ -145,7 +145,8 @@ def _derived_areas(scene: Scene) -> tuple[InteractionArea, ...]:
 
 def _is_geojson(path: str) -> bool:
     """Whether a JSON file is a map, by its first bytes."""
-    if ".jsonl" in path[-9:]:
+    # A pipe would be waited for, and whoever reads it next would miss what was read here.
+    if ".jsonl" in path[-9:] or not Path(path).is_file():
         return False
     try:
         with Path(path).open("rb") as file:

@@ -26,6 +26,8 @@ from aeroscene.solids.shapes.materials import WALL_COLOURS
 _HALL_DEEP_M = (8.0, 10.5)
 _TOWER_M = 5.6
 _TREE_PITCH_M = 5.6
+_WIDE_M = 16.0
+"""Half the width from which a square has four rows of trees."""
 _LEAST_OPEN_M = 9.0
 """Least depth of the square before the hall."""
 
@@ -106,7 +108,7 @@ class Square:
         yield from in_turn(self._line_trees(), self._rest(), self._serve(), roof)
 
     def _line_trees(self) -> Iterator[None]:
-        """Two rows of equal trees towards the hall, a bench under every other one."""
+        """Two rows of equal trees towards the hall, four on a wide square, benches between them."""
         ground, draw = self.ground, self.ground.draw
         half = ground.parcel.width / 2
         crown = draw.between(2.6, 3.4)
@@ -115,8 +117,8 @@ class Square:
         count = max(1, int((self._edge - 3.0) / _TREE_PITCH_M))
         for index in range(count):
             v = 2.6 + index * _TREE_PITCH_M
-            for sign in (-1, 1):
-                u = sign * 0.56 * half
+            for share in (-0.64, 0.64, -0.3, 0.3) if half > _WIDE_M else (-0.56, 0.56):
+                u, sign = share * half, 1 if share > 0 else -1
                 ground.stand("tree", u, v, size, turn=0.0, look=look)
                 if index < count - 1:
                     turn = pi if sign > 0 else 0.0

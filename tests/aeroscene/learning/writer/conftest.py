@@ -13,7 +13,7 @@ from aeroscene.learning.writer.language import Language, learn_language
 from aeroscene.learning.writer.model import Writer, new_writer
 from tests.aeroscene.conftest import cached_scene
 
-NUMBERS = (7, 42, 49, 311)
+NUMBERS = (1, 42, 49, 311, 14, 27)
 
 
 @pytest.fixture(scope="session")
