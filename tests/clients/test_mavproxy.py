@@ -46,8 +46,9 @@ class MavProxy:
 
     def _read(self) -> None:
         assert self._process.stdout is not None
-        for line in self._process.stdout:
-            self._lines.put(line)
+        with contextlib.suppress(ValueError):  # The pipe is closed under the reader when the process ends.
+            for line in self._process.stdout:
+                self._lines.put(line)
 
     def type(self, line: str) -> None:
         assert self._process.stdin is not None

@@ -147,7 +147,8 @@ class Square:
         ground.stand("bin", 0.42 * half, 0.7, (0.5, 0.5, 0.95))
         yield
         names = ("planter", "bench", "tree", "bicycle", "bin")
-        yield from fill_up(ground, names, (-half, half, 0.4, self._edge), 6)
+        rounds = 12 if half > _WIDE_M else 6
+        yield from fill_up(ground, names, (-half, half, 0.4, self._edge), rounds)
 
     def _serve(self) -> Iterator[None]:
         """The cafe's tables in two ranks under its awning."""
