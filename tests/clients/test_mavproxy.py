@@ -46,7 +46,8 @@ class MavProxy:
 
     def _read(self) -> None:
         assert self._process.stdout is not None
-        with contextlib.suppress(ValueError):  # The pipe is closed under the reader when the process ends.
+        # The pipe is closed under the reader when the process ends.
+        with contextlib.suppress(ValueError):
             for line in self._process.stdout:
                 self._lines.put(line)
 
