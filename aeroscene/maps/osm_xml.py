@@ -6,6 +6,7 @@ at its first byte: OpenStreetMap's files have none, and entities that multiply n
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator
 from typing import NoReturn
 from xml.parsers import expat
@@ -17,6 +18,8 @@ from aeroscene.scene import SceneError
 from aeroscene.scene.errors import shown
 
 _DEEPEST = 8
+_WHOLE = re.compile(r"-?[0-9]{1,19}")
+"""A number as OpenStreetMap writes them; int() would also take blanks and other scripts."""
 _Attributes = dict[str, str]
 
 
@@ -145,7 +148,7 @@ class _Reader:
 
     def _integer(self, attributes: _Attributes, name: str) -> int:
         text = attributes.get(name, "")
-        if not text.lstrip("-").isdecimal() or len(text) > 20:
+        if _WHOLE.fullmatch(text) is None:
             raise MapError(f"{self._where}: {name} is {shown(text)}; valid: a whole number")
         return int(text)
 

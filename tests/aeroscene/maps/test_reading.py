@@ -27,6 +27,8 @@ BROKEN_XML = {
     "no latitude": ('<osm><node id="1" lon="18"/></osm>', "node 1: lat is ''"),
     "off the globe": ('<osm><node id="1" lat="95" lon="18"/></osm>', "node 1: lat is 95.0"),
     "id": ('<osm><node id="x" lat="5" lon="18"/></osm>', "node: id is 'x'"),
+    "id of two signs": ('<osm><node id="--5" lat="5" lon="18"/></osm>', "node: id is '--5'"),
+    "id in another script": ('<osm><node id="٣" lat="5" lon="18"/></osm>', "node: id is '٣'"),
     "long id": (f'<osm><node id="{"9" * 5000}" lat="5" lon="18"/></osm>', "node: id is '999"),
     "reference": ('<osm><way id="2"><nd ref="one"/></way></osm>', "way 2: ref is 'one'"),
     "long tag": (f'<osm><way id="2"><tag k="{"k" * 2000}" v=""/></way></osm>', "way 2 has tag"),

@@ -101,8 +101,6 @@ KINDS: Mapping[str, Kind] = {
 }
 """Kinds of places under the names that themes use."""
 
-OPEN = ("park", "market", "parking", "square")
-"""Places where a flight can start under open sky."""
 _ANYWHERE = "park"
 """What a parcel becomes that is too small for everything else."""
 
