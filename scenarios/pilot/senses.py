@@ -34,8 +34,8 @@ OVERHEAD = ("up_left", "up_right", "up_rear")
 WATCHING = (*AHEAD, *OVERHEAD)
 """Cameras that look out for movers."""
 OVERHEAD_EVERY = 2
-"""Full looks of which one uses the cameras overhead too. What they show comes nearer only as fast
-as it flies itself, because the vehicle flies away from it, so that half as many looks suffice."""
+"""One full look in so many uses the cameras overhead too. The vehicle flies away from where they
+look, so that a mover there closes in at its own speed alone, and half as many looks suffice."""
 LOOK_PERIOD_US = 200_000
 """Time between two looks ahead for what the map lacks."""
 ADRIFT_PERIOD_US = 100_000
