@@ -41,6 +41,12 @@ class Task:
     depth_camera: Literal["exact", "d435", "d455"]
     map: MapSource
     """Whether the pilot is given the map, or has to make it."""
+    aiding: Literal["gnss", "vio", "mocap", "auto"]
+    """What measures the position."""
+    failures: str
+    """Parts that fail in flight and when, as `aeroscene sitl --fail` has them."""
+    navigation_limit_s: float | None
+    """Time after lift-off in which it must have come above its area; None for any."""
     way: WayFigures
     """Figures of the shortest way, and the grade that follows from them."""
 
@@ -55,6 +61,7 @@ class Task:
             scene=self.scene,
             area=self.area,
             map=self.map,
+            navigation_limit_s=self.navigation_limit_s,
             headless_seconds=self.time_limit_s,
             bench=TestbenchCfg(
                 vehicle=self.vehicle,
@@ -66,6 +73,8 @@ class Task:
                 gust=self.gust_mps,
                 traffic=self.traffic,
                 depth_camera=self.depth_camera,
+                aiding=self.aiding,
+                fail=self.failures,
                 speed="max",
             ),
         )
