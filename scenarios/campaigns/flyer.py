@@ -10,6 +10,7 @@ import logging
 import math
 import time
 from collections import OrderedDict
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
 from enum import StrEnum
 from functools import partial
@@ -67,6 +68,8 @@ class Trial(NamedTuple):
     scene: str
     vehicle: str
     number: int
+    family: str = ""
+    """Family whose recipe it is drawn from; empty for the recipe of the campaign."""
 
     @property
     def id(self) -> str:
@@ -79,7 +82,9 @@ class Suite:
     """What decides the outcome of a trial, besides its name and the code; what is kept of it."""
 
     recipe: Recipe = field(default_factory=Recipe)
-    """What its task is drawn from."""
+    """What its task is drawn from, unless the trial is of a family."""
+    families: Mapping[str, Recipe] = field(default_factory=dict)
+    """What the tasks of each family are drawn from."""
     pilot: str = OURS
     """Who flies: one of the pilots that ship, MODULE:CLASS, or mavlink for somebody outside this
     process."""
@@ -91,6 +96,19 @@ class Suite:
     """Cameras and sensors of the vehicles."""
     recordings: Recordings | None = field(default=None, compare=False)
     """Decides no outcome; None records nothing."""
+
+    def recipe_of(self, family: str) -> Recipe:
+        """What the tasks of a family are drawn from; of none, the campaign's recipe.
+
+        Raises:
+            NoTaskError: If the suite has no such family.
+        """
+        if family and family not in self.families:
+            raise NoTaskError(
+                f"family {family!r} is none of this campaign; valid: "
+                f"{', '.join(self.families) or 'none'}"
+            )
+        return self.families[family] if family else self.recipe
 
     @property
     def is_external(self) -> bool:
@@ -128,6 +146,7 @@ class Suite:
         """What decides the outcome, as plain data."""
         return {
             "recipe": asdict(self.recipe),
+            "families": {name: asdict(recipe) for name, recipe in self.families.items()},
             "pilot": self.pilot,
             "program": self.program,
             "equipment": self.equipment.to_plain(),
@@ -171,7 +190,7 @@ class Flyer:
         else:
             self._pilot = _guarded(pilot_of(suite.pilot), suite.pilot)
         self._hangar = Hangar()
-        self._samplers: OrderedDict[tuple[str, str], Sampler] = OrderedDict()
+        self._samplers: OrderedDict[tuple[str, str, str], Sampler] = OrderedDict()
 
     def task(self, trial: Trial) -> Task:
         """Task of a trial.
@@ -180,13 +199,14 @@ class Flyer:
             NoTaskError: If the scene has none for the vehicle.
             SceneError: If there is no such scene.
         """
-        key = (trial.scene, trial.vehicle)
+        key = (trial.family, trial.scene, trial.vehicle)
         sampler = self._samplers.pop(key, None)
         if sampler is None:
             # Fields of the scenes before take room.
             field_cache.forget()
             scene, airframe = self._hangar.scene(trial.scene), airframe_by_name(trial.vehicle)
-            sampler = Sampler(trial.scene, scene, airframe, self._suite.recipe)
+            recipe = self._suite.recipe_of(trial.family)
+            sampler = Sampler(trial.scene, scene, airframe, recipe, trial.family)
         self._samplers[key] = sampler
         if len(self._samplers) > _KEPT_SAMPLERS:
             self._samplers.popitem(last=False)
@@ -289,6 +309,7 @@ def blank_row(trial: Trial) -> Row:
         "scene": trial.scene,
         "vehicle": trial.vehicle,
         "trial": trial.number,
+        "family": trial.family,
         "success": None,
         "version": __version__,
     }

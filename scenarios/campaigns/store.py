@@ -36,7 +36,7 @@ TRACKS = ("planned_enu_m", "flown_enu_m")
 _TEXT, _WHOLE, _REAL, _FLAG = pa.string(), pa.int64(), pa.float64(), pa.bool_()
 SCHEMA = pa.schema(
     [
-        *((name, _TEXT) for name in ("trial_id", "scene", "vehicle")),
+        *((name, _TEXT) for name in ("trial_id", "family", "scene", "vehicle")),
         ("trial", _WHOLE),
         ("success", _FLAG),
         ("code", _TEXT),

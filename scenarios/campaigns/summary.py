@@ -40,17 +40,21 @@ def _winds(table: pa.Table) -> pa.Array:
 
 
 GROUPS: Mapping[str, Callable[[pa.Table], pa.Array]] = {
+    "family": _named("family"),
     "vehicle": _named("vehicle"),
     "kind": _kinds,
     "scene": _named("scene"),
     "difficulty": _named("difficulty"),
     "wind": _winds,
-    **{name: _named(name) for name in ("map", "gnss", "depth_camera", "traffic")},
+    **{
+        name: _named(name)
+        for name in ("map", "gnss", "aiding", "depth_camera", "traffic", "failures")
+    },
 }
 """What trials are grouped by, and the group of each row of a table."""
 SUMMARY_COLUMNS = (
     *("success", "code", "navigated", "trial_cpu_seconds", "vehicle", "scene", "difficulty"),
-    *("wind_mps", "map", "gnss", "depth_camera", "traffic"),
+    *("wind_mps", "map", "gnss", "aiding", "depth_camera", "traffic", "failures", "family"),
 )
 """Columns that a summary is made of."""
 

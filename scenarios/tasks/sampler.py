@@ -58,7 +58,9 @@ class _Start(NamedTuple):
 class Sampler:
     """Draws the tasks of one vehicle in one scene, and keeps what it measured for the next ones."""
 
-    def __init__(self, name: str, scene: Scene, airframe: Airframe, recipe: Recipe) -> None:
+    def __init__(
+        self, name: str, scene: Scene, airframe: Airframe, recipe: Recipe, family: str = ""
+    ) -> None:
         """Prepare to draw.
 
         Args:
@@ -66,7 +68,9 @@ class Sampler:
             scene: The scene.
             airframe: Vehicle that flies.
             recipe: What is drawn from.
+            family: Name of the recipe among those of a suite.
         """
+        self._family = family
         self._name = name
         self._scene = scene
         self._airframe = airframe
@@ -87,6 +91,7 @@ class Sampler:
         start, area, way = self._draw_way(trial, generator(recipe.seed, scene_id, "way", *stream))
         rng = generator(recipe.seed, scene_id, "conditions", *stream)
         return Task(
+            family=self._family,
             scene=self._name,
             vehicle=self._airframe.vehicle,
             trial=trial,

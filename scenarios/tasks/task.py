@@ -18,6 +18,8 @@ from scenarios.tasks.way import WayFigures, least_navigation_s
 class Task:
     """A flight from a start to an area, and the conditions under which it is flown."""
 
+    family: str
+    """Family whose recipe the task is drawn from; empty where a campaign has one recipe."""
     scene: str
     """Name of the scene, as `load_scene` takes it."""
     vehicle: str
@@ -53,7 +55,7 @@ class Task:
     @property
     def trial_id(self) -> str:
         """Name of the trial, one of a kind within a campaign: scene/vehicle/number."""
-        return trial_id(self.scene, self.vehicle, self.trial)
+        return trial_id(self.scene, self.vehicle, self.trial, self.family)
 
     def cfg(self) -> SitlCfg:
         """Configuration of the run that flies the task."""
@@ -101,6 +103,6 @@ class Task:
         }
 
 
-def trial_id(scene: str, vehicle: str, trial: int) -> str:
-    """Name of a trial."""
-    return f"{scene}/{vehicle}/{trial}"
+def trial_id(scene: str, vehicle: str, trial: int, family: str = "") -> str:
+    """Name of a trial, which begins with its family where it has one."""
+    return "/".join([*([family] if family else []), scene, vehicle, str(trial)])
