@@ -16,6 +16,8 @@ from enum import StrEnum
 from functools import partial
 from typing import Any, NamedTuple, Self
 
+import numpy as np
+
 from aeroscene import __version__
 from aeroscene.solids import field_cache
 from flightsim.environment.traffic import TrafficError
@@ -36,6 +38,7 @@ from scenarios.run.sitl import Sitl
 from scenarios.tasks.recipe import Recipe
 from scenarios.tasks.sampler import NoTaskError, Sampler
 from scenarios.tasks.task import Task, trial_id
+from scenarios.trials.grade import grade, progress
 from scenarios.trials.measures.track import track_of
 
 _LOG = logging.getLogger(__name__)
@@ -244,6 +247,7 @@ class Flyer:
             _LOG.info("trial %s", trial.id, exc_info=True)
             cause = (isinstance(error, PilotFaultError) and error.__cause__) or error
             row |= failure(Mishap.RAISED, f"{type(cause).__name__}: {_one_line(cause)}")
+        row["grade"] = grade(row)
         return row | {"trial_cpu_seconds": round(time.process_time() - began_s, 3)}
 
     def _recorded(self, trial: Trial) -> dict[str, Any]:
@@ -271,6 +275,9 @@ class Flyer:
             with Sitl(cfg, scene=scene, pilot=make, has_network=False, hangar=self._hangar) as sitl:
                 result = sitl.run()
         planned = getattr(sitl.flights[0].companion, "planned_enu_m", None)
+        flown_enu_m = sitl.flights[0].log.track()
+        goal = next(area for area in scene.interaction_areas if area.id == task.area)
+        has_reached = result.navigation_s is not None
         return {
             **result.to_plain(),
             **(failure(Mishap.HUNG, result.reason) if sitl.bench.fault else {}),
@@ -278,7 +285,10 @@ class Flyer:
             "scene": task.scene,
             "vehicle": task.vehicle,
             "recording": None if sitl.missing else result.recording,
-            "flown_enu_m": sitl.flights[0].log.track(),
+            "flown_enu_m": flown_enu_m,
+            "progress": progress(
+                np.array(flown_enu_m), np.array(goal.centroid), has_reached=has_reached
+            ),
             "planned_enu_m": None if planned is None else track_of(planned),
         }
 

@@ -43,6 +43,7 @@ SCHEMA = pa.schema(
         ("fate", _TEXT),
         ("reason", _TEXT),
         ("navigated", _FLAG),
+        *((name, _REAL) for name in ("grade", "progress")),
         ("seed", _WHOLE),
         ("start", pa.list_(_REAL, 3)),
         ("start_yaw_rad", _REAL),
