@@ -4,9 +4,9 @@
     python tools/train_presets.py --minutes 10 --out presets --layouts front3d.jsonl.gz
 
 The minutes are shared by all trainings: two presets on each set of layouts. Batches are of 64
-scenes as in the paper, and products are in bfloat16; `--compile` fuses the networks' kernels. The same command
-goes on where it was stopped, and leaves alone what is finished. Where there is no GPU it runs on
-the processor, which is how it is tested: `--steps 2`.
+scenes as in the paper, and products are in bfloat16; `--compile` fuses the networks' kernels. The
+same command goes on where it was stopped, and leaves alone what is finished. Where there is no GPU
+it runs on the processor, which is how it is tested: `--steps 2`.
 """
 
 from __future__ import annotations
@@ -42,7 +42,8 @@ def main() -> int:
         words += [] if args.steps is None else ["--steps", str(args.steps)]
         is_begun = (folder / "state.safetensors").exists()
         words += ["--resume"] if is_begun else ["--config", str(config)]
-        status = subprocess.run([sys.executable, "-m", "aeroscene", "train", *words], check=False)
+        command = [sys.executable, "-m", "aeroscene", "train", *words]
+        status = subprocess.run(command, check=False)  # noqa: S603 - our own command
         if status.returncode:
             return status.returncode
         (folder / "done").touch()
