@@ -9,7 +9,7 @@ from flightsim.plant.sensing import SENSORS, SensorReadings
 from flightsim.sensors.failure import Failure
 from flightsim.sensors.imu import ACCELEROMETER, GYROSCOPE, IMU
 
-_PARTS = {
+SENSOR_PARTS = {
     **{sensor.name: (sensor.name, 0) for sensor in SENSORS if sensor is not IMU},
     "accelerometer": (IMU.name, ACCELEROMETER),
     "gyroscope": (IMU.name, GYROSCOPE),
@@ -37,9 +37,9 @@ class Failures:
         Raises:
             PlantError: If there is no such sensor.
         """
-        if sensor not in _PARTS:
-            raise PlantError(f"sensor = {sensor!r}: valid are {', '.join(_PARTS)}")
-        name, part = _PARTS[sensor]
+        if sensor not in SENSOR_PARTS:
+            raise PlantError(f"sensor = {sensor!r}: valid are {', '.join(SENSOR_PARTS)}")
+        name, part = SENSOR_PARTS[sensor]
         r = self._record[name]
         r["failure"][part] = failure
         r["failing_since"][part] = self._record["engine"]["tick"] + 1

@@ -17,6 +17,7 @@ from flightsim.mavlink.links import LinkError, OutAddress, SerialLine
 from flightsim.mavlink.personalities import PERSONALITIES
 from flightsim.mavlink.signing import Signing, SigningKeyError, read_key
 from flightsim.plant import PlantCfg
+from flightsim.plant.timed_failures import TimedFailure, parse_failures
 from flightsim.sensors.optical_flow import OpticalFlowCfg
 from flightsim.vehicles import airframe_by_name
 from flightsim.vehicles.camera_options import with_cameras
@@ -59,6 +60,9 @@ class TestbenchCfg:
     """Peak speed that a gust adds to the wind; 3 s of every 15 s."""
     traffic: str = "none"
     """Movers besides the vehicle, such as people=3,cars=2,drones=1."""
+    fail: str = "none"
+    """Parts that fail in flight, such as gnss=off@5,motor1=off@8: the part, how it fails, and the
+    seconds after lift-off. See docs/failures.md."""
     depth_camera: Literal["exact", "d435", "d455"] = "exact"
     """Depth of the cameras: exact, or with the errors of a RealSense D435 or D455."""
     camera_size: str = "320x240"
@@ -110,7 +114,14 @@ class TestbenchCfg:
         if self.lidar:
             lidar_by_name(self.lidar)
         _ = self.camera_size_px
-        _ = self.wind_cfg, self.traffic_cfg, self.effects, self.serial_line, self.signing
+        _ = (
+            self.wind_cfg,
+            self.traffic_cfg,
+            self.timed_failures,
+            self.effects,
+            self.serial_line,
+            self.signing,
+        )
         _ = self.out_addresses
         if self.personality not in PERSONALITIES:
             raise TestbenchError(
@@ -157,6 +168,15 @@ class TestbenchCfg:
             TrafficError: If it is invalid.
         """
         return TrafficCfg.parse(self.traffic, self.seed)
+
+    @property
+    def timed_failures(self) -> tuple[TimedFailure, ...]:
+        """Failures in flight of these settings.
+
+        Raises:
+            TimedFailureError: If one is invalid.
+        """
+        return parse_failures(self.fail, len(airframe_by_name(self.vehicle).motors))
 
     @property
     def effects(self) -> Effects:

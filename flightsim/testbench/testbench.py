@@ -94,6 +94,8 @@ class Testbench:
             self._stack = stack.pop_all()
         self.plant, self.airframe, self.stack = first, airframes[0], self.vehicles[0].stack
         self.observers: list[Observer] = [each.lidar.update for each in self.vehicles if each.lidar]
+        if cfg.fail != "none":
+            self.observers += [each.failures.update for each in self.vehicles]
         self.simulator = Simulator(
             first,
             _Controllers([vehicle.controller for vehicle in self.vehicles]),

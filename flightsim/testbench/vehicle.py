@@ -12,6 +12,7 @@ from flightsim.lidars import Lidar, lidar_by_name
 from flightsim.mavlink.client import MavlinkClient
 from flightsim.mavlink.links import Link
 from flightsim.plant import Plant
+from flightsim.plant.timed_failures import FailureTimer, parse_failures
 from flightsim.simulator import Controller, Server
 from flightsim.testbench.cfg import TestbenchCfg, TestbenchError
 from flightsim.testbench.own_stack import OwnStack
@@ -28,6 +29,7 @@ class Vehicle:
         frame: Frame of the scene on the earth.
         cfg: Settings of the testbench, with the instance of this vehicle.
         lidar: Lidar that it carries; None without one.
+        failures: Lets its parts fail in flight, as the settings say.
         stack: Whoever flies: our own flight stack, or an external one.
         controller: Commands the plant after each tick.
         server: Talks with those outside.
@@ -48,6 +50,8 @@ class Vehicle:
         self.plant, self.frame, self.cfg = plant, frame, cfg
         self.airframe, self.scene = plant.world.airframe, plant.world.scene
         self.lidar = Lidar(plant, lidar_by_name(cfg.lidar)) if cfg.lidar else None
+        ahead = parse_failures(cfg.fail, len(self.airframe.motors))
+        self.failures = FailureTimer(plant, ahead)
         self._own: OwnStack | None = None
         self.stack: OwnStack | ExternalStack
         self.controller: Controller

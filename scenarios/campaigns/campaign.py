@@ -34,6 +34,7 @@ class CampaignError(ValueError):
 
 class _SuiteFacts(msgspec.Struct, kw_only=True):
     recipe: dict[str, Any]
+    families: dict[str, dict[str, Any]] = {}
     pilot: str
     program: str | None = None
     autopilot: Literal["px4", "ardupilot"] | None = None
@@ -154,6 +155,7 @@ def read_suite(folder: Path) -> Suite | None:
     try:
         return Suite(
             recipe=recipe_from(suite["recipe"]),
+            families={name: recipe_from(each) for name, each in suite["families"].items()},
             pilot=suite["pilot"],
             program=suite["program"],
             stack=stack_from(suite),

@@ -10,10 +10,13 @@ import logging
 import math
 import time
 from collections import OrderedDict
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
 from enum import StrEnum
 from functools import partial
 from typing import Any, NamedTuple, Self
+
+import numpy as np
 
 from aeroscene import __version__
 from aeroscene.solids import field_cache
@@ -35,6 +38,7 @@ from scenarios.run.sitl import Sitl
 from scenarios.tasks.recipe import Recipe
 from scenarios.tasks.sampler import NoTaskError, Sampler
 from scenarios.tasks.task import Task, trial_id
+from scenarios.trials.grade import grade, progress
 from scenarios.trials.measures.track import track_of
 
 _LOG = logging.getLogger(__name__)
@@ -67,6 +71,8 @@ class Trial(NamedTuple):
     scene: str
     vehicle: str
     number: int
+    family: str = ""
+    """Family whose recipe it is drawn from; empty for the recipe of the campaign."""
 
     @property
     def id(self) -> str:
@@ -79,7 +85,9 @@ class Suite:
     """What decides the outcome of a trial, besides its name and the code; what is kept of it."""
 
     recipe: Recipe = field(default_factory=Recipe)
-    """What its task is drawn from."""
+    """What its task is drawn from, unless the trial is of a family."""
+    families: Mapping[str, Recipe] = field(default_factory=dict)
+    """What the tasks of each family are drawn from."""
     pilot: str = OURS
     """Who flies: one of the pilots that ship, MODULE:CLASS, or mavlink for somebody outside this
     process."""
@@ -91,6 +99,19 @@ class Suite:
     """Cameras and sensors of the vehicles."""
     recordings: Recordings | None = field(default=None, compare=False)
     """Decides no outcome; None records nothing."""
+
+    def recipe_of(self, family: str) -> Recipe:
+        """What the tasks of a family are drawn from; of none, the campaign's recipe.
+
+        Raises:
+            NoTaskError: If the suite has no such family.
+        """
+        if family and family not in self.families:
+            raise NoTaskError(
+                f"family {family!r} is none of this campaign; valid: "
+                f"{', '.join(self.families) or 'none'}"
+            )
+        return self.families[family] if family else self.recipe
 
     @property
     def is_external(self) -> bool:
@@ -128,6 +149,7 @@ class Suite:
         """What decides the outcome, as plain data."""
         return {
             "recipe": asdict(self.recipe),
+            "families": {name: asdict(recipe) for name, recipe in self.families.items()},
             "pilot": self.pilot,
             "program": self.program,
             "equipment": self.equipment.to_plain(),
@@ -171,7 +193,7 @@ class Flyer:
         else:
             self._pilot = _guarded(pilot_of(suite.pilot), suite.pilot)
         self._hangar = Hangar()
-        self._samplers: OrderedDict[tuple[str, str], Sampler] = OrderedDict()
+        self._samplers: OrderedDict[tuple[str, str, str], Sampler] = OrderedDict()
 
     def task(self, trial: Trial) -> Task:
         """Task of a trial.
@@ -180,13 +202,14 @@ class Flyer:
             NoTaskError: If the scene has none for the vehicle.
             SceneError: If there is no such scene.
         """
-        key = (trial.scene, trial.vehicle)
+        key = (trial.family, trial.scene, trial.vehicle)
         sampler = self._samplers.pop(key, None)
         if sampler is None:
             # Fields of the scenes before take room.
             field_cache.forget()
             scene, airframe = self._hangar.scene(trial.scene), airframe_by_name(trial.vehicle)
-            sampler = Sampler(trial.scene, scene, airframe, self._suite.recipe)
+            recipe = self._suite.recipe_of(trial.family)
+            sampler = Sampler(trial.scene, scene, airframe, recipe, trial.family)
         self._samplers[key] = sampler
         if len(self._samplers) > _KEPT_SAMPLERS:
             self._samplers.popitem(last=False)
@@ -224,6 +247,7 @@ class Flyer:
             _LOG.info("trial %s", trial.id, exc_info=True)
             cause = (isinstance(error, PilotFaultError) and error.__cause__) or error
             row |= failure(Mishap.RAISED, f"{type(cause).__name__}: {_one_line(cause)}")
+        row["grade"] = grade(row)
         return row | {"trial_cpu_seconds": round(time.process_time() - began_s, 3)}
 
     def _recorded(self, trial: Trial) -> dict[str, Any]:
@@ -251,6 +275,9 @@ class Flyer:
             with Sitl(cfg, scene=scene, pilot=make, has_network=False, hangar=self._hangar) as sitl:
                 result = sitl.run()
         planned = getattr(sitl.flights[0].companion, "planned_enu_m", None)
+        flown_enu_m = sitl.flights[0].log.track()
+        goal = next(area for area in scene.interaction_areas if area.id == task.area)
+        has_reached = result.navigation_s is not None
         return {
             **result.to_plain(),
             **(failure(Mishap.HUNG, result.reason) if sitl.bench.fault else {}),
@@ -258,7 +285,10 @@ class Flyer:
             "scene": task.scene,
             "vehicle": task.vehicle,
             "recording": None if sitl.missing else result.recording,
-            "flown_enu_m": sitl.flights[0].log.track(),
+            "flown_enu_m": flown_enu_m,
+            "progress": progress(
+                np.array(flown_enu_m), np.array(goal.centroid), has_reached=has_reached
+            ),
             "planned_enu_m": None if planned is None else track_of(planned),
         }
 
@@ -289,6 +319,7 @@ def blank_row(trial: Trial) -> Row:
         "scene": trial.scene,
         "vehicle": trial.vehicle,
         "trial": trial.number,
+        "family": trial.family,
         "success": None,
         "version": __version__,
     }

@@ -36,13 +36,14 @@ TRACKS = ("planned_enu_m", "flown_enu_m")
 _TEXT, _WHOLE, _REAL, _FLAG = pa.string(), pa.int64(), pa.float64(), pa.bool_()
 SCHEMA = pa.schema(
     [
-        *((name, _TEXT) for name in ("trial_id", "scene", "vehicle")),
+        *((name, _TEXT) for name in ("trial_id", "family", "scene", "vehicle")),
         ("trial", _WHOLE),
         ("success", _FLAG),
         ("code", _TEXT),
         ("fate", _TEXT),
         ("reason", _TEXT),
         ("navigated", _FLAG),
+        *((name, _REAL) for name in ("grade", "progress")),
         ("seed", _WHOLE),
         ("start", pa.list_(_REAL, 3)),
         ("start_yaw_rad", _REAL),
@@ -53,6 +54,8 @@ SCHEMA = pa.schema(
         ("openings", _WHOLE),
         *((name, _REAL) for name in ("time_limit_s", "wind_mps", "wind_from_deg", "gust_mps")),
         *((name, _TEXT) for name in ("turbulence", "traffic", "gnss", "depth_camera", "map")),
+        *((name, _TEXT) for name in ("aiding", "failures")),
+        ("navigation_limit_s", _REAL),
         *((name, _REAL) for name in ("sim_seconds", "wall_seconds", "cpu_seconds")),
         *((name, _REAL) for name in ("trial_cpu_seconds", "real_time_factor")),
         ("contacts_before_touchdown", _WHOLE),

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
+from jaxtyping import Float
 
 from aeroscene.corpus.corpus import scene_domain
 
@@ -40,17 +41,30 @@ def _winds(table: pa.Table) -> pa.Array:
 
 
 GROUPS: Mapping[str, Callable[[pa.Table], pa.Array]] = {
+    "family": _named("family"),
     "vehicle": _named("vehicle"),
     "kind": _kinds,
     "scene": _named("scene"),
     "difficulty": _named("difficulty"),
     "wind": _winds,
-    **{name: _named(name) for name in ("map", "gnss", "depth_camera", "traffic")},
+    **{
+        name: _named(name)
+        for name in ("map", "gnss", "aiding", "depth_camera", "traffic", "failures")
+    },
 }
 """What trials are grouped by, and the group of each row of a table."""
 SUMMARY_COLUMNS = (
-    *("success", "code", "navigated", "trial_cpu_seconds", "vehicle", "scene", "difficulty"),
-    *("wind_mps", "map", "gnss", "depth_camera", "traffic"),
+    *(
+        "success",
+        "grade",
+        "code",
+        "navigated",
+        "trial_cpu_seconds",
+        "vehicle",
+        "scene",
+        "difficulty",
+    ),
+    *("wind_mps", "map", "gnss", "aiding", "depth_camera", "traffic", "failures", "family"),
 )
 """Columns that a summary is made of."""
 
@@ -84,7 +98,8 @@ def summarise_trials(table: pa.Table) -> dict[str, Any]:
         table: Rows with at least `SUMMARY_COLUMNS`.
 
     Returns:
-        `trials`, `success_rate`, `interval_95`; `without_task`, trials that a scene has no task
+        `trials`, `success_rate`, `interval_95`; `grade` and `grade_interval_95`, the mean of
+        `scenarios.trials.grade`; `without_task`, trials that a scene has no task
         for, which count nowhere else; `phases`, of which interaction counts only flights that came
         to their area; `groups` by name and value; `codes` with their counts, most frequent first.
     """
@@ -108,16 +123,24 @@ def summarise_trials(table: pa.Table) -> dict[str, Any]:
 
 def _group(judged: pa.Table, groups: pa.Array) -> dict[str, Any]:
     """Rate of each group, in the order of their names."""
-    counted = pa.table({"group": groups, "success": judged["success"].cast(pa.int64())})
-    rows = counted.group_by("group").aggregate([("success", "sum"), ("success", "count")])
-    found = {
-        row["group"]: share(row["success_sum"], row["success_count"]) for row in rows.to_pylist()
-    }
-    return {name: found[name] for name in sorted(found, key=natural)}
+    names = sorted(groups.unique().to_pylist(), key=natural)
+    return {name: _rate(judged.filter(pc.equal(groups, pa.scalar(name)))) for name in names}
 
 
 def _rate(judged: pa.Table) -> dict[str, Any]:
-    return share(int(np.count_nonzero(judged["success"].to_numpy())), len(judged))
+    n_successes = int(np.count_nonzero(judged["success"].to_numpy()))
+    return {**share(n_successes, len(judged)), **_grades(judged["grade"].drop_null().to_numpy())}
+
+
+def _grades(grades: Float[np.ndarray, " n"]) -> dict[str, Any]:
+    """Mean grade with the interval of its mean by the normal law; None without two trials."""
+    if len(grades) == 0:
+        return {"grade": None, "grade_interval_95": None}
+    mean = float(grades.mean())
+    if len(grades) == 1:
+        return {"grade": mean, "grade_interval_95": None}
+    half = _Z_95 * float(grades.std(ddof=1)) / math.sqrt(len(grades))
+    return {"grade": mean, "grade_interval_95": [max(0.0, mean - half), min(1.0, mean + half)]}
 
 
 def share(n_successes: int, n: int) -> dict[str, Any]:

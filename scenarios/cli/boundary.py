@@ -15,6 +15,7 @@ INPUT_ERROR_NAMES = frozenset(
         "aeroscene.scene.errors.SceneError",
         "flightsim.environment.effects.EffectError",
         "flightsim.environment.traffic.TrafficError",
+        "flightsim.plant.timed_failures.TimedFailureError",
         "flightsim.environment.wind.WindError",
         "flightsim.mavlink.links.link.LinkError",
         "flightsim.cameras.view.CameraError",

@@ -80,10 +80,15 @@ class CampaignCfg:
     """With --pilot mavlink, without --program: the first worker waits on TCP port 5760 + 10 N of
     loopback, each further one on the next such port. With --autopilot: the first worker has the
     ports of instance N, each further one those of the next."""
-    recipe: Annotated[Path | None, default_hint("the one in docs/campaigns.md")] = None
-    """TOML file that says what the tasks are drawn from: starts, wind, traffic, sensors, map."""
+    recipe: Annotated[str | None, default_hint("the one in docs/campaigns.md")] = None
+    """What the tasks are drawn from: a TOML file that names starts, wind, traffic, sensors, map; or
+    one of the families that ship, such as crowd or storm, see docs/families.md."""
     suite: Annotated[str | None, default_hint("none")] = None
-    """Fixed suite, such as aeroscene-300: names scenes, trials, vehicles and recipe by itself."""
+    """Fixed suite, aeroscene-300 or aeroscene-hard: names scenes, trials, vehicles and recipes by
+    itself."""
+    families: Annotated[str, default_hint("all")] = ""
+    """With a suite of families: the families to fly, joined by commas; the others can follow in the
+    same folder."""
     record: Literal["none"] | RecordLevel = "none"
     """What is recorded of each trial, as OUT/recordings/SCENE-VEHICLE-TRIAL.rrd, see
     docs/recording.md; the flights are the same."""
@@ -207,13 +212,28 @@ def _trials(cfg: CampaignCfg) -> list[Trial]:
     from scenarios.campaigns.campaign import all_trials
 
     if cfg.suite is not None:
-        return _fixed(cfg, cfg.suite).all_trials()
+        return _chosen(cfg, _fixed(cfg, cfg.suite))
+    if cfg.families:
+        fail(
+            _PROG,
+            f"families {cfg.families!r} needs a suite of families; valid: --recipe NAME for one",
+        )
     scenes = _scenes(cfg.scenes)
     vehicles = list(dict.fromkeys(cfg.vehicles.split(",")))
     for vehicle in vehicles:
         airframe_by_name(vehicle)
         cfg.equipment.require(vehicle)
     return all_trials(scenes, vehicles, cfg.trials)
+
+
+def _chosen(cfg: CampaignCfg, suite: FixedSuite) -> list[Trial]:
+    """Trials of the families that are asked for; an unknown one ends the process."""
+    wanted = list(dict.fromkeys(cfg.families.split(","))) if cfg.families else []
+    for name in wanted:
+        if name not in suite.families:
+            valid = ", ".join(suite.families) or f"none, {suite.name} has no families"
+            fail(_PROG, f"families {cfg.families!r}: {name!r} is unknown; valid: {valid}")
+    return [trial for trial in suite.all_trials() if not wanted or trial.family in wanted]
 
 
 def _scenes(text: str) -> list[str]:
@@ -231,13 +251,16 @@ def _scenes(text: str) -> list[str]:
 
 def _suite(cfg: CampaignCfg) -> Suite:
     from flightsim.testbench import MAX_INSTANCES
+    from scenarios.campaigns.fixed import named_recipe
     from scenarios.campaigns.flyer import Suite
-    from scenarios.tasks.recipe import Recipe, read_recipe
+    from scenarios.tasks.recipe import Recipe
 
+    families: Mapping[str, Recipe] = {}
     if cfg.suite is not None:
-        recipe = _fixed(cfg, cfg.suite).recipe
+        fixed = _fixed(cfg, cfg.suite)
+        recipe, families = fixed.recipe, fixed.families
     else:
-        recipe = Recipe() if cfg.recipe is None else read_recipe(cfg.recipe)
+        recipe = Recipe() if cfg.recipe is None else named_recipe(cfg.recipe)
     recordings = None
     if cfg.record != "none":
         recordings = Recordings(
@@ -245,6 +268,7 @@ def _suite(cfg: CampaignCfg) -> Suite:
         )
     suite = Suite(
         recipe=recipe,
+        families=families,
         pilot=cfg.pilot,
         program=cfg.program,
         stack=_stack(cfg),

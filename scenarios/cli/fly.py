@@ -57,8 +57,10 @@ class FlyCfg:
     """With a campaign of --autopilot: the program of the flight stack, as the campaign has it."""
     trust: bool = False
     """Run what the folder's campaign.json names without naming it again."""
-    recipe: Annotated[Path | None, default_hint("the campaign's")] = None
-    """TOML file that says what the task is drawn from."""
+    recipe: Annotated[str | None, default_hint("the campaign's")] = None
+    """TOML file that says what the task is drawn from, or a family by its name, such as crowd."""
+    family: Annotated[str, default_hint("none")] = ""
+    """With a campaign of a suite of families: the family of the trial."""
     record: RecordLevel = "full"
     """What is recorded, see docs/recording.md; the flight is the same."""
     camera_hz: CameraHz = 5.0
@@ -85,7 +87,7 @@ def run(cfg: FlyCfg) -> int:
     from scenarios.campaigns.store import TRACKS, StoreError
 
     airframe_by_name(cfg.vehicle)
-    trial = Trial(canonical_name(cfg.scene), cfg.vehicle, cfg.trial)
+    trial = Trial(canonical_name(cfg.scene), cfg.vehicle, cfg.trial, cfg.family)
     # What a pilot raised is one line in a campaign; here it has its traceback.
     logging.getLogger("scenarios.campaigns").setLevel(logging.INFO)
     try:
@@ -114,13 +116,13 @@ def run(cfg: FlyCfg) -> int:
 def _suite(cfg: FlyCfg) -> tuple[Suite, bool]:
     """What decides the trial, and whether it is what decides the campaign in the folder."""
     from scenarios.campaigns.campaign import read_suite
+    from scenarios.campaigns.fixed import named_recipe
     from scenarios.campaigns.flyer import Suite
-    from scenarios.tasks.recipe import read_recipe
 
     campaigns = read_suite(cfg.out)
     suite = campaigns or Suite()
     if cfg.recipe is not None:
-        suite = replace(suite, recipe=read_recipe(cfg.recipe))
+        suite = replace(suite, recipe=named_recipe(cfg.recipe))
     if cfg.pilot is not None:
         suite = replace(suite, pilot=cfg.pilot)
     if cfg.equipment != Equipment():

@@ -66,7 +66,9 @@ def run(cfg: ReportCfg) -> int:
 
 def print_summary(console: Terminal, summary: Mapping[str, Any]) -> None:
     """Print the summary of a campaign as tables."""
-    rates = Table("", "trials", "success", "95% interval", title_justify="left")
+    rates = Table(
+        "", "trials", "success", "95% interval", "grade", "95% interval", title_justify="left"
+    )
     _add_rate(rates, "all", summary)
     for phase, rate in summary["phases"].items():
         _add_rate(rates, phase, rate)
@@ -87,9 +89,15 @@ def print_summary(console: Terminal, summary: Mapping[str, Any]) -> None:
 
 def _add_rate(table: Table, name: str, rate: Mapping[str, Any]) -> None:
     if not rate["trials"]:
-        table.add_row(name, "0", "", "")
+        table.add_row(name, "0", "", "", "", "")
         return
     low, high = rate["interval_95"]
+    mean, ends = rate.get("grade"), rate.get("grade_interval_95")
     table.add_row(
-        name, str(rate["trials"]), f"{rate['success_rate']:.1%}", f"{low:.1%} to {high:.1%}"
+        name,
+        str(rate["trials"]),
+        f"{rate['success_rate']:.1%}",
+        f"{low:.1%} to {high:.1%}",
+        "" if mean is None else f"{mean:.2f}",
+        "" if ends is None else f"{ends[0]:.2f} to {ends[1]:.2f}",
     )

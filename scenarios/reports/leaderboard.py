@@ -90,10 +90,12 @@ def _entry(folder: Path, stack: str | None) -> dict[str, Any]:
 
 
 def _suite_of(folder: Path, manifest: Mapping[str, Any]) -> FixedSuite:
-    recipe, scenes = recipe_from(manifest["suite"]["recipe"]), manifest["scenes_sha256"]
+    found = manifest["suite"]
+    recipes = {name: recipe_from(plain) for name, plain in found["families"].items()}
+    flown = (recipe_from(found["recipe"]), recipes, manifest["scenes_sha256"])
     suites = fixed_suites()
     for suite in suites:
-        if (suite.recipe, suite.scenes_sha256) == (recipe, scenes):
+        if (suite.recipe, suite.families, suite.scenes_sha256) == flown:
             return suite
     raise LeaderboardError(
         f"{str(folder)!r} has another recipe or other scenes than a fixed suite; valid: a campaign "

@@ -73,6 +73,9 @@ class SitlCfg:
     """Frames of each camera in a simulated second, while recording or watching."""
     headless_seconds: Annotated[float | None, Range(0.0, unit="s", is_above=True), _UNSET] = None
     """End after this many simulated seconds, even in flight."""
+    navigation_limit_s: Annotated[float | None, Range(0.0, unit="s", is_above=True), _UNSET] = None
+    """Seconds after lift-off in which the vehicle must have come above its area; the verdict is
+    too_slow after that."""
     json: bool = False
     """Print one JSON object on standard output when the run ends, and nothing else there."""
 

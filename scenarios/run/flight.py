@@ -150,6 +150,7 @@ class Flight:
             area=area,
             chosen_enu_m=getattr(self.companion, "touchdown_enu_m", None),
             others=self.vehicle.scene.interaction_areas,
+            navigation_limit_s=self._cfg.navigation_limit_s,
         )
 
     def _judge(self, score: FlightScore, goal: Goal | None, stopped_by: str | None) -> Judgement:

@@ -9,6 +9,7 @@ from flightsim.environment.traffic import TrafficError
 from flightsim.environment.wind import WindError
 from flightsim.lidars import LidarError
 from flightsim.mavlink.links import LinkError
+from flightsim.plant.timed_failures import TimedFailureError
 from flightsim.testbench import TestbenchError
 from flightsim.vehicles import AirframeError
 from flightsim.world import WorldError
@@ -20,6 +21,7 @@ INPUT_ERRORS = (
     EffectError,
     WindError,
     TrafficError,
+    TimedFailureError,
     LinkError,
     CameraError,
     LidarError,

@@ -16,12 +16,15 @@ from flightsim.environment.wind import WindError
 from flightsim.testbench import TestbenchCfg, TestbenchError
 from scenarios.mission.goals import Target
 from scenarios.mission.surroundings import MapSource
+from scenarios.tasks.drawn_failures import require_failures
 from scenarios.tasks.way import GRADES, Grade
 from scenarios.trials.limits import LIMITS
 
 _MOST_DRAWS = 100
 """Each draw searches a way through the scene, which takes a tenth of a second."""
 _MOST_WORDS = 100
+Ends = Literal["any", "indoor", "outdoor", "through"]
+Aiding = Literal["gnss", "vio", "mocap", "auto"]
 Range = tuple[float, float]
 """Bounds between which a number is drawn, every one with equal chance."""
 
@@ -42,6 +45,8 @@ class Recipe:
     """Seed of all draws; another one gives other tasks."""
     start: tuple[Literal["own", "area"], ...] = ("own", "area")
     """Where a flight begins: at the scene's own start, or on one of its areas."""
+    ends: Ends = "any"
+    """Where start and target lie: both indoors, both outdoors, one of each (`through`), or any."""
     target: Target = "landing"
     """What it is to land on."""
     difficulty: tuple[Grade, ...] = GRADES[::-1]
@@ -62,6 +67,13 @@ class Recipe:
     gnss: tuple[Literal["rtk", "standard"], ...] = ("rtk",)
     depth_camera: tuple[Literal["exact", "d435", "d455"], ...] = ("exact",)
     map: tuple[MapSource, ...] = ("truth",)
+    aiding: tuple[Aiding, ...] = ("auto",)
+    """What measures the position, as `aeroscene sitl --aiding` has it; vio denies satellites."""
+    failures: tuple[str, ...] = ("none",)
+    """Parts that fail in flight, and when, such as gnss+vio=off@2:8 or motor=off@3:10: seconds
+    after lift-off between which the moment is drawn."""
+    navigation_within: float | None = None
+    """Most time of the way, in multiples of the least possible one; None for any."""
 
     def __post_init__(self) -> None:
         """Refuse values from which nothing can be drawn.
@@ -91,6 +103,11 @@ class Recipe:
                 f"recipe: time_limit_s {self.time_limit_s} is out of range; "
                 f"valid: above 0, at most {LIMITS.trial_s:g}"
             )
+        if self.navigation_within is not None and not self.navigation_within >= 1.0:
+            raise RecipeError(
+                f"recipe: navigation_within {self.navigation_within} is out of range; "
+                "valid: 1 or more times the least possible time"
+            )
         self._try_words()
 
     def _try_words(self) -> None:
@@ -98,6 +115,11 @@ class Recipe:
         words: list[dict[str, Any]] = [{"turbulence": word} for word in self.turbulence]
         words += [{"traffic": word} for word in self.traffic]
         words.append({"wind": self.wind_mps[1], "gust": self.gust_mps[1]})
+        for word in self.failures:
+            try:
+                require_failures(word)
+            except TestbenchError as error:
+                raise RecipeError(f"recipe: {error}") from None
         for word in words:
             try:
                 TestbenchCfg(**word)

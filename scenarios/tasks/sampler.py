@@ -4,41 +4,39 @@ from __future__ import annotations
 
 import functools
 import math
-from collections import OrderedDict
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import TypeVar
+from dataclasses import replace
+from typing import Literal, NamedTuple, TypeVar
 
 import numpy as np
 
 from aeroscene.scene import InteractionArea, Scene
 from aeroscene.solids.field_cache import kept_distance_field
 from aeroscene.solids.shapes import scene_primitives
-from autonomy.planning import PlanningError
 from autonomy.planning.openings import Opening, find_openings
 from autonomy.types import Vector3
 from flightsim.draws import generator
 from flightsim.vehicles import Airframe
 from flightsim.world import WorldError, build_world
-from scenarios.mission.goals import draw_goals, fitting_areas
-from scenarios.mission.mission import takeoff_point
+from scenarios.mission.goals import draw_goals, fitting_areas, is_indoor
 from scenarios.mission.obstacles import distance_field, scene_obstacles
-from scenarios.mission.surroundings import (
-    FIELD_RESOLUTION_M,
-    MissionError,
-    Surroundings,
-    survey,
-)
+from scenarios.mission.surroundings import FIELD_RESOLUTION_M
+from scenarios.tasks.drawn_failures import draw_failures
+from scenarios.tasks.reach import Reach
 from scenarios.tasks.recipe import Range, Recipe
 from scenarios.tasks.task import Task
-from scenarios.tasks.way import GRADES, Grade, WayFigures, measure_way
+from scenarios.tasks.way import (
+    GRADES,
+    Grade,
+    WayFigures,
+    least_navigation_s,
+    measure_way,
+)
 
 _MOST_DRAWS = 60
 """Draws of a start and an area for one trial, with those that no free space joins."""
 _SEEDS = 2**31
 _KEPT_SCENES = 2
-_KEPT_GROUNDS = 4
-"""Starts whose surroundings are kept: each holds as many cells as the scene."""
 _T = TypeVar("_T")
 
 
@@ -46,18 +44,23 @@ class NoTaskError(ValueError):
     """A scene has no task for a vehicle; the message says why."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Ground:
-    """A start that the vehicle can stand on and leave."""
+Side = Literal["indoor", "outdoor"]
 
-    world: Surroundings
-    takeoff_enu_m: Vector3
+
+class _Start(NamedTuple):
+    """Where a flight begins."""
+
+    position_enu_m: Vector3
+    yaw_rad: float
+    side: Side
 
 
 class Sampler:
     """Draws the tasks of one vehicle in one scene, and keeps what it measured for the next ones."""
 
-    def __init__(self, name: str, scene: Scene, airframe: Airframe, recipe: Recipe) -> None:
+    def __init__(
+        self, name: str, scene: Scene, airframe: Airframe, recipe: Recipe, family: str = ""
+    ) -> None:
         """Prepare to draw.
 
         Args:
@@ -65,14 +68,16 @@ class Sampler:
             scene: The scene.
             airframe: Vehicle that flies.
             recipe: What is drawn from.
+            family: Name of the recipe among those of a suite.
         """
+        self._family = family
         self._name = name
         self._scene = scene
         self._airframe = airframe
         self._recipe = recipe
-        self._grounds: OrderedDict[Vector3, _Ground] = OrderedDict()
-        self._barred: set[Vector3] = set()
-        """Starts that the vehicle cannot stand on, or not leave."""
+        self._reach = Reach.of(scene, airframe)
+        self._places: dict[Vector3, Vector3 | None] = {}
+        """Where the vehicle begins above each start; None if it cannot stand there, or not rise."""
         self._ways: dict[tuple[Vector3, int], WayFigures | None] = {}
 
     def task(self, trial: int) -> Task:
@@ -83,17 +88,16 @@ class Sampler:
         """
         recipe, scene_id = self._recipe, self._scene.scene_id
         stream = (self._airframe.name, trial)
-        start, yaw_rad, area, way = self._draw_way(
-            trial, generator(recipe.seed, scene_id, "way", *stream)
-        )
+        start, area, way = self._draw_way(trial, generator(recipe.seed, scene_id, "way", *stream))
         rng = generator(recipe.seed, scene_id, "conditions", *stream)
         return Task(
+            family=self._family,
             scene=self._name,
             vehicle=self._airframe.vehicle,
             trial=trial,
             seed=int(rng.integers(_SEEDS)),
-            start=start,
-            start_yaw_rad=yaw_rad,
+            start=start.position_enu_m,
+            start_yaw_rad=start.yaw_rad,
             area=area.id,
             time_limit_s=recipe.time_limit_s,
             wind_mps=_within(rng, recipe.wind_mps),
@@ -104,80 +108,96 @@ class Sampler:
             gnss=_one(rng, recipe.gnss),
             depth_camera=_one(rng, recipe.depth_camera),
             map=_one(rng, recipe.map),
+            aiding=_one(rng, recipe.aiding),
+            failures=draw_failures(_one(rng, recipe.failures), rng, len(self._airframe.motors)),
+            navigation_limit_s=self._navigation_limit_s(way),
             way=way,
         )
 
+    def _navigation_limit_s(self, way: WayFigures) -> float | None:
+        within = self._recipe.navigation_within
+        if within is None:
+            return None
+        return round(within * least_navigation_s(way.way_m, self._airframe), 2)
+
     def _draw_way(
         self, trial: int, rng: np.random.Generator
-    ) -> tuple[Vector3, float, InteractionArea, WayFigures]:
-        """Start, heading, area and way: of the grade whose turn it is, else the nearest to it."""
+    ) -> tuple[_Start, InteractionArea, WayFigures]:
+        """Start, area and way: of the grade whose turn it is, else the nearest to it."""
         wanted = self._recipe.difficulty[trial % len(self._recipe.difficulty)]
-        found: list[tuple[Vector3, float, InteractionArea, WayFigures]] = []
+        found: list[tuple[_Start, InteractionArea, WayFigures]] = []
         for _ in range(_MOST_DRAWS):
-            start, yaw_rad = self._draw_start(rng)
-            area = self._draw_area(start, int(rng.integers(_SEEDS)))
-            way = None if area is None else self._way(start, area)
-            if area is None or way is None:
+            start, seed = self._draw_start(rng), int(rng.integers(_SEEDS))
+            area = None if start is None else self._draw_area(start, seed)
+            if start is None or area is None:
                 continue
-            found.append((start, yaw_rad, area, way))
+            if (way := self._way(start.position_enu_m, area)) is None:
+                continue
+            found.append((start, area, way))
             if way.grade == wanted or len(found) == self._recipe.draws:
                 break
         if not found:
             raise NoTaskError(
                 f"scene {self._scene.scene_id}, {self._airframe.name}: free space joins no start "
                 f"to a {self._recipe.target} area for class {self._airframe.drone_class}"
+                + ("" if self._recipe.ends == "any" else f" with ends {self._recipe.ends}")
             )
-        return min(found, key=lambda each: _steps_between(each[3].grade, wanted))
+        return min(found, key=lambda each: _steps_between(each[2].grade, wanted))
 
-    def _draw_start(self, rng: np.random.Generator) -> tuple[Vector3, float]:
+    def _draw_start(self, rng: np.random.Generator) -> _Start | None:
+        """A start that the recipe allows; None if the draw falls on none."""
         kind = _one(rng, self._recipe.start)
-        areas = fitting_areas(self._scene, self._airframe)
+        areas = [
+            area
+            for area in fitting_areas(self._scene, self._airframe)
+            if self._recipe.ends in {"any", "through", self._side(area)}
+        ]
         place, yaw_rad = int(rng.integers(_SEEDS)), float(rng.uniform(-math.pi, math.pi))
-        if kind == "own" or not areas:
-            return self._scene.start_position_enu_m, self._scene.start_yaw_rad
-        return areas[place % len(areas)].centroid, round(yaw_rad, 3)
+        own: Side = "indoor" if self._scene.domain == "indoor" else "outdoor"
+        if (kind == "own" or not areas) and self._recipe.ends in {"any", "through", own}:
+            scene = self._scene
+            return _Start(scene.start_position_enu_m, scene.start_yaw_rad, own)
+        if not areas:
+            return None
+        area = areas[place % len(areas)]
+        return _Start(area.centroid, round(yaw_rad, 3), self._side(area))
 
-    def _draw_area(self, start: Vector3, seed: int) -> InteractionArea | None:
-        """The area that a seed draws for a start; None if there is none."""
-        goals = draw_goals(self._from(start), self._airframe, seed, self._recipe.target)
-        return goals[0] if goals else None
+    def _draw_area(self, start: _Start, seed: int) -> InteractionArea | None:
+        """The first area that a seed draws for a start and the recipe allows; None without any."""
+        scene = self._from(start.position_enu_m)
+        goals = draw_goals(scene, self._airframe, seed, self._recipe.target)
+        return next((goal for goal in goals if self._may_end(start, goal)), None)
+
+    def _may_end(self, start: _Start, area: InteractionArea) -> bool:
+        ends, side = self._recipe.ends, self._side(area)
+        return side != start.side if ends == "through" else ends in {"any", side}
+
+    def _side(self, area: InteractionArea) -> Side:
+        return "indoor" if is_indoor(self._scene, area) else "outdoor"
 
     def _way(self, start: Vector3, area: InteractionArea) -> WayFigures | None:
         """Figures of the way from a start to an area; None if there is none."""
         key = (start, area.id)
         if key not in self._ways:
-            ground = self._ground(start)
-            self._ways[key] = None if ground is None else self._measured(ground, area)
+            self._ways[key] = self._measured(start, area)
         return self._ways[key]
 
-    def _measured(self, ground: _Ground, area: InteractionArea) -> WayFigures | None:
-        hover = ground.world.hover_point(area)
-        if hover is None:
+    def _measured(self, start: Vector3, area: InteractionArea) -> WayFigures | None:
+        begin, end = self._place(start), self._reach.place_above(area.centroid)
+        corners = None if begin is None or end is None else self._reach.way(begin, end)
+        if corners is None:
             return None
-        try:
-            return measure_way(
-                ground.world, ground.takeoff_enu_m, hover, lambda: _openings(self._scene)
-            )
-        except PlanningError:
-            return None
+        return measure_way(self._reach, corners, lambda: _openings(self._scene))
 
-    def _ground(self, start: Vector3) -> _Ground | None:
-        """What is known of a start; None if the vehicle cannot stand there, or not leave it."""
-        if start in self._barred:
-            return None
-        ground = self._grounds.pop(start, None)
-        if ground is None:
+    def _place(self, start: Vector3) -> Vector3 | None:
+        """Where the vehicle begins above a start; None if it cannot stand there, or not rise."""
+        if start not in self._places:
+            self._places[start] = self._reach.place_above(start)
             try:
                 build_world(self._from(start), self._airframe)
-                world = survey(self._from(start), self._airframe)
-                ground = _Ground(world=world, takeoff_enu_m=takeoff_point(world))
-            except (MissionError, WorldError):
-                self._barred.add(start)
-                return None
-        self._grounds[start] = ground
-        if len(self._grounds) > _KEPT_GROUNDS:
-            self._grounds.popitem(last=False)
-        return ground
+            except WorldError:
+                self._places[start] = None
+        return self._places[start]
 
     def _from(self, start: Vector3) -> Scene:
         """The scene with another start."""

@@ -18,6 +18,8 @@ from scenarios.tasks.way import WayFigures, least_navigation_s
 class Task:
     """A flight from a start to an area, and the conditions under which it is flown."""
 
+    family: str
+    """Family whose recipe the task is drawn from; empty where a campaign has one recipe."""
     scene: str
     """Name of the scene, as `load_scene` takes it."""
     vehicle: str
@@ -41,13 +43,19 @@ class Task:
     depth_camera: Literal["exact", "d435", "d455"]
     map: MapSource
     """Whether the pilot is given the map, or has to make it."""
+    aiding: Literal["gnss", "vio", "mocap", "auto"]
+    """What measures the position."""
+    failures: str
+    """Parts that fail in flight and when, as `aeroscene sitl --fail` has them."""
+    navigation_limit_s: float | None
+    """Time after lift-off in which it must have come above its area; None for any."""
     way: WayFigures
     """Figures of the shortest way, and the grade that follows from them."""
 
     @property
     def trial_id(self) -> str:
         """Name of the trial, one of a kind within a campaign: scene/vehicle/number."""
-        return trial_id(self.scene, self.vehicle, self.trial)
+        return trial_id(self.scene, self.vehicle, self.trial, self.family)
 
     def cfg(self) -> SitlCfg:
         """Configuration of the run that flies the task."""
@@ -55,6 +63,7 @@ class Task:
             scene=self.scene,
             area=self.area,
             map=self.map,
+            navigation_limit_s=self.navigation_limit_s,
             headless_seconds=self.time_limit_s,
             bench=TestbenchCfg(
                 vehicle=self.vehicle,
@@ -66,6 +75,8 @@ class Task:
                 gust=self.gust_mps,
                 traffic=self.traffic,
                 depth_camera=self.depth_camera,
+                aiding=self.aiding,
+                fail=self.failures,
                 speed="max",
             ),
         )
@@ -92,6 +103,6 @@ class Task:
         }
 
 
-def trial_id(scene: str, vehicle: str, trial: int) -> str:
-    """Name of a trial."""
-    return f"{scene}/{vehicle}/{trial}"
+def trial_id(scene: str, vehicle: str, trial: int, family: str = "") -> str:
+    """Name of a trial, which begins with its family where it has one."""
+    return "/".join([*([family] if family else []), scene, vehicle, str(trial)])

@@ -1,7 +1,7 @@
 """How difficult the way of a task is, measured before anybody flies it.
 
-The way is the planner's shortest one through the cells of free space, straightened, but neither
-smoothed nor timed: 60 ms instead of 250, and the same for every pilot. Each of four figures earns
+The way is the shortest one through the cells in which the vehicle's sphere fits, straightened, but
+neither smoothed nor timed, and the same for every pilot. Each of four figures earns
 points: none in the easiest third of ways between drawn starts and areas of the shipped scenes, one
 in the middle third, two in the hardest. The sum decides between easy, medium and hard.
 """
@@ -19,13 +19,10 @@ from jaxtyping import Float
 
 from autonomy.model.quadrotor import GRAVITY_MPS2
 from autonomy.planning import DistanceField
-from autonomy.planning.corridor import straighten
 from autonomy.planning.openings import MAX_WIDTH_M, Opening
-from autonomy.planning.search import shortest_path
-from autonomy.types import Vector3
 from flightsim.vehicles.airframe import Airframe
 from scenarios.mission.difficulty import points_by_thirds
-from scenarios.mission.surroundings import Surroundings
+from scenarios.tasks.reach import Reach
 
 Grade = Literal["easy", "medium", "hard"]
 GRADES: tuple[Grade, ...] = ("easy", "medium", "hard")
@@ -74,31 +71,23 @@ MOST_POINTS: Mapping[Grade, int] = {"easy": 2, "medium": 4, "hard": 8}
 
 
 def measure_way(
-    world: Surroundings,
-    takeoff_enu_m: Vector3,
-    hover_enu_m: Vector3,
-    find_openings: Callable[[], Sequence[Opening]],
+    reach: Reach, corners: Float[np.ndarray, "n 3"], find_openings: Callable[[], Sequence[Opening]]
 ) -> WayFigures:
-    """Measure the shortest way between two points of free space.
+    """Measure a way through free space.
 
     Args:
-        world: Surroundings of the vehicle, with a given map.
-        takeoff_enu_m: Where the way begins.
-        hover_enu_m: Where it ends.
+        reach: Free space that the way leads through.
+        corners: The way, as `Reach.way` finds it, ENU.
         find_openings: Returns the openings of the scene; called only where the way is narrow.
-
-    Raises:
-        PlanningError: If free space does not join them.
     """
-    points = _along(_shortest(world, takeoff_enu_m, hover_enu_m))
-    room_m = world.obstacles.signed_distance(points)[0]
-    corridor_m = 2.0 * float(room_m.min())
+    points = _along(corners)
+    corridor_m = 2.0 * float(reach.obstacles.signed_distance(points)[0].min())
     # Finding the openings takes seconds; a way with room to both sides passes none.
     openings = find_openings() if corridor_m < MAX_WIDTH_M else ()
     return WayFigures(
         way_m=round(float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum()), 2),
         corridor_m=round(corridor_m, 2),
-        clutter=round(_clutter(points, world.field), 3),
+        clutter=round(_clutter(points, reach.field), 3),
         openings=_passed(points, openings),
     )
 
@@ -117,27 +106,6 @@ def least_navigation_s(way_m: float, airframe: Airframe) -> float:
     craft = airframe.quadrotor
     greatest_mps2 = math.sqrt((craft.max_thrust_n / craft.mass_kg) ** 2 - GRAVITY_MPS2**2)
     return 2.0 * math.sqrt(way_m / greatest_mps2)
-
-
-def _shortest(
-    world: Surroundings, takeoff_enu_m: Vector3, hover_enu_m: Vector3
-) -> Float[np.ndarray, "n 3"]:
-    """Corners of the way, with the least of the planner's margins."""
-    field, cfg = world.field, world.planner
-    ends = np.array([takeoff_enu_m, hover_enu_m])
-    start_cell, goal_cell = field.cells(ends)
-    needed_m = cfg.vehicle_radius_m + cfg.margins_m[-1]
-    at_ends_m = min(float(field.distance_m[tuple(cell)]) for cell in (start_cell, goal_cell))
-    required_m = min(needed_m, max(at_ends_m, field.resolution_m / 4))
-    cells = shortest_path(
-        field,
-        start_cell,
-        goal_cell,
-        required_m=required_m,
-        comfortable_m=cfg.vehicle_radius_m + cfg.comfortable_m,
-    )
-    points = np.concatenate([ends[:1], field.centres(cells)[1:-1], ends[1:]])
-    return straighten(points, world.obstacles, enough_m=needed_m + cfg.comfortable_m)
 
 
 def _along(corners: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "m 3"]:

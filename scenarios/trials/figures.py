@@ -30,6 +30,8 @@ class Goal:
     area's centroid."""
     others: Sequence[InteractionArea] = ()
     """Other areas that the flight may have ended on."""
+    navigation_limit_s: float | None = None
+    """Time after lift-off in which the flight must have come above the area; None for any."""
     stays_up: bool = False
     """Whether a flight without an assigned area may touch nothing once it is in the air."""
 

@@ -55,6 +55,8 @@ class Code(StrEnum):
     SLID = "slid"
     OFF_TARGET = "off_target"
     """On the area, but too far from the chosen point."""
+    TOO_SLOW = "too_slow"
+    """Landed, but later above its area than the task allows."""
 
 
 class Fate(StrEnum):
@@ -142,6 +144,7 @@ def judge(score: AnyScore, goal: Goal, ending: Ending) -> Judgement:
             _to_movers(score),
             _to_the_place(score, goal.area, ending),
             _to_the_touchdown(score),
+            _to_the_pace(score, goal),
         )
         error_m = score.touchdown_error_m or 0.0
         code = Code.LANDED
@@ -226,6 +229,16 @@ def _to_the_place(score: AnyScore, area: InteractionArea, ending: Ending) -> Ite
         Code.OUTSIDE_AREA,
         f"came to rest with {n} of {score.n_soles} soles inside",
     )
+
+
+def _to_the_pace(score: AnyScore, goal: Goal) -> Iterator[_Objection]:
+    """Objection to a way that took too long; the last one, since all else is worse."""
+    most_s, reached_s, lift_off_s = goal.navigation_limit_s, score.reached_s, score.lift_off_s
+    if most_s is None or reached_s is None or lift_off_s is None:
+        return
+    took_s = reached_s - lift_off_s
+    says = f"came above its area after {took_s:.1f} s; at most {most_s:.1f} s are allowed"
+    yield took_s > most_s, Code.TOO_SLOW, says
 
 
 def _to_the_touchdown(score: AnyScore) -> Iterator[_Objection]:

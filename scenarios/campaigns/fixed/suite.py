@@ -1,19 +1,48 @@
-"""A fixed suite: scenes, vehicles, trials and recipe in a file that ships, for shipped scenes."""
+"""Fixed suites and families of tasks that ship, so that everybody's figures are of the same tasks.
+
+A family is a recipe with a name: it asks one thing of a flight stack. A suite names families, or a
+recipe of its own, with the scenes, vehicles and numbers of trials that are flown.
+"""
 
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from importlib import resources
+from importlib.resources.abc import Traversable
+from pathlib import Path
 from typing import Any
 
 from aeroscene.corpus.shipped import shipped_digest
 from scenarios.campaigns.flyer import Trial
-from scenarios.tasks.recipe import Recipe, recipe_from
+from scenarios.tasks.recipe import Recipe, RecipeError, read_recipe, recipe_from
+
+_SUFFIX = ".toml"
 
 
 class FixedSuiteError(ValueError):
     """A fixed suite cannot be flown; one line says why, and what would be valid."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SuitePart:
+    """Trials of one recipe."""
+
+    family: str
+    """Name of the family; empty for the suite's own recipe."""
+    scenes: tuple[str, ...]
+    vehicles: tuple[str, ...]
+    trials: int
+    """Trials of each scene with each vehicle."""
+    recipe: Recipe
+
+    def all_trials(self) -> Iterator[Trial]:
+        """Every trial, scene by scene."""
+        for scene in self.scenes:
+            for vehicle in self.vehicles:
+                for number in range(self.trials):
+                    yield Trial(scene, vehicle, number, self.family)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,28 +54,50 @@ class FixedSuite:
     """Another one has other tasks."""
     scenes_sha256: str
     """Digest of the shipped scenes that its numbers name."""
-    scenes: tuple[str, ...]
-    vehicles: tuple[str, ...]
-    trials: int
-    """Trials of each scene with each vehicle."""
-    recipe: Recipe
+    parts: tuple[SuitePart, ...]
+
+    @property
+    def recipe(self) -> Recipe:
+        """The suite's own recipe; the default one where all its trials are of families."""
+        return next((part.recipe for part in self.parts if not part.family), Recipe())
+
+    @property
+    def families(self) -> dict[str, Recipe]:
+        """Recipe of each family."""
+        return {part.family: part.recipe for part in self.parts if part.family}
 
     def all_trials(self) -> list[Trial]:
-        """Every trial, scene by scene."""
-        return [
-            Trial(scene, vehicle, number)
-            for scene in self.scenes
-            for vehicle in self.vehicles
-            for number in range(self.trials)
-        ]
+        """Every trial, part by part."""
+        return [trial for part in self.parts for trial in part.all_trials()]
+
+
+def families() -> dict[str, Recipe]:
+    """Recipes of the families that ship, by their names."""
+    folder = resources.files("scenarios.campaigns.fixed") / "families"
+    return {name: recipe_from(plain) for name, plain in _tables(folder).items()}
+
+
+def named_recipe(name: str) -> Recipe:
+    """The recipe of a family by its name, or of a TOML file.
+
+    Raises:
+        RecipeError: If it is neither, or the file cannot be read.
+    """
+    known = families()
+    if name in known:
+        return known[name]
+    path = Path(name)
+    if path.suffix != _SUFFIX and not path.exists():
+        raise RecipeError(
+            f"recipe {name!r} is no family; valid: {', '.join(known)}, or a file NAME.toml"
+        )
+    return read_recipe(path)
 
 
 def fixed_suites() -> list[FixedSuite]:
     """All that ship, by their names."""
-    folder = resources.files("scenarios.campaigns.fixed")
-    files = (each for each in folder.iterdir() if each.name.endswith(".toml"))
-    plain = {each.name.removesuffix(".toml"): tomllib.loads(each.read_text()) for each in files}
-    return [_suite(name, plain[name]) for name in sorted(plain)]
+    tables = _tables(resources.files("scenarios.campaigns.fixed"))
+    return [_suite(name, plain) for name, plain in tables.items()]
 
 
 def fixed_suite(name: str) -> FixedSuite:
@@ -66,13 +117,30 @@ def fixed_suite(name: str) -> FixedSuite:
     return suites[name]
 
 
+def _tables(folder: Traversable) -> dict[str, dict[str, Any]]:
+    """The TOML files of a folder by their names, in the order of these."""
+    files = (each for each in folder.iterdir() if each.name.endswith(_SUFFIX))
+    ordered = sorted(files, key=lambda each: each.name)
+    return {each.name.removesuffix(_SUFFIX): tomllib.loads(each.read_text()) for each in ordered}
+
+
 def _suite(name: str, plain: dict[str, Any]) -> FixedSuite:
+    own = [_part("", plain, recipe_from(plain["recipe"]))] if "recipe" in plain else []
+    known = families()
+    others = [_part(each, table, known[each]) for each, table in plain.get("families", {}).items()]
     return FixedSuite(
         name=name,
         version=plain["version"],
         scenes_sha256=plain["scenes_sha256"],
+        parts=(*own, *others),
+    )
+
+
+def _part(family: str, plain: Mapping[str, Any], recipe: Recipe) -> SuitePart:
+    return SuitePart(
+        family=family,
         scenes=tuple(str(number) for number in plain["scenes"]),
         vehicles=tuple(plain["vehicles"]),
         trials=plain["trials"],
-        recipe=recipe_from(plain["recipe"]),
+        recipe=recipe,
     )

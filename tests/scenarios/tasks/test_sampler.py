@@ -10,8 +10,10 @@ import pytest
 from aeroscene.sources import load_scene
 from autonomy.model.quadrotor import GRAVITY_MPS2
 from flightsim import vehicles
+from flightsim.plant.timed_failures import parse_failures
 from flightsim.vehicles.catalogue import AIRFRAMES, airframe_by_name
-from scenarios.mission.goals import fitting_areas
+from scenarios.mission.goals import fitting_areas, is_indoor
+from scenarios.mission.surroundings import sphere_radius_m
 from scenarios.tasks.recipe import Recipe
 from scenarios.tasks.sampler import NoTaskError, Sampler
 from scenarios.tasks.way import GRADES, MOST_POINTS, THIRDS, WayFigures, least_navigation_s
@@ -101,6 +103,70 @@ def test_a_wall_with_a_gap_makes_a_way_harder():
     assert narrow.clutter > free.clutter
     assert narrow.way_m > free.way_m
     assert narrow.points > free.points
+
+
+@pytest.mark.parametrize(("ends", "sides"), [("indoor", {True}), ("outdoor", {False})])
+def test_both_ends_lie_where_the_recipe_says(ends, sides):
+    mixed = load_scene("6")
+    recipe = dataclasses.replace(RECIPE, start=("area",), ends=ends, draws=1)
+    tasks = [Sampler("6", mixed, AIRFRAMES["hummingbird"], recipe).task(n) for n in range(3)]
+    areas = {area.id: area for area in mixed.interaction_areas}
+    begun = {area.centroid: area for area in mixed.interaction_areas}
+    assert {is_indoor(mixed, areas[task.area]) for task in tasks} == sides
+    assert {is_indoor(mixed, begun[task.start]) for task in tasks} == sides
+
+
+def test_a_way_through_leads_in_or_out():
+    mixed = load_scene("6")
+    recipe = dataclasses.replace(RECIPE, start=("area",), ends="through", draws=1)
+    areas = {area.id: area for area in mixed.interaction_areas}
+    begun = {area.centroid: area for area in mixed.interaction_areas}
+    for number in range(3):
+        task = Sampler("6", mixed, AIRFRAMES["hummingbird"], recipe).task(number)
+        assert is_indoor(mixed, areas[task.area]) != is_indoor(mixed, begun[task.start])
+
+
+def test_the_hull_decides_what_can_be_reached():
+    """A gap that the sphere fits through joins both sides, though planners keep away from it."""
+    radius_m = sphere_radius_m(IRIS)
+    for gap_m, is_wide in ((2 * radius_m + 1.0, True), (2 * radius_m - 0.1, False)):
+        half_m = (30.0 - gap_m) / 2
+        walls = tuple(
+            thing(30 + i, "wall", (10.0, s * (gap_m + half_m) / 2, 6.0), (0.4, half_m, 12.0))
+            for i, s in enumerate((-1, 1))
+        )
+        lid = thing(32, "wall", (10.0, 0.0, 7.2), (0.4, gap_m, 9.6))
+        walls = tuple(dataclasses.replace(wall, scene_id="field") for wall in (*walls, lid))
+        scene = dataclasses.replace(field(), objects=(*field().objects, *walls))
+        sampler = Sampler("field", scene, IRIS, Recipe(start=("own",)))
+        if is_wide:
+            assert sampler.task(0).way.corridor_m < gap_m + 0.3
+        else:
+            with pytest.raises(NoTaskError):
+                sampler.task(0)
+
+
+def test_failures_are_drawn_within_their_bounds(scene):
+    words = ("gnss+vio=off@2:8", "motor=slow@3")
+    recipe = dataclasses.replace(RECIPE, failures=words, draws=1)
+    sampler = Sampler("7", scene, IRIS, recipe)
+    found = [parse_failures(sampler.task(n).failures, 4) for n in range(8)]
+    assert {each[0].part for each in found} == {"gnss", "motor"}
+    for first, *others in found:
+        assert 2.0 <= first.after_s <= 8.0
+        assert {each.after_s for each in others} <= {first.after_s}
+        assert (first.part == "motor") == (not others)
+    # What else is drawn does not depend on it.
+    usual = Sampler("7", scene, IRIS, dataclasses.replace(RECIPE, draws=1)).task(0)
+    assert dataclasses.replace(sampler.task(0), failures="none") == usual
+
+
+def test_a_race_allows_multiples_of_the_least_time(scene):
+    recipe = dataclasses.replace(RECIPE, navigation_within=2.0, draws=1)
+    task = Sampler("7", scene, IRIS, recipe).task(0)
+    least_s = least_navigation_s(task.way.way_m, IRIS)
+    assert task.navigation_limit_s == pytest.approx(2.0 * least_s, abs=0.01)
+    assert task.cfg().navigation_limit_s == task.navigation_limit_s
 
 
 def test_a_scene_that_leads_nowhere_is_named():

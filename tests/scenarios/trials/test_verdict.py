@@ -11,7 +11,7 @@ from scenarios.trials.score import FlightScore
 from scenarios.trials.verdict import SUCCESSES, Code, Ending, Verdict, judge
 from tests.scenarios.trials.histories import AREA, BESIDE
 
-GOAL = Goal(area=AREA, others=(AREA, BESIDE))
+GOAL = Goal(area=AREA, others=(AREA, BESIDE), navigation_limit_s=30.0)
 YES, NO = Verdict(success=True, reason="landed"), Verdict(success=False, reason="nothing safe")
 WELL = Ending(word=YES, is_done=True)
 GOOD = FlightScore(
@@ -81,6 +81,12 @@ FAULTS = [
     (replace(GOOD, touchdown_speed_mps=1.01), WELL, Code.HARD_TOUCHDOWN, "down at 1.01 m/s"),
     (replace(GOOD, slide_m=0.31), WELL, Code.SLID, "slid 0.31 m after the touchdown; at most 0.3"),
     (replace(GOOD, touchdown_error_m=0.51), WELL, Code.OFF_TARGET, "0.51 m from the chosen"),
+    (
+        replace(GOOD, reached_s=(GOOD.lift_off_s or 0.0) + 30.1),
+        WELL,
+        Code.TOO_SLOW,
+        "came above its area after 30.1 s; at most 30.0 s are allowed",
+    ),
 ]
 
 
@@ -103,6 +109,11 @@ def test_a_figure_at_its_limit_is_good(figure):
     name = {"tilt_deg": "tilt_at_rest_deg", "mover_m": "nearest_mover_m"}.get(figure, figure)
     score = replace(GOOD, **{name: getattr(LIMITS, figure)})
     assert judge(score, GOAL, WELL).code is Code.LANDED
+
+
+def test_a_way_may_take_as_long_as_one_likes_where_nobody_races():
+    slow = replace(GOOD, reached_s=(GOOD.lift_off_s or 0.0) + 30.1)
+    assert judge(slow, replace(GOAL, navigation_limit_s=None), WELL).code is Code.LANDED
 
 
 def test_the_first_fault_decides():

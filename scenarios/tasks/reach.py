@@ -1,0 +1,97 @@
+"""What a vehicle can reach in a scene, whoever flies it.
+
+A task has to be possible, but whether it is must not be decided by the planner that later flies it:
+a benchmark that only asks what its own pilot can plan measures nothing beyond that pilot. So the
+vehicle is a sphere here, and a place can be reached if free cells join it to the start in which the
+sphere fits. No margin, no hovering height and no dynamics are asked for.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from aeroscene.scene import Scene
+from aeroscene.solids.field_cache import kept_distance_field
+from aeroscene.solids.shapes import scene_primitives
+from autonomy.planning import DistanceField, Obstacles, PlanningError
+from autonomy.planning.corridor import straighten
+from autonomy.planning.search import shortest_path
+from autonomy.types import Vector3
+from flightsim.vehicles.airframe import Airframe
+from scenarios.mission.obstacles import distance_field, scene_obstacles
+from scenarios.mission.surroundings import FIELD_RESOLUTION_M, sphere_radius_m
+
+_MOST_ABOVE_M = 3.0
+"""Height above a surface up to which the sphere must fit somewhere."""
+_RISE_M = 2.2
+"""Height above a surface, less the sphere's, at which a way begins and ends where there is room."""
+_COMFORTABLE_M = 2.0
+"""Room beside the sphere from which on a way is no longer drawn to the open: as much as pilots that
+are not forced keep from walls and from the ground."""
+
+
+@dataclass(frozen=True, eq=False)
+class Reach:
+    """Free space of a vehicle's sphere in a scene."""
+
+    field: DistanceField
+    obstacles: Obstacles
+    radius_m: float
+    """Radius of the sphere that contains rotors and soles."""
+
+    @classmethod
+    def of(cls, scene: Scene, airframe: Airframe) -> Reach:
+        """Free space of a vehicle in a scene; the distances are kept for the next vehicle."""
+        primitives = scene_primitives(scene)
+        voxels = kept_distance_field(scene, FIELD_RESOLUTION_M, primitives)
+        return cls(
+            field=distance_field(voxels),
+            obstacles=scene_obstacles(scene, primitives),
+            radius_m=sphere_radius_m(airframe),
+        )
+
+    def place_above(self, surface_enu_m: Vector3) -> Vector3 | None:
+        """Centre of the sphere straight above a point of a surface; None if it fits nowhere.
+
+        It is the lowest one and what can be climbed from there, up to a height from which a surface
+        no longer counts as a narrow place: whoever takes off or lands passes through it.
+
+        Args:
+            surface_enu_m: Point that the vehicle stands on.
+        """
+        x, y, z = surface_enu_m
+        step_m = self.field.resolution_m
+        rises_m = np.arange(self.radius_m, _MOST_ABOVE_M + step_m, step_m)
+        column = np.stack([np.full_like(rises_m, x), np.full_like(rises_m, y), z + rises_m], axis=1)
+        column = column[self.field.contains(column)]
+        fits = self.field.distance_m[tuple(self.field.cells(column).T)] >= self.radius_m
+        if not fits.any():
+            return None
+        lowest = int(np.argmax(fits))
+        n_joined = int(np.argmin(np.append(fits[lowest:], False)))
+        highest = min(lowest + n_joined - 1, max(lowest, int(_RISE_M / step_m)))
+        first = column[highest].tolist()
+        return (first[0], first[1], first[2])
+
+    def way(self, start_enu_m: Vector3, goal_enu_m: Vector3) -> Float[np.ndarray, "n 3"] | None:
+        """Corners of the shortest way between two places of the sphere; None if there is none.
+
+        Closeness costs a little, so that the way keeps to the middle of what it passes.
+        """
+        ends = np.array([start_enu_m, goal_enu_m])
+        start_cell, goal_cell = self.field.cells(ends)
+        try:
+            cells = shortest_path(
+                self.field,
+                start_cell,
+                goal_cell,
+                required_m=self.radius_m,
+                comfortable_m=self.radius_m + _COMFORTABLE_M,
+            )
+        except PlanningError:
+            return None
+        points = np.concatenate([ends[:1], self.field.centres(cells)[1:-1], ends[1:]])
+        return straighten(points, self.obstacles, enough_m=self.radius_m + _COMFORTABLE_M)
