@@ -5,15 +5,17 @@ from __future__ import annotations
 import functools
 import math
 from collections import OrderedDict
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeVar
 
 import numpy as np
+from jaxtyping import Float
 
 from aeroscene.scene import InteractionArea, Scene
 from aeroscene.solids.field_cache import kept_distance_field
 from aeroscene.solids.shapes import scene_primitives
+from autonomy.mapping import WideMap
 from autonomy.planning import PlanningError
 from autonomy.planning.openings import Opening, find_openings
 from autonomy.types import Vector3
@@ -155,11 +157,16 @@ class Sampler:
         if hover is None:
             return None
         try:
-            return measure_way(
-                ground.world, ground.takeoff_enu_m, hover, lambda: _openings(self._scene)
-            )
+            return measure_way(ground.world, ground.takeoff_enu_m, hover, self._openings(ground))
         except PlanningError:
             return None
+
+    def _openings(self, ground: _Ground) -> Callable[[Float[np.ndarray, "n 3"]], Sequence[Opening]]:
+        """Finds the openings of the scene: in a large one those about some points, else all."""
+        known = ground.world.map
+        if isinstance(known, WideMap):
+            return known.openings_about
+        return lambda _: _openings(self._scene)
 
     def _ground(self, start: Vector3) -> _Ground | None:
         """What is known of a start; None if the vehicle cannot stand there, or not leave it."""

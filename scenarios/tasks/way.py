@@ -17,6 +17,9 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float
 
+from autonomy.mapping import Map, WideMap
+from autonomy.mapping.coarse_way import SEARCH_EXCESS
+from autonomy.mapping.wide_map import FAR_M
 from autonomy.model.quadrotor import GRAVITY_MPS2
 from autonomy.planning import DistanceField
 from autonomy.planning.corridor import straighten
@@ -77,7 +80,7 @@ def measure_way(
     world: Surroundings,
     takeoff_enu_m: Vector3,
     hover_enu_m: Vector3,
-    find_openings: Callable[[], Sequence[Opening]],
+    find_openings: Callable[[Float[np.ndarray, "n 3"]], Sequence[Opening]],
 ) -> WayFigures:
     """Measure the shortest way between two points of free space.
 
@@ -85,7 +88,8 @@ def measure_way(
         world: Surroundings of the vehicle, with a given map.
         takeoff_enu_m: Where the way begins.
         hover_enu_m: Where it ends.
-        find_openings: Returns the openings of the scene; called only where the way is narrow.
+        find_openings: Returns the openings of the scene, those about some points at least; called
+            only where the way is narrow.
 
     Raises:
         PlanningError: If free space does not join them.
@@ -94,11 +98,12 @@ def measure_way(
     room_m = world.obstacles.signed_distance(points)[0]
     corridor_m = 2.0 * float(room_m.min())
     # Finding the openings takes seconds; a way with room to both sides passes none.
-    openings = find_openings() if corridor_m < MAX_WIDTH_M else ()
+    is_narrow = 2.0 * room_m < MAX_WIDTH_M
+    openings = find_openings(points[is_narrow]) if is_narrow.any() else ()
     return WayFigures(
         way_m=round(float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum()), 2),
         corridor_m=round(corridor_m, 2),
-        clutter=round(_clutter(points, world.field), 3),
+        clutter=round(_clutter(points, _whole_field(world.map)), 3),
         openings=_passed(points, openings),
     )
 
@@ -123,7 +128,10 @@ def _shortest(
     world: Surroundings, takeoff_enu_m: Vector3, hover_enu_m: Vector3
 ) -> Float[np.ndarray, "n 3"]:
     """Corners of the way, with the least of the planner's margins."""
-    field, cfg = world.field, world.planner
+    field, cfg, excess = world.field, world.planner, 0.0
+    if isinstance(world.map, WideMap):
+        world.map.build_between(takeoff_enu_m, hover_enu_m, FAR_M)
+        excess = SEARCH_EXCESS
     ends = np.array([takeoff_enu_m, hover_enu_m])
     start_cell, goal_cell = field.cells(ends)
     needed_m = cfg.vehicle_radius_m + cfg.margins_m[-1]
@@ -135,9 +143,15 @@ def _shortest(
         goal_cell,
         required_m=required_m,
         comfortable_m=cfg.vehicle_radius_m + cfg.comfortable_m,
+        excess=excess,
     )
     points = np.concatenate([ends[:1], field.centres(cells)[1:-1], ends[1:]])
     return straighten(points, world.obstacles, enough_m=needed_m + cfg.comfortable_m)
+
+
+def _whole_field(known: Map) -> DistanceField:
+    """Distances in the whole place: in coarse cells where it is a large one."""
+    return known.coarse if isinstance(known, WideMap) else known.field
 
 
 def _along(corners: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "m 3"]:
