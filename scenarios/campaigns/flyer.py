@@ -35,8 +35,9 @@ from scenarios.mission.surroundings import MissionError
 from scenarios.run.hangar import Hangar
 from scenarios.run.input_errors import INPUT_ERRORS
 from scenarios.run.sitl import Sitl
+from scenarios.tasks.reach import NoTaskError
 from scenarios.tasks.recipe import Recipe
-from scenarios.tasks.sampler import NoTaskError, Sampler
+from scenarios.tasks.sampler import Sampler
 from scenarios.tasks.task import Task, trial_id
 from scenarios.trials.grade import grade, progress
 from scenarios.trials.measures.track import track_of

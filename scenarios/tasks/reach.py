@@ -15,12 +15,18 @@ from jaxtyping import Float
 
 from aeroscene.scene import Scene
 from aeroscene.solids.field_cache import kept_distance_field
+from aeroscene.solids.freespace import NoFreeSpaceError
 from aeroscene.solids.shapes import scene_primitives
+from aeroscene.solids.wide_field import is_wide
+from autonomy.mapping import WideMap
+from autonomy.mapping.coarse_way import SEARCH_EXCESS
+from autonomy.mapping.wide_map import FAR_M
 from autonomy.planning import DistanceField, Obstacles, PlanningError
 from autonomy.planning.corridor import straighten
 from autonomy.planning.search import shortest_path
 from autonomy.types import Vector3
 from flightsim.vehicles.airframe import Airframe
+from scenarios.mission.maps import given_map
 from scenarios.mission.obstacles import distance_field, scene_obstacles
 from scenarios.mission.surroundings import FIELD_RESOLUTION_M, sphere_radius_m
 
@@ -33,6 +39,10 @@ _COMFORTABLE_M = 2.0
 are not forced keep from walls and from the ground."""
 
 
+class NoTaskError(ValueError):
+    """A scene has no task for a vehicle; the message says why."""
+
+
 @dataclass(frozen=True, eq=False)
 class Reach:
     """Free space of a vehicle's sphere in a scene."""
@@ -41,10 +51,14 @@ class Reach:
     obstacles: Obstacles
     radius_m: float
     """Radius of the sphere that contains rotors and soles."""
+    wide: WideMap | None = None
+    """What computes the cells of a large scene, which `field` has only where a way was sought."""
 
     @classmethod
     def of(cls, scene: Scene, airframe: Airframe) -> Reach:
         """Free space of a vehicle in a scene; the distances are kept for the next vehicle."""
+        if is_wide(scene, FIELD_RESOLUTION_M):
+            return cls._of_wide(scene, sphere_radius_m(airframe))
         primitives = scene_primitives(scene)
         voxels = kept_distance_field(scene, FIELD_RESOLUTION_M, primitives)
         return cls(
@@ -52,6 +66,20 @@ class Reach:
             obstacles=scene_obstacles(scene, primitives),
             radius_m=sphere_radius_m(airframe),
         )
+
+    @classmethod
+    def _of_wide(cls, scene: Scene, radius_m: float) -> Reach:
+        try:
+            known = given_map(scene, radius_m, FIELD_RESOLUTION_M)
+        except NoFreeSpaceError as error:
+            raise NoTaskError(str(error)) from None
+        wide = known if isinstance(known, WideMap) else None
+        return cls(field=known.field, obstacles=known.obstacles, radius_m=radius_m, wide=wide)
+
+    @property
+    def whole_field(self) -> DistanceField:
+        """Distances in the whole scene: in coarse cells where it is a large one."""
+        return self.field if self.wide is None else self.wide.coarse
 
     def place_above(self, surface_enu_m: Vector3) -> Vector3 | None:
         """Centre of the sphere straight above a point of a surface; None if it fits nowhere.
@@ -67,6 +95,8 @@ class Reach:
         rises_m = np.arange(self.radius_m, _MOST_ABOVE_M + step_m, step_m)
         column = np.stack([np.full_like(rises_m, x), np.full_like(rises_m, y), z + rises_m], axis=1)
         column = column[self.field.contains(column)]
+        if self.wide is not None:
+            self.wide.build(column, 0.0)
         fits = self.field.distance_m[tuple(self.field.cells(column).T)] >= self.radius_m
         if not fits.any():
             return None
@@ -82,6 +112,8 @@ class Reach:
         Closeness costs a little, so that the way keeps to the middle of what it passes.
         """
         ends = np.array([start_enu_m, goal_enu_m])
+        if self.wide is not None:
+            self.wide.build_between(start_enu_m, goal_enu_m, FAR_M)
         start_cell, goal_cell = self.field.cells(ends)
         try:
             cells = shortest_path(
@@ -90,6 +122,7 @@ class Reach:
                 goal_cell,
                 required_m=self.radius_m,
                 comfortable_m=self.radius_m + _COMFORTABLE_M,
+                excess=0.0 if self.wide is None else SEARCH_EXCESS,
             )
         except PlanningError:
             return None

@@ -22,7 +22,7 @@ from scenarios.mission.goals import draw_goals, fitting_areas, is_indoor
 from scenarios.mission.obstacles import distance_field, scene_obstacles
 from scenarios.mission.surroundings import FIELD_RESOLUTION_M
 from scenarios.tasks.drawn_failures import draw_failures
-from scenarios.tasks.reach import Reach
+from scenarios.tasks.reach import NoTaskError, Reach
 from scenarios.tasks.recipe import Range, Recipe
 from scenarios.tasks.task import Task
 from scenarios.tasks.way import (
@@ -38,10 +38,6 @@ _MOST_DRAWS = 60
 _SEEDS = 2**31
 _KEPT_SCENES = 2
 _T = TypeVar("_T")
-
-
-class NoTaskError(ValueError):
-    """A scene has no task for a vehicle; the message says why."""
 
 
 Side = Literal["indoor", "outdoor"]
@@ -187,7 +183,9 @@ class Sampler:
         corners = None if begin is None or end is None else self._reach.way(begin, end)
         if corners is None:
             return None
-        return measure_way(self._reach, corners, lambda: _openings(self._scene))
+        if (wide := self._reach.wide) is not None:
+            return measure_way(self._reach, corners, wide.openings_about)
+        return measure_way(self._reach, corners, lambda _: _openings(self._scene))
 
     def _place(self, start: Vector3) -> Vector3 | None:
         """Where the vehicle begins above a start; None if it cannot stand there, or not rise."""

@@ -71,23 +71,28 @@ MOST_POINTS: Mapping[Grade, int] = {"easy": 2, "medium": 4, "hard": 8}
 
 
 def measure_way(
-    reach: Reach, corners: Float[np.ndarray, "n 3"], find_openings: Callable[[], Sequence[Opening]]
+    reach: Reach,
+    corners: Float[np.ndarray, "n 3"],
+    find_openings: Callable[[Float[np.ndarray, "n 3"]], Sequence[Opening]],
 ) -> WayFigures:
     """Measure a way through free space.
 
     Args:
         reach: Free space that the way leads through.
         corners: The way, as `Reach.way` finds it, ENU.
-        find_openings: Returns the openings of the scene; called only where the way is narrow.
+        find_openings: Returns the openings of the scene, those about some points at least; called
+            only where the way is narrow.
     """
     points = _along(corners)
-    corridor_m = 2.0 * float(reach.obstacles.signed_distance(points)[0].min())
+    room_m = reach.obstacles.signed_distance(points)[0]
+    corridor_m = 2.0 * float(room_m.min())
     # Finding the openings takes seconds; a way with room to both sides passes none.
-    openings = find_openings() if corridor_m < MAX_WIDTH_M else ()
+    is_narrow = 2.0 * room_m < MAX_WIDTH_M
+    openings = find_openings(points[is_narrow]) if is_narrow.any() else ()
     return WayFigures(
         way_m=round(float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum()), 2),
         corridor_m=round(corridor_m, 2),
-        clutter=round(_clutter(points, reach.field), 3),
+        clutter=round(_clutter(points, reach.whole_field), 3),
         openings=_passed(points, openings),
     )
 

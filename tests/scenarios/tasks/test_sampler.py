@@ -14,8 +14,9 @@ from flightsim.plant.timed_failures import parse_failures
 from flightsim.vehicles.catalogue import AIRFRAMES, airframe_by_name
 from scenarios.mission.goals import fitting_areas, is_indoor
 from scenarios.mission.surroundings import sphere_radius_m
+from scenarios.tasks.reach import NoTaskError
 from scenarios.tasks.recipe import Recipe
-from scenarios.tasks.sampler import NoTaskError, Sampler
+from scenarios.tasks.sampler import Sampler
 from scenarios.tasks.way import GRADES, MOST_POINTS, THIRDS, WayFigures, least_navigation_s
 from tests.scenarios.landing_scenes import field, thing
 
