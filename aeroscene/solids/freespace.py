@@ -67,12 +67,7 @@ def build_distance_field(
         primitives: The scene's primitives, where the caller has them already.
         cap_m: Distances are capped here; a lower cap is faster.
     """
-    low, high = np.asarray(scene.extent_min_enu_m), np.asarray(scene.extent_max_enu_m)
-    shape = np.maximum(1, np.ceil((high - low) / resolution_m - 1e-6)).astype(int)
-    origin = low + resolution_m / 2
-    # One more layer of cells below: the ground.
-    origin[2] -= resolution_m
-    grid = Grid(_vector(origin), resolution_m, (int(shape[0]), int(shape[1]), int(shape[2]) + 1))
+    grid = field_grid(scene, resolution_m)
     occupied = voxelise(scene_primitives(scene) if primitives is None else primitives, grid)
     if scene.relief is not None:
         occupied |= ground_cells(scene.relief, grid)
@@ -82,6 +77,15 @@ def build_distance_field(
         resolution_m=resolution_m,
         distance_m=distance_to_occupied(occupied, resolution_m, cap_m),
     )
+
+
+def field_grid(scene: Scene, resolution_m: float) -> Grid:
+    """Cells of a scene's flight volume, and one more layer below: the ground."""
+    low, high = np.asarray(scene.extent_min_enu_m), np.asarray(scene.extent_max_enu_m)
+    shape = np.maximum(1, np.ceil((high - low) / resolution_m - 1e-6)).astype(int)
+    origin = low + resolution_m / 2
+    origin[2] -= resolution_m
+    return Grid(_vector(origin), resolution_m, (int(shape[0]), int(shape[1]), int(shape[2]) + 1))
 
 
 def distance_to_occupied(

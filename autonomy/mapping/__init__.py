@@ -6,5 +6,15 @@ from autonomy.mapping.map import GivenMap, Map
 from autonomy.mapping.plan import plan_within
 from autonomy.mapping.seen_map import SeenMap
 from autonomy.mapping.seen_map_cfg import SeenMapCfg
+from autonomy.mapping.wide_map import WideMap
 
-__all__ = ["Agenda", "GivenMap", "Map", "SeenMap", "SeenMapCfg", "plan_towards", "plan_within"]
+__all__ = [
+    "Agenda",
+    "GivenMap",
+    "Map",
+    "SeenMap",
+    "SeenMapCfg",
+    "WideMap",
+    "plan_towards",
+    "plan_within",
+]

@@ -68,18 +68,11 @@ class Map(Protocol):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class GivenMap:
-    """A map that was given before the flight."""
+class GivenObstacles:
+    """What maps that are given before the flight have in common: all obstacles are known."""
 
     obstacles: Obstacles
-    field: DistanceField
-    is_reachable: Bool[np.ndarray, "nx ny nz"]
-    """Cells of the field that the vehicle can fly to from the start."""
     is_given: bool = True
-
-    def find_openings(self) -> Sequence[Opening]:
-        """Find the passages, the widest first; takes 1 to 5 s."""
-        return tuple(find_openings(self.field, self.obstacles))
 
     def observe(self, image: DepthImage, *, is_ahead: bool = True) -> None:
         """Learn nothing from an image."""
@@ -94,6 +87,19 @@ class GivenMap:
     static_distance_m = distance_to_seen_m
     distance_m = distance_to_seen_m
     rough_distance_m = distance_to_seen_m
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class GivenMap(GivenObstacles):
+    """A map that was given before the flight."""
+
+    field: DistanceField
+    is_reachable: Bool[np.ndarray, "nx ny nz"]
+    """Cells of the field that the vehicle can fly to from the start."""
+
+    def find_openings(self) -> Sequence[Opening]:
+        """Find the passages, the widest first; takes 1 to 5 s."""
+        return tuple(find_openings(self.field, self.obstacles))
 
     def may_be_reached(self, point_enu_m: Vector3) -> bool:
         """Whether free cells join a point to the start."""

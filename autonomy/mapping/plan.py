@@ -6,6 +6,7 @@ from autonomy.mapping.agenda import Agenda
 from autonomy.mapping.exploring import plan_towards
 from autonomy.mapping.map import Map
 from autonomy.mapping.seen_map import SeenMap
+from autonomy.mapping.wide_map import WideMap
 from autonomy.planning.craft import Craft
 from autonomy.planning.planner import plan_trajectory
 from autonomy.planning.trajectory import Trajectory
@@ -29,4 +30,6 @@ def plan_within(
     """
     if isinstance(known, SeenMap):
         return plan_towards(known, agenda, start, goal_enu_m, craft)
+    if isinstance(known, WideMap):
+        return known.plan(start, goal_enu_m, craft)
     return plan_trajectory(start, goal_enu_m, known.field, known.obstacles, craft)

@@ -2,17 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
+import numpy as np
+
 from aeroscene.scene import Scene
 from aeroscene.solids.field_cache import kept_distance_field
-from aeroscene.solids.freespace import reachable
-from aeroscene.solids.shapes import scene_primitives
-from autonomy.mapping import GivenMap, SeenMap, SeenMapCfg
+from aeroscene.solids.freespace import build_distance_field, reachable, start_cell
+from aeroscene.solids.shapes import Primitive, scene_primitives
+from aeroscene.solids.wide_field import WideField, is_wide
+from autonomy.mapping import GivenMap, SeenMap, SeenMapCfg, WideMap
 from flightsim.vehicles.airframe import Airframe
 from scenarios.mission.obstacles import distance_field, scene_obstacles
 
 
-def given_map(scene: Scene, radius_m: float, resolution_m: float) -> GivenMap:
+_COARSE_CELLS = 4
+"""Edge of a coarse cell of a large scene, in fine ones."""
+
+
+def given_map(scene: Scene, radius_m: float, resolution_m: float) -> GivenMap | WideMap:
     """Build the map of a scene that is given before the flight.
+
+    A large scene has no more of its distances computed than plans ask for.
 
     Args:
         scene: Scene to fly in.
@@ -23,11 +34,29 @@ def given_map(scene: Scene, radius_m: float, resolution_m: float) -> GivenMap:
         NoFreeSpaceError: If the vehicle cannot leave the start.
     """
     primitives = scene_primitives(scene)
+    if is_wide(scene, resolution_m):
+        return _wide_map(scene, radius_m, resolution_m, primitives)
     voxels = kept_distance_field(scene, resolution_m, primitives)
     return GivenMap(
         obstacles=scene_obstacles(scene, primitives),
         field=distance_field(voxels),
         is_reachable=reachable(voxels, scene.start_position_enu_m, radius_m),
+    )
+
+
+def _wide_map(
+    scene: Scene, radius_m: float, resolution_m: float, primitives: Sequence[Primitive]
+) -> WideMap:
+    wide = WideField(scene, resolution_m, primitives)
+    wide.build_about(np.array([scene.start_position_enu_m]), 0.0)
+    start_cell(wide.field, scene.start_position_enu_m, radius_m)
+    coarse = build_distance_field(scene, _COARSE_CELLS * resolution_m, primitives)
+    return WideMap(
+        obstacles=scene_obstacles(scene, primitives),
+        field=distance_field(wide.field),
+        coarse=distance_field(coarse),
+        radius_m=radius_m,
+        build=wide.build_about,
     )
 
 

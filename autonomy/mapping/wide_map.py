@@ -1,0 +1,88 @@
+"""Given map of a large place, whose distances are computed about each way before it is planned.
+
+A coarse field of the whole place shows where a way leads, and only the fine cells about that way
+are computed. If no way is found there, it is sought once more with more of the place about it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from autonomy.mapping.coarse_way import coarse_way
+from autonomy.mapping.map import GivenObstacles
+from autonomy.planning.craft import Craft
+from autonomy.planning.errors import UnreachableError
+from autonomy.planning.field import DistanceField
+from autonomy.planning.openings import Opening, find_openings
+from autonomy.planning.planner import plan_trajectory
+from autonomy.planning.trajectory import Trajectory
+from autonomy.types import FlatReference, Vector3
+
+NEAR_M, FAR_M = 12.0, 48.0
+"""Distances from the coarse way within which a fine one is sought, at first and then."""
+_ABOUT_OPENING_M = 8.0
+"""Distance about a place within which its openings are sought: enough to measure them."""
+_POINTS_AT_ONCE = 32
+
+Build = Callable[[Float[np.ndarray, "n 3"], float], None]
+"""Computes the distances of all cells that come within a distance of some points."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class WideMap(GivenObstacles):
+    """A map that was given before the flight, of a place too large to compute all its cells."""
+
+    field: DistanceField
+    """Distances of the cells that were computed, 0 in all others."""
+    coarse: DistanceField
+    """Distances of the whole place in larger cells."""
+    radius_m: float
+    """Radius of the vehicle's sphere."""
+    build: Build
+    """Computes more of `field`."""
+
+    def plan(self, start: FlatReference, goal_enu_m: Vector3, craft: Craft) -> Trajectory:
+        """Plan a certified trajectory, see `plan_trajectory`.
+
+        Raises:
+            PlanningError: If there is none within 48 m of the coarse way.
+        """
+        for reach_m in (NEAR_M, FAR_M):
+            self.build_between(start.position_enu_m, goal_enu_m, reach_m)
+            try:
+                return plan_trajectory(start, goal_enu_m, self.field, self.obstacles, craft)
+            except UnreachableError:
+                if reach_m == FAR_M:
+                    raise
+        raise AssertionError("the last reach returns or raises")
+
+    def build_between(self, start_enu_m: Vector3, goal_enu_m: Vector3, reach_m: float) -> None:
+        """Compute the distances about the way between two places."""
+        ends = np.array([start_enu_m, goal_enu_m])
+        if np.all(self.field.contains(ends)):
+            self.build(coarse_way(self.coarse, ends, self.radius_m), reach_m)
+
+    def find_openings(self) -> Sequence[Opening]:
+        """None: a large place is asked for those about a way."""
+        return ()
+
+    def openings_about(self, points_enu_m: Float[np.ndarray, "n 3"]) -> Sequence[Opening]:
+        """Find the openings about some points, which follow each other along a way."""
+        self.build(points_enu_m, _ABOUT_OPENING_M)
+        gaps_m = np.linalg.norm(np.diff(points_enu_m, axis=0), axis=1)
+        found: dict[Vector3, Opening] = {}
+        for run in np.split(points_enu_m, np.flatnonzero(gaps_m > _ABOUT_OPENING_M) + 1):
+            for n in range(0, len(run), _POINTS_AT_ONCE):
+                part = self.field.part_about(run[n : n + _POINTS_AT_ONCE], _ABOUT_OPENING_M)
+                found |= {each.center_enu_m: each for each in find_openings(part, self.obstacles)}
+        return tuple(found.values())
+
+    def may_be_reached(self, point_enu_m: Vector3) -> bool:
+        """Whether the vehicle has room at a point; a plan finds out whether a way leads there."""
+        self.build(np.array([point_enu_m]), 0.0)
+        cell = tuple(self.field.cells(np.array(point_enu_m)))
+        return bool(self.field.distance_m[cell] >= self.radius_m)
