@@ -11,6 +11,8 @@ from autonomy.planning.search import shortest_path
 
 _COMFORTABLE_M = 1.5
 """Distance beyond the vehicle's sphere from which on closeness has no price, as for fine cells."""
+SEARCH_EXCESS = 0.1
+"""Share by which a path through a large place may cost more than the cheapest one."""
 _NEARBY_CELLS = 24
 """Cells about an end within which a free one is sought."""
 
@@ -37,7 +39,12 @@ def coarse_way(
             continue
         try:
             path = shortest_path(
-                field, start, goal, required_m=radius_m, comfortable_m=radius_m + _COMFORTABLE_M
+                field,
+                start,
+                goal,
+                required_m=radius_m,
+                comfortable_m=radius_m + _COMFORTABLE_M,
+                excess=SEARCH_EXCESS,
             )
         except UnreachableError:
             continue

@@ -6,13 +6,15 @@ are computed. If no way is found there, it is sought once more with more of the 
 
 from __future__ import annotations
 
+import dataclasses
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
 
-from autonomy.mapping.coarse_way import coarse_way
+from autonomy.mapping.coarse_way import SEARCH_EXCESS, coarse_way
 from autonomy.mapping.map import GivenObstacles
 from autonomy.planning.craft import Craft
 from autonomy.planning.errors import UnreachableError
@@ -22,8 +24,11 @@ from autonomy.planning.planner import plan_trajectory
 from autonomy.planning.trajectory import Trajectory
 from autonomy.types import FlatReference, Vector3
 
-NEAR_M, FAR_M = 12.0, 48.0
+NEAR_M, FAR_M = 8.0, 48.0
 """Distances from the coarse way within which a fine one is sought, at first and then."""
+_PIECES = 16
+"""Pieces into which a long way is cut at least. More would take the optimiser longer, and a long
+leg is flown at one speed anyway."""
 _ABOUT_OPENING_M = 8.0
 """Distance about a place within which its openings are sought: enough to measure them."""
 _POINTS_AT_ONCE = 32
@@ -51,6 +56,10 @@ class WideMap(GivenObstacles):
         Raises:
             PlanningError: If there is none within 48 m of the coarse way.
         """
+        length_m = math.dist(start.position_enu_m, goal_enu_m)
+        piece_m = max(craft.cfg.max_piece_m, length_m / _PIECES)
+        cfg = dataclasses.replace(craft.cfg, search_excess=SEARCH_EXCESS, max_piece_m=piece_m)
+        craft = dataclasses.replace(craft, cfg=cfg)
         for reach_m in (NEAR_M, FAR_M):
             self.build_between(start.position_enu_m, goal_enu_m, reach_m)
             try:

@@ -36,6 +36,9 @@ class PlannerCfg:
     """Beyond this distance to the sphere, closeness to obstacles has no price in the search."""
     max_piece_m: float = 12.0
     """Length above which a leg is flown in several pieces."""
+    search_excess: float = 0.0
+    """Share by which the searched path may cost more than the cheapest; some shorten a long
+    search."""
     min_pieces: int = 1
     """Least number of pieces: more can bend more often, and take longer to plan."""
 
@@ -50,6 +53,7 @@ class PlannerCfg:
             ),
             "min_margin_m": (0 <= self.min_margin_m < math.inf, "not negative"),
             "max_piece_m": (self.max_piece_m > 0, "a positive number"),
+            "search_excess": (0 <= self.search_excess < math.inf, "not negative"),
         }
         for name, (is_valid, valid) in checks.items():
             if not is_valid:

@@ -150,6 +150,7 @@ def _attempt(task: _Task, margin_m: float, doubt_m: float) -> Trajectory:
         goal_cell=goal_cell,
         required_m=required_m,
         comfortable_m=cfg.vehicle_radius_m + cfg.comfortable_m,
+        excess=cfg.search_excess,
     )
     if doubt_m > 0.0:
         points = way_through_openings(search, field, task.obstacles, max(craft.keep_m, required_m))

@@ -4,7 +4,8 @@ A* on the 26 neighbours of a cell. A diagonal step needs every cell of the block
 free, so that it cuts no corner. A step costs its length times the mean price of its two cells;
 the price is 1 where the distance is comfortable and rises with the square of what is lacking to
 `1 + NARROWNESS_PRICE` where the distance is just enough. The heuristic is the distance on an empty
-grid, which is consistent, so the path is optimal.
+grid, which is consistent, so the path is optimal. In a large place a path that is longer by a small
+share will do: then the search heads for the goal and leaves most of the many equal paths aside.
 
 Where a map grows, climbing through cells that were not seen may have a price of its own: a camera
 that looks ahead sees the space to climb into only from far away.
@@ -55,6 +56,7 @@ def shortest_path(
     comfortable_m: float,
     seen: SeenRoom | None = None,
     climb_price: float = 0.0,
+    excess: float = 0.0,
 ) -> Int[np.ndarray, "n 3"]:
     """Find the cells from start to goal, neighbours in a row, both ends included.
 
@@ -66,6 +68,7 @@ def shortest_path(
         comfortable_m: Distance from which on closeness has no price.
         seen: Where climbing costs no more than its length; None for everywhere.
         climb_price: Price in cells of a rise by one cell elsewhere.
+        excess: Share by which the path may cost more than the cheapest one.
 
     Raises:
         UnreachableError: If free cells do not join start and goal.
@@ -86,6 +89,7 @@ def shortest_path(
         comfortable_m,
         _ALL_SEEN if seen is None else seen,
         0.0 if seen is None else climb_price,
+        1.0 + excess,
         marks,
     )
     return np.ascontiguousarray(path[::-1]) if is_forward else path
@@ -145,12 +149,14 @@ def search_grid(
     comfortable: float,
     seen: SeenRoom,
     climb_price: float,
+    weight: float,
     marks: UInt8[np.ndarray, " cells"],
 ) -> Int[np.ndarray, "n 3"]:
     """Search from `start` to `goal`; return the cells from goal back to start, none without a way.
 
     The way will be flown from `goal` to `start`, so the search descends where the flight climbs.
-    It leaves in `marks`, zeros before, which cells it met.
+    It leaves in `marks`, zeros before, which cells it met. The estimate of what is left counts
+    `weight` times.
     """
     nx, ny, nz = distance.shape
     # Unseen cells above seen ones have to be climbed unseen.
@@ -195,7 +201,7 @@ def search_grid(
                     cost[there], came_from[there], marks[there] = total, here, _MET
                     ahead = empty_grid_distance(goal[0] - u, goal[1] - v, goal[2] - w)
                     ahead += climb_price * max(w - top, 0)
-                    heapq.heappush(queue, (total + ahead, ahead, there))
+                    heapq.heappush(queue, (total + weight * ahead, ahead, there))
     return way_back(came_from, last if marks[last] == _DONE else -1, ny, nz)
 
 
