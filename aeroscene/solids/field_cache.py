@@ -26,6 +26,7 @@ from aeroscene.scene import Scene, relief
 from aeroscene.solids import freespace, ground, solids, voxels
 from aeroscene.solids.freespace import MAX_DISTANCE_M, VoxelField, build_distance_field
 from aeroscene.solids.shapes import Primitive
+from aeroscene.solids.wide_field import WideField
 
 BUDGET_BYTES = 200_000_000
 _KEPT_IN_PROCESS = 4
@@ -34,6 +35,8 @@ _DIGEST_BYTES = 16
 _DAMAGED = (OSError, ValueError, EOFError, KeyError, zlib.error)
 
 _of_process: OrderedDict[str, VoxelField] = OrderedDict()
+_wide: dict[str, WideField] = {}
+"""The last large scene's field; one may hold a gigabyte."""
 
 
 def kept_distance_field(
@@ -60,9 +63,22 @@ def kept_distance_field(
     return field
 
 
+def kept_wide_field(
+    scene: Scene, resolution_m: float, primitives: Sequence[Primitive]
+) -> WideField:
+    """Field of a large scene that is flown in more than once, with what was computed of it."""
+    key = _key(scene, resolution_m, primitives, MAX_DISTANCE_M)
+    field = _wide.get(key)
+    if field is None:
+        _wide.clear()
+        field = _wide[key] = WideField(scene, resolution_m, primitives)
+    return field
+
+
 def forget() -> None:
     """Drop the fields of this process; files stay."""
     _of_process.clear()
+    _wide.clear()
 
 
 def _from_disk_or_new(

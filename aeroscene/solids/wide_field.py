@@ -8,9 +8,7 @@ never touched.
 
 from __future__ import annotations
 
-import contextlib
 import math
-import mmap
 from collections.abc import Sequence
 
 import numpy as np
@@ -22,6 +20,7 @@ from aeroscene.solids.ground import ground_cells
 from aeroscene.solids.shapes import Primitive
 from aeroscene.solids.solids import colliding
 from aeroscene.solids.voxels import Grid, voxelise
+from autonomy.pages import untouched_zeros
 
 MOST_WHOLE_CELLS = 64_000_000
 """Cells of 25 cm up to which the whole field is computed at once: 150 x 150 m, 44 m high."""
@@ -60,7 +59,7 @@ class WideField:
         self.field = VoxelField(
             origin_enu_m=self._grid.origin_enu_m,
             resolution_m=resolution_m,
-            distance_m=_untouched(self._grid.shape),
+            distance_m=untouched_zeros(self._grid.shape, np.float32),
         )
         n_tiles = [-(-n // _TILE) for n in self._grid.shape[:2]]
         self.is_built: Bool[np.ndarray, "tx ty"] = np.zeros(n_tiles, dtype=bool)
@@ -92,8 +91,10 @@ class WideField:
         low = np.maximum(kept[0] - self._margin, 0)
         high = np.minimum(kept[1] + self._margin, (nx, ny))
         part = self._part(low, high - low, nz)
-        inner = tuple(slice(a - o, b - o) for a, b, o in zip(*kept.tolist(), low.tolist(), strict=True))
-        outer = tuple(slice(a, b) for a, b in zip(*kept.tolist(), strict=True))
+        inner, outer = (
+            tuple(slice(a, b) for a, b in zip(*(kept - first_kept).tolist(), strict=True))
+            for first_kept in (low, np.zeros(2, dtype=int))
+        )
         self.field.distance_m[outer] = part[inner]
 
     def _part(
@@ -111,11 +112,3 @@ class WideField:
             occupied |= ground_cells(self._relief, grid)
         occupied[:, :, 0] = True
         return distance_to_occupied(occupied, cell_m, self._cap_m)
-
-
-def _untouched(shape: tuple[int, ...]) -> Float[np.ndarray, "nx ny nz"]:
-    """Zeros of which only the pages that are written to take memory, and no larger ones."""
-    memory = mmap.mmap(-1, 4 * math.prod(shape))
-    with contextlib.suppress(AttributeError, OSError):  # Linux alone has large pages to refuse
-        memory.madvise(mmap.MADV_NOHUGEPAGE)
-    return np.frombuffer(memory, dtype=np.float32).reshape(shape)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
@@ -22,8 +24,9 @@ def coarse_way(
 ) -> Float[np.ndarray, "n 3"]:
     """Find points of a way from one place to another, a cell apart.
 
-    Large cells close doors. So where they do not join the ends, the way leads from each end straight
-    to the nearest free air below the sky, and where that fails too, straight to the other end.
+    Large cells close doors. So where they do not join the ends, the way leads from each end
+    straight to the nearest free air below the sky, and where that fails too, straight to the other
+    end.
 
     Args:
         field: Distances of large cells, all of them computed.
@@ -68,7 +71,7 @@ def _nearest(
 def _joined(points: list[np.ndarray], step_m: float) -> Float[np.ndarray, "n 3"]:
     """Points with others between them wherever they are farther than a step apart."""
     parts = [np.array(points[:1])]
-    for a, b in zip(points[:-1], points[1:], strict=True):
+    for a, b in itertools.pairwise(points):
         n = max(1, int(np.ceil(np.linalg.norm(b - a) / step_m)))
         parts.append(a + (b - a) * np.arange(1, n + 1)[:, None] / n)
     return np.concatenate(parts)

@@ -49,9 +49,7 @@ class DistanceField:
         cells = self.cells(points_enu_m)
         return np.all((cells >= 0) & (cells < self.distance_m.shape), axis=-1)
 
-    def part_about(
-        self, points_enu_m: Float[np.ndarray, "n 3"], margin_m: float
-    ) -> DistanceField:
+    def part_about(self, points_enu_m: Float[np.ndarray, "n 3"], margin_m: float) -> DistanceField:
         """Field of the box that holds some points and a margin, cut at the border."""
         cells, margin = self.cells(points_enu_m), math.ceil(margin_m / self.resolution_m)
         low = np.clip(cells.min(axis=0) - margin, 0, np.array(self.distance_m.shape) - 1)

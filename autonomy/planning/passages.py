@@ -13,6 +13,7 @@ from collections.abc import Callable
 import numpy as np
 from jaxtyping import Float, Int
 
+from autonomy.pages import copy_touched
 from autonomy.planning.errors import UnreachableError
 from autonomy.planning.field import DistanceField
 from autonomy.planning.obstacles import Obstacles
@@ -119,7 +120,7 @@ def _widened(
     cells = cells[np.all((cells >= 0) & (cells < field.distance_m.shape), axis=1)]
     away = np.linalg.norm(field.centres(cells)[:, None] - line, axis=2).min(axis=1)
     near = cells[away <= _TUBE_CELLS * field.resolution_m]
-    distance_m = field.distance_m.copy()
+    distance_m = copy_touched(field.distance_m)
     index = tuple(near.T)
     distance_m[index] = np.maximum(distance_m[index], needed_m)
     return dataclasses.replace(field, distance_m=distance_m)

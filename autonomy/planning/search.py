@@ -22,6 +22,7 @@ import numpy as np
 from jaxtyping import Int, UInt8
 
 from autonomy.jit import kernel
+from autonomy.pages import untouched_zeros
 from autonomy.planning.errors import UnreachableError
 from autonomy.planning.field import DistanceField
 from autonomy.planning.grid import Cell, Grid, empty_grid_distance, way_back
@@ -79,8 +80,7 @@ def shortest_path(
     # before paying what the narrow costs. Only climbs through unseen space have a direction.
     start_m, goal_m = (float(field.distance_m[tuple(cell)]) for cell in (start_cell, goal_cell))
     is_forward = seen is None and start_m < min(goal_m, comfortable_m)
-    # Fresh zeros from the system: only the pages that the search touches cost time.
-    marks = np.zeros(field.distance_m.size, dtype=np.uint8)
+    marks = untouched_zeros((field.distance_m.size,), np.uint8)
     path = search_grid(
         field.distance_m,
         start_cell if is_forward else goal_cell,

@@ -15,6 +15,7 @@ import numpy as np
 from jaxtyping import Int, UInt8
 
 from autonomy.jit import kernel
+from autonomy.pages import untouched_zeros
 from autonomy.planning.field import DistanceField
 from autonomy.planning.grid import STEPS, Cell, Grid, empty_grid_distance, way_back
 
@@ -42,8 +43,7 @@ def narrowest_place(
         least_m: Least distance of cells that a way may lead through.
         enough_m: Distance above which no way is any wider.
     """
-    # Fresh zeros from the system: only the pages that the trees touch cost time.
-    marks = np.zeros(field.distance_m.size, dtype=np.uint8)
+    marks = untouched_zeros((field.distance_m.size,), np.uint8)
     room_m, cell = widest_way(field.distance_m, start_cell, goal_cell, least_m, enough_m, marks)
     return Narrowest(room_m, cell)
 

@@ -7,14 +7,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from aeroscene.scene import Scene
-from aeroscene.solids.field_cache import kept_distance_field
-from aeroscene.solids.freespace import build_distance_field, reachable, start_cell
+from aeroscene.solids.field_cache import kept_distance_field, kept_wide_field
+from aeroscene.solids.freespace import reachable, start_cell
 from aeroscene.solids.shapes import Primitive, scene_primitives
-from aeroscene.solids.wide_field import WideField, is_wide
+from aeroscene.solids.wide_field import is_wide
 from autonomy.mapping import GivenMap, SeenMap, SeenMapCfg, WideMap
 from flightsim.vehicles.airframe import Airframe
 from scenarios.mission.obstacles import distance_field, scene_obstacles
-
 
 _COARSE_CELLS = 4
 """Edge of a coarse cell of a large scene, in fine ones."""
@@ -47,10 +46,10 @@ def given_map(scene: Scene, radius_m: float, resolution_m: float) -> GivenMap | 
 def _wide_map(
     scene: Scene, radius_m: float, resolution_m: float, primitives: Sequence[Primitive]
 ) -> WideMap:
-    wide = WideField(scene, resolution_m, primitives)
+    wide = kept_wide_field(scene, resolution_m, primitives)
     wide.build_about(np.array([scene.start_position_enu_m]), 0.0)
     start_cell(wide.field, scene.start_position_enu_m, radius_m)
-    coarse = build_distance_field(scene, _COARSE_CELLS * resolution_m, primitives)
+    coarse = kept_distance_field(scene, _COARSE_CELLS * resolution_m, primitives)
     return WideMap(
         obstacles=scene_obstacles(scene, primitives),
         field=distance_field(wide.field),
