@@ -20,7 +20,14 @@ from jaxtyping import Float, Int
 from autonomy.jit import kernel
 from autonomy.planning.errors import CertificateError
 from autonomy.planning.obstacles import Obstacles
-from autonomy.planning.solids import Point, Solids, gap_to_sphere, plane_to_segment, support
+from autonomy.planning.solids import (
+    Point,
+    Solids,
+    gap_to_sphere,
+    plane_to_segment,
+    sphere_to_segment,
+    support,
+)
 
 MAX_PLANES = 20
 REACHES_M = (6.0, 3.0, 1.5, 0.75)
@@ -139,12 +146,9 @@ def _polytope(
 @kernel
 def segment_clearance(p: Point, q: Point, enough: float, solids: Solids) -> float:
     """Distance from a segment to the nearest solid; `enough` where it is at least that."""
-    middle = 0.5 * (p + q)
-    half = 0.5 * np.sqrt(np.sum((q - p) ** 2))
     clearance = enough
     for i in range(len(solids.centers)):
-        gap = gap_to_sphere(middle[0], middle[1], middle[2], i, solids)
-        if gap - half < clearance:
+        if sphere_to_segment(p, q, i, solids) - _SLACK_M < clearance:
             clearance = min(clearance, plane_to_segment(p, q, i, solids)[0])
     return clearance
 

@@ -83,6 +83,20 @@ def gap_to_sphere(x: float, y: float, z: float, i: int, solids: Solids) -> float
 
 
 @kernel
+def sphere_to_segment(p: Point, q: Point, i: int, solids: Solids) -> float:
+    """Distance from the segment from p to q to the sphere about solid i: a quick lower bound."""
+    c, h = solids.centers[i], solids.halves[i]
+    x, y, z = q[0] - p[0], q[1] - p[1], q[2] - p[2]
+    u, v, w = c[0] - p[0], c[1] - p[1], c[2] - p[2]
+    square = x * x + y * y + z * z
+    share = 0.0
+    if square > 0.0:
+        share = min(max((u * x + v * y + w * z) / square, 0.0), 1.0)
+    away = math.sqrt((u - share * x) ** 2 + (v - share * y) ** 2 + (w - share * z) ** 2)
+    return away - math.sqrt(h[0] ** 2 + h[1] ** 2 + h[2] ** 2)
+
+
+@kernel
 def plane_between(x: float, y: float, z: float, i: int, solids: Solids) -> Plane:
     """Signed distance of a point to solid i, and the plane that touches the solid below it.
 

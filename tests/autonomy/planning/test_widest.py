@@ -79,4 +79,4 @@ def test_what_a_search_meets_follows_the_way_and_not_the_place():
     ends = np.array([150, 10, 30]), np.array([10, 10, 5])
     assert cells_met(widest_way, distance_m, *ends, LEAST, 0.9) < 15 * 140
     seen = SeenRoom(np.zeros((1, 1, 1)), 0.0, -1)
-    assert cells_met(search_grid, distance_m, *ends, 0.9, 2.0, seen, 0.0) < 60 * 140
+    assert cells_met(search_grid, distance_m, *ends, 0.9, 2.0, seen, 0.0, 1.0) < 60 * 140
