@@ -1,0 +1,158 @@
+"""A block of a district: sidewalks along its streets, and places on the parcels within.
+
+Each block is a scene of its own while it grows, with its own randomness and its own objects, so
+that a district of a hundred blocks takes a hundred times as long as one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from aeroscene.corpus.curation.builder import Builder
+from aeroscene.corpus.curation.composers.mixed import THEMES as MIXED
+from aeroscene.corpus.curation.composers.outdoor import THEMES as OUTDOOR
+from aeroscene.corpus.curation.composers.themes import Theme, choose_places, draw_one
+from aeroscene.corpus.curation.composition import Place
+from aeroscene.corpus.curation.draw import Draw
+from aeroscene.corpus.curation.frame import Frame
+from aeroscene.corpus.curation.parcels import Land, Parcel, Rectangle
+from aeroscene.corpus.curation.places.ground import Ground
+from aeroscene.corpus.curation.site import Site
+from aeroscene.corpus.curation.streets import Streets
+from aeroscene.corpus.districts.network import Block
+from aeroscene.corpus.districts.tower import LEAST_M, FurnishedTower
+
+PLATE_M, _WALK_M = 0.1, 0.05
+"""Height of a block above the ground, and of its sidewalks above that."""
+_TWO_ROWS_M = 30.0
+"""Depth of a block from which on it has parcels on two sides, back to back."""
+_ALWAYS_CHANCE = 0.3
+"""How often a block has the places that its theme always has, such as a square."""
+
+_ZONES: Sequence[tuple[float, Mapping[str, float]]] = (
+    (0.4, {"urban_block": 0.5, "old_town": 0.25, "+urban_block": 0.25}),
+    (
+        0.72,
+        {"residential_street": 0.3, "urban_block": 0.2, "+residential_street": 0.3, "park": 0.1}
+        | {"+campus": 0.1},
+    ),
+    (
+        9.0,
+        {"residential_street": 0.35, "village": 0.15, "+residential_street": 0.2, "park": 0.12}
+        | {"industrial_yard": 0.09, "retail_park": 0.09},
+    ),
+)
+"""Themes of blocks and their weights, by the distance from the middle of the district as a share of
+that of a corner. Those with a plus have buildings to enter."""
+_HOMES: Mapping[str, float] = {"row_houses": 0.65, "houses": 0.35}
+"""Kinds of places in a district that is asked for houses."""
+_GREEN: Mapping[str, float] = {"park": 0.7, "allotments": 0.3}
+"""Kinds of places without buildings."""
+
+
+@dataclass(slots=True)
+class GrowingBlock:
+    """A block that fills."""
+
+    builder: Builder
+    site: Site
+    places: list[Place]
+    walks: Streets
+    """What stands on its sidewalks."""
+
+
+def theme_of(block: Block, half_sides_m: tuple[float, float], rng: np.random.Generator) -> Theme:
+    """Character of a block by its place in the district."""
+    area = block.area
+    x, y = (area.x0 + area.x1) / 2, (area.y0 + area.y1) / 2
+    share = float(np.hypot(x / half_sides_m[0], y / half_sides_m[1]) / np.sqrt(2.0))
+    name = draw_one(rng, next(weights for limit, weights in _ZONES if share <= limit))
+    theme = MIXED[name[1:]] if name.startswith("+") else OUTDOOR[name]
+    return theme if rng.random() < _ALWAYS_CHANCE else replace(theme, always=())
+
+
+def homes(theme: Theme) -> Theme:
+    """The theme with dwellings alone."""
+    return replace(theme, always=(), others=_HOMES)
+
+
+def green(theme: Theme) -> Theme:
+    """The theme without buildings."""
+    return replace(theme, always=(), others=_GREEN)
+
+
+def begin_block(
+    block: Block, network: Site, theme: Theme, rng: np.random.Generator, n_storeys: int | None
+) -> GrowingBlock:
+    """Lay a block's ground and sidewalks and choose its places; nothing stands yet.
+
+    Args:
+        block: The ground.
+        network: Site of the streets around it.
+        theme: Which places it has.
+        rng: Draws everything of the block.
+        n_storeys: Storeys of a furnished tower on its widest parcel; None for no tower.
+    """
+    cut, choice, tower, streets = rng.spawn(4)
+    builder = Builder("block")
+    area = block.area
+    builder.enclose((area.x0, area.y0), (area.x1, area.y1))
+    site = replace(
+        network, builder=builder, roads=[], sidewalks=[], verges=[], parcels=[], junctions=[]
+    )
+    frame, width, depth = area.side_frame("south")
+    look = {"form": "terrace", "finish": "paving", "wall": "concrete", "part": "block"}
+    size = (width, depth, PLATE_M)
+    plate = builder.place("terrain", frame.moved(0, depth / 2), size, look=look)
+    land = Land(PLATE_M, plate)
+    _part(site, _pave(site, block, land), land, cut)
+    places: list[Place] = []
+    if n_storeys is not None:
+        parcel = max(site.parcels, key=_tower_room)
+        site.parcels.remove(parcel)
+        places.append(FurnishedTower(Ground(builder, Draw(tower), parcel), n_storeys))
+    places += choose_places(builder, site, theme, choice)
+    walks = Streets(builder, Draw(streets), site, bridge_chance=0.0)
+    return GrowingBlock(builder, site, places, walks)
+
+
+def has_tower_room(block: Block) -> bool:
+    """Whether a block is large enough for a tower."""
+    area = block.area
+    return min(area.x1 - area.x0, area.y1 - area.y0) > 2 * LEAST_M[1]
+
+
+def _tower_room(parcel: Parcel) -> float:
+    return min(parcel.width - LEAST_M[0], parcel.depth - LEAST_M[1])
+
+
+def _pave(site: Site, block: Block, land: Land) -> Rectangle:
+    """Lay sidewalks along the streets; return what is left."""
+    rest = block.area
+    for side in block.street_sides:
+        frame, length, _ = rest.side_frame(side)
+        site.lay_sidewalk(frame, length, land=land, height=_WALK_M)
+        rest = rest.without(side, site.walk_m)
+    return rest
+
+
+def _part(site: Site, rest: Rectangle, land: Land, rng: np.random.Generator) -> None:
+    """Cut the ground into parcels, in one row or in two that stand back to back."""
+    width, depth = rest.x1 - rest.x0, rest.y1 - rest.y0
+    is_along_x = width >= depth
+    front, back = ("south", "north") if is_along_x else ("west", "east")
+    across = min(width, depth)
+    if across < _TWO_ROWS_M:
+        site.part(rest, front, rng, land=land)
+        return
+    first = round(across * float(rng.uniform(0.44, 0.56)), 2)
+    site.part(rest.without(back, across - first), front, rng, land=land)
+    site.part(rest.without(front, first), back, rng, land=land)
+
+
+def frame_of(area: Rectangle) -> Frame:
+    """Frame in the middle of some ground."""
+    return Frame((area.x0 + area.x1) / 2, (area.y0 + area.y1) / 2, 0.0)
