@@ -9,12 +9,15 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import tyro
 
+from aeroscene.corpus.districts.request import HOUSES, STOREYS
+from aeroscene.corpus.districts.request import OBJECTS as DISTRICT_OBJECTS
 from aeroscene.learning import require_torch
 from aeroscene.learning.wishes import CLUTTER, DENSITY, OBJECTS, PASSAGE_M
 from aeroscene.ranges import THREADS, Range
 from aeroscene.scene import Scene, SceneDomain, SceneError
 from scenarios.baselines.named import NamedPilot, PilotError, pilot_of
 from scenarios.cli.command_line import EXIT_DONE, EXIT_NEGATIVE, default_hint, fail
+from scenarios.cli.generate_district import district_requests, run_districts
 from scenarios.cli.generate_prompt import print_understood, prompt_wishes, prompted
 from scenarios.cli.generate_words import print_generated
 from scenarios.cli.outputs import OutFile, OutFolder
@@ -68,8 +71,14 @@ class GenerateCfg:
     environment variable OPENAI_API_KEY, if it is set."""
     prompt_model: Annotated[str, default_hint("default")] = "default"
     """Name of the model at --prompt-endpoint."""
-    objects: Annotated[int | None, OBJECTS, default_hint("drawn, 149 on average")] = None
-    """Approximate number of objects in each scene."""
+    objects: Annotated[
+        int | None, Range(OBJECTS.low, DISTRICT_OBJECTS.high), default_hint("drawn, 149 on average")
+    ] = None
+    """Approximate number of objects in each scene; above 250 it is a district."""
+    houses: Annotated[int | None, HOUSES, default_hint("drawn")] = None
+    """Number of buildings of a district, within a tenth."""
+    storeys: Annotated[int | None, STOREYS, default_hint("no tower")] = None
+    """Storeys of a tower in a district: they repeat one floor plan, and each is furnished anew."""
     areas: Annotated[str, default_hint("drawn")] = ""
     """Greatest number of landing areas in each scene: 1 to 200 in all, or 0 to 200 of a class, such
     as small=20,medium=5,large=2."""
@@ -92,7 +101,9 @@ class GenerateCfg:
     """Number of scenes, from seed on, of which --worst-for keeps --count."""
     outline: Annotated[str, default_hint("drawn")] = ""
     """The site's sides as EAST,NORTH, 15 to 150 m each, or a JSON file with a list of corners
-    [[x, y], ...], whose bounding rectangle is taken."""
+    [[x, y], ...], whose bounding rectangle is taken. With a side above 150 m it is a district of 60
+    to 400 m a side: blocks along streets that meet, composed by the grammar of the corpus without
+    the model."""
     complete: Annotated[str, default_hint("none")] = ""
     """Scene whose coarse objects stay; fine ones are made for them: a number, gen:SEED, corpus:N or
     a file."""
@@ -141,6 +152,8 @@ def run(cfg: GenerateCfg) -> int:
 
 def _run(cfg: GenerateCfg) -> int:
     _check(cfg)
+    if (districts := district_requests(cfg)) is not None:
+        return run_districts(cfg, districts)
     wishes = prompt_wishes(cfg, _own_themes(cfg))
     requests = _requests(prompted(cfg, wishes)[0])
     require_torch()

@@ -7,14 +7,18 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from aeroscene.corpus.districts.request import SIDE_M as DISTRICT_SIDE_M
 from aeroscene.files import read_bounded
 from aeroscene.files.bounds import MOST_JSON_BYTES, excess
 from aeroscene.learning.wishes import AREAS, OUTLINE_M, AreaCounts, RequestError
+from aeroscene.ranges import Range
 from aeroscene.scene import SceneError
 
 if TYPE_CHECKING:
     from aeroscene.feasibility.region import Region
 
+SIDE_M = Range(OUTLINE_M.low, DISTRICT_SIDE_M.high, OUTLINE_M.unit)
+"""A side of a site that the model draws, or of a district."""
 _CLASSES = ("small", "medium", "large")
 
 
@@ -64,7 +68,7 @@ def outline_sides_m(text: str) -> tuple[float, float]:
     if len(sides) != 2 or not all(math.isfinite(side) and side > 0 for side in sides):
         raise GenerateError(f"outline is {text!r}; valid: {valid}")
     for side in sides:
-        OUTLINE_M.require("outline", side, RequestError)
+        SIDE_M.require("outline", side, RequestError)
     return sides[0], sides[1]
 
 

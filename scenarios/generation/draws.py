@@ -155,7 +155,7 @@ class Tally:
                     "valid: wishes nearer to that, another seed, or no --strict"
                 )
             if unfit is None and not (missed and self.prompt):
-                self._write(with_measures(scene, wishes), wishes)
+                self.write(scene, wishes)
                 return True
             if unfit is None:
                 self._set_aside(scene, wishes)
@@ -172,7 +172,7 @@ class Tally:
         if best is None:
             return False
         self.n_rejected -= 1
-        self._write(with_measures(best.scene, best.wishes), best.wishes)
+        self.write(best.scene, best.wishes)
         return True
 
     def best_of(self, seed: int) -> Scene | None:
@@ -185,7 +185,9 @@ class Tally:
         if before is None or now < before.shortfall:
             self._aside[scene.seed] = _SetAside(now, scene, wishes)
 
-    def _write(self, scene: Scene, wishes: dict[str, Got]) -> None:
+    def write(self, scene: Scene, wishes: dict[str, Got]) -> None:
+        """Write a scene that is kept, with what was got of its wishes."""
+        scene = with_measures(scene, wishes)
         self.failed.pop(scene.seed, None)
         self._aside.pop(scene.seed, None)
         self.feasible.append(collision_rate(scene))

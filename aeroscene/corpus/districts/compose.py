@@ -76,9 +76,9 @@ def compose_district(request: DistrictRequest) -> Scene:
     """
     growth = _grow_structures(request)
     rng = np.random.default_rng((_SEED_SPACE, request.seed, 1))
-    pad, home = _place_start(growth, request, rng)
+    pad = _place_start(growth, request, rng)
     _grow_details(growth, request.wanted_objects, rng)
-    layout = _joined(growth, request, pad, home)
+    layout = _joined(growth, request, pad)
     limits = _limits(len(growth.blocks), request.n_areas)
     primitives = scene_primitives(layout)
     field = build_distance_field(layout, _AREA_CELL_M, primitives, FIELD_CAP_M)
@@ -151,9 +151,7 @@ def _tower_block(blocks: Sequence[Block]) -> int:
     return min(roomy, key=away)
 
 
-def _place_start(
-    growth: _Growth, request: DistrictRequest, rng: np.random.Generator
-) -> tuple[Placed, GrowingBlock]:
+def _place_start(growth: _Growth, request: DistrictRequest, rng: np.random.Generator) -> Placed:
     """The home pad in a block at a corner, from which all else is far.
 
     Raises:
@@ -165,7 +163,7 @@ def _place_start(
     for number in np.argsort(away, kind="stable").tolist():
         block = growth.blocks[number]
         try:
-            return place_start(block.builder, Draw(rng), half), block
+            return place_start(block.builder, Draw(rng), half)
         except NoStartError:
             continue
     raise DistrictError(
@@ -188,7 +186,7 @@ def _grow_details(growth: _Growth, n_objects: int, rng: np.random.Generator) -> 
     fill(details, lambda: growth.n_objects >= n_objects)
 
 
-def _joined(growth: _Growth, request: DistrictRequest, pad: Placed, home: GrowingBlock) -> Scene:
+def _joined(growth: _Growth, request: DistrictRequest, pad: Placed) -> Scene:
     """One document of streets and blocks: what stands free in a block belongs to its ground."""
     scene_id = f"aeroscene-{request.seed:04d}"
     objects: list[SceneObject] = []
@@ -200,9 +198,7 @@ def _joined(growth: _Growth, request: DistrictRequest, pad: Placed, home: Growin
             if parent is None and is_block and obj.id > 0:
                 parent = 0
             parent_id = None if parent is None else first + parent
-            objects.append(
-                replace(obj, id=first + obj.id, scene_id=scene_id, parent_id=parent_id)
-            )
+            objects.append(replace(obj, id=first + obj.id, scene_id=scene_id, parent_id=parent_id))
     half_x, half_y = request.sides_m[0] / 2, request.sides_m[1] / 2
     top = max(obj.bbox.p[2] + obj.bbox.s[2] / 2 for obj in objects)
     is_mixed = any(obj.domain == "indoor" for obj in objects)
