@@ -18,11 +18,11 @@ from aeroscene.areas.faces import Face, upward_faces
 from aeroscene.areas.finder import AreaFinder, Candidate, is_wide
 from aeroscene.areas.needs import AreaLimits
 from aeroscene.areas.obstacles import Obstacles
-from aeroscene.areas.reach import FIELD_CAP_M
+from aeroscene.areas.reach import access_field
 from aeroscene.areas.spread import spread
 from aeroscene.scene import DroneClass, InteractionArea, Scene, SceneObject
 from aeroscene.scene.catalogue import LANDABLE, NO_PERCH, PADS
-from aeroscene.solids.freespace import VoxelField, build_distance_field
+from aeroscene.solids.freespace import VoxelField
 from aeroscene.solids.shapes import Primitive, scene_primitives
 from aeroscene.solids.solids import colliding
 
@@ -52,7 +52,7 @@ def derive_interaction_areas(
     """
     primitives = scene_primitives(scene) if primitives is None else primitives
     if field is None:
-        field = build_distance_field(scene, primitives=primitives, cap_m=FIELD_CAP_M)
+        field = access_field(scene, primitives)
     solids = colliding(primitives)
     finder = AreaFinder(scene, Obstacles(solids), field)
     faces = upward_faces(solids, lambda object_id: _may_bear(scene, object_id))

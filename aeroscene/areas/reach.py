@@ -2,12 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from aeroscene.areas.needs import NEEDS, PERCH_NEEDS, AreaNeeds
-from aeroscene.scene import Vector3
-from aeroscene.solids.freespace import NoFreeSpaceError, VoxelField, reachable
+from aeroscene.scene import Scene, Vector3
+from aeroscene.solids.freespace import NoFreeSpaceError, VoxelField, build_distance_field, reachable
+from aeroscene.solids.shapes import Primitive
+from aeroscene.solids.wide_field import is_wide
 
 FIELD_CAP_M = 0.1 + max(needs.flight_radius_m for needs in (*NEEDS.values(), PERCH_NEEDS))
 """Distances beyond this do not matter to any flood."""
+
+
+_CELL_M = 0.25
+"""Edge of the cells in which free space is flooded; twice as long in large scenes, whose narrow
+passages then count as closed."""
+
+
+def access_field(scene: Scene, primitives: Sequence[Primitive]) -> VoxelField:
+    """Distance field of a scene for floods of its free space."""
+    cell_m = 2 * _CELL_M if is_wide(scene, _CELL_M) else _CELL_M
+    return build_distance_field(scene, cell_m, primitives, FIELD_CAP_M)
 
 
 def is_reached(

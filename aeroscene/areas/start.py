@@ -16,11 +16,11 @@ from shapely.geometry.base import BaseGeometry
 
 from aeroscene.areas.landing import derive_interaction_areas
 from aeroscene.areas.needs import AreaLimits
-from aeroscene.areas.reach import FIELD_CAP_M
+from aeroscene.areas.reach import access_field
 from aeroscene.scene import Scene, SceneObject, Vector3
 from aeroscene.scene.catalogue import LAWNS, OPEN_GROUND, ROADS, ROOMS
 from aeroscene.scene.footprint import footprint
-from aeroscene.solids.freespace import VoxelField, build_distance_field
+from aeroscene.solids.freespace import VoxelField
 from aeroscene.solids.shapes import Primitive, scene_primitives
 from aeroscene.solids.shapes.shell import FINISH_M
 
@@ -75,7 +75,7 @@ def with_start(
     """
     primitives = scene_primitives(scene) if primitives is None else primitives
     if field is None:
-        field = build_distance_field(scene, primitives=primitives, cap_m=FIELD_CAP_M)
+        field = access_field(scene, primitives)
     best: tuple[int, Scene] | None = None
     for grounds in ranks:
         for place, yaw_rad in start_places(scene.objects, grounds):

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from aeroscene.areas.needs import area_needs
-from aeroscene.areas.reach import FIELD_CAP_M
+from aeroscene.areas.reach import access_field
 from aeroscene.scene import Scene
-from aeroscene.solids.freespace import NoFreeSpaceError, VoxelField, build_distance_field, reachable
+from aeroscene.solids.freespace import NoFreeSpaceError, VoxelField, reachable
 from aeroscene.solids.shapes import Primitive
 from aeroscene.validation.findings import Finding
 
@@ -27,7 +27,7 @@ def unreachable(
     """
     radii = {SMALLEST_BALL_M, *(area_needs(a).flight_radius_m for a in scene.interaction_areas)}
     if field is None:
-        field = build_distance_field(scene, primitives=primitives, cap_m=FIELD_CAP_M)
+        field = access_field(scene, primitives)
     for radius_m in sorted(radii):
         try:
             reached = reachable(field, scene.start_position_enu_m, radius_m)

@@ -9,7 +9,6 @@ from math import ceil
 import numpy as np
 
 from aeroscene.areas.landing import AreaLimits, derive_interaction_areas
-from aeroscene.areas.reach import FIELD_CAP_M
 from aeroscene.corpus.curation.builder import Builder, Placed
 from aeroscene.corpus.curation.composition import fill
 from aeroscene.corpus.curation.draw import Draw
@@ -29,19 +28,15 @@ from aeroscene.corpus.districts.request import DistrictError, DistrictRequest
 from aeroscene.scene import AttributeValue, Scene, SceneObject
 from aeroscene.scene.catalogue import BUILDINGS
 from aeroscene.scene.origin import ALTITUDE_M, LATITUDE_DEG, LONGITUDE_DEG
-from aeroscene.solids.freespace import build_distance_field
-from aeroscene.solids.shapes import scene_primitives
 
 _SEED_SPACE = 4045
 """Entropy of districts beside the seed."""
 HEADROOM_M = 12.0
 """Flight volume above the highest thing."""
-_STRUCTURES_SHARE = 0.6
+_STRUCTURES_SHARE = 0.55
 """Share of the objects at which structures stop to grow, so that something stands among them."""
 _AREAS_OF_BLOCK = AreaLimits(small=7, medium=4, large=3, perching=2)
 """Areas of each block at most, on average."""
-_AREA_CELL_M = 0.5
-"""Cells in which free space is searched for the areas."""
 _TRIES = 6
 """Districts that are begun until one has about as many buildings as are asked for."""
 _HOUSES_SHARE = 0.1
@@ -80,10 +75,7 @@ def compose_district(request: DistrictRequest) -> Scene:
     _grow_details(growth, request.wanted_objects, rng)
     layout = _joined(growth, request, pad)
     limits = _limits(len(growth.blocks), request.n_areas)
-    primitives = scene_primitives(layout)
-    field = build_distance_field(layout, _AREA_CELL_M, primitives, FIELD_CAP_M)
-    areas = derive_interaction_areas(layout, primitives, field, limits)
-    return replace(layout, interaction_areas=areas)
+    return replace(layout, interaction_areas=derive_interaction_areas(layout, limits=limits))
 
 
 def _grow_structures(request: DistrictRequest) -> _Growth:

@@ -70,21 +70,21 @@ def lay_network(sides_m: tuple[float, float], rng: np.random.Generator) -> Netwo
     site = Site(builder, Frame(0.0, 0.0, 0.0), half_x, half_y, 6.0, walk_m, style=style)
     columns, rows = _streets(sides_m[0], rng), _streets(sides_m[1], rng)
     for street in rows:
-        _lay(site, street, Frame(0.0, street.middle, 0.0), sides_m[0])
+        _lay(site, street, Frame(0.0, street.middle, 0.0), sides_m[0], 0)
     blocks: list[Block] = []
     for low, high, sides in _spans(rows, half_y, ("south", "north")):
         kept = _kept(columns, rng)
         for street in kept:
             middle = Frame(street.middle, (low + high) / 2, pi / 2)
-            _lay(site, street, middle, high - low)
+            _lay(site, street, middle, high - low, 1 if "north" in sides else -1)
         for west, east, flanks in _spans(kept, half_x, ("west", "east")):
             blocks.append(Block(Rectangle(west, low, east, high), (*sides, *flanks)))
     return Network(site, tuple(blocks))
 
 
-def _lay(site: Site, street: _Street, frame: Frame, length: float) -> None:
+def _lay(site: Site, street: _Street, frame: Frame, length: float, zebra_end: int) -> None:
     site.road_m, site.parking = street.width, street.parking
-    site.lay_road(frame, round(length, 3))
+    site.lay_road(frame, round(length, 3), zebra_end=zebra_end)
 
 
 def _streets(side_m: float, rng: np.random.Generator) -> list[_Street]:

@@ -20,8 +20,8 @@ AREAS = Range(1, 1000)
 """Landing areas that it keeps at most."""
 M2_PER_OBJECT = (40.0, 300.0)
 """Ground of a district for each object, at least and at most."""
-_USUAL_M2_PER_OBJECT = 80.0
-_LEAST_M2_PER_HOUSE, _USUAL_M2_PER_HOUSE = 350.0, 520.0
+_USUAL_M2_PER_OBJECT = 65.0
+_LEAST_M2_PER_HOUSE, _USUAL_M2_PER_HOUSE = 350.0, 420.0
 """Ground for each building, with its share of the streets."""
 _TOWER_OBJECTS = 45
 """Objects of a furnished storey, about."""
