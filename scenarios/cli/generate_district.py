@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import MISSING, fields
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Protocol
+from typing import TYPE_CHECKING
 
 from scenarios.cli.command_line import EXIT_DONE, EXIT_NEGATIVE
 from scenarios.cli.generate_words import print_generated
@@ -20,24 +19,13 @@ from scenarios.generation.districts import (
 
 if TYPE_CHECKING:
     from aeroscene.corpus.districts.request import DistrictRequest
+    from scenarios.cli.generate_cfg import GenerateCfg
+
+_OURS = {"seed", "count", "objects", "houses", "storeys", "areas", "outline", "out", "json"}
+"""Options that a district follows."""
 
 
-class DistrictOptions(Protocol):
-    """Options of `aeroscene generate` that a district follows."""
-
-    __dataclass_fields__: ClassVar[dict[str, Any]]
-    seed: int
-    count: int
-    objects: int | None
-    houses: int | None
-    storeys: int | None
-    areas: str
-    outline: str
-    out: Path
-    json: bool
-
-
-def district_requests(cfg: DistrictOptions) -> list[DistrictRequest] | None:
+def district_requests(cfg: GenerateCfg) -> list[DistrictRequest] | None:
     """Requests for districts, None if the scene model is asked; loads nothing heavy.
 
     Raises:
@@ -51,7 +39,7 @@ def district_requests(cfg: DistrictOptions) -> list[DistrictRequest] | None:
         {
             field.name.replace("_", "-"): (getattr(cfg, field.name), field.default)
             for field in fields(cfg)
-            if field.name not in DistrictOptions.__annotations__ and field.default is not MISSING
+            if field.name not in _OURS and field.default is not MISSING
         }
     )
     areas = asked_areas(cfg.areas) if cfg.areas else None
@@ -72,7 +60,7 @@ def district_requests(cfg: DistrictOptions) -> list[DistrictRequest] | None:
     ]
 
 
-def run_districts(cfg: DistrictOptions, requests: Sequence[DistrictRequest]) -> int:
+def run_districts(cfg: GenerateCfg, requests: Sequence[DistrictRequest]) -> int:
     """Compose districts; exit status 1 if a seed gave none."""
     from scenarios.generation.draws import Tally
 

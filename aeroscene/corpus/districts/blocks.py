@@ -47,10 +47,10 @@ _ZONES: Sequence[tuple[float, Mapping[str, float]]] = (
 )
 """Themes of blocks and their weights, by the distance from the middle of the district as a share of
 that of a corner. Those with a plus have buildings to enter."""
-_HOMES: Mapping[str, float] = {"row_houses": 0.65, "houses": 0.35}
-"""Kinds of places in a district that is asked for houses."""
-_GREEN: Mapping[str, float] = {"park": 0.7, "allotments": 0.3}
-"""Kinds of places without buildings."""
+HOMES = Theme(weight=1.0, plans={}, others={"row_houses": 0.65, "houses": 0.35})
+"""Parcels of a district that is asked for houses."""
+GREEN = Theme(weight=1.0, plans={}, others={"park": 0.7, "allotments": 0.3})
+"""Parcels without buildings."""
 
 
 @dataclass(slots=True)
@@ -74,25 +74,38 @@ def theme_of(block: Block, half_sides_m: tuple[float, float], rng: np.random.Gen
     return theme if rng.random() < _ALWAYS_CHANCE else replace(theme, always=())
 
 
-def homes(theme: Theme) -> Theme:
-    """The theme with dwellings alone."""
-    return replace(theme, always=(), others=_HOMES)
+def begin_homes(block: GrowingBlock, parcel: Parcel, rng: np.random.Generator) -> list[Place]:
+    """Dwellings on a parcel."""
+    return _begin_alone(block, parcel, HOMES, rng)
 
 
-def green(theme: Theme) -> Theme:
-    """The theme without buildings."""
-    return replace(theme, always=(), others=_GREEN)
+def begin_green(block: GrowingBlock, parcel: Parcel, rng: np.random.Generator) -> list[Place]:
+    """A place without buildings on a parcel."""
+    return _begin_alone(block, parcel, GREEN, rng)
+
+
+def _begin_alone(
+    block: GrowingBlock, parcel: Parcel, theme: Theme, rng: np.random.Generator
+) -> list[Place]:
+    site = replace(block.site, parcels=[parcel])
+    places = choose_places(block.builder, site, theme, rng)
+    block.places += places
+    return places
 
 
 def begin_block(
-    block: Block, network: Site, theme: Theme, rng: np.random.Generator, n_storeys: int | None
+    block: Block,
+    network: Site,
+    theme: Theme | None,
+    rng: np.random.Generator,
+    n_storeys: int | None,
 ) -> GrowingBlock:
     """Lay a block's ground and sidewalks and choose its places; nothing stands yet.
 
     Args:
         block: The ground.
         network: Site of the streets around it.
-        theme: Which places it has.
+        theme: Which places it has; None leaves its parcels open.
         rng: Draws everything of the block.
         n_storeys: Storeys of a furnished tower on its widest parcel; None for no tower.
     """
@@ -114,7 +127,8 @@ def begin_block(
         parcel = max(site.parcels, key=_tower_room)
         site.parcels.remove(parcel)
         places.append(FurnishedTower(Ground(builder, Draw(tower), parcel), n_storeys))
-    places += choose_places(builder, site, theme, choice)
+    if theme is not None:
+        places += choose_places(builder, site, theme, choice)
     walks = Streets(builder, Draw(streets), site, bridge_chance=0.0)
     return GrowingBlock(builder, site, places, walks)
 

@@ -17,10 +17,10 @@ from aeroscene.corpus.curation.streets import Streets
 from aeroscene.corpus.districts.blocks import (
     GrowingBlock,
     begin_block,
+    begin_green,
+    begin_homes,
     frame_of,
-    green,
     has_tower_room,
-    homes,
     theme_of,
 )
 from aeroscene.corpus.districts.network import Block, Network, lay_network
@@ -37,7 +37,7 @@ _STRUCTURES_SHARE = 0.55
 """Share of the objects at which structures stop to grow, so that something stands among them."""
 _AREAS_OF_BLOCK = AreaLimits(small=7, medium=4, large=3, perching=2)
 """Areas of each block at most, on average."""
-_TRIES = 6
+_TRIES = 40
 """Districts that are begun until one has about as many buildings as are asked for."""
 _HOUSES_SHARE = 0.1
 """Share by which the number of buildings may be missed."""
@@ -84,49 +84,47 @@ def _grow_structures(request: DistrictRequest) -> _Growth:
     Raises:
         DistrictError: If no try has them.
     """
-    share_green = 0.0
     found: list[int] = []
     for attempt in range(_TRIES):
-        growth = _begin(request, share_green)
+        growth = _begin(request)
         most = _STRUCTURES_SHARE * request.wanted_objects
-        places = [place.structures() for block in growth.blocks for place in block.places]
         walks = [block.walks.structures() for block in growth.blocks]
+        places = [place.structures() for block in growth.blocks for place in block.places]
         fill([*places, *walks], lambda growth=growth, most=most: growth.n_objects >= most)
-        wanted, got = request.n_houses, growth.n_houses
-        if wanted is None or abs(got - wanted) <= _HOUSES_SHARE * wanted:
+        wanted = request.n_houses
+        if wanted is None:
             return growth
-        found.append(got)
-        # As many blocks without buildings as there are buildings too many.
-        share_green = min(0.95, max(0.0, 1.0 - (1.0 - share_green) * wanted / max(1, got)))
-        if got < wanted and attempt and share_green == 0.0:
-            break
+        _grow_homes(growth, wanted, np.random.default_rng((_SEED_SPACE, request.seed, 2, attempt)))
+        if abs(growth.n_houses - wanted) <= _HOUSES_SHARE * wanted:
+            return growth
+        found.append(growth.n_houses)
     raise DistrictError(
         f"houses is {request.n_houses} beside outline {request.sides_m[0]:g},"
-        f"{request.sides_m[1]:g}; valid: {min(found)} to {max(found)} with this seed, or another "
-        "outline"
+        f"{request.sides_m[1]:g}; valid: another seed, a wider outline, or a number such as "
+        f"{max(found)}"
     )
 
 
-def _begin(request: DistrictRequest, share_green: float) -> _Growth:
-    """Streets and grounds of a district.
+def _grow_homes(growth: _Growth, wanted: int, rng: np.random.Generator) -> None:
+    """Dwellings on one parcel after another until there are enough, and green on the others."""
+    parcels = [(block, parcel) for block in growth.blocks for parcel in block.site.parcels]
+    for index in rng.permutation(len(parcels)).tolist():
+        block, parcel = parcels[index]
+        begin = begin_homes if growth.n_houses < wanted else begin_green
+        for place in begin(block, parcel, rng):
+            fill([place.structures()], lambda: False)
 
-    Args:
-        request: What is asked for.
-        share_green: Share of the blocks without buildings.
-    """
+
+def _begin(request: DistrictRequest) -> _Growth:
+    """Streets and grounds of a district; where houses are asked for, parcels are still open."""
     plan, choice, content = np.random.default_rng((_SEED_SPACE, request.seed)).spawn(3)
     network = lay_network(request.sides_m, plan)
     half = (request.sides_m[0] / 2, request.sides_m[1] / 2)
     streams = content.spawn(len(network.blocks))
-    order = choice.permutation(len(network.blocks))
-    n_green = round(share_green * len(network.blocks))
-    greens = {int(number) for number in order[:n_green]}
     tower = _tower_block(network.blocks) if request.n_storeys is not None else -1
     blocks: list[GrowingBlock] = []
     for number, (block, stream) in enumerate(zip(network.blocks, streams, strict=True)):
-        theme = theme_of(block, half, choice)
-        if request.n_houses is not None:
-            theme = green(theme) if number in greens else homes(theme)
+        theme = theme_of(block, half, choice) if request.n_houses is None else None
         n_storeys = request.n_storeys if number == tower else None
         blocks.append(begin_block(block, network.site, theme, stream, n_storeys))
     return _Growth(network, blocks)

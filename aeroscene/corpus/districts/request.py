@@ -23,6 +23,8 @@ M2_PER_OBJECT = (40.0, 300.0)
 _USUAL_M2_PER_OBJECT = 65.0
 _LEAST_M2_PER_HOUSE, _USUAL_M2_PER_HOUSE = 350.0, 420.0
 """Ground for each building, with its share of the streets."""
+_OBJECTS_PER_HOUSE = 11
+"""Objects of a dwelling with its garden and its piece of street, about."""
 _TOWER_OBJECTS = 45
 """Objects of a furnished storey, about."""
 _PLAIN_SIDE_M = 110.0
@@ -99,8 +101,9 @@ class DistrictRequest:
         """How many objects it gets."""
         if self.n_objects is not None:
             return self.n_objects
-        usual = round(math.prod(self.sides_m) / _USUAL_M2_PER_OBJECT) + self._n_indoors
-        return min(usual, int(OBJECTS.high))
+        usual = round(math.prod(self.sides_m) / _USUAL_M2_PER_OBJECT)
+        usual = max(usual, _OBJECTS_PER_HOUSE * (self.n_houses or 0))
+        return min(usual + self._n_indoors, int(OBJECTS.high))
 
     @property
     def _n_indoors(self) -> int:

@@ -162,7 +162,7 @@ def test_an_output_that_cannot_be_written_is_one_line_before_any_work(
 @pytest.mark.parametrize(
     ("args", "says"),
     [
-        (["--objects", "600"], "objects 600 is out of range; valid: 20 to 250"),
+        (["--objects", "2600"], "objects 2600 is out of range; valid: 20 to 2500"),
         (["--outline", "300,300"], "outline 300.0 is out of range; valid: 15 to 150 m"),
         (["--outline", "20,nan"], "outline is '20,nan'; valid: EAST,NORTH in metres"),
         (["--areas", "900"], "areas 900 is out of range; valid: 1 to 200"),
