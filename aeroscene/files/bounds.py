@@ -8,7 +8,7 @@ bracket, so counting those bytes bounds the objects at the speed of memory.
 from __future__ import annotations
 
 MOST_OBJECTS = 5_000
-"""Objects of a scene; `aeroscene generate` makes up to 1,000."""
+"""Objects of a scene; `aeroscene generate` makes up to 2,500."""
 MOST_PRIMITIVES = 50_000
 """Parts of all objects of a scene; the fullest that ships has some 5,000."""
 MOST_POINTS = 1_000

@@ -1,4 +1,4 @@
-"""`aeroscene generate` where a district is asked for: made without the model, or refused at once."""
+"""`aeroscene generate` for a district: made without the model, or refused at once."""
 
 import json
 import os

@@ -163,7 +163,7 @@ def test_an_output_that_cannot_be_written_is_one_line_before_any_work(
     ("args", "says"),
     [
         (["--objects", "2600"], "objects 2600 is out of range; valid: 20 to 2500"),
-        (["--outline", "300,300"], "outline 300.0 is out of range; valid: 15 to 150 m"),
+        (["--outline", "450,300"], "outline 450.0 is out of range; valid: 15 to 400 m"),
         (["--outline", "20,nan"], "outline is '20,nan'; valid: EAST,NORTH in metres"),
         (["--areas", "900"], "areas 900 is out of range; valid: 1 to 200"),
         (["--areas", "small=900"], "areas small 900 is out of range; valid: 0 to 200"),
