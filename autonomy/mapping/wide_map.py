@@ -19,7 +19,7 @@ from autonomy.mapping.map import GivenObstacles
 from autonomy.planning.craft import Craft
 from autonomy.planning.errors import UnreachableError
 from autonomy.planning.field import DistanceField
-from autonomy.planning.openings import Opening, find_openings
+from autonomy.planning.openings import Opening
 from autonomy.planning.planner import plan_trajectory
 from autonomy.planning.trajectory import Trajectory
 from autonomy.types import FlatReference, Vector3
@@ -29,10 +29,6 @@ NEAR_M, FAR_M = 8.0, 48.0
 _PIECES = 16
 """Pieces into which a long way is cut at least. More would take the optimiser longer, and a long
 leg is flown at one speed anyway."""
-_ABOUT_OPENING_M = 8.0
-"""Distance about a place within which its openings are sought: enough to measure them."""
-_POINTS_AT_ONCE = 32
-
 Build = Callable[[Float[np.ndarray, "n 3"], float], None]
 """Computes the distances of all cells that come within a distance of some points."""
 
@@ -76,19 +72,8 @@ class WideMap(GivenObstacles):
             self.build(coarse_way(self.coarse, ends, self.radius_m), reach_m)
 
     def find_openings(self) -> Sequence[Opening]:
-        """None: a large place is asked for those about a way."""
+        """None: a large place has too many cells to look at all of them."""
         return ()
-
-    def openings_about(self, points_enu_m: Float[np.ndarray, "n 3"]) -> Sequence[Opening]:
-        """Find the openings about some points, which follow each other along a way."""
-        self.build(points_enu_m, _ABOUT_OPENING_M)
-        gaps_m = np.linalg.norm(np.diff(points_enu_m, axis=0), axis=1)
-        found: dict[Vector3, Opening] = {}
-        for run in np.split(points_enu_m, np.flatnonzero(gaps_m > _ABOUT_OPENING_M) + 1):
-            for n in range(0, len(run), _POINTS_AT_ONCE):
-                part = self.field.part_about(run[n : n + _POINTS_AT_ONCE], _ABOUT_OPENING_M)
-                found |= {each.center_enu_m: each for each in find_openings(part, self.obstacles)}
-        return tuple(found.values())
 
     def may_be_reached(self, point_enu_m: Vector3) -> bool:
         """Whether the vehicle has room at a point; a plan finds out whether a way leads there."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -48,16 +47,3 @@ class DistanceField:
         """Whether each point lies in a cell of the grid."""
         cells = self.cells(points_enu_m)
         return np.all((cells >= 0) & (cells < self.distance_m.shape), axis=-1)
-
-    def part_about(self, points_enu_m: Float[np.ndarray, "n 3"], margin_m: float) -> DistanceField:
-        """Field of the box that holds some points and a margin, cut at the border."""
-        cells, margin = self.cells(points_enu_m), math.ceil(margin_m / self.resolution_m)
-        low = np.clip(cells.min(axis=0) - margin, 0, np.array(self.distance_m.shape) - 1)
-        high = np.maximum(cells.max(axis=0) + margin + 1, low + 1)
-        part = tuple(slice(a, b) for a, b in zip(low.tolist(), high.tolist(), strict=True))
-        x, y, z = self.centres(low).tolist()
-        return DistanceField(
-            origin_enu_m=(x, y, z),
-            resolution_m=self.resolution_m,
-            distance_m=np.ascontiguousarray(self.distance_m[part]),
-        )
