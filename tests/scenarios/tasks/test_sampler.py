@@ -170,6 +170,18 @@ def test_a_race_allows_multiples_of_the_least_time(scene):
     assert task.cfg().navigation_limit_s == task.navigation_limit_s
 
 
+def test_ways_are_as_long_where_only_cells_about_them_are_computed(scene, monkeypatch):
+    recipe = dataclasses.replace(RECIPE, draws=1)
+    usual = Sampler("7", scene, IRIS, recipe).task(0)
+    for module in ("scenarios.tasks.reach", "scenarios.mission.maps"):
+        monkeypatch.setattr(f"{module}.is_wide", lambda *_: True)
+    sampler = Sampler("7", scene, IRIS, recipe)
+    wide = sampler.task(0)
+    assert sampler._reach.wide is not None
+    assert (wide.start, wide.area) == (usual.start, usual.area)
+    assert wide.way.way_m == pytest.approx(usual.way.way_m, rel=0.1)
+
+
 def test_a_scene_that_leads_nowhere_is_named():
     scene = dataclasses.replace(field(), interaction_areas=())
     with pytest.raises(NoTaskError, match="scene field, iris: free space joins no start"):
