@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import logging
 import re
+from collections.abc import Callable
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import Literal
 
@@ -20,10 +22,13 @@ _log = logging.getLogger(__name__)
 NUMBERS_NAME: Literal["corpus", "shipped"] = "shipped"
 """Source of a bare number: the corpus, or the scenes that come with the package."""
 
+_DISTRICT_M = (320.0, 320.0)
+"""Sides of a district that is opened by its seed."""
+
 # ASCII digits only: int() would also take signs, blanks and other scripts.
-_NUMBER = re.compile(r"(?:(?P<source>corpus|gen):)?(?P<number>[0-9]{1,9})")
+_NUMBER = re.compile(r"(?:(?P<source>corpus|gen|district):)?(?P<number>[0-9]{1,9})")
 # The names that these scenes have themselves, as a run prints them.
-_SCENE_ID = re.compile(r"(?P<source>aeroscene|corpus)-(?P<number>[0-9]{4,9})")
+_SCENE_ID = re.compile(r"(?P<source>aeroscene|corpus|district)-(?P<number>[0-9]{4,9})")
 _FILE = re.compile(r"(?P<path>.+?\.jsonl?(?:\.gz)?)(?:#(?P<scene_id>.*))?", re.DOTALL)
 _MAP = re.compile(
     r"(?P<path>.+?\.(?:osm(?:\.gz|\.xml|\.pbf)?|pbf|geojson(?:\.gz)?))(?:#(?P<bounds>.*))?",
@@ -49,12 +54,13 @@ def load_scene(spec: str, *, skip_invalid: bool = False) -> Scene:
     Args:
         spec: A number from 0 to 1015 for a scene of the AeroScene dataset, or its name, such as
             `aeroscene-0042`; `corpus:N`, or `corpus-0042`, for one of the training corpus, which
-            has no last; `gen:SEED` for one that the model makes anew; `field` for an open, flat
-            field; `hills` for a hillside with houses and trees; the path of a `.json` or `.json.gz`
-            file that holds a scene of ours, the AeroScene authors' JSON, or a house of 3D-FRONT,
-            ProcTHOR or Holodeck; or `FILE.jsonl#ID`, also gzip, for a scene of a file of neutral
-            layouts or such houses, where ID is its scene_id, what follows the last slash of that,
-            or its number in the file from 0; or `FILE.osm#W,S,E,N`, also `.osm.gz`, `.osm.pbf` and
+            has no last; `gen:SEED` for one that the model makes anew; `district:SEED` for one of
+            320 by 320 m that is composed of blocks; `field` for an open, flat field; `hills` for a
+            hillside with houses and trees; the path of a `.json` or `.json.gz` file that holds a
+            scene of ours, the AeroScene authors' JSON, or a house of 3D-FRONT, ProcTHOR or
+            Holodeck; or `FILE.jsonl#ID`, also gzip, for a scene of a file of neutral layouts or
+            such houses, where ID is its scene_id, what follows the last slash of that, or its
+            number in the file from 0; or `FILE.osm#W,S,E,N`, also `.osm.gz`, `.osm.pbf` and
             `.geojson`, for a place on a map, where W,S,E,N are degrees, and may be left out for a
             small map.
         skip_invalid: Leave out objects of a layout that break a rule, instead of raising.
@@ -77,7 +83,8 @@ def load_scene(spec: str, *, skip_invalid: bool = False) -> Scene:
     if named is None or (named["source"] is None and int(named["number"]) >= CORPUS_SIZE):
         raise UnknownSceneError(
             f"scene {spec!r} is unknown; valid: a number from 0 to {CORPUS_SIZE - 1}, corpus:N, "
-            "gen:SEED, field, hills, FILE.json, FILE.jsonl#ID or FILE.osm#W,S,E,N, also with .gz"
+            "gen:SEED, district:SEED, field, hills, FILE.json, FILE.jsonl#ID or FILE.osm#W,S,E,N, "
+            "also with .gz"
         )
     return _open_number(named["source"] or NUMBERS_NAME, int(named["number"]))
 
@@ -96,7 +103,9 @@ def canonical_name(spec: str) -> str:
 
 def _open_number(source: str, number: int) -> Scene:
     if source == "corpus":
-        return _open_corpus_scene(number)
+        return _kept(f"corpus-{number:04d}", partial(_curated, number))
+    if source == "district":
+        return _kept(f"district-{number:04d}", partial(_composed, number))
     if source == "shipped":
         from aeroscene.corpus.shipped import read_shipped
 
@@ -183,18 +192,30 @@ def _open_layout(path: str, scene_id: str | None, *, skip_invalid: bool) -> Scen
     return scene
 
 
-def _open_corpus_scene(index: int) -> Scene:
+def _kept(scene_id: str, make: Callable[[], Scene]) -> Scene:
+    """A scene that takes a second and more to make, from the cache if this very code made it."""
     folder = cache_folder("scenes")
     # Scenes of exactly this code: another version of it has another folder.
-    path = folder and folder / curation_digest() / f"corpus-{index:04d}.json"
+    path = folder and folder / curation_digest() / f"{scene_id}.json"
     if path is not None:
         with suppress(SceneError, OSError):
             return read_scene(path)
-    from aeroscene.corpus.curation import curate_scene
-
-    scene = curate_scene(index)
+    scene = make()
     if path is not None:
         with suppress(OSError):  # A cache that cannot be written costs time, not the scene.
             path.parent.mkdir(parents=True, exist_ok=True)
             write_scene(scene, path)
     return scene
+
+
+def _curated(index: int) -> Scene:
+    from aeroscene.corpus.curation import curate_scene
+
+    return curate_scene(index)
+
+
+def _composed(seed: int) -> Scene:
+    from aeroscene.corpus.districts import DistrictRequest, compose_district
+
+    request = DistrictRequest(seed=seed, outline_m=_DISTRICT_M)
+    return compose_district(request, scene_id=f"district-{seed:04d}")

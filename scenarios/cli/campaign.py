@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import signal
 import sys
 from collections.abc import Iterator, Mapping
@@ -42,6 +43,7 @@ if TYPE_CHECKING:
     from scenarios.campaigns.flyer import Suite, Trial
 
 _PROG = "aeroscene campaign"
+_DISTRICT = re.compile(r"district:[0-9]{1,9}")
 _MOST_INSTANCE = 99
 """The last of `MAX_INSTANCES`, which the testbench has; `--help` should not load it."""
 
@@ -58,8 +60,8 @@ class CampaignCfg:
     out: Annotated[Path, OutFolder()]
     """Folder of the results; made where it is missing."""
     scenes: str = "0:10"
-    """Numbers of scenes of the dataset: A:B without B, single ones, joined by commas; or one place
-    on a map as FILE.osm#W,S,E,N."""
+    """Numbers of scenes of the dataset: A:B without B, single ones, and districts as district:SEED,
+    joined by commas; or one place on a map as FILE.osm#W,S,E,N."""
     trials: Annotated[int, Range(1, MOST_TRIALS)] = 30
     """Trials of each scene with each vehicle."""
     vehicles: str = "iris,hummingbird"
@@ -243,10 +245,14 @@ def _scenes(text: str) -> list[str]:
     if is_map(text):
         load_scene(text)  # Before the first trial, which would fail for it.
         return [text]
-    numbers = scene_numbers(text)
+    parts = text.split(",")
+    districts = [part for part in parts if _DISTRICT.fullmatch(part)]
+    if len(districts) == len(parts):
+        return list(dict.fromkeys(districts))
+    numbers = scene_numbers(",".join(part for part in parts if part not in districts))
     if numbers[-1] >= CORPUS_SIZE:
         fail(_PROG, f"scenes {text!r} has no scene {numbers[-1]}; valid: 0:{CORPUS_SIZE}")
-    return [str(number) for number in numbers]
+    return [*map(str, numbers), *dict.fromkeys(districts)]
 
 
 def _suite(cfg: CampaignCfg) -> Suite:

@@ -29,8 +29,8 @@ class ExportCfg:
     out: Annotated[Path, OutFolder()]
     """Folder to write into; made where it is missing."""
     scene: str = "42"
-    """Scene of the dataset by number, corpus:N, gen:SEED, field, a scene file, one of a file of
-    layouts, or a place on a map as FILE.osm#W,S,E,N."""
+    """Scene of the dataset by number, corpus:N, gen:SEED, district:SEED, field, a scene file,
+    one of a file of layouts, or a place on a map as FILE.osm#W,S,E,N."""
     vehicle: str = "iris"
     """Airframe at the start: its name, a file FILE.toml that describes it, or none; an unknown name
     is answered with the valid ones. A GLB has none."""

@@ -24,9 +24,9 @@ class SitlCfg:
     """Configuration of a run: scene, testbench, mission, and what is kept of the flight."""
 
     scene: str = "42"
-    """Scene of the dataset by number, corpus:N, gen:SEED, field (open, flat), a scene file (.json,
-    .json.gz), or one of a file of layouts (.jsonl, .jsonl.gz) as FILE#ID or FILE#N, or a place on
-    a map (.osm, .osm.gz, .osm.pbf, .geojson) as FILE#W,S,E,N in degrees."""
+    """Scene of the dataset by number, corpus:N, gen:SEED, district:SEED, field (open, flat), a
+    scene file (.json, .json.gz), or one of a file of layouts (.jsonl, .jsonl.gz) as FILE#ID or
+    FILE#N, or a place on a map (.osm, .osm.gz, .osm.pbf, .geojson) as FILE#W,S,E,N in degrees."""
     bench: TestbenchCfg = field(default_factory=TestbenchCfg)
     vehicles: Annotated[str, _UNSET] = ""
     """Fly several vehicles in one world: their number, or airframes such as iris,hummingbird. The

@@ -9,7 +9,7 @@ import aeroscene.corpus.shipped
 from aeroscene import sources
 from aeroscene.scene import SceneError
 from aeroscene.scene.io import scene_to_json, write_scene
-from aeroscene.sources import load_scene
+from aeroscene.sources import canonical_name, load_scene
 from aeroscene.validation import validate
 from tests.aeroscene.layouts.samples import (
     authors_scene,
@@ -118,8 +118,8 @@ def test_an_unknown_scene_gives_one_line_with_what_is_valid(spec):
     with pytest.raises(SceneError) as caught:
         load_scene(spec)
     assert str(caught.value) == (
-        f"scene {spec!r} is unknown; valid: a number from 0 to 1015, corpus:N, gen:SEED, field, "
-        "hills, FILE.json, FILE.jsonl#ID or FILE.osm#W,S,E,N, also with .gz"
+        f"scene {spec!r} is unknown; valid: a number from 0 to 1015, corpus:N, gen:SEED, "
+        "district:SEED, field, hills, FILE.json, FILE.jsonl#ID or FILE.osm#W,S,E,N, also with .gz"
     )
 
 
@@ -195,3 +195,12 @@ def test_the_corpus_goes_on_beyond_the_scenes_that_the_paper_counts(cache_folder
     scene = load_scene("corpus:1016")
     assert (scene.scene_id, scene.seed, scene.domain) == ("corpus-1016", 1016, "indoor")
     assert load_scene("corpus:1016") == scene
+
+
+def test_a_district_is_opened_by_its_seed_and_kept(monkeypatch, tmp_path):
+    monkeypatch.setenv("AEROSCENE_CACHE_DIR", str(tmp_path))
+    made = load_scene("district:1")
+    assert made.scene_id == "district-0001"
+    monkeypatch.setattr("aeroscene.corpus.districts.compose.compose_district", None)
+    assert load_scene("district-0001") == made
+    assert canonical_name("district-0001") == "district:1"

@@ -63,8 +63,12 @@ class _Growth:
         return sum(obj.category in BUILDINGS for b in self.builders for obj in b.objects)
 
 
-def compose_district(request: DistrictRequest) -> Scene:
+def compose_district(request: DistrictRequest, scene_id: str | None = None) -> Scene:
     """Make the district of a request; equal on every call.
+
+    Args:
+        request: What is asked for.
+        scene_id: Name of the scene; by default it follows from the seed.
 
     Raises:
         DistrictError: If the ground has no room for what is asked for.
@@ -73,7 +77,7 @@ def compose_district(request: DistrictRequest) -> Scene:
     rng = np.random.default_rng((_SEED_SPACE, request.seed, 1))
     pad = _place_start(growth, request, rng)
     _grow_details(growth, request.wanted_objects, rng)
-    layout = _joined(growth, request, pad)
+    layout = _joined(growth, request, pad, scene_id or f"aeroscene-{request.seed:04d}")
     limits = _limits(len(growth.blocks), request.n_areas)
     return replace(layout, interaction_areas=derive_interaction_areas(layout, limits=limits))
 
@@ -176,9 +180,8 @@ def _grow_details(growth: _Growth, n_objects: int, rng: np.random.Generator) -> 
     fill(details, lambda: growth.n_objects >= n_objects)
 
 
-def _joined(growth: _Growth, request: DistrictRequest, pad: Placed) -> Scene:
+def _joined(growth: _Growth, request: DistrictRequest, pad: Placed, scene_id: str) -> Scene:
     """One document of streets and blocks: what stands free in a block belongs to its ground."""
-    scene_id = f"aeroscene-{request.seed:04d}"
     objects: list[SceneObject] = []
     for builder in growth.builders:
         first = len(objects)

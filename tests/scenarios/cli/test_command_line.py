@@ -24,7 +24,7 @@ def fails_with(capsys, *args):
         ),
         (
             ["--scene", "1016"],
-            "scene '1016' is unknown; valid: a number from 0 to 1015, corpus:N, gen:SEED, field, ",
+            "scene '1016' is unknown; valid: a number from 0 to 1015, corpus:N, gen:SEED, ",
         ),
         (
             ["--scene", "absent.json"],
