@@ -57,7 +57,7 @@ def ground_faces(scene: Scene) -> list[Face]:
 def _even_discs(
     scene: Scene, relief: Relief, covers: _Covers, radius_m: float
 ) -> Iterator[tuple[float, ...]]:
-    """Uncovered discs of a radius on a lattice: middle, gradient and height at the origin of their planes."""
+    """Uncovered discs of a radius on a lattice: middle and gradient, height at the origin."""
     low, high = scene.extent_min_enu_m, scene.extent_max_enu_m
     x, y = (np.arange(low[i] + radius_m, high[i] - radius_m, _LATTICE_M) for i in range(2))
     middles = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)

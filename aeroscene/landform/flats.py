@@ -27,9 +27,7 @@ _MOST_CLEARINGS = 3
 """Clearings of a scene."""
 
 
-def level_ground(
-    scene: Scene, places: Float[np.ndarray, "n 2"]
-) -> list[BaseGeometry]:
+def level_ground(scene: Scene, places: Float[np.ndarray, "n 2"]) -> list[BaseGeometry]:
     """Outlines of all that needs level ground, in the site and around it; seen from above, ENU.
 
     Args:
@@ -75,9 +73,7 @@ def _clearings(
             yield points[inside[0]].buffer(CLEARING_M)
 
 
-def _nearest_m(
-    outlines: Sequence[BaseGeometry], points: np.ndarray
-) -> Float[np.ndarray, " n"]:
+def _nearest_m(outlines: Sequence[BaseGeometry], points: np.ndarray) -> Float[np.ndarray, " n"]:
     """Distance of points to the nearest of some outlines; 0 within one, infinite without any."""
     if not outlines or not len(points):
         return np.full(len(points), np.inf)

@@ -13,7 +13,6 @@ lies below 0, so that slabs of lawns stay under the grass that covers them.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import shapely

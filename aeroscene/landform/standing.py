@@ -19,7 +19,7 @@ from aeroscene.scene.box import rotation_matrix
 from aeroscene.scene.catalogue import COVERS, LEAFY
 from aeroscene.scene.footprint import footprint
 
-_TRUNK = 0.15
+TRUNK = 0.15
 """Share of the outline of a tree or bush that is its foot."""
 _PROBES = np.array([(0, 0), (1, 1), (-1, 1), (-1, -1), (1, -1)], dtype=float)
 """Middle and corners of an outline, in halves of its sides."""
@@ -133,6 +133,6 @@ class _Rises:
 def _probes(obj: SceneObject) -> Float[np.ndarray, "5 2"]:
     """Points at which an object meets the ground."""
     box = obj.bbox
-    half = (_TRUNK if obj.category in LEAFY else 1.0) * np.array(box.s[:2]) / 2
+    half = (TRUNK if obj.category in LEAFY else 1.0) * np.array(box.s[:2]) / 2
     turn = rotation_matrix(box.q)[:2, :2]
     return np.array(box.p[:2]) + (_PROBES * half) @ turn.T
