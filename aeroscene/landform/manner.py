@@ -18,9 +18,9 @@ class LandManner:
     """Range of the gradient of banks beside level ground."""
 
 
-_COUNTRY = LandManner(rise_m=2.2, around_m=3.5, bank=(0.1, 0.17))
-_SUBURB = LandManner(rise_m=1.2, around_m=2.0, bank=(0.1, 0.15))
-_TOWN = LandManner(rise_m=0.6, around_m=0.8, bank=(0.08, 0.12))
+_COUNTRY = LandManner(rise_m=2.2, around_m=5.0, bank=(0.12, 0.18))
+_SUBURB = LandManner(rise_m=1.2, around_m=2.8, bank=(0.1, 0.15))
+_TOWN = LandManner(rise_m=0.7, around_m=1.2, bank=(0.08, 0.12))
 LAND_MANNERS: Mapping[str, LandManner] = {
     "park": _COUNTRY,
     "hillside": _COUNTRY,

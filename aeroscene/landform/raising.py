@@ -28,15 +28,15 @@ SPACING_M = 1.5
 """Distance between nodes in a site of usual size."""
 MOST_GRADIENT = 0.2
 """Steepest bank."""
-_AROUND_M = 18.0
-"""Distance from the flight volume at which the land around it is flat again."""
+_AROUND_M = 24.0
+"""Width of the land around the flight volume."""
 _MOST_CELLS = 120
 """Cells along one axis, beyond which they are wider."""
 _FOOT_M = 1.0
 """Distance over which a bank begins: c above."""
 _BLUR_M = 1.0
 """Width of the Gaussian that rounds creases off."""
-_GRADIENT = 0.13
+_GRADIENT = 0.14
 """Steepest rise between neighbouring nodes before rounding."""
 _HEM_M = 2.0
 """Distance from level ground over which a smoothed height returns to 0."""
@@ -79,9 +79,10 @@ def _relief(scene: Scene, manner: LandManner, rng: np.random.Generator) -> Relie
     most_m = _most_m(scene, manner, x, y)
     top_m = scale * most_m * (_LOWEST + (1.0 - _LOWEST) * swell)
     heights = top_m * np.tanh(bank * (np.hypot(away_m, _FOOT_M) - _FOOT_M) / top_m)
-    heights *= _smooth(_inward_m(x, y) / _BORDER_M)
+    inward_m = _inward_m(away_m, spacing_m)
+    heights *= _smooth(inward_m / _BORDER_M)
     heights = gaussian_filter(_gentle(heights, spacing_m), _BLUR_M / spacing_m)
-    heights *= _smooth(away_m / _HEM_M)
+    heights *= _smooth(np.minimum(away_m, inward_m) / _HEM_M)
     steepest = Relief(origin, spacing_m, heights).steepest
     heights *= min(1.0, MOST_GRADIENT / max(steepest, 1e-9))
     if heights.max() < _LEAST_RISE_M:
@@ -124,7 +125,7 @@ def _gentle(
 ) -> Float[np.ndarray, "rows columns"]:
     """The highest land below the given one that rises no faster than `_GRADIENT`."""
     # Propagates over twice the widest bank.
-    for _ in range(math.ceil(_BORDER_M / spacing_m)):
+    for _ in range(math.ceil(_AROUND_M / spacing_m)):
         padded = np.pad(heights, 1, mode="edge")
         for axis in (0, 1):
             for step in (-1, 1):
@@ -159,10 +160,21 @@ def _swell(
     return np.clip((total - low) / max(high - low, 1e-9), 0.0, 1.0)
 
 
-def _inward_m(x: np.ndarray, y: np.ndarray) -> Float[np.ndarray, "rows columns"]:
-    """Distance of nodes from the border of their grid."""
-    east_m, north_m = (np.minimum(line - line[0], line[-1] - line) for line in (x, y))
-    return np.minimum(east_m[None, :], north_m[:, None])
+def _inward_m(
+    away_m: Float[np.ndarray, "rows columns"], spacing_m: float
+) -> Float[np.ndarray, "rows columns"]:
+    """Distance of nodes from the sides of the grid through which streets leave it.
+
+    Beyond a side the ground keeps the height of the side. So it is flat around streets, and rises
+    elsewhere.
+    """
+    inward_m = np.full(away_m.shape, np.inf)
+    for axis in (0, 1):
+        rank = np.arange(away_m.shape[axis])
+        for side, steps in ((0, rank), (-1, rank[::-1])):
+            if away_m.take(side, axis).min() == 0.0:
+                inward_m = np.minimum(inward_m, spacing_m * np.expand_dims(steps, 1 - axis))
+    return inward_m
 
 
 def _smooth(share: Float[np.ndarray, "*n"]) -> Float[np.ndarray, "*n"]:
