@@ -57,7 +57,7 @@ def derive_interaction_areas(
     solids = colliding(primitives)
     finder = AreaFinder(scene, Obstacles(solids), field)
     faces = upward_faces(solids, lambda object_id: _may_bear(scene, object_id))
-    faces = [_unburied(scene, face) for face in faces]
+    faces = [shown for face in faces if not (shown := _unburied(scene, face)).outline.is_empty]
     bearers = [face for face in faces if is_wide(face) and _is_landable(scene, face)]
     bearers += ground_faces(scene)
     landing = _landing(scene, finder, bearers, limits)

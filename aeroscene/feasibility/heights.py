@@ -12,7 +12,7 @@ from aeroscene.feasibility.boxes import footprint_depth
 from aeroscene.feasibility.ground import covered
 from aeroscene.feasibility.layout import Layout
 from aeroscene.feasibility.roles import is_chained, is_fitting
-from aeroscene.landform.standing import TRUNK
+from aeroscene.landform import standing_points
 from aeroscene.scene import SceneObject
 from aeroscene.scene.catalogue import (
     BOARDED,
@@ -22,7 +22,6 @@ from aeroscene.scene.catalogue import (
     CHIMNEYS,
     COVERS,
     DECKS,
-    LEAFY,
     ROOFS,
     ROOMS,
     TERRAIN,
@@ -30,7 +29,6 @@ from aeroscene.scene.catalogue import (
     WATER,
 )
 from aeroscene.scene.hanging import is_hung
-from aeroscene.scene.relief import ground_m
 from aeroscene.solids.shapes.build import object_primitives
 from aeroscene.solids.shapes.shell import FINISH_M
 from aeroscene.solids.shapes.storage import shelf_boards
@@ -82,10 +80,11 @@ def _earth_m(layout: Layout, row: int, cover_m: float = -inf) -> float:
         row: The object.
         cover_m: Height of a cover through which the earth may rise.
     """
-    probes = _probes(layout, row)
-    if layout.objects[row].category in LEAFY:
-        probes = probes[0] + TRUNK * (probes - probes[0])
-    return float(np.maximum(ground_m(layout.scene.relief, *probes.T), cover_m).min())
+    relief = layout.scene.relief
+    if relief is None:
+        return max(0.0, cover_m)
+    points = standing_points(layout.object(row))
+    return float(np.maximum(relief.height_m(*points.T), cover_m).min())
 
 
 def _within_m(layout: Layout, row: int, parent: SceneObject) -> float:

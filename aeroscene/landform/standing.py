@@ -19,7 +19,7 @@ from aeroscene.scene.box import rotation_matrix
 from aeroscene.scene.catalogue import COVERS, LEAFY
 from aeroscene.scene.footprint import footprint
 
-TRUNK = 0.15
+_TRUNK = 0.15
 """Share of the outline of a tree or bush that is its foot."""
 _PROBES = np.array([(0, 0), (1, 1), (-1, 1), (-1, -1), (1, -1)], dtype=float)
 """Middle and corners of an outline, in halves of its sides."""
@@ -100,11 +100,11 @@ class _Rises:
     def _rise_m(self, obj: SceneObject) -> float:
         """Rise of an object whose parent's is known."""
         if obj.parent_id is None:
-            return self._on_ground_m(_probes(obj), self._under(obj))
+            return self._on_ground_m(standing_points(obj), self._under(obj))
         cover = self._covers.get(obj.parent_id)
         if cover is None:
             return self._by_id[obj.parent_id]
-        return self._on_ground_m(_probes(obj), [cover])
+        return self._on_ground_m(standing_points(obj), [cover])
 
     def _start_m(self) -> float:
         for obj in self._scene.objects:
@@ -130,9 +130,12 @@ class _Rises:
         return round(float(rise_m.min()), 4)
 
 
-def _probes(obj: SceneObject) -> Float[np.ndarray, "5 2"]:
-    """Points at which an object meets the ground."""
+def standing_points(obj: SceneObject) -> Float[np.ndarray, "5 2"]:
+    """East and north of the points at which an object meets the ground.
+
+    They are middle and corners of its outline, for a tree or bush of its foot.
+    """
     box = obj.bbox
-    half = (TRUNK if obj.category in LEAFY else 1.0) * np.array(box.s[:2]) / 2
+    half = (_TRUNK if obj.category in LEAFY else 1.0) * np.array(box.s[:2]) / 2
     turn = rotation_matrix(box.q)[:2, :2]
     return np.array(box.p[:2]) + (_PROBES * half) @ turn.T
