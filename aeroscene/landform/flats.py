@@ -23,7 +23,11 @@ _KERB_M = 0.5
 """Level ground beside streets outside of the site."""
 CLEARING_M = 2.75
 """Radius of a clearing: a large drone lands on it."""
-_MOST_CLEARINGS = 3
+_WIDE_LAWN_M2 = 300.0
+"""A lawn that is larger has two clearings."""
+_APART_M = 8.0
+"""Distance between the middles of two clearings of a lawn."""
+_MOST_CLEARINGS = 4
 """Clearings of a scene."""
 
 
@@ -49,9 +53,9 @@ def _stands(scene: Scene) -> Iterator[BaseGeometry]:
 def _clearings(
     scene: Scene, level: Sequence[BaseGeometry], places: Float[np.ndarray, "n 2"]
 ) -> Iterator[BaseGeometry]:
-    """Discs of lawn that stay level, one a lawn, so that large drones find room among mounds.
+    """Discs of lawn that stay level, one or two a lawn, so that large drones find room among mounds.
 
-    The one nearest to level ground is taken, which leaves the middle of a lawn to the mounds.
+    Those nearest to level ground are taken, which leaves the middle of a lawn to the mounds.
     """
     lawns = [footprint(obj) for obj in scene.objects if _is_green(scene, obj)]
     if not lawns:
@@ -67,10 +71,16 @@ def _clearings(
     room_m = _nearest_m([*level, *things, *(lawn.exterior for lawn in lawns)], points)
     wide = np.flatnonzero(room_m >= CLEARING_M)
     wide = wide[np.argsort(away_m[wide], kind="stable")]
-    for lawn in sorted(lawns, key=lambda each: -each.area)[:_MOST_CLEARINGS]:
+    taken: list[shapely.Point] = []
+    for lawn in sorted(lawns, key=lambda each: -each.area):
         inside = wide[shapely.intersects(lawn, points[wide])]
-        if len(inside):
-            yield points[inside[0]].buffer(CLEARING_M)
+        for _ in range(1 + int(lawn.area > _WIDE_LAWN_M2)):
+            if not len(inside) or len(taken) == _MOST_CLEARINGS:
+                break
+            middle = points[inside[0]]
+            taken.append(middle)
+            yield middle.buffer(CLEARING_M)
+            inside = inside[shapely.distance(middle, points[inside]) >= _APART_M]
 
 
 def _nearest_m(outlines: Sequence[BaseGeometry], points: np.ndarray) -> Float[np.ndarray, " n"]:

@@ -68,9 +68,7 @@ def test_an_object_rises_by_the_least_height_below_it_and_carries_what_it_bears(
         thing(2, "tree", (10.0, 0.0, 2.0), (4.0, 4.0, 4.0)),
     )
     raised = on_relief(scene, incline(0.1, 0.0, height_m=4.0))
-    rises = [
-        a.bbox.p[2] - b.bbox.p[2] for a, b in zip(raised.objects, scene.objects, strict=True)
-    ]
+    rises = [a.bbox.p[2] - b.bbox.p[2] for a, b in zip(raised.objects, scene.objects, strict=True)]
     # The middle is 4 m high; the table reaches 1 m west of it, the trunk of the tree 0.3 m.
     assert rises == pytest.approx([3.9, 3.9, 4.97], abs=1e-6)
     assert raised.start_position_enu_m[2] == pytest.approx(6.0)
