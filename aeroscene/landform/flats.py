@@ -53,7 +53,7 @@ def _stands(scene: Scene) -> Iterator[BaseGeometry]:
 def _clearings(
     scene: Scene, level: Sequence[BaseGeometry], places: Float[np.ndarray, "n 2"]
 ) -> Iterator[BaseGeometry]:
-    """Discs of lawn that stay level, one or two a lawn, so that large drones find room among mounds.
+    """Discs of lawn that stay level, so that large drones find room among mounds.
 
     Those nearest to level ground are taken, which leaves the middle of a lawn to the mounds.
     """

@@ -46,6 +46,7 @@ _WAVES_M = ((34.0, 0.65), (15.0, 0.35))
 """Lengths of the swells and their shares."""
 _LOWEST = 0.3
 """Least height of open land, relative to the greatest."""
+_NOTHING_NEAR_M = 1e3
 _LEAST_RISE_M = 0.12
 """Land that rises less stays flat."""
 
@@ -110,13 +111,14 @@ def _away_m(
     middles = np.stack(np.meshgrid(east, north), axis=-1).reshape(-1, 2)
     half_m = spacing_m / 2 + 0.01
     cells = shapely.box(*(middles - half_m).T, *(middles + half_m).T)
-    touched = np.unique(shapely.STRtree(cells).query(outlines, predicate="intersects")[1])
+    tree, geometries = shapely.STRtree(cells), np.array(outlines, dtype=object)
+    touched = np.unique(tree.query(geometries, predicate="intersects")[1])
+    if not len(touched):
+        return np.full(is_level.shape, _NOTHING_NEAR_M)
     row, column = np.divmod(touched, len(east))
     for i in (0, 1):
         for j in (0, 1):
             is_level[row + i, column + j] = True
-    if not is_level.any():
-        return np.full(is_level.shape, 1e3)
     return spacing_m * distance_transform_edt(~is_level)
 
 
@@ -124,7 +126,7 @@ def _gentle(
     heights: Float[np.ndarray, "rows columns"], spacing_m: float
 ) -> Float[np.ndarray, "rows columns"]:
     """The highest land below the given one that rises no faster than `_GRADIENT`."""
-    # Propagates over twice the widest bank.
+    # A limit moves on by one node in each pass.
     for _ in range(math.ceil(_AROUND_M / spacing_m)):
         padded = np.pad(heights, 1, mode="edge")
         for axis in (0, 1):

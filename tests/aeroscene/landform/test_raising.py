@@ -149,3 +149,8 @@ def test_about_as_many_areas_of_each_class_are_left():
             count.update(area.drone_class for area in areas if area.kind == "landing")
     for name, n_flat in counts[0].items():
         assert counts[1][name] == pytest.approx(n_flat, rel=0.15), name
+
+
+def test_a_site_without_any_ground_gets_land_all_over():
+    scene = raise_relief(replace(flat(31), objects=()), np.random.default_rng(1))
+    assert (scene.relief.heights_m > 0.0).mean() > 0.9
