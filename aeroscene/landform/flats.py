@@ -66,21 +66,20 @@ def _clearings(
         if obj.domain == "outdoor" and not obj.is_coarse and obj.category not in GROUND
     ]
     is_green = shapely.intersects_xy(shapely.union_all(lawns), *places.T)
-    points = shapely.points(places[is_green])
+    places = places[is_green]
+    points = np.asarray(shapely.points(places))
     away_m = _nearest_m(level, points)
     room_m = _nearest_m([*level, *things, *(lawn.exterior for lawn in lawns)], points)
     wide = np.flatnonzero(room_m >= CLEARING_M)
     wide = wide[np.argsort(away_m[wide], kind="stable")]
-    taken: list[shapely.Point] = []
+    n_left = _MOST_CLEARINGS
     for lawn in sorted(lawns, key=lambda each: -each.area):
-        inside = wide[shapely.intersects(lawn, points[wide])]
-        for _ in range(1 + int(lawn.area > _WIDE_LAWN_M2)):
-            if not len(inside) or len(taken) == _MOST_CLEARINGS:
-                break
-            middle = points[inside[0]]
-            taken.append(middle)
-            yield middle.buffer(CLEARING_M)
-            inside = inside[shapely.distance(middle, points[inside]) >= _APART_M]
+        inside = places[wide[shapely.intersects(lawn, points[wide])]]
+        for _ in range(min(n_left, 2 if lawn.area > _WIDE_LAWN_M2 else 1)):
+            if len(inside):
+                n_left -= 1
+                yield shapely.Point(inside[0]).buffer(CLEARING_M)
+                inside = inside[np.hypot(*(inside - inside[0]).T) >= _APART_M]
 
 
 def _nearest_m(outlines: Sequence[BaseGeometry], points: np.ndarray) -> Float[np.ndarray, " n"]:

@@ -119,7 +119,7 @@ def _away_m(
     for i in (0, 1):
         for j in (0, 1):
             is_level[row + i, column + j] = True
-    return spacing_m * distance_transform_edt(~is_level)
+    return spacing_m * np.asarray(distance_transform_edt(~is_level))
 
 
 def _gentle(
