@@ -24,7 +24,7 @@ from aeroscene.landform.manner import LAND_MANNERS, LandManner
 from aeroscene.landform.standing import on_relief
 from aeroscene.scene import Relief, Scene
 
-SPACING_M = 1.5
+SPACING_M = 2.0
 """Distance between nodes in a site of usual size."""
 MOST_GRADIENT = 0.2
 """Steepest bank."""
@@ -34,7 +34,7 @@ _MOST_CELLS = 120
 """Cells along one axis, beyond which they are wider."""
 _FOOT_M = 1.0
 """Distance over which a bank begins: c above."""
-_BLUR_M = 1.0
+_BLUR_M = 1.5
 """Width of the Gaussian that rounds creases off."""
 _GRADIENT = 0.14
 """Steepest rise between neighbouring nodes before rounding."""

@@ -41,7 +41,7 @@ _N_FINE: dict[SceneDomain, _Spread] = {
 
 The rooms of mixed scenes hold as much as rooms do, on top of what stands outdoors.
 """
-_UNDER_SKY: tuple[_Spread, ...] = ((62.5, 8.0), (14.0, 2.5), (12.5, 1.2), (20.0, 5.0))
+_UNDER_SKY: tuple[_Spread, ...] = ((61.5, 8.0), (14.0, 2.5), (12.5, 1.2), (20.0, 5.0))
 _N_AREAS: dict[SceneDomain, tuple[_Spread, ...]] = {
     "mixed": _UNDER_SKY,
     "outdoor": _UNDER_SKY,
