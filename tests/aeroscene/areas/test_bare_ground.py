@@ -124,3 +124,13 @@ def test_a_flight_does_not_start_from_a_lawn_below_the_land():
     assert (x0, x1) == (-20.0, 3.0)
     flat, *_ = grounds_of(replace(covered(lawn(0.1)), relief=None))[0]
     assert flat.outline.bounds == (-20.0, -20.0, 20.0, 20.0)
+
+
+def test_ground_below_a_lawn_takes_no_place_from_land_beside_it():
+    scene = covered(lawn(0.1))
+    heights = np.zeros((81, 81))
+    heights[:, 44:52] = 0.5
+    scene = replace(scene, relief=Relief((-40.0, -40.0), 1.0, heights))
+    middles = [a.centroid for a in derive_interaction_areas(scene) if a.object_id is None]
+    on_land = [(x, y) for x, y, z in middles if z == 0.5 and abs(y) < 20.0]
+    assert len(on_land) >= 3
