@@ -12,6 +12,8 @@ from aeroscene.learning.paper.layouts import flat_layout
 from aeroscene.learning.program import encode
 from aeroscene.learning.wishes import Wish
 from aeroscene.metrics.arrays import scene_arrays
+from aeroscene.metrics.diversity import layout_of
+from aeroscene.metrics.places.top_view import TopView
 from aeroscene.scene import OrientedBox, Relief, SceneObject
 from aeroscene.scene.catalogue import category_id
 from aeroscene.scene.io import scene_from_json, scene_to_json
@@ -105,6 +107,9 @@ def test_what_is_learnt_and_measured_is_the_flat_layout(number):
     np.testing.assert_array_equal(lists[0].center_enu_m, lists[1].center_enu_m)
     arrays = [scene_arrays(scene) for scene in (flat, raised)]
     np.testing.assert_array_equal(arrays[0].centre_enu_m, arrays[1].centre_enu_m)
+    layouts = [layout_of(scene) for scene in (flat, raised)]
+    np.testing.assert_array_equal(layouts[0].centres_m, layouts[1].centres_m)
+    assert TopView(flat).units == TopView(raised).units
 
 
 def test_a_projected_scene_gets_land_where_it_is_asked_for():
