@@ -10,8 +10,10 @@ from aeroscene.feasibility import FeasibilityCfg, make_feasible
 from aeroscene.landform import level, on_relief, raise_relief
 from aeroscene.learning.paper.layouts import flat_layout
 from aeroscene.learning.program import encode
+from aeroscene.learning.symmetry import mirrored
 from aeroscene.learning.wishes import Wish
 from aeroscene.metrics.arrays import scene_arrays
+from aeroscene.metrics.damage import DAMAGES
 from aeroscene.metrics.diversity import layout_of
 from aeroscene.metrics.places.top_view import TopView
 from aeroscene.scene import OrientedBox, Relief, SceneObject
@@ -120,3 +122,15 @@ def test_a_projected_scene_gets_land_where_it_is_asked_for():
     assert found[1].scene.relief is not None
     assert found[1].scene == found[2].scene
     assert level(found[1].scene) == replace(found[0].scene, interaction_areas=())
+
+
+def test_damage_and_mirror_images_are_of_the_flat_layout():
+    raised = curate_scene(31)
+    seeded = [
+        lambda scene, damage=damage: damage(scene, np.random.default_rng(0))
+        for damage in DAMAGES.values()
+    ]
+    for change in (mirrored, *seeded):
+        first, second = change(raised), change(level(raised))
+        assert first.relief is None
+        assert first == second
