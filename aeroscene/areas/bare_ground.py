@@ -7,12 +7,15 @@ from math import tan
 
 import numpy as np
 import shapely
-from jaxtyping import Float
+from jaxtyping import Bool, Float
+from shapely.geometry.base import BaseGeometry
 
 from aeroscene.areas.faces import Face
-from aeroscene.areas.needs import MAX_SLOPE_RAD, NEEDS
+from aeroscene.areas.needs import MAX_SLOPE_RAD, NEEDS, STEP_M
 from aeroscene.areas.spots import MAX_RADIUS_M
 from aeroscene.scene import Relief, Scene
+from aeroscene.scene.catalogue import GROUND
+from aeroscene.scene.footprint import footprint
 from aeroscene.scene.relief import ground_m
 
 APART_M = 12.0
@@ -40,8 +43,9 @@ def ground_faces(scene: Scene) -> list[Face]:
         return []
     faces: list[Face] = []
     taken = np.zeros((0, 2))
+    covers = _Covers(scene)
     for radius_m in sorted({*_RADII_M, MAX_RADIUS_M + _RIM_M}, reverse=True):
-        for x, y, *plane in _even_discs(scene, scene.relief, radius_m):
+        for x, y, *plane in _even_discs(scene, scene.relief, covers, radius_m):
             if len(taken) and np.hypot(*(taken - (x, y)).T).min() < APART_M:
                 continue
             taken = np.vstack([taken, (x, y)])
@@ -50,8 +54,10 @@ def ground_faces(scene: Scene) -> list[Face]:
     return faces
 
 
-def _even_discs(scene: Scene, relief: Relief, radius_m: float) -> Iterator[tuple[float, ...]]:
-    """Discs of a radius on a lattice: middle, gradient and height at the origin of their planes."""
+def _even_discs(
+    scene: Scene, relief: Relief, covers: _Covers, radius_m: float
+) -> Iterator[tuple[float, ...]]:
+    """Uncovered discs of a radius on a lattice: middle and gradient, height at the origin."""
     low, high = scene.extent_min_enu_m, scene.extent_max_enu_m
     x, y = (np.arange(low[i] + radius_m, high[i] - radius_m, _LATTICE_M) for i in range(2))
     middles = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
@@ -64,8 +70,58 @@ def _even_discs(scene: Scene, relief: Relief, radius_m: float) -> Iterator[tuple
     slope = np.hypot(planes[:, 0], planes[:, 1])
     is_even = (off_m <= _TOLERANCE_M) & (slope <= tan(MAX_SLOPE_RAD))
     at_origin = planes[:, 2] - np.einsum("ij,ij->i", planes[:, :2], middles)
-    found = np.column_stack([middles, planes[:, :2], at_origin])[is_even]
+    even = np.flatnonzero(is_even)
+    for chosen in (slice(1), slice(None)):  # Most covered ones are known by their middles.
+        shown = covers.leave(points[even, chosen], heights[even, chosen])
+        even = even[shown.all(axis=1)]
+    found = np.column_stack([middles, planes[:, :2], at_origin])[even]
     yield from map(tuple, found.tolist())
+
+
+class _Covers:
+    """Covers of the ground, and raised land."""
+
+    def __init__(self, scene: Scene) -> None:
+        covers = [obj for obj in scene.objects if obj.category in GROUND]
+        self._tree = shapely.STRtree([footprint(obj) for obj in covers])
+        self._top_m = np.array([obj.bbox.p[2] + obj.bbox.s[2] / 2 for obj in covers])
+
+    def leave(
+        self, points: Float[np.ndarray, "n k 2"], height_m: Float[np.ndarray, "n k"]
+    ) -> Bool[np.ndarray, "n k"]:
+        """Whether the ground at points is above all covers."""
+        is_bare = np.ones(height_m.size, dtype=bool)
+        if len(self._top_m):
+            point, cover = self._tree.query(shapely.points(points.reshape(-1, 2)), "intersects")
+            is_below = height_m.ravel()[point] < self._top_m[cover] - STEP_M
+            is_bare[point[is_below]] = False
+        return is_bare.reshape(height_m.shape)
+
+
+def above_ground(scene: Scene, outline: BaseGeometry, top_m: float) -> BaseGeometry:
+    """What of a level outline the ground of a relief does not bury, but for cells at its edge.
+
+    Args:
+        scene: The scene.
+        outline: Seen from above, ENU.
+        top_m: Its height.
+    """
+    relief = scene.relief
+    if relief is None or outline.is_empty or relief.max_m <= top_m + STEP_M:
+        return outline
+    heights, spacing_m = relief.heights_m, relief.spacing_m
+    highest = np.maximum(heights[:-1], heights[1:])
+    highest = np.maximum(highest[:, :-1], highest[:, 1:])
+    rows, columns = np.nonzero(highest > top_m + STEP_M)
+    east, north = relief.origin_enu_m
+    x, y = east + spacing_m * columns, north + spacing_m * rows
+    x0, y0, x1, y1 = outline.bounds
+    is_near = (x < x1) & (x > x0 - spacing_m) & (y < y1) & (y > y0 - spacing_m)
+    x, y = x[is_near], y[is_near]
+    if not len(x):
+        return outline
+    buried = shapely.union_all(shapely.box(x, y, x + spacing_m, y + spacing_m))
+    return shapely.difference(outline, buried)
 
 
 def ground_rise_m(scene: Scene, face: Face, centre: shapely.Point, radius_m: float) -> float:

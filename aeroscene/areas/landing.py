@@ -12,8 +12,9 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from collections.abc import Set as AbstractSet
+from dataclasses import replace
 
-from aeroscene.areas.bare_ground import ground_faces
+from aeroscene.areas.bare_ground import above_ground, ground_faces
 from aeroscene.areas.faces import Face, upward_faces
 from aeroscene.areas.finder import AreaFinder, Candidate, is_wide
 from aeroscene.areas.needs import AreaLimits
@@ -56,6 +57,7 @@ def derive_interaction_areas(
     solids = colliding(primitives)
     finder = AreaFinder(scene, Obstacles(solids), field)
     faces = upward_faces(solids, lambda object_id: _may_bear(scene, object_id))
+    faces = [shown for face in faces if not (shown := _unburied(scene, face)).outline.is_empty]
     bearers = [face for face in faces if is_wide(face) and _is_landable(scene, face)]
     bearers += ground_faces(scene)
     landing = _landing(scene, finder, bearers, limits)
@@ -71,6 +73,14 @@ def _may_bear(scene: Scene, object_id: int) -> bool:
 
 def _is_landable(scene: Scene, face: Face) -> bool:
     return _bearer(scene, face).category in LANDABLE
+
+
+def _unburied(scene: Scene, face: Face) -> Face:
+    """A level face where the ground of a relief does not cover it."""
+    if scene.relief is None or not face.is_level:
+        return face
+    outline = above_ground(scene, face.outline, face.height_at_origin_m)
+    return face if outline is face.outline else replace(face, outline=outline)
 
 
 def _bearer(scene: Scene, face: Face) -> SceneObject:

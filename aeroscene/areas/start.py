@@ -14,6 +14,7 @@ import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
+from aeroscene.areas.bare_ground import above_ground
 from aeroscene.areas.landing import derive_interaction_areas
 from aeroscene.areas.needs import AreaLimits
 from aeroscene.areas.reach import access_field
@@ -116,7 +117,7 @@ def grounds_of(scene: Scene) -> tuple[tuple[Ground, ...], ...]:
     )
     is_open, last_resort = (
         tuple(
-            Ground(footprint(obj), obj.bbox.p[2] + obj.bbox.s[2] / 2)
+            _cover(scene, obj)
             for obj in scene.objects
             if obj.category in names and obj.domain == "outdoor"
         )
@@ -125,6 +126,12 @@ def grounds_of(scene: Scene) -> tuple[tuple[Ground, ...], ...]:
     if scene.domain == "indoor":
         return (floors, is_open, last_resort)
     return (is_open, last_resort, floors)
+
+
+def _cover(scene: Scene, obj: SceneObject) -> Ground:
+    """A cover as a ground, where the relief of the scene does not bury it."""
+    top_m = obj.bbox.p[2] + obj.bbox.s[2] / 2
+    return Ground(above_ground(scene, footprint(obj), top_m), top_m)
 
 
 def _bottom_m(obj: SceneObject) -> float:

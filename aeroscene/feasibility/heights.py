@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from math import inf
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -11,6 +12,7 @@ from aeroscene.feasibility.boxes import footprint_depth
 from aeroscene.feasibility.ground import covered
 from aeroscene.feasibility.layout import Layout
 from aeroscene.feasibility.roles import is_chained, is_fitting
+from aeroscene.landform import standing_points
 from aeroscene.scene import SceneObject
 from aeroscene.scene.catalogue import (
     BOARDED,
@@ -27,7 +29,6 @@ from aeroscene.scene.catalogue import (
     WATER,
 )
 from aeroscene.scene.hanging import is_hung
-from aeroscene.scene.relief import ground_m
 from aeroscene.solids.shapes.build import object_primitives
 from aeroscene.solids.shapes.shell import FINISH_M
 from aeroscene.solids.shapes.storage import shelf_boards
@@ -71,9 +72,19 @@ def _bearing_m(layout: Layout, row: int) -> float:
     return _earth_m(layout, row) if host < 0 else surface_m(layout, host, row)
 
 
-def _earth_m(layout: Layout, row: int) -> float:
-    """Height at which an object stands on the bare earth: of the lowest one below its outline."""
-    return float(ground_m(layout.scene.relief, *_probes(layout, row).T).min())
+def _earth_m(layout: Layout, row: int, cover_m: float = -inf) -> float:
+    """Height at which an object stands on the bare earth: of the lowest one below its outline.
+
+    Args:
+        layout: The scene.
+        row: The object.
+        cover_m: Height of a cover through which the earth may rise.
+    """
+    relief = layout.scene.relief
+    if relief is None:
+        return max(0.0, cover_m)
+    points = standing_points(layout.object(row))
+    return float(np.maximum(relief.height_m(*points.T), cover_m).min())
 
 
 def _within_m(layout: Layout, row: int, parent: SceneObject) -> float:
@@ -116,7 +127,10 @@ def _is_sloped(obj: SceneObject) -> bool:
 def surface_m(layout: Layout, bearer: int, row: int) -> float:
     """Height at which an object stands on a bearer: of the lowest ground below its outline."""
     top_m = float(layout.boxes.top_m[bearer])
-    if layout.objects[bearer].category not in ROOFS | TERRAIN:
+    category = layout.objects[bearer].category
+    if category in COVERS and layout.scene.relief is not None:
+        return _earth_m(layout, row, top_m)
+    if category not in ROOFS | TERRAIN:
         return top_m  # Others bear at the upper face of their box.
     probes = _probes(layout, row)
     solids = _solids_of(layout.object(bearer))

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import hypot
 
+import numpy as np
 from shapely.errors import ShapelyError
 
 from aeroscene.areas.landing import AreaLimits, derive_interaction_areas
@@ -15,12 +16,16 @@ from aeroscene.feasibility.layout import layout_of
 from aeroscene.feasibility.report import FeasibilityReport, report_of
 from aeroscene.feasibility.stages import finished, project, project_beside
 from aeroscene.feasibility.wishes.passages import too_narrow
+from aeroscene.landform import raise_relief
 from aeroscene.scene import Scene, SceneError
 from aeroscene.solids.freespace import build_distance_field
 from aeroscene.solids.shapes import scene_primitives
 from aeroscene.solids.solids import colliding
 from aeroscene.validation import Finding, validate
 from aeroscene.validation.claims import unlandable
+
+_LAND = 0x1A2D
+"""Number of the random stream of the land."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,6 +42,8 @@ class FeasibilityCfg:
     """A scene with a door or corridor that is narrower is rejected."""
     pinned: frozenset[int] = frozenset()
     """Objects that stay exactly as they are, all coarse ones among them; others make room."""
+    land_seed: int | None = None
+    """Seed of the relief that is raised in the projected scene; without it the ground stays."""
     is_validated: bool = True
     """Whether the result is held against `aeroscene.validation`, and rejected if it fails."""
 
@@ -60,12 +67,18 @@ def make_feasible(scene: Scene, cfg: FeasibilityCfg | None = None) -> Feasible:
     layout = layout_of(scene, cfg.pinned)
     try:
         (project_beside if cfg.pinned else project)(layout)
-        found, findings = _with_areas(finished(layout), cfg)
+        found, findings = _with_areas(_with_land(finished(layout), cfg), cfg)
         rejection = _rejection(scene, found, findings, cfg)
     except (SceneError, ShapelyError) as error:
         # A poor draw: no document can hold the layout, or its outlines have no area.
         found, rejection = scene, str(error)
     return Feasible(found, report_of(layout, rejection))
+
+
+def _with_land(scene: Scene, cfg: FeasibilityCfg) -> Scene:
+    if cfg.land_seed is None:
+        return scene
+    return raise_relief(scene, np.random.default_rng((cfg.land_seed, _LAND)))
 
 
 def _with_areas(scene: Scene, cfg: FeasibilityCfg) -> tuple[Scene, list[Finding]]:

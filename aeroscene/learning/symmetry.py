@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from aeroscene.landform import level
 from aeroscene.scene import OrientedBox, Scene, SceneDomain
 
 _N_SYMMETRIES = 8
@@ -23,7 +24,8 @@ def may_be_mirrored(domain: SceneDomain) -> bool:
 
 
 def mirrored(scene: Scene) -> Scene:
-    """The mirror image of a scene along y, without its interaction areas."""
+    """The mirror image of a scene along y on flat ground, without its interaction areas."""
+    scene = level(scene)
     (x0, y0, z0), (x1, y1, z1) = scene.extent_min_enu_m, scene.extent_max_enu_m
     x, y, z = scene.start_position_enu_m
     return replace(

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from aeroscene.landform import level
 from aeroscene.scene import Scene
 from aeroscene.scene.catalogue import CATALOGUE
 
@@ -73,8 +74,8 @@ class SceneArrays:
 
 
 def scene_arrays(scene: Scene) -> SceneArrays:
-    """Unpack a scene."""
-    objects = scene.objects
+    """Unpack a scene as it lies on flat ground: its relief is no part of its layout."""
+    objects = level(scene).objects
     row_of = {obj.id: row for row, obj in enumerate(objects)}
     parents = (obj.parent_id for obj in objects)
     return SceneArrays(

@@ -15,6 +15,7 @@ from functools import partial
 
 import numpy as np
 
+from aeroscene.landform import level
 from aeroscene.scene import Scene, SceneObject
 from aeroscene.scene.box import quat_from_yaw
 from aeroscene.scene.catalogue import CATALOGUE, SEATS
@@ -31,6 +32,7 @@ def jittered(scene: Scene, rng: np.random.Generator, *, spread_m: float) -> Scen
 
     Children move along.
     """
+    scene = level(scene)
     shift_m: dict[int | None, np.ndarray] = {None: np.zeros(3)}
     for obj in scene.objects:
         shift_m[obj.id] = shift_m[obj.parent_id] + rng.normal(0.0, spread_m, 3)
@@ -39,10 +41,11 @@ def jittered(scene: Scene, rng: np.random.Generator, *, spread_m: float) -> Scen
 
 def relabelled(scene: Scene, rng: np.random.Generator) -> Scene:
     """Categories exchanged at random among the objects of a level, boxes as they were."""
+    scene = level(scene)
     category = np.array([obj.category_id for obj in scene.objects])
     is_coarse = np.array([CATALOGUE[number].level == "coarse" for number in category.tolist()])
-    for level in (True, False):
-        rows = np.flatnonzero(is_coarse == level)
+    for is_first in (True, False):
+        rows = np.flatnonzero(is_coarse == is_first)
         category[rows] = category[rng.permutation(rows)]
     pairs = zip(scene.objects, category.tolist(), strict=True)
     # Attributes say what shape a category has, so they go with it.
@@ -51,6 +54,7 @@ def relabelled(scene: Scene, rng: np.random.Generator) -> Scene:
 
 def spun(scene: Scene, rng: np.random.Generator) -> Scene:
     """Every object turned about its own vertical by any angle."""
+    scene = level(scene)
     angles = rng.uniform(-math.pi, math.pi, len(scene.objects)).tolist()
     pairs = zip(scene.objects, angles, strict=True)
     return _with(scene, [_turned(obj, angle) for obj, angle in pairs])
@@ -60,6 +64,7 @@ def with_chairs_turned(
     scene: Scene, rng: np.random.Generator, *, share: float = _CHAIRS_TURNED
 ) -> Scene:
     """A share of the chairs turned about their own vertical by a quarter or more."""
+    scene = level(scene)
     chairs = [row for row, obj in enumerate(scene.objects) if obj.category in SEATS]
     rows = set(rng.permutation(chairs)[: round(share * len(chairs))].tolist())
     angles = rng.uniform(_LEAST_TURN_RAD, 2 * math.pi - _LEAST_TURN_RAD, len(scene.objects))

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
+from aeroscene.landform import level
 from aeroscene.scene import Scene
 
 _MOVED_M = 0.01
@@ -38,12 +39,12 @@ class Displacement:
 
 
 def displacement(before: Sequence[Scene], after: Sequence[Scene]) -> Displacement:
-    """Compare scenes with what became of them, in the same order.
+    """Compare scenes with what became of them on flat ground, in the same order.
 
     Raises:
         UnlikeScenesError: If an object appears from nowhere or changed its category.
     """
-    pairs = [_pairs(first, second) for first, second in zip(before, after, strict=True)]
+    pairs = [_pairs(level(one), level(two)) for one, two in zip(before, after, strict=True)]
     none = np.zeros(0)
     moved_m = np.concatenate([none, *(np.linalg.norm(p[1] - p[0], axis=1) for p, _ in pairs)])
     resized_m = np.concatenate([none, *(np.abs(s[1] - s[0]).max(axis=1) for _, s in pairs)])

@@ -31,6 +31,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Int
 
+from aeroscene.landform import level
 from aeroscene.scene import Scene
 
 _ANGLES_RAD = np.pi * np.arange(4) / 4
@@ -51,7 +52,8 @@ class Layout:
 
 
 def layout_of(scene: Scene) -> Layout:
-    """The layout of a scene of ours."""
+    """The layout of a scene of ours, on flat ground."""
+    scene = level(scene)
     return Layout(
         scene.scene_id,
         tuple(obj.category for obj in scene.objects),

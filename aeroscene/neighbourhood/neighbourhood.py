@@ -31,6 +31,8 @@ _APART_M = 2.5
 _TRIES = 6
 """Places tried for each tree or house beside no street."""
 _LEAST_TOP_M = 0.03
+_LEVEL_M = 0.005
+"""Height of the ground up to which it is level."""
 _TREE_M = ((3.0, 6.0), (5.0, 10.0))
 """Width and height of trees."""
 _KEPT = 8
@@ -59,14 +61,27 @@ class _Ring:
 
     def primitives(self) -> Iterator[Primitive]:
         """Streets first, then houses, then trees."""
-        # A relief has no streets: they would have to follow the ground.
-        streets = () if self._scene.relief is not None else streets_around(self._scene, RING_M)
+        streets = tuple(
+            street for street in streets_around(self._scene, RING_M) if self._is_level(street)
+        )
         for street in streets:
             size_m = (street.length_m, street.width_m, max(street.top_m, _LEAST_TOP_M))
             self._taken.append(Plot.at((*street.middle, street.yaw_rad), size_m))
             yield from shapes.placed(shapes.street(*size_m), (*street.middle, 0.0), street.yaw_rad)
         yield from self._houses(streets)
         yield from self._trees()
+
+    def _is_level(self, street: Street) -> bool:
+        """Whether a street lies on level ground: paint does not follow a relief."""
+        if self._scene.relief is None:
+            return True
+        along_m = np.linspace(0.0, street.length_m, 1 + math.ceil(street.length_m))[:, None]
+        aside_m = np.linspace(-0.5, 0.5, 9) * street.width_m
+        (x, y), (u, v) = street.begin, street.along
+        ground_m = self._scene.relief.height_m(
+            x + along_m * u - aside_m * v, y + along_m * v + aside_m * u
+        )
+        return bool(np.abs(ground_m).max() <= _LEVEL_M)
 
     def _houses(self, streets: tuple[Street, ...]) -> Iterator[Primitive]:
         manner, n_left = self._manner, self._manner.n_houses

@@ -66,6 +66,8 @@ def streets_around(scene: Scene, ring_m: float) -> tuple[Street, ...]:
         ring_m: Distance from the flight volume at which the continuations end.
     """
     ahead = [obj for obj in scene.objects if obj.category in GROUND | SHELLS]
+    if not ahead:
+        return ()
     corners = [obj.bbox.corners()[:, :2] for obj in ahead]
     hulls = np.asarray(shapely.convex_hull(shapely.multipoints(corners)))
     exits = [found for road in _roads(scene) for found in _exits(scene, road, hulls, ring_m)]

@@ -205,6 +205,7 @@ def _requests(cfg: GenerateCfg) -> list[Request]:
             density=cfg.density,
             clutter=cfg.clutter,
             min_passage_m=cfg.min_passage,
+            has_relief=cfg.relief,
         )
         for seed in range(cfg.seed, cfg.seed + count)
     ]

@@ -95,6 +95,9 @@ class GenerateCfg:
     buildings, storeys, rooms, walls, roads) and the pad of the start stay."""
     region: Annotated[str, default_hint("none")] = ""
     """Region of --redo in metres, ENU, as X0,Y0,X1,Y1 or X0,Y0,X1,Y1,Z0,Z1."""
+    relief: bool = True
+    """Whether outdoor sites have gentle land in their green and around them; otherwise they are
+    flat. --complete and --redo keep the ground of their scene."""
     out: Annotated[Path, OutFolder()] = Path("scenes")
     """Folder to write into; made where it is missing."""
     checkpoint: Annotated[Path | None, default_hint("the one that ships")] = None

@@ -25,6 +25,7 @@ from typing import Protocol
 
 import numpy as np
 
+from aeroscene.landform import level
 from aeroscene.metrics.appearance.features import Picture
 from aeroscene.scene import Scene, SceneDomain
 from aeroscene.scene.catalogue import ROOMS
@@ -93,8 +94,8 @@ class Camera:
         Raises:
             ValueError: If its geometry does not compile.
         """
-        # Without a theme nothing stands around the site, so that only the scene is compared.
-        world = build_world(replace(scene, interaction_areas=(), theme=""))
+        # Without a theme nothing stands around the site, so that only the layout is compared.
+        world = build_world(replace(level(scene), interaction_areas=(), theme=""))
         if scene.domain == "indoor":
             world = replace(world, solids=cut_at(world.solids, _CUT_M, _LEAST_M))
         reach_m = self.reach_m.get(scene.domain, max(self.reach_m.values()))

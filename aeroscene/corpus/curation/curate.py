@@ -13,6 +13,7 @@ from aeroscene.corpus.curation.builder import Builder, Placed
 from aeroscene.corpus.curation.composers import compose_indoor, compose_mixed, compose_outdoor
 from aeroscene.corpus.curation.composition import Composition, fill
 from aeroscene.corpus.curation.start import start_yaw
+from aeroscene.landform import raise_relief
 from aeroscene.scene import Scene, SceneDomain
 from aeroscene.scene.origin import ALTITUDE_M, LATITUDE_DEG, LONGITUDE_DEG
 
@@ -40,7 +41,7 @@ _N_FINE: dict[SceneDomain, _Spread] = {
 
 The rooms of mixed scenes hold as much as rooms do, on top of what stands outdoors.
 """
-_UNDER_SKY: tuple[_Spread, ...] = ((71.5, 8.0), (13.9, 2.5), (12.5, 1.2), (20.0, 5.0))
+_UNDER_SKY: tuple[_Spread, ...] = ((61.5, 8.0), (14.0, 2.5), (12.5, 1.2), (20.0, 5.0))
 _N_AREAS: dict[SceneDomain, tuple[_Spread, ...]] = {
     "mixed": _UNDER_SKY,
     "outdoor": _UNDER_SKY,
@@ -65,9 +66,9 @@ class Budget:
 
 def curate_scene(index: int) -> Scene:
     """Scene `index` of the procedural corpus; equal on every call."""
-    layout = curate_layout(index)
-    areas = derive_interaction_areas(layout, limits=_budget(index).areas)
-    return replace(layout, interaction_areas=areas)
+    scene = raise_relief(curate_layout(index), _streams(index)[2])
+    areas = derive_interaction_areas(scene, limits=_budget(index).areas)
+    return replace(scene, interaction_areas=areas)
 
 
 def most_landing_areas(index: int) -> int:
@@ -77,7 +78,10 @@ def most_landing_areas(index: int) -> int:
 
 
 def curate_layout(index: int) -> Scene:
-    """Scene `index` without its areas, which take ten times as long as all else together."""
+    """Scene `index` on flat ground and without its areas.
+
+    Areas take ten times as long as all else together.
+    """
     budget = _budget(index)
     layout = _streams(index)[0]
     builder = Builder(f"corpus-{index:04d}")
@@ -92,8 +96,8 @@ def curate_layout(index: int) -> Scene:
 
 
 def _streams(index: int) -> list[np.random.Generator]:
-    """Randomness of a scene's layout and of its size."""
-    streams = np.random.SeedSequence((_SEED_SPACE, index)).spawn(2)
+    """Randomness of a scene's layout, of its size and of its land."""
+    streams = np.random.SeedSequence((_SEED_SPACE, index)).spawn(3)
     return [np.random.default_rng(stream) for stream in streams]
 
 

@@ -63,6 +63,8 @@ class Request:
     """Factor on the loose things that lie on ground and floors."""
     min_passage_m: float | None = None
     """Least clear width of doors and corridors, m."""
+    has_relief: bool = True
+    """Whether the land of an outdoor site rises gently; a scene that is given keeps its ground."""
 
     def __post_init__(self) -> None:
         SEEDS.require("seed", self.seed, RequestError)
@@ -137,6 +139,7 @@ class Request:
             "density": self.density,
             "clutter": self.clutter,
             "min_passage": self.min_passage_m,
+            "relief": None if self.has_relief else False,
         }
         if isinstance(self.n_areas, AreaCounts):
             asked |= {f"areas_{name}": count for name, count in self.n_areas.named.items()}
@@ -172,7 +175,10 @@ class Request:
         if self.kept is not None and self.min_passage_m is None and not unsound(self.kept):
             pinned = frozenset(obj.id for obj in self.kept.objects)
         least_m = self.min_passage_m or 0.0
-        return FeasibilityCfg(limits=limits, least_passage_m=least_m, pinned=pinned)
+        land_seed = self.seed if self.has_relief and self.given is None else None
+        return FeasibilityCfg(
+            limits=limits, least_passage_m=least_m, pinned=pinned, land_seed=land_seed
+        )
 
     def drawn(
         self,

@@ -10,6 +10,7 @@ import numpy as np
 import shapely
 from jaxtyping import Bool, Float, Int
 
+from aeroscene.landform import level
 from aeroscene.metrics.arrays import NO_PARENT, SceneArrays, scene_arrays
 from aeroscene.relations import Unit, scene_relations
 from aeroscene.scene import AttributeValue, Scene
@@ -36,7 +37,7 @@ class TopView:
     @cached_property
     def units(self) -> tuple[Unit, ...]:
         """Relations of the fine objects to their hosts."""
-        return scene_relations(self.scene)
+        return scene_relations(level(self.scene))
 
     def rows(self, categories: Collection[str]) -> Int[np.ndarray, " k"]:
         """Rows of the objects of some categories."""

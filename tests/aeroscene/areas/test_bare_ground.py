@@ -8,7 +8,9 @@ import pytest
 
 from aeroscene.areas.landing import derive_interaction_areas
 from aeroscene.areas.needs import MAX_SLOPE_RAD
-from aeroscene.scene import Relief
+from aeroscene.areas.start import grounds_of
+from aeroscene.scene import OrientedBox, Relief, SceneObject
+from aeroscene.scene.catalogue import category_id
 from aeroscene.sources import load_scene
 from aeroscene.validation import validate
 from tests.flightsim.handmade import incline, relief_scene
@@ -79,3 +81,56 @@ def test_areas_that_lie_about_the_ground_are_found_out():
 
     assert "the ground has no face there" in moved(0.1)
     assert "the ground rises 0.20 m above its plane" in moved(-0.2)
+
+
+def covered(*objects):
+    """A scene whose eastern half is a hill of half a metre, with objects on it."""
+    heights = np.zeros((81, 81))
+    heights[:, 44:] = 0.5
+    scene = relief_scene(Relief((-40.0, -40.0), 1.0, heights), start_xy=(-5.0, 0.0))
+    return replace(scene, objects=objects)
+
+
+def lawn(top_m):
+    return SceneObject(
+        id=0,
+        scene_id="relief",
+        parent_id=None,
+        category_id=category_id("lawn"),
+        bbox=OrientedBox((0.0, 0.0, top_m / 2), (1.0, 0.0, 0.0, 0.0), (40.0, 40.0, top_m)),
+        domain="outdoor",
+    )
+
+
+def test_a_lawn_bears_areas_where_the_land_does_not_come_through_it():
+    scene = covered(lawn(0.1))
+    areas = derive_interaction_areas(scene)
+    on_lawn, on_land = (
+        [area for area in areas if area.object_id == bearer] for bearer in (0, None)
+    )
+    assert len(on_lawn) > 2
+    assert all(area.centroid[0] + area.radius <= 3.01 for area in on_lawn)
+    # The ground below the lawn is no place to land.
+    inside = [area for area in on_land if max(map(abs, area.centroid[:2])) < 20.0]
+    assert len(inside) > 2
+    assert all(area.centroid[0] - area.radius > 3.0 for area in inside)
+    assert all(area.centroid[2] == 0.5 for area in inside)
+    assert validate(replace(scene, interaction_areas=areas)) == ()
+
+
+def test_a_flight_does_not_start_from_a_lawn_below_the_land():
+    (ground, *_), *_ = grounds_of(covered(lawn(0.1)))
+    x0, _, x1, _ = ground.outline.bounds
+    assert (x0, x1) == (-20.0, 3.0)
+    flat, *_ = grounds_of(replace(covered(lawn(0.1)), relief=None))[0]
+    assert flat.outline.bounds == (-20.0, -20.0, 20.0, 20.0)
+
+
+def test_ground_below_a_lawn_takes_no_place_from_land_beside_it():
+    scene = covered(lawn(0.1))
+    heights = np.zeros((81, 81))
+    heights[:, 44:52] = 0.5
+    scene = replace(scene, relief=Relief((-40.0, -40.0), 1.0, heights))
+    middles = [a.centroid for a in derive_interaction_areas(scene) if a.object_id is None]
+    on_land = [(x, y) for x, y, z in middles if z == 0.5 and abs(y) < 20.0]
+    assert len(on_land) >= 3

@@ -9,6 +9,7 @@ from aeroscene.feasibility import FeasibilityCfg, make_feasible
 from aeroscene.feasibility.boxes import boxes_of, forbidden_overlaps
 from aeroscene.feasibility.layout import layout_of
 from aeroscene.feasibility.settling import cut_overlaps
+from aeroscene.landform import standing_points
 from aeroscene.layouts.flyable import make_flyable
 from aeroscene.layouts.neutral import neutral_layout
 from aeroscene.scene import Scene
@@ -189,6 +190,5 @@ def test_objects_that_hang_above_a_relief_or_stick_in_it_are_set_onto_it():
     assert found.relief == hills.relief
     assert validate(found) == ()
     for obj in found.objects:
-        corners = np.vstack([obj.bbox.corners()[:, :2], obj.bbox.p[:2]])
-        lowest_m = found.relief.height_m(*corners.T).min()
+        lowest_m = found.relief.height_m(*standing_points(obj).T).min()
         assert obj.bbox.p[2] - obj.bbox.s[2] / 2 == pytest.approx(lowest_m, abs=0.02)

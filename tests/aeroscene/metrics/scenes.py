@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from aeroscene.landform import level
 from aeroscene.scene import OrientedBox, Scene, SceneObject
 from aeroscene.scene.catalogue import category_id
 
@@ -54,7 +55,8 @@ def moved(scene, shift_m):
 
 
 def turned(scene, quarters):
-    """The whole scene by quarter turns about the origin."""
+    """The whole scene on flat ground by quarter turns about the origin."""
+    scene = level(scene)
     c, s = [(1, 0), (0, 1), (-1, 0), (0, -1)][quarters % 4]
     half = quarters * math.pi / 4
     objects = []

@@ -37,7 +37,7 @@ def handmade():
 WORLDS = {
     "handmade": handmade,
     "scene 42": lambda: build_world(load_scene("42"), AIRFRAMES["iris"]),
-    "indoors": lambda: build_world(load_scene("corpus:1"), AIRFRAMES["hummingbird"]),
+    "indoors": lambda: build_world(load_scene("corpus:2"), AIRFRAMES["hummingbird"]),
     "empty": lambda: build_world(empty_scene(), AIRFRAMES["iris"]),
 }
 

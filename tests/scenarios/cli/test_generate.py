@@ -12,6 +12,7 @@ from safetensors.torch import load_file, safe_open, save_file
 
 from aeroscene.corpus.dataset import store_scene, write_manifest
 from aeroscene.corpus.shipped import read_shipped
+from aeroscene.landform import level
 from aeroscene.learning.generation.loading import SHIPPED
 from aeroscene.learning.training.checkpoint import read_checkpoint, write_checkpoint
 from aeroscene.scene.io import read_scene, write_scene
@@ -166,6 +167,17 @@ def test_scenes_are_of_the_theme_that_was_asked_for_beside_other_wishes(tmp_path
         scene = read_scene(tmp_path / f"aeroscene-000{seed}.json")
         assert (scene.theme, scene.wishes) == ("hillside", asked)
         assert scene.domain in {"outdoor", "mixed"}
+
+
+def test_a_park_has_land_unless_it_is_to_be_flat(tmp_path, capsys):
+    wishes = ("--seed", 3, "--domain", "outdoor", "--theme", "park", "--density", 0.3)
+    for folder, option in (("land", ()), ("flat", ("--no-relief",))):
+        assert run(capsys, "--out", tmp_path / folder, *wishes, *option)[0] == 0
+    land, flat = (read_scene(tmp_path / name / "aeroscene-0003.json") for name in ("land", "flat"))
+    assert land.relief is not None
+    assert flat.relief is None
+    assert (land.wishes.get("relief"), flat.wishes["relief"]) == (None, False)
+    assert level(land).objects == flat.objects
 
 
 def test_help_names_every_theme_of_the_model_that_ships(capsys):

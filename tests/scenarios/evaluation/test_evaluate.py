@@ -11,6 +11,7 @@ import torch
 from msgspec import structs
 
 from aeroscene.corpus.dataset import store_scene, write_manifest
+from aeroscene.landform import level
 from aeroscene.layouts.flyable import make_flyable
 from aeroscene.layouts.neutral import neutral_layout
 from aeroscene.learning.baselines.presets import without
@@ -192,6 +193,14 @@ def test_pictures_are_the_same_every_time_and_show_what_changes():
         np.abs(one.astype(int) - other).mean() > 0.5
         for one, other in zip(first, camera.pictures(moved), strict=True)
     )
+
+
+def test_the_land_of_a_site_is_in_no_picture():
+    raised = cached_scene(31)
+    assert raised.relief is not None
+    camera = Camera.of([raised])
+    pairs = zip(camera.pictures(raised), camera.pictures(level(raised)), strict=True)
+    assert all((one == other).all() for one, other in pairs)
 
 
 def test_a_larger_scene_looks_larger():

@@ -10,6 +10,7 @@ import msgspec
 import numpy as np
 from jaxtyping import Float
 
+from aeroscene.landform import level
 from aeroscene.learning.program.clearances import gaps_between
 from aeroscene.learning.program.companions import host_key
 from aeroscene.learning.program.encoding.bearers import covers_under, find_boxes
@@ -59,10 +60,13 @@ class EncodedProgram:
 def encode(scene: Scene, cfg: EncodingCfg = WHOLE) -> EncodedProgram:
     """The program of a scene, by boxes, categories, parents and the attributes that shape.
 
+    A scene with a relief is encoded as it lies on flat ground.
+
     Raises:
         PartitionError: If covers, rooms or walls overlap in a way that no partition has.
         ProgramError: If an object is not built again from the partition that it was read into.
     """
+    scene = level(scene)
     root = Node(scene_kind(scene.domain, scene.theme))
     encoder = _Encoder(scene, root, cfg)
     encoder.add_site()

@@ -205,3 +205,9 @@ def test_a_scene_is_a_wish_for_its_theme():
     scene = cached_scene(42)
     assert scene.theme
     assert Wish.of(scene).theme == scene.theme
+
+
+def test_a_site_gets_land_but_a_scene_that_is_given_keeps_its_ground():
+    assert Request(seed=7).demands(None).land_seed == 7
+    assert Request(seed=7, has_relief=False).demands(None).land_seed is None
+    assert Request(seed=7, complete=cached_scene(7)).demands(None).land_seed is None

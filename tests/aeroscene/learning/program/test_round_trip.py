@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from aeroscene.corpus.curation import curate_scene
+from aeroscene.landform import level
 from aeroscene.learning.program import (
     DecodingCfg,
     EncodedProgram,
@@ -39,7 +40,7 @@ Measured = tuple[dict[int, EncodedProgram], ProgramVocabulary, ProgramStatistics
 
 @pytest.fixture(scope="module")
 def scenes() -> dict[int, Scene]:
-    return {seed: curate_scene(seed) for seed in SEEDS}
+    return {seed: level(curate_scene(seed)) for seed in SEEDS}
 
 
 @pytest.fixture(scope="module")

@@ -1,0 +1,6 @@
+"""Relief of a site that was laid out on flat ground: swells, banks and mounds in its green."""
+
+from aeroscene.landform.raising import raise_relief
+from aeroscene.landform.standing import level, on_relief, standing_points
+
+__all__ = ["level", "on_relief", "raise_relief", "standing_points"]

@@ -1,0 +1,36 @@
+"""How far the land rises, by the theme of a scene."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LandManner:
+    """How the land of a site and around it rises."""
+
+    rise_m: float
+    """Greatest height in the site's green, where it is wide enough."""
+    around_m: float
+    """Greatest height around the site."""
+    bank: tuple[float, float]
+    """Range of the gradient of banks beside level ground."""
+
+
+_COUNTRY = LandManner(rise_m=2.2, around_m=5.0, bank=(0.12, 0.18))
+_SUBURB = LandManner(rise_m=1.2, around_m=2.8, bank=(0.1, 0.15))
+_TOWN = LandManner(rise_m=0.7, around_m=1.2, bank=(0.08, 0.12))
+LAND_MANNERS: Mapping[str, LandManner] = {
+    "park": _COUNTRY,
+    "hillside": _COUNTRY,
+    "village": _COUNTRY,
+    "residential_street": _SUBURB,
+    "campus": _SUBURB,
+    "industrial_yard": _TOWN,
+    "retail_park": _TOWN,
+    "urban_block": _TOWN,
+    "car_park": _TOWN,
+    "waterfront": _TOWN,
+}
+"""By theme. Scenes of other themes stay flat: old towns are paved, and rooms have no land."""
