@@ -58,8 +58,8 @@ class SitlCommand(SitlCfg):
     )
     scene: Annotated[str, tyro.conf.arg(help_behavior_hint="(default: 42)")] = ""
     """Scene of the dataset by number, corpus:N, gen:SEED, district:SEED, field (open, flat), a
-    scene file (.json, .json.gz), or one of a file of layouts (.jsonl, .jsonl.gz) as FILE#ID or
-    FILE#N, or a place on a map (.osm, .osm.gz, .osm.pbf, .geojson) as FILE#W,S,E,N in degrees."""
+    scene file (.json, .json.gz), one of a file of layouts (FILE.jsonl#ID or #N), or a place on a
+    map (FILE.osm#W,S,E,N in degrees, also .osm.gz, .osm.pbf and .geojson)."""
     bounds: Annotated[str, tyro.conf.arg(metavar="W,S,E,N", help_behavior_hint="")] = ""
     """Part of a map to fly in: west, south, east and north in degrees, up to 400 x 400 m; by
     default all of a small map. Write --bounds=-0.13,51.51,-0.12,51.52 if the first is negative."""

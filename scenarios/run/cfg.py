@@ -25,8 +25,8 @@ class SitlCfg:
 
     scene: str = "42"
     """Scene of the dataset by number, corpus:N, gen:SEED, district:SEED, field (open, flat), a
-    scene file (.json, .json.gz), or one of a file of layouts (.jsonl, .jsonl.gz) as FILE#ID or
-    FILE#N, or a place on a map (.osm, .osm.gz, .osm.pbf, .geojson) as FILE#W,S,E,N in degrees."""
+    scene file (.json, .json.gz), one of a file of layouts (FILE.jsonl#ID or #N), or a place on a
+    map (FILE.osm#W,S,E,N in degrees, also .osm.gz, .osm.pbf and .geojson)."""
     bench: TestbenchCfg = field(default_factory=TestbenchCfg)
     vehicles: Annotated[str, _UNSET] = ""
     """Fly several vehicles in one world: their number, or airframes such as iris,hummingbird. The
