@@ -100,6 +100,7 @@ class Commands:
         """The companion, connected with the first command."""
         if self._client is None:
             self._client = self._connect()
+            self._client.request_streams()
         return self._client
 
     def _guard(self, kind: str, data: bytes, act: Callable[[Any], Any]) -> Any:

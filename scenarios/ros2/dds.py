@@ -1,6 +1,6 @@
 """Topics and services over DDS as the default installations of ROS 2 speak it, by Cyclone DDS.
 
-Cyclone's own Python types are not used: samples are CDR already, and pass as they are.
+Samples are CDR already, and pass Cyclone's Python types as they are.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
+from scenarios.ros2.idl import Definitions, IdlTypes, sample
 from scenarios.ros2.loopback import confine, open_sockets
 from scenarios.ros2.polling import Lately
 from scenarios.ros2.transport import (
@@ -43,6 +44,7 @@ _CONFIG = """
     <MaxAutoParticipantIndex>32</MaxAutoParticipantIndex>
     <Peers><Peer address="localhost"/></Peers>
   </Discovery>
+  <Tracing><Verbosity>none</Verbosity></Tracing>
 </Domain></CycloneDDS>
 """
 """Discovery by multicast, and by asking this machine, as nodes with
@@ -53,12 +55,13 @@ _LOOPBACK, _ANY = "127.0.0.1", "0.0.0.0"  # noqa: S104  # compared with, not bou
 class DdsTransport:
     """A participant in a DDS domain."""
 
-    def __init__(self, domain: int, address: str) -> None:
+    def __init__(self, domain: int, address: str, definitions: Definitions) -> None:
         """Join a domain.
 
         Args:
             domain: Its number, as in ROS_DOMAIN_ID.
             address: Address of the interface to use; 0.0.0.0 leaves the choice to Cyclone DDS.
+            definitions: Definitions of the messages.
 
         Raises:
             TransportError: If the library is not installed, or refuses.
@@ -72,6 +75,7 @@ class DdsTransport:
             ) from None
         require_known_version()
         self._endpoints: list[Any] = []
+        self._types = IdlTypes(definitions)
         before = open_sockets()
         try:
             self._domain = Domain(domain, _config(address))
@@ -85,37 +89,35 @@ class DdsTransport:
 
     def outlet(self, topic: str, kind: Kind, qos: Qos) -> Outlet:
         """Offer a topic."""
-        return self._writer(f"rt{topic}", kind.dds_name, qos, kind.type_hash)
+        return self._writer(f"rt{topic}", self._types.message(kind.name), qos, kind.type_hash)
 
     def inlet(self, topic: str, kind: Kind, qos: Qos) -> Inlet:
         """Subscribe to a topic."""
-        return self._reader(f"rt{topic}", kind.dds_name, qos, kind.type_hash)
+        return self._reader(f"rt{topic}", self._types.message(kind.name), qos, kind.type_hash)
 
     def service(self, name: str, kind: Kind) -> Service:
         """Offer a service, as rmw_cyclonedds_cpp calls it."""
-        stem = kind.dds_name
-        requests = self._reader(f"rq{name}Request", f"{stem}Request_", STATE, "")
-        replies = self._writer(f"rr{name}Reply", f"{stem}Response_", STATE, "")
+        request = self._types.half(kind.name, "Request")
+        response = self._types.half(kind.name, "Response")
+        requests = self._reader(f"rq{name}Request", request, STATE, "")
+        replies = self._writer(f"rr{name}Reply", response, STATE, "")
         return _DdsService(requests, replies)
 
-    def _topic(self, name: str, dds_name: str) -> Any:
+    def _writer(self, name: str, kind: type, qos: Qos, type_hash: str) -> _DdsOutlet:
+        from cyclonedds.pub import DataWriter
         from cyclonedds.topic import Topic
 
-        return Topic(self._participant, name, _raw_type(dds_name))
-
-    def _writer(self, name: str, dds_name: str, qos: Qos, type_hash: str) -> _DdsOutlet:
-        from cyclonedds.pub import DataWriter
-
-        topic = self._topic(name, dds_name)
+        topic = Topic(self._participant, name, kind)
         with without_structure(topic):
             writer = DataWriter(self._participant, topic, qos=_dds_qos(qos, type_hash))
         self._endpoints.append(writer)
         return _DdsOutlet(writer)
 
-    def _reader(self, name: str, dds_name: str, qos: Qos, type_hash: str) -> _DdsInlet:
+    def _reader(self, name: str, kind: type, qos: Qos, type_hash: str) -> _DdsInlet:
         from cyclonedds.sub import DataReader
+        from cyclonedds.topic import Topic
 
-        topic = self._topic(name, dds_name)
+        topic = Topic(self._participant, name, kind)
         with without_structure(topic):
             reader = DataReader(self._participant, topic, qos=_dds_qos(qos, type_hash))
         self._endpoints.append(reader)
@@ -149,7 +151,7 @@ class _DdsOutlet:
         from cyclonedds.core import DDSException
 
         try:
-            self._writer.write(_sample(self._writer.data_type, data))
+            self._writer.write(sample(self._writer.data_type, data))
         except DDSException as error:
             _LOG.debug("message lost: %s", error.msg)
 
@@ -185,23 +187,6 @@ class _DdsService:
 
     def _reply(self, caller: bytes, data: bytes) -> None:
         self._replies.send(data[:_HEADER_BYTES] + caller + data[_HEADER_BYTES:])
-
-
-def _raw_type(dds_name: str) -> type:
-    """A type of this name whose samples are bytes of CDR, and pass as they are."""
-    from cyclonedds.idl import make_idl_struct
-
-    made: Any = make_idl_struct("Raw", dds_name.replace("::", "."), {"cdr": str})
-    made.serialize = lambda each, **_: each.cdr
-    made.deserialize = classmethod(_sample)
-    return made
-
-
-def _sample(kind: type, data: bytes) -> Any:
-    """A sample of a raw type by its bytes."""
-    made: Any = object.__new__(kind)
-    made.cdr = bytes(data)
-    return made
 
 
 def _dds_qos(qos: Qos, type_hash: str) -> Any:

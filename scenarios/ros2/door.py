@@ -64,7 +64,7 @@ class Ros2Door:
         """
         try:
             ros = RosMessages()
-            self._transport = _open(transport, domain, address, instance)
+            self._transport = _open(transport, domain, address, instance, ros)
         except (RosMissingError, TransportError) as error:
             raise TestbenchError(f"ros2 {error}") from None
         self.observers: list[Observer] = []
@@ -120,7 +120,9 @@ def _scan_listener(topics: Topics) -> Callable[[LidarScan], None]:
     return on_scan
 
 
-def _open(name: TransportName, domain: int, address: str, instance: int) -> Transport:
+def _open(
+    name: TransportName, domain: int, address: str, instance: int, ros: RosMessages
+) -> Transport:
     """Open a transport; only its own library is loaded."""
     if name == "zenoh":
         from scenarios.ros2.zenoh_transport import ZenohTransport
@@ -128,4 +130,4 @@ def _open(name: TransportName, domain: int, address: str, instance: int) -> Tran
         return ZenohTransport(domain, address, instance)
     from scenarios.ros2.dds import DdsTransport
 
-    return DdsTransport(domain, address)
+    return DdsTransport(domain, address, ros.store.fielddefs)
