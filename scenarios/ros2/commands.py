@@ -22,11 +22,11 @@ _STREAM_GAP_US = 500_000
 """A stream of setpoints that pauses for longer has ended: as long as PX4 asks 2 Hz of one."""
 _RETRY_US = 200_000
 # Of std_srvs/srv/SetBool and Trigger; tests compute them with another library.
-_SET_BOOL = Kind(
+SET_BOOL = Kind(
     name="std_srvs/srv/SetBool",
     type_hash="RIHS01_abe9e4bb6b41b40e6789712c00ec8871923e089af3f667a79992a428cff2da0a",
 )
-_TRIGGER = Kind(
+TRIGGER = Kind(
     name="std_srvs/srv/Trigger",
     type_hash="RIHS01_eeff2cd6fa5ad9d27cdf4dec64818317839b62f212a91e6b5304b634b2062c5f",
 )
@@ -62,13 +62,13 @@ class Commands:
         ]
         self._services: list[tuple[Service, str, str, Callable[[Any], Command]]] = [
             (
-                transport.service(topics.name("arm"), _SET_BOOL),
+                transport.service(topics.name("arm"), SET_BOOL),
                 "SetBool",
                 "arm",
                 lambda m: self._arm(is_armed=m.data),
             ),
             (
-                transport.service(topics.name("land"), _TRIGGER),
+                transport.service(topics.name("land"), TRIGGER),
                 "Trigger",
                 "land",
                 lambda _: self._land(),

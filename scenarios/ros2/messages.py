@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping
 from typing import Any
 
@@ -139,6 +140,7 @@ class RosMessages:
         return self.new("tf2_msgs/TFMessage", transforms=stamped)
 
 
+@functools.cache
 def _full(kind: str) -> str:
     """`sensor_msgs/Imu` as ROS 2 writes it in full: `sensor_msgs/msg/Imu`."""
     package, *folder, name = kind.split("/")
