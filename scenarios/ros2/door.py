@@ -63,11 +63,19 @@ class Ros2Door:
             TestbenchError: If a library is missing, or the transport cannot be opened.
         """
         try:
-            ros = RosMessages()
+            ros = RosMessages("ros2")
             self._transport = _open(transport, domain, address, instance, ros)
         except (RosMissingError, TransportError) as error:
             raise TestbenchError(f"ros2 {error}") from None
         self.observers: list[Observer] = []
+        try:
+            self._announce(guests, ros, camera_hz)
+        except BaseException:
+            self.close()
+            raise
+
+    def _announce(self, guests: Sequence[Guest], ros: RosMessages, camera_hz: float) -> None:
+        """Offer every topic and service, and publish what is fixed."""
         parts: list[tuple[Topics, Guest]] = []
         for guest in guests:
             number = guest.vehicle.plant.world.number

@@ -58,8 +58,11 @@ class RosMessages:
         store: Type store of rosbags, which serializes them.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, extra: str = "ros") -> None:
         """Load the definitions of the messages.
+
+        Args:
+            extra: Extra of ours that brings the library.
 
         Raises:
             RosMissingError: If the library is not installed.
@@ -68,7 +71,7 @@ class RosMessages:
             from rosbags.typesys import Stores, get_types_from_msg, get_typestore
         except ImportError:
             raise RosMissingError(
-                "needs rosbags, which is not installed; valid: pip install 'aeroscene[ros]'"
+                f"needs rosbags, which is not installed; valid: pip install 'aeroscene[{extra}]'"
             ) from None
         self.store = get_typestore(Stores.ROS2_HUMBLE)
         for name, definition in _DEFINITIONS.items():

@@ -19,7 +19,16 @@ from scenarios.ros2.transport import LATCHED, SENSOR, STATE, TRANSFORM
 PERIOD_US = 10_000
 """Simulated time between two samples of poses and of the clock: 100 Hz."""
 BATTERY_PERIOD_US = 100_000
-_FIELDS = ("position_{}_enu_m", "quat_{}_wxyz", "velocity_{}_enu_mps", "angular_rate_{}_flu_radps")
+_FIELDS = {
+    whose: tuple(
+        name.format(whose)
+        for name in (
+            *("position_{}_enu_m", "quat_{}_wxyz"),
+            *("velocity_{}_enu_mps", "angular_rate_{}_flu_radps"),
+        )
+    )
+    for whose in ("true", "est")
+}
 """Fields of a row of the log that make an odometry, of the truth and of the estimate."""
 
 
@@ -75,7 +84,7 @@ class StateTopics:
             self._clock.offer(lambda: ros.new("rosgraph_msgs/Clock", clock=ros.time(time_us)))
         placed: list[tuple[Any, str, Any, Any]] = []
         for whose, publisher in self._odometry.items():
-            position, wxyz, velocity, rate = (row[f.format(whose)].tolist() for f in _FIELDS)
+            position, wxyz, velocity, rate = (row[field].tolist() for field in _FIELDS[whose])
             if not any(wxyz):
                 continue  # The estimator is not aligned yet.
             world, base = self._frames[whose]
