@@ -85,7 +85,7 @@ class StateTopics:
         placed: list[tuple[Any, str, Any, Any]] = []
         for whose, publisher in self._odometry.items():
             position, wxyz, velocity, rate = (row[field].tolist() for field in _FIELDS[whose])
-            if not any(wxyz):
+            if whose == "est" and not any(position):
                 continue  # The estimator is not aligned yet.
             world, base = self._frames[whose]
             header = ros.header(time_us, world)
