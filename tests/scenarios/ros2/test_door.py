@@ -11,12 +11,12 @@ from scenarios.ros2.loopback import open_sockets
 from scenarios.ros2.topics import Topics
 from scenarios.run.cfg import SitlCfg
 from scenarios.run.sitl import Sitl
-
-INSTANCE, DOMAIN = 77, 177
+from tests.instances import own_instance
+from tests.scenarios.ros2.places import NEEDS_DDS, TRANSPORTS, domain
 
 
 def configured(**rest):
-    bench = TestbenchCfg(speed="max", instance=INSTANCE, seed=3)
+    bench = TestbenchCfg(speed="max", instance=own_instance(), seed=3)
     return SitlCfg(scene="field", bench=bench, headless_seconds=1.5, **rest)
 
 
@@ -32,20 +32,20 @@ def test_a_run_without_it_loads_no_library_of_it():
     assert done.stdout == "set()\n"
 
 
-@pytest.mark.parametrize("transport", ["dds", "zenoh"])
+@pytest.mark.parametrize("transport", TRANSPORTS)
 def test_a_flight_is_the_same_with_it_and_without_and_no_camera_opens_unheard(transport):
     with Sitl(configured()) as sitl:
         alone = sitl.run().state_hash
-    with Sitl(configured(ros2=True, ros2_transport=transport, ros2_domain=DOMAIN)) as sitl:
+    with Sitl(configured(ros2=True, ros2_transport=transport, ros2_domain=domain())) as sitl:
         assert sitl.run().state_hash == alone
         assert sitl.flights[0]._cameras is None
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="asks Linux for the interface of a socket")
-@pytest.mark.parametrize("transport", ["dds", "zenoh"])
+@pytest.mark.parametrize("transport", TRANSPORTS)
 def test_nothing_listens_beyond_loopback(transport):
     before = open_sockets()
-    with Sitl(configured(ros2=True, ros2_transport=transport, ros2_domain=DOMAIN)):
+    with Sitl(configured(ros2=True, ros2_transport=transport, ros2_domain=domain())):
         opened = open_sockets() - before
         for descriptor in opened:
             each = socket.socket(fileno=descriptor)
@@ -57,6 +57,7 @@ def test_nothing_listens_beyond_loopback(transport):
     assert opened
 
 
+@NEEDS_DDS
 def test_several_vehicles_have_namespaces_and_one_clock(monkeypatch):
     named, publisher = [], Topics.publisher
 
@@ -65,7 +66,7 @@ def test_several_vehicles_have_namespaces_and_one_clock(monkeypatch):
         return publisher(topics, topic, *rest)
 
     monkeypatch.setattr(Topics, "publisher", noted)
-    with Sitl(configured(vehicles="2", ros2=True, ros2_domain=DOMAIN)) as sitl:
+    with Sitl(configured(vehicles="2", ros2=True, ros2_domain=domain())) as sitl:
         sitl.run()
     assert named.count("/clock") == 1
     assert {"/imu", "/vehicle_2/imu", "/vehicle_2/camera_down/rgb/image_raw"} <= set(named)
@@ -97,4 +98,21 @@ def test_what_is_wrong_is_named(monkeypatch):
 def test_a_missing_library_is_named(monkeypatch, library, transport, words):
     monkeypatch.setitem(sys.modules, library, None)
     with pytest.raises(TestbenchError, match=words):
-        Sitl(configured(ros2=True, ros2_transport=transport, ros2_domain=DOMAIN))
+        Sitl(configured(ros2=True, ros2_transport=transport, ros2_domain=domain()))
+
+
+@NEEDS_DDS
+def test_endpoints_announce_the_name_and_the_hash_of_their_type_and_not_its_structure():
+    from cyclonedds.builtin import BuiltinDataReader, BuiltinTopicDcpsPublication
+    from cyclonedds.core import Policy
+    from cyclonedds.domain import DomainParticipant
+
+    with Sitl(configured(ros2=True, ros2_domain=domain())):
+        reader = BuiltinDataReader(DomainParticipant(domain()), BuiltinTopicDcpsPublication)
+        found = {each.topic_name: each for each in reader.take(100)}
+    imu = found["rt/imu"]
+    assert (imu.type_name, imu.type_id) == ("sensor_msgs::msg::dds_::Imu_", None)
+    assert imu.qos[Policy.Userdata].data.startswith(b"typehash=RIHS01_7d9a00ff")
+    assert imu.qos[Policy.Reliability] == Policy.Reliability.BestEffort
+    assert found["rt/tf_static"].qos[Policy.Durability] == Policy.Durability.TransientLocal
+    assert isinstance(found["rt/tf_static"].qos[Policy.Reliability], Policy.Reliability.Reliable)

@@ -16,9 +16,10 @@ from scenarios.run.cfg import SitlCfg
 from scenarios.run.sitl import Sitl
 from scenarios.trial_data.reading import read_trial
 from scenarios.trial_data.rosbag import write_bag
+from tests.instances import own_instance
 from tests.scenarios.ros2.kinds import TOPICS
+from tests.scenarios.ros2.places import NEEDS_DDS, TRANSPORTS, domain, router_port
 
-DOMAIN, INSTANCE = 173, 73
 COMPARED = (
     *("/odometry/true", "/odometry/estimate", "/imu", "/battery", "/lidar/points"),
     *(
@@ -32,8 +33,8 @@ COMPARED = (
 @contextmanager
 def listening(transport, out, *rest):
     """A listener that has found the run, and its output once the run has ended."""
-    command = [sys.executable, "-m", "tests.scenarios.ros2.listener", transport, str(DOMAIN)]
-    command += [str(7447 + INSTANCE), str(out), *rest]
+    command = [sys.executable, "-m", "tests.scenarios.ros2.listener", transport, str(domain())]
+    command += [str(router_port()), str(out), *rest]
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as process:
         try:
             assert process.stdout.readline() == b"ready\n"
@@ -49,14 +50,14 @@ def configured(folder, transport, speed, **rest):
     shots = "".join(f"{k},-{10 + k % 60}\n" for k in range(90))
     lidar.write_text("azimuth_deg,elevation_deg\n" + shots)
     bench = TestbenchCfg(
-        speed=speed, instance=INSTANCE, lidar=str(lidar), camera_size="64x48", seed=3
+        speed=speed, instance=own_instance(), lidar=str(lidar), camera_size="64x48", seed=3
     )
     return SitlCfg(
         scene="field",
         bench=bench,
         ros2=True,
         ros2_transport=transport,
-        ros2_domain=DOMAIN,
+        ros2_domain=domain(),
         **rest,
     )
 
@@ -65,7 +66,7 @@ def ns(stamp):
     return 1_000_000_000 * stamp["sec"] + stamp["nanosec"]
 
 
-@pytest.mark.parametrize("transport", ["dds", "zenoh"])
+@pytest.mark.parametrize("transport", TRANSPORTS)
 def test_a_node_flies_by_velocities_and_hears_all_that_is_recorded(tmp_path, transport):
     record, out = tmp_path / "flight.rrd", tmp_path / "heard"
     cfg = configured(tmp_path, transport, 2.0, record=record, headless_seconds=40.0)
@@ -96,7 +97,11 @@ def test_a_node_flies_by_velocities_and_hears_all_that_is_recorded(tmp_path, tra
 
 
 @pytest.mark.parametrize(
-    ("transport", "speed"), [("dds", 0.5), ("dds", 4.0), ("dds", "max"), ("zenoh", "max")]
+    ("transport", "speed"),
+    [
+        *(pytest.param("dds", speed, marks=NEEDS_DDS) for speed in (0.5, 4.0, "max")),
+        ("zenoh", "max"),
+    ],
 )
 def test_the_clock_only_goes_forward_at_every_speed(tmp_path, transport, speed):
     out, until_s = tmp_path / "heard", 2.0 if speed == 0.5 else 8.0

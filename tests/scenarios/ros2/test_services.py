@@ -12,16 +12,17 @@ from scenarios.ros2.topics import Topics
 from scenarios.ros2.transport import STATE
 from scenarios.run.cfg import SitlCfg
 from scenarios.run.sitl import Sitl
+from tests.instances import own_instance
 from tests.scenarios.ros2.kinds import kind_named
+from tests.scenarios.ros2.places import NEEDS_DDS, TRANSPORTS, domain, router_port
 
-DOMAIN, INSTANCE = 175, 75
 HEADER, CALLER = b"\0\1\0\0", struct.pack("<Qq", 0x1122334455667788, 42)
 
 
 def configured(transport):
-    bench = TestbenchCfg(speed="max", instance=INSTANCE, seed=3)
+    bench = TestbenchCfg(speed="max", instance=own_instance(), seed=3)
     return SitlCfg(
-        scene="field", bench=bench, ros2=True, ros2_transport=transport, ros2_domain=DOMAIN
+        scene="field", bench=bench, ros2=True, ros2_transport=transport, ros2_domain=domain()
     )
 
 
@@ -45,7 +46,7 @@ def dds_client(service, kind):
     from cyclonedds.sub import DataReader
     from cyclonedds.topic import Topic
 
-    participant = DomainParticipant(DOMAIN)
+    participant = DomainParticipant(domain())
     qos = Qos(Policy.Reliability.Reliable(0), Policy.History.KeepLast(10))
     caller = {"client": types.uint64, "number": types.int64}
     package, _, name = kind.get_type_name().split("/")
@@ -72,11 +73,11 @@ def zenoh_client(service, kind):
     import zenoh
 
     config = zenoh.Config()
-    config.insert_json5("connect/endpoints", f'["tcp/127.0.0.1:{7447 + INSTANCE}"]')
+    config.insert_json5("connect/endpoints", f'["tcp/127.0.0.1:{router_port()}"]')
     config.insert_json5("scouting/multicast/enabled", "false")
     session = zenoh.open(config)
     package, _, name = kind.get_type_name().split("/")
-    key = f"{DOMAIN}{service}/{package}::srv::dds_::{name}_/{kind.hash_rihs01()}"
+    key = f"{domain()}{service}/{package}::srv::dds_::{name}_/{kind.hash_rihs01()}"
 
     def call(sitl, *values):
         sent = struct.pack("<qqB16s", 42, 1, 16, b"client")
@@ -90,7 +91,7 @@ def zenoh_client(service, kind):
     return call
 
 
-@pytest.mark.parametrize("transport", ["dds", "zenoh"])
+@pytest.mark.parametrize("transport", TRANSPORTS)
 def test_arm_and_land_are_services_that_say_how_it_went(transport):
     client = dds_client if transport == "dds" else zenoh_client
     nothing = (0,) if transport == "dds" else ()
@@ -105,6 +106,7 @@ def test_arm_and_land_are_services_that_say_how_it_went(transport):
         assert sitl.bench.autopilot.mode.value == "Land"
 
 
+@NEEDS_DDS
 def test_rubbish_and_partners_that_go_change_nothing_of_a_flight(caplog):
     from cyclonedds.domain import DomainParticipant
 
@@ -123,7 +125,7 @@ def test_rubbish_and_partners_that_go_change_nothing_of_a_flight(caplog):
     def rubbish(_, second):
         stranger = DdsTransport.__new__(DdsTransport)
         stranger.__dict__.update(
-            _participant=DomainParticipant(DOMAIN), _endpoints=[], _types=types_of(ros)
+            _participant=DomainParticipant(domain()), _endpoints=[], _types=types_of(ros)
         )
         topics = Topics(stranger, ros)
         for topic, kind in (
@@ -177,7 +179,7 @@ def zenoh_publishers():
     import zenoh
 
     config = zenoh.Config()
-    config.insert_json5("connect/endpoints", f'["tcp/127.0.0.1:{7447 + INSTANCE}"]')
+    config.insert_json5("connect/endpoints", f'["tcp/127.0.0.1:{router_port()}"]')
     config.insert_json5("scouting/multicast/enabled", "false")
     session = zenoh.open(config)
 
@@ -186,7 +188,7 @@ def zenoh_publishers():
             "geometry_msgs/msg/TwistStamped" if message is None else message.get_type_name()
         )
         package, folder, last = kind.get_type_name().split("/")
-        key = f"{DOMAIN}{topic}/{package}::{folder}::dds_::{last}_/{kind.hash_rihs01()}"
+        key = f"{domain()}{topic}/{package}::{folder}::dds_::{last}_/{kind.hash_rihs01()}"
         session.put(key, b"rubbish" if message is None else message.serialize())
 
     return publish
