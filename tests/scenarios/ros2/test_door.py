@@ -108,7 +108,8 @@ def test_endpoints_announce_the_name_and_the_hash_of_their_type_and_not_its_stru
     from cyclonedds.domain import DomainParticipant
 
     with Sitl(configured(ros2=True, ros2_domain=domain())):
-        reader = BuiltinDataReader(DomainParticipant(domain()), BuiltinTopicDcpsPublication)
+        participant = DomainParticipant(domain())
+        reader = BuiltinDataReader(participant, BuiltinTopicDcpsPublication)
         found = {each.topic_name: each for each in reader.take(100)}
     imu = found["rt/imu"]
     assert (imu.type_name, imu.type_id) == ("sensor_msgs::msg::dds_::Imu_", None)
