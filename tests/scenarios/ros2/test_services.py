@@ -1,11 +1,13 @@
 """Arm and land as services; and partners that send rubbish, or go."""
 
+import math
 import struct
 import time
 
 import pytest
 from ros2_pyterfaces.cyclone.std_srvs.srv import SetBool, Trigger
 
+from autonomy.types import yaw_of
 from flightsim.testbench import TestbenchCfg
 from scenarios.ros2.messages import RosMessages
 from scenarios.ros2.topics import Topics
@@ -16,7 +18,42 @@ from tests.instances import own_instance
 from tests.scenarios.ros2.kinds import kind_named
 from tests.scenarios.ros2.places import NEEDS_DDS, TRANSPORTS, domain, router_port
 
-HEADER, CALLER = b"\0\1\0\0", struct.pack("<Qq", 0x1122334455667788, 42)
+_HALF = math.sqrt(0.5)
+GOAL = {
+    "__typename": "trajectory_msgs/msg/MultiDOFJointTrajectory",
+    "header": {
+        "__typename": "std_msgs/msg/Header",
+        "stamp": {"__typename": "builtin_interfaces/msg/Time", "sec": 0, "nanosec": 0},
+        "frame_id": "map",
+    },
+    "joint_names": ["base_link"],
+    "points": [
+        {
+            "__typename": "trajectory_msgs/msg/MultiDOFJointTrajectoryPoint",
+            "transforms": [
+                {
+                    "__typename": "geometry_msgs/msg/Transform",
+                    "translation": {
+                        "__typename": "geometry_msgs/msg/Vector3",
+                        **{"x": 2.0, "y": -1.0, "z": 3.0},
+                    },
+                    "rotation": {
+                        "__typename": "geometry_msgs/msg/Quaternion",
+                        **{"x": 0.0, "y": 0.0, "z": _HALF, "w": _HALF},
+                    },
+                }
+            ],
+            "velocities": [],
+            "accelerations": [],
+            "time_from_start": {
+                "__typename": "builtin_interfaces/msg/Duration",
+                "sec": 0,
+                "nanosec": 0,
+            },
+        }
+    ],
+}
+"""East, south and above of the start, with the nose to the north."""
 
 
 def configured(transport):
@@ -149,6 +186,23 @@ def types_of(ros):
     from scenarios.ros2.idl import IdlTypes
 
     return IdlTypes(ros.store.fielddefs)
+
+
+def test_a_trajectory_is_followed_by_its_first_point():
+    arm = kind_named("std_msgs/msg/Bool")(data=True)
+    goal = kind_named("trajectory_msgs/msg/MultiDOFJointTrajectory").from_core_message(GOAL)
+    with Sitl(configured("zenoh")) as sitl:
+        publish = zenoh_publishers()
+        sitl.bench.run(2.0)
+        for k in range(200):
+            publish("/command/trajectory", goal)
+            if k < 10:
+                publish("/command/arm", arm)
+            time.sleep(0.005)
+            sitl.bench.run(0.06)
+        truth = sitl.bench.plant.truth
+    assert truth.position_enu_m == pytest.approx((2.0, -1.0, 3.0), abs=0.3)
+    assert yaw_of(truth.quat_wxyz) == pytest.approx(math.pi / 2, abs=0.1)
 
 
 def test_values_that_are_no_command_are_named_once_and_dropped(caplog):
