@@ -35,11 +35,16 @@ GOAL = {
                     "__typename": "geometry_msgs/msg/Transform",
                     "translation": {
                         "__typename": "geometry_msgs/msg/Vector3",
-                        **{"x": 2.0, "y": -1.0, "z": 3.0},
+                        "x": 2.0,
+                        "y": -1.0,
+                        "z": 3.0,
                     },
                     "rotation": {
                         "__typename": "geometry_msgs/msg/Quaternion",
-                        **{"x": 0.0, "y": 0.0, "z": _HALF, "w": _HALF},
+                        "x": 0.0,
+                        "y": 0.0,
+                        "z": _HALF,
+                        "w": _HALF,
                     },
                 }
             ],
