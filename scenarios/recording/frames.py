@@ -10,6 +10,7 @@ import rerun as rr
 from jaxtyping import Float, Integer
 
 from aeroscene.scene import Scene
+from flightsim.stored_depth import DEPTH_UNITS_PER_M, MOST_DEPTH_M, depth_to_uint16
 from scenarios.recording import layout
 from scenarios.recording.entity_stream import EntityStream
 
@@ -17,10 +18,7 @@ if TYPE_CHECKING:
     from flightsim.cameras import RgbdFrame
 
 JPEG_QUALITY = 85
-DEPTH_UNITS_PER_M = 1000.0
-"""Depth is stored in whole millimetres, up to 65 m; 0 means nothing seen."""
-_DEPTH_LIMIT = np.iinfo(np.uint16).max
-_SHOWN_DEPTHS_M = (2.0, 5.0, 10.0, 20.0, 40.0, _DEPTH_LIMIT / DEPTH_UNITS_PER_M)
+_SHOWN_DEPTHS_M = (2.0, 5.0, 10.0, 20.0, 40.0, MOST_DEPTH_M)
 """Depths that the last colour may stand for; in steps, so that colours rarely change."""
 _NEARLY_ALL = 0.95
 _FRUSTUM_M = 0.6
@@ -106,13 +104,6 @@ def shown_depth_m(depth_m: Float[np.ndarray, "h w"]) -> float:
     seen_m = depth_m[np.isfinite(depth_m)]
     far_m = float(np.quantile(seen_m, _NEARLY_ALL)) if len(seen_m) else math.inf
     return next((depth for depth in _SHOWN_DEPTHS_M if depth >= far_m), _SHOWN_DEPTHS_M[-1])
-
-
-def depth_to_uint16(depth_m: Float[np.ndarray, "h w"]) -> Integer[np.ndarray, "h w"]:
-    """Depth in whole millimetres; 0 where nothing is seen or it is too far to store."""
-    millimetres = np.nan_to_num(depth_m, nan=0.0, posinf=0.0, neginf=0.0) * DEPTH_UNITS_PER_M
-    is_storable = (millimetres >= 0) & (millimetres <= _DEPTH_LIMIT)
-    return np.where(is_storable, np.rint(millimetres), 0).astype(np.uint16)
 
 
 def _class_names() -> dict[int, str]:

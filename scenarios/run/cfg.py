@@ -16,6 +16,8 @@ from scenarios.run.levels import RecordLevel
 
 MAX_CAMERA_HZ = 50.0
 """Greatest frame rate: one frame for every tick of the loop."""
+MAX_DOMAIN = 232
+"""Greatest number of a DDS domain whose ports exist."""
 _UNSET = tyro.conf.arg(help_behavior_hint="")
 
 
@@ -66,6 +68,14 @@ class SitlCfg:
     video: bool = False
     """Stream what the gimbal's camera sees as H.264 by RTP to UDP port 5600 of this machine, plus
     the instance; needs PyAV (pip install 'aeroscene[video]')."""
+    ros2: bool = False
+    """Publish the run as topics and transforms of ROS 2, and take commands from nodes; needs no
+    ROS here (pip install 'aeroscene[ros2]'), see docs/ros2.md."""
+    ros2_transport: Literal["dds", "zenoh"] = "dds"
+    """What ROS 2's messages go by: dds is for rmw_fastrtps, the default, and rmw_cyclonedds; zenoh
+    for rmw_zenoh."""
+    ros2_domain: Annotated[int | None, Range(0, MAX_DOMAIN), _UNSET] = None
+    """Domain of ROS 2; by default what ROS_DOMAIN_ID says, or 0."""
     viewer: Literal["off", "web", "native"] = "off"
     """Watch live: web serves a page on loopback, native opens the rerun viewer. Either stays after
     the flight, until it is closed or Ctrl-C."""
@@ -91,8 +101,24 @@ class SitlCfg:
             _require_folder("pictures", self.pictures)
         if self.captures is not None:
             _require_folder("captures", self.captures)
+        if self.ros2:
+            _ = self.domain
         if not self.formats:
             raise TestbenchError("format has no value; valid: png, svg, pdf")
+
+    @property
+    def domain(self) -> int:
+        """Domain of ROS 2.
+
+        Raises:
+            TestbenchError: If it is ROS_DOMAIN_ID's, and that is no domain.
+        """
+        if self.ros2_domain is not None:
+            return self.ros2_domain
+        said = os.environ.get("ROS_DOMAIN_ID") or "0"
+        if not said.isdecimal() or int(said) > MAX_DOMAIN:
+            raise TestbenchError(f"ROS_DOMAIN_ID {said!r} is no domain; valid: 0 to {MAX_DOMAIN}")
+        return int(said)
 
     @property
     def airframes(self) -> tuple[Airframe, ...]:

@@ -106,6 +106,10 @@ class Sitl:
                 from scenarios.run.watching import watch
 
                 self.recorder, self.viewer = watch(cfg, self.bench, self.flights, stack)
+            if cfg.ros2:
+                from scenarios.run.ros2 import open_door
+
+                open_door(cfg, self.bench, self.flights, stack)
             opening.pop_all()
 
     def _open_flights(

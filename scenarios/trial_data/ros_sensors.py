@@ -12,13 +12,13 @@ from typing import Any
 import numpy as np
 
 from scenarios.recording.layout import AXES
+from scenarios.ros2.clouds import cloud
+from scenarios.ros2.frames import BASE, MAP
+from scenarios.ros2.messages import RosMessages
+from scenarios.ros2.power import battery
 from scenarios.trial_data.reading import RecordedTrial
-from scenarios.trial_data.ros_messages import RosMessages
 from scenarios.trial_data.tables import QUATERNION
 
-_MAP, _BODY = "map", "base_link"
-_FLOAT32 = 7
-"""Number of the type in sensor_msgs/PointField."""
 _INFRARED, _RANGE_M = 1, (0.0, 100.0)
 _LABELS = {image: f"/labels/{image}" for image in ("classes", "instances")}
 LATCHED = frozenset({"/tf_static", *_LABELS.values()})
@@ -61,30 +61,10 @@ class SensorTopics:
     def _scans(self) -> Iterator[Message]:
         """Points on the vehicle, as the recording has them."""
         points = {each.file: each.data for each in self.trial.scans}
-        fields = [
-            self.ros.new(
-                "sensor_msgs/PointField", name=axis, offset=4 * k, datatype=_FLOAT32, count=1
-            )
-            for k, axis in enumerate("xyz")
-        ]
         for row in self.trial.tables["scans"].to_pylist():
-            cloud = np.load(io.BytesIO(points[row["points_file"]]))
-            yield (
-                row["time_us"],
-                "/lidar/points",
-                self.ros.new(
-                    "sensor_msgs/PointCloud2",
-                    header=self.ros.header(row["time_us"], _BODY),
-                    height=1,
-                    width=len(cloud),
-                    fields=fields,
-                    is_bigendian=False,
-                    point_step=12,
-                    row_step=12 * len(cloud),
-                    data=cloud.astype("<f4").reshape(-1).view(np.uint8),
-                    is_dense=True,
-                ),
-            )
+            scan = np.load(io.BytesIO(points[row["points_file"]]))
+            header = self.ros.header(row["time_us"], BASE)
+            yield row["time_us"], "/lidar/points", cloud(self.ros, header, scan)
 
     def _flow(self) -> Iterator[Message]:
         """Angles in FRD, as MAVLink and mavros have them."""
@@ -94,7 +74,7 @@ class SensorTopics:
                 "/optical_flow",
                 self.ros.new(
                     "mavros_msgs/OpticalFlowRad",
-                    header=self.ros.header(row["time_us"], _BODY),
+                    header=self.ros.header(row["time_us"], BASE),
                     integration_time_us=row["integration_us"],
                     integrated_x=row["flow_forward_rad"],
                     integrated_y=row["flow_right_rad"],
@@ -124,30 +104,18 @@ class SensorTopics:
                     yield time_us, topic, self.ros.new("std_msgs/Float64", data=row[column])
 
     def _battery(self, row: dict[str, Any]) -> Any:
-        unknown = dict.fromkeys(("temperature", "charge", "capacity"), math.nan)
-        nothing = np.zeros(0, dtype=np.float32)
-        return self.ros.new(
-            "sensor_msgs/BatteryState",
-            header=self.ros.header(row["time_us"], _BODY),
-            voltage=row["battery_voltage_v"],
-            current=-row["battery_current_a"],  # negative while it discharges
-            percentage=row["battery_remaining_percent"] / 100.0,
-            **unknown,
-            design_capacity=math.nan,
-            power_supply_status=2,  # discharging
-            power_supply_health=0,
-            power_supply_technology=0,
-            present=True,
-            cell_voltage=nothing,
-            cell_temperature=nothing,
-            location="",
-            serial_number="",
+        return battery(
+            self.ros,
+            self.ros.header(row["time_us"], BASE),
+            row["battery_voltage_v"],
+            row["battery_current_a"],
+            row["battery_remaining_percent"] / 100.0,
         )
 
     def _range(self, row: dict[str, Any]) -> Any:
         return self.ros.new(
             "sensor_msgs/Range",
-            header=self.ros.header(row["time_us"], _BODY),
+            header=self.ros.header(row["time_us"], BASE),
             radiation_type=_INFRARED,
             field_of_view=0.0,
             min_range=_RANGE_M[0],
@@ -162,7 +130,7 @@ class SensorTopics:
                 [row[f"position_{axis}_m"] for axis in AXES],
                 [row[f"attitude_{part}"] for part in QUATERNION],
             )
-            header = self.ros.header(row["time_us"], _MAP)
+            header = self.ros.header(row["time_us"], MAP)
             message = self.ros.new("geometry_msgs/PoseStamped", header=header, pose=pose)
             yield row["time_us"], f"/movers/{row['mover']}", message
 

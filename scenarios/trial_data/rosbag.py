@@ -13,23 +13,21 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float
-from scipy.spatial.transform import Rotation
 
 from scenarios.recording.layout import AXES, BODY_AXES
+from scenarios.ros2.frames import BASE, MAP, ODOM, TRUE_BASE, optical
+from scenarios.ros2.images import camera_info, image
+from scenarios.ros2.messages import RosMessages, RosMissingError
+from scenarios.ros2.motion import imu, odometry
 from scenarios.trial_data.folders import building
-from scenarios.trial_data.reading import RecordedTrial, decoded
-from scenarios.trial_data.ros_messages import RosMessages
+from scenarios.trial_data.reading import RecordedTrial, TrialDataError, decoded
 from scenarios.trial_data.ros_sensors import LATCHED, Message, SensorTopics
 from scenarios.trial_data.tables import QUATERNION, TABLES
 
-_MAP, _BODY = "map", "base_link"
 _ENCODINGS = {"rgb": "rgb8", "depth": "16UC1", "classes": "mono8", "instances": "mono16"}
 """Encoding of each kind of image."""
 BAG_TABLES = frozenset(TABLES)
 """Tables that a bag holds: all of them."""
-_UNKNOWN = -1.0
-"""First element of a covariance of what a message does not hold."""
 
 
 def write_bag(trial: RecordedTrial, out: Path) -> Path:
@@ -40,11 +38,14 @@ def write_bag(trial: RecordedTrial, out: Path) -> Path:
         out: Folder that is made.
 
     Raises:
-        RosMissingError: If the library for bags is not installed.
-        TrialDataError: If the recording holds no states, or something is there already.
+        TrialDataError: If the library for bags is not installed, the recording holds no states, or
+            something is there already.
         OSError: If it cannot be written; nothing is left.
     """
-    ros = RosMessages()
+    try:
+        ros = RosMessages()
+    except RosMissingError as error:
+        raise TrialDataError(f"mcap {error}") from None
     from rosbags.rosbag2 import (  # an extra, which is there now
         CompressionFormat,
         CompressionMode,
@@ -81,8 +82,8 @@ class _Topics:
         """All messages in order of time."""
         streams = (
             self._static_transforms(),
-            self._odometry("true", _BODY),
-            self._odometry("estimate", f"{_BODY}_estimate"),
+            self._odometry("true", MAP, TRUE_BASE),
+            self._odometry("estimate", ODOM, BASE),
             self._imu(),
             self._motors("command"),
             self._motors("speed"),
@@ -93,8 +94,8 @@ class _Topics:
         )
         return heapq.merge(*streams, key=lambda message: message[0])
 
-    def _odometry(self, whose: str, frame: str) -> Iterator[Message]:
-        """Pose in the map and velocity in the body, and the pose as a transform."""
+    def _odometry(self, whose: str, world: str, frame: str) -> Iterator[Message]:
+        """Pose in the world and velocity in the body, and the pose as a transform."""
         trial = self._trial
         position = trial.array("states", f"position_{whose}", "m", AXES)
         wxyz = trial.array("states", f"attitude_{whose}", "", QUATERNION)
@@ -103,54 +104,29 @@ class _Topics:
         is_known = np.isfinite(wxyz).all(axis=1) & np.isfinite(position).all(axis=1)
         for row in np.flatnonzero(is_known).tolist():
             time_us = trial.tables["states"]["time_us"][row].as_py()
-            twist = self._ros.new(
-                "geometry_msgs/Twist",
-                linear=self._ros.vector(_in_body(velocity[row], wxyz[row])),
-                angular=self._ros.vector(rate[row]),
-            )
-            header = self._ros.header(time_us, _MAP)
-            message = self._ros.new(
-                "nav_msgs/Odometry",
-                header=header,
-                child_frame_id=frame,
-                pose=self._ros.new(
-                    "geometry_msgs/PoseWithCovariance",
-                    pose=self._ros.pose(position[row], wxyz[row]),
-                    covariance=np.zeros(36),
-                ),
-                twist=self._ros.new(
-                    "geometry_msgs/TwistWithCovariance", twist=twist, covariance=np.zeros(36)
-                ),
+            header = self._ros.header(time_us, world)
+            message = odometry(
+                self._ros, header, frame, position[row], wxyz[row], velocity[row], rate[row]
             )
             yield time_us, f"/odometry/{whose}", message
             yield time_us, "/tf", self._ros.transforms((header, frame, position[row], wxyz[row]))
 
     def _static_transforms(self) -> Iterator[Message]:
-        header = self._ros.header(0, _BODY)
+        header = self._ros.header(0, BASE)
+        same = (self._ros.header(0, MAP), ODOM, (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0))
         placed = [
-            (header, _optical(name), mount.position_flu_m, mount.quat_flu_from_optical_wxyz)
+            (header, optical(name), mount.position_flu_m, mount.quat_flu_from_optical_wxyz)
             for name, mount in self._trial.mounts.items()
         ]
-        if placed:
-            yield 0, "/tf_static", self._ros.transforms(*placed)
+        yield 0, "/tf_static", self._ros.transforms(same, *placed)
 
     def _imu(self) -> Iterator[Message]:
         trial = self._trial
         time_us = trial.tables["imu"]["time_us"].to_pylist()
         force = trial.array("imu", "acceleration", "mps2", BODY_AXES)
         rate = trial.array("imu", "angular_rate", "radps", BODY_AXES)
-        unknown = np.array([_UNKNOWN, *np.zeros(8)])
         for time, a, w in zip(time_us, force, rate, strict=True):
-            message = self._ros.new(
-                "sensor_msgs/Imu",
-                header=self._ros.header(time, _BODY),
-                orientation=self._ros.quaternion((1.0, 0.0, 0.0, 0.0)),
-                orientation_covariance=unknown,
-                angular_velocity=self._ros.vector(w),
-                angular_velocity_covariance=np.zeros(9),
-                linear_acceleration=self._ros.vector(a),
-                linear_acceleration_covariance=np.zeros(9),
-            )
+            message = imu(self._ros, self._ros.header(time, BASE), a, w)
             yield time, "/imu", message
 
     def _motors(self, prefix: str) -> Iterator[Message]:
@@ -161,7 +137,7 @@ class _Topics:
         for time, speed in zip(time_us, speeds, strict=True):
             message = self._ros.new(
                 "actuator_msgs/Actuators",
-                header=self._ros.header(time, _BODY),
+                header=self._ros.header(time, BASE),
                 position=nothing,
                 velocity=speed,
                 normalized=nothing,
@@ -179,7 +155,7 @@ class _Topics:
             poses = [
                 self._ros.new(
                     "geometry_msgs/PoseStamped",
-                    header=self._ros.header(int(time_us[row]), _MAP),
+                    header=self._ros.header(int(time_us[row]), MAP),
                     pose=self._ros.pose(points[row], (1.0, 0.0, 0.0, 0.0)),
                 )
                 for row in rows
@@ -188,7 +164,7 @@ class _Topics:
             yield (
                 time,
                 "/plan",
-                self._ros.new("nav_msgs/Path", header=self._ros.header(time, _MAP), poses=poses),
+                self._ros.new("nav_msgs/Path", header=self._ros.header(time, MAP), poses=poses),
             )
 
     def _frames(self) -> Iterator[Message]:
@@ -201,50 +177,16 @@ class _Topics:
                     yield from self._image(frame, kind, encoding, decoded(encoded[file], where))
 
     def _image(
-        self, frame: Mapping[str, Any], kind: str, encoding: str, image: np.ndarray
+        self, frame: Mapping[str, Any], kind: str, encoding: str, pixels: np.ndarray
     ) -> Iterator[Message]:
         time_us, camera = frame["time_us"], frame["camera"]
-        header, topic = self._ros.header(time_us, _optical(camera)), f"/camera_{camera}/{kind}"
-        height, width = image.shape[:2]
+        header, topic = self._ros.header(time_us, optical(camera)), f"/camera_{camera}/{kind}"
+        height, width = pixels.shape[:2]
         fx, fy = frame["focal_x_px"], frame["focal_y_px"]
         cx, cy = frame["centre_x_px"], frame["centre_y_px"]
-        size = {"header": header, "height": height, "width": width}
-        yield (
-            time_us,
-            f"{topic}/image_raw",
-            self._ros.new(
-                "sensor_msgs/Image",
-                **size,
-                encoding=encoding,
-                is_bigendian=0,
-                step=image.strides[0],
-                data=image.reshape(-1).view(np.uint8),
-            ),
-        )
-        no_region = self._ros.new(
-            "sensor_msgs/RegionOfInterest",
-            x_offset=0,
-            y_offset=0,
-            height=0,
-            width=0,
-            do_rectify=False,
-        )
-        yield (
-            time_us,
-            f"{topic}/camera_info",
-            self._ros.new(
-                "sensor_msgs/CameraInfo",
-                **size,
-                distortion_model="plumb_bob",
-                d=np.zeros(5),
-                k=np.array([fx, 0.0, cx, 0.0, fy, cy, 0.0, 0.0, 1.0]),
-                r=np.eye(3).ravel(),
-                p=np.array([fx, 0.0, cx, 0.0, 0.0, fy, cy, 0.0, 0.0, 0.0, 1.0, 0.0]),
-                binning_x=0,
-                binning_y=0,
-                roi=no_region,
-            ),
-        )
+        yield time_us, f"{topic}/image_raw", image(self._ros, header, pixels, encoding)
+        info = camera_info(self._ros, header, (width, height), (fx, fy, cx, cy))
+        yield time_us, f"{topic}/camera_info", info
 
     def _events(self) -> Iterator[Message]:
         """Changes and texts, and the verdict at the end."""
@@ -283,14 +225,3 @@ def _qos(topic: str) -> tuple[Any, ...]:
             avoid_ros_namespace_conventions=False,
         ),
     )
-
-
-def _optical(camera: str) -> str:
-    return f"camera_{camera}_optical"
-
-
-def _in_body(
-    vector_enu: Float[np.ndarray, " 3"], quat_wxyz: Float[np.ndarray, " 4"]
-) -> Float[np.ndarray, " 3"]:
-    """A vector of the world in the body's frame."""
-    return Rotation.from_quat(quat_wxyz, scalar_first=True).inv().apply(vector_enu)

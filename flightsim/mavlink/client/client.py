@@ -22,6 +22,15 @@ _ACK_TIMEOUT_US = 500_000
 _PROGRESS_TIMEOUT_US = 5_000_000
 _TRIES = 5
 _AUTOPILOT_COMPONENT = 1
+_VELOCITY_ALONE = (
+    mavlink.POSITION_TARGET_TYPEMASK_X_IGNORE
+    | mavlink.POSITION_TARGET_TYPEMASK_Y_IGNORE
+    | mavlink.POSITION_TARGET_TYPEMASK_Z_IGNORE
+    | mavlink.POSITION_TARGET_TYPEMASK_AX_IGNORE
+    | mavlink.POSITION_TARGET_TYPEMASK_AY_IGNORE
+    | mavlink.POSITION_TARGET_TYPEMASK_AZ_IGNORE
+    | mavlink.POSITION_TARGET_TYPEMASK_YAW_IGNORE
+)
 _UNKNOWN_VARIANCE = 1e6
 _VARIANCES = dict.fromkeys((11, 15, 18, 20), _UNKNOWN_VARIANCE)
 """Variances of height and attitude in the upper triangle of a 6 by 6 covariance."""
@@ -184,6 +193,23 @@ class MavlinkClient:
                 *swap_enu_ned(reference.acceleration_enu_mps2),
                 swap_yaw_enu_ned(reference.yaw_rad),
                 -reference.yaw_rate_radps,
+            )
+        )
+
+    def send_velocity(self, velocity_enu_mps: Vector3, yaw_rate_radps: float) -> None:
+        """Send one offboard setpoint of velocity and yaw rate alone."""
+        self._send(
+            mavlink.MAVLink_set_position_target_local_ned_message(
+                self._time_us // 1000,
+                self.telemetry.system_id,
+                _AUTOPILOT_COMPONENT,
+                mavlink.MAV_FRAME_LOCAL_NED,
+                _VELOCITY_ALONE,
+                *(0.0, 0.0, 0.0),
+                *swap_enu_ned(velocity_enu_mps),
+                *(0.0, 0.0, 0.0),
+                0.0,
+                -yaw_rate_radps,
             )
         )
 

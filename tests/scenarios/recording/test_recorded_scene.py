@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from aeroscene.solids.shapes import MATERIALS
-from scenarios.recording.frames import depth_to_uint16, encode_png
+from flightsim.stored_depth import depth_to_uint16
+from scenarios.recording.frames import encode_png
 from scenarios.recording.legend import AREA_ROWS, FLIGHT_ROWS
 from scenarios.recording.scene import (
     DRONE_CLASS_RGB,

@@ -123,17 +123,16 @@ def xyz(vector):
     return (vector.x, vector.y, vector.z)
 
 
-def test_odometry_is_the_pose_in_the_map_and_the_velocity_in_the_body(flight, aligned, bag):
-    for topic, whose, rows in (
-        ("true", "true", flight.history[4::5]),
-        ("estimate", "est", aligned),
+def test_odometry_is_the_pose_in_the_world_and_the_velocity_in_the_body(flight, aligned, bag):
+    for topic, whose, world, body, rows in (
+        ("true", "true", "map", "base_link_true", flight.history[4::5]),
+        ("estimate", "est", "odom", "base_link", aligned),
     ):
         messages = bag[f"/odometry/{topic}"]
         assert stamps_us(messages) == [time for time, _ in messages] == rows["time_us"].tolist()
         found = [message for _, message in messages]
-        assert {m.header.frame_id for m in found} == {"map"}
-        suffix = "" if whose == "true" else "_estimate"
-        assert {m.child_frame_id for m in found} == {f"base_link{suffix}"}
+        assert {m.header.frame_id for m in found} == {world}
+        assert {m.child_frame_id for m in found} == {body}
         position = [xyz(m.pose.pose.position) for m in found]
         np.testing.assert_allclose(position, rows[f"position_{whose}_enu_m"], atol=1e-6)
         turns = Rotation.from_quat(
@@ -194,7 +193,7 @@ def test_transforms_place_the_cameras(flight, bag):
     mount = next(
         t for t in static.transforms if t.child_frame_id == f"camera_{frame.camera}_optical"
     )
-    body = moving[frame.time_us, "base_link"]
+    body = moving[frame.time_us, "base_link_true"]
     assert (mount.header.frame_id, body.header.frame_id) == ("base_link", "map")
 
     def pose(t):

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping
 from typing import Any
-
-from scenarios.trial_data.reading import TrialDataError
 
 _ACTUATORS = "actuator_msgs/msg/Actuators"
 # https://github.com/rudislabs/actuator_msgs
@@ -33,6 +32,11 @@ uint8 quality
 uint32 time_delta_distance_us
 float32 distance
 """,
+    # https://github.com/ros2/common_interfaces, the two halves of SetBool.srv and Trigger.srv
+    "std_srvs/SetBool_Request": "bool data\n",
+    "std_srvs/SetBool_Response": "bool success\nstring message\n",
+    "std_srvs/Trigger_Request": "",
+    "std_srvs/Trigger_Response": "bool success\nstring message\n",
     # https://github.com/ros-perception/vision_msgs
     "vision_msgs/msg/VisionClass": "uint16 class_id\nstring class_name\n",
     "vision_msgs/msg/LabelInfo": """\
@@ -43,19 +47,22 @@ float32 threshold
 }
 
 
-class RosMissingError(TrialDataError):
-    """The library for bags is not installed."""
+class RosMissingError(RuntimeError):
+    """The library that serializes messages is not installed; the message has no subject."""
 
 
 class RosMessages:
-    """Makes messages of ROS 2, actuator_msgs, mavros_msgs and vision_msgs.
+    """Makes messages of ROS 2, actuator_msgs, mavros_msgs, std_srvs and vision_msgs.
 
     Attributes:
         store: Type store of rosbags, which serializes them.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, extra: str = "ros") -> None:
         """Load the definitions of the messages.
+
+        Args:
+            extra: Extra of ours that brings the library.
 
         Raises:
             RosMissingError: If the library is not installed.
@@ -64,7 +71,7 @@ class RosMessages:
             from rosbags.typesys import Stores, get_types_from_msg, get_typestore
         except ImportError:
             raise RosMissingError(
-                "mcap needs rosbags, which is not installed; valid: pip install 'aeroscene[ros]'"
+                f"needs rosbags, which is not installed; valid: pip install 'aeroscene[{extra}]'"
             ) from None
         self.store = get_typestore(Stores.ROS2_HUMBLE)
         for name, definition in _DEFINITIONS.items():
@@ -73,17 +80,32 @@ class RosMessages:
 
     def new(self, kind: str, **fields: Any) -> Any:
         """A message by its fields; the kind is such as `sensor_msgs/Imu`."""
-        package, _, name = kind.partition("/")
-        return self._types[f"{package}/msg/{name}"](**fields)
+        return self._types[_full(kind)](**fields)
+
+    def type_hash(self, kind: str) -> str:
+        """Hash of a type after REP 2011, such as `RIHS01_7d9a00ff...`."""
+        return self.store.hash_rihs01(_full(kind))
+
+    def time(self, time_us: int) -> Any:
+        """A simulated time."""
+        sec, rest_us = divmod(time_us, 1_000_000)
+        return self.new("builtin_interfaces/Time", sec=sec, nanosec=1000 * rest_us)
 
     def header(self, time_us: int, frame: str) -> Any:
         """Header with the simulated time."""
-        stamp = self.new(
-            "builtin_interfaces/Time",
-            sec=time_us // 1_000_000,
-            nanosec=1000 * (time_us % 1_000_000),
-        )
-        return self.new("std_msgs/Header", stamp=stamp, frame_id=frame)
+        return self.new("std_msgs/Header", stamp=self.time(time_us), frame_id=frame)
+
+    def encode(self, message: Any) -> bytes:
+        """A message as CDR, little-endian, with the header of its encoding."""
+        return bytes(self.store.serialize_cdr(message, message.__msgtype__))
+
+    def decode(self, data: bytes, kind: str) -> Any:
+        """A message of CDR; the kind is such as `sensor_msgs/Imu`.
+
+        Raises:
+            Exception: Of any kind, if the bytes are no such message.
+        """
+        return self.store.deserialize_cdr(data, _full(kind))
 
     def vector(self, xyz: Any, kind: str = "Vector3") -> Any:
         """Three numbers of a kind of geometry_msgs."""
@@ -119,3 +141,10 @@ class RosMessages:
             for header, child, at, turn in placed
         ]
         return self.new("tf2_msgs/TFMessage", transforms=stamped)
+
+
+@functools.cache
+def _full(kind: str) -> str:
+    """`sensor_msgs/Imu` as ROS 2 writes it in full: `sensor_msgs/msg/Imu`."""
+    package, *folder, name = kind.split("/")
+    return f"{package}/{folder[0] if folder else 'msg'}/{name}"

@@ -1,0 +1,88 @@
+"""Topics of a vehicle's cameras, which look only while somebody subscribes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from flightsim.cameras import RgbdFrame
+from flightsim.plant import Plant
+from flightsim.simulator import TICK_US
+from flightsim.stored_depth import depth_to_uint16
+from scenarios.ros2.frames import optical
+from scenarios.ros2.images import camera_info, depth_cloud, image
+from scenarios.ros2.topics import Topics
+from scenarios.ros2.transport import SENSOR
+
+_IMAGE, _INFO = "sensor_msgs/Image", "sensor_msgs/CameraInfo"
+_KINDS = {"rgb": "rgb8", "depth": "16UC1", "classes": "mono8", "instances": "mono16"}
+"""Encoding of each kind of image."""
+
+
+class CameraTopics:
+    """Publishes what one camera sees."""
+
+    def __init__(
+        self,
+        topics: Topics,
+        plant: Plant,
+        camera: str,
+        render: Callable[[str], RgbdFrame],
+        *,
+        rate_hz: float,
+        has_segments: bool,
+    ) -> None:
+        """Offer the topics of a camera.
+
+        Args:
+            topics: Topics of the vehicle.
+            plant: The vehicle.
+            camera: Name of the camera.
+            render: Renders the present frame of a camera.
+            rate_hz: Frames in a simulated second.
+            has_segments: Whether frames have objects and classes.
+        """
+        self._ros, self._plant, self._camera, self._render = topics.ros, plant, camera, render
+        self._period_us = round(1e6 / rate_hz)
+        self._frame = optical(camera, topics.prefix)
+        kinds = ("rgb", "depth", "classes", "instances") if has_segments else ("rgb", "depth")
+        stem = f"camera_{camera}"
+        self._images = {
+            kind: topics.publisher(f"{stem}/{kind}/image_raw", _IMAGE, SENSOR) for kind in kinds
+        }
+        self._infos = [
+            topics.publisher(f"{stem}/{kind}/camera_info", _INFO, SENSOR) for kind in kinds
+        ]
+        self._points = topics.publisher(f"{stem}/depth/points", "sensor_msgs/PointCloud2", SENSOR)
+
+    def on_tick(self) -> None:
+        """Look if a frame is due and anybody wants it, at the times at which recordings look."""
+        if self._plant.time_us % self._period_us >= TICK_US:
+            return
+        if any(each.is_heard for each in (*self._images.values(), *self._infos, self._points)):
+            self._send(self._render(self._camera))
+
+    def _send(self, frame: RgbdFrame) -> None:
+        ros = self._ros
+        header = ros.header(frame.time_us, self._frame)
+        lens = (float(frame.fx), float(frame.fy), float(frame.cx), float(frame.cy))
+        height, width = frame.depth_m.shape
+        for kind, publisher in self._images.items():
+            if publisher.is_heard:
+                publisher.send(image(ros, header, _pixels(frame, kind), _KINDS[kind]))
+        for publisher in self._infos:
+            publisher.offer(lambda: camera_info(ros, header, (width, height), lens))
+        self._points.offer(lambda: depth_cloud(ros, header, frame.depth_m, lens))
+
+
+def _pixels(frame: RgbdFrame, kind: str) -> np.ndarray:
+    """Pixels of a kind of image, in the numbers that recordings have."""
+    if kind == "rgb":
+        return frame.rgb
+    if kind == "depth":
+        return depth_to_uint16(frame.depth_m)
+    assert frame.class_ids is not None
+    assert frame.instance_ids is not None
+    # Ids below zero take the numbers from the top down.
+    return frame.class_ids if kind == "classes" else frame.instance_ids.astype(np.uint16)
