@@ -167,5 +167,5 @@ def test_help_lines_break_where_the_terminal_ends_not_where_the_source_does(caps
     with pytest.raises(SystemExit):
         main(["--help"])
     text = capsys.readouterr().out
-    assert "or one of a file of layouts (.jsonl, .jsonl.gz) as FILE#ID" in text
+    assert "one of a file of layouts (FILE.jsonl#ID or #N), or a place" in text
     assert "(visual-inertial odometry), mocap (motion capture), or auto" in text  # of a nested one
