@@ -51,7 +51,7 @@ def main() -> int:
 
 
 def _parsed() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser = argparse.ArgumentParser(description="Train the paper's presets")
     parser.add_argument("--minutes", type=float, default=10.0, help="minutes of all (default: 10)")
     parser.add_argument("--steps", type=int, help="steps of each at most (default: no limit)")
     parser.add_argument(

@@ -123,8 +123,10 @@ def summarise_trials(table: pa.Table) -> dict[str, Any]:
 
 def _group(judged: pa.Table, groups: pa.Array) -> dict[str, Any]:
     """Rate of each group, in the order of their names."""
-    names = sorted(groups.unique().to_pylist(), key=natural)
-    return {name: _rate(judged.filter(pc.equal(groups, pa.scalar(name)))) for name in names}
+    coded = groups.dictionary_encode()
+    codes, names = coded.indices.to_numpy(), coded.dictionary.to_pylist()
+    found = {name: _rate(judged.filter(pa.array(codes == i))) for i, name in enumerate(names)}
+    return {name: found[name] for name in sorted(found, key=natural)}
 
 
 def _rate(judged: pa.Table) -> dict[str, Any]:
