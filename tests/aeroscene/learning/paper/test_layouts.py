@@ -1,4 +1,4 @@
-"""Scenes as the paper's lists: their order, their regions, their symmetries."""
+"""Scenes as the paper's lists, on flat ground: their order, regions and symmetries."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from aeroscene.landform import level
 from aeroscene.learning.paper.channels import frames_of, measure, measured_channels
 from aeroscene.learning.paper.layouts import (
     IS_TWO_SIDED,
@@ -23,6 +24,16 @@ from aeroscene.learning.paper.layouts import (
 from aeroscene.learning.wishes import Wish
 from aeroscene.scene import OrientedBox, Scene
 from aeroscene.scene.catalogue import CATALOGUE
+
+
+@pytest.fixture(name="scenes")
+def flat_scenes(scenes: list[Scene]) -> list[Scene]:
+    return [level(scene) for scene in scenes]
+
+
+@pytest.fixture(name="scene_42")
+def flat_scene(scene_42: Scene) -> Scene:
+    return level(scene_42)
 
 
 def by_number(name: str) -> int:
