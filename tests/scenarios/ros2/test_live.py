@@ -30,6 +30,10 @@ COMPARED = (
 """Topics whose messages have a header and are in a bag as they are."""
 
 
+_PATIENCE_S = 300.0
+"""Wall time in which the listener decodes what it has heard, on a busy machine too."""
+
+
 @contextmanager
 def listening(transport, out, *rest):
     """A listener that has found the run, and its output once the run has ended."""
@@ -40,7 +44,7 @@ def listening(transport, out, *rest):
             assert process.stdout.readline() == b"ready\n"
             yield process
             process.stdin.close()
-            assert process.wait(60) == 0
+            assert process.wait(_PATIENCE_S) == 0
         finally:
             process.kill()
 
