@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from autonomy.model.quadrotor import MAX_ROTORS
 from flightsim.plant.timed_failures import TimedFailureError, parse_failures
 from flightsim.testbench import TestbenchError
 
 _NONE = "none"
 _MOTOR = "motor"
-_FEWEST_ROTORS = 3
 
 
 def require_failures(word: str) -> None:
@@ -24,7 +24,7 @@ def require_failures(word: str) -> None:
         TestbenchError: If it is none; one line says what would be valid.
     """
     try:
-        parse_failures(_drawn(word, np.random.default_rng(0), _FEWEST_ROTORS), _FEWEST_ROTORS)
+        parse_failures(_drawn(word, np.random.default_rng(0), MAX_ROTORS), MAX_ROTORS)
     except (TimedFailureError, ValueError) as error:
         raise TestbenchError(
             f"failures {word!r} is not valid ({error}); valid: none, or PART=KIND@FROM:TO in "

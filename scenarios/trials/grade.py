@@ -46,11 +46,13 @@ def progress(
     """Share of the distance to the area that the nearest point of a flight has made up, 0 to 1.
 
     Args:
-        flown_enu_m: True way, its first point the start.
+        flown_enu_m: True way, its first point the start; without points nothing was made up.
         area_enu_m: Centroid of the area.
         has_reached: Whether it came above the area, which is all of the way.
     """
     if has_reached:
         return 1.0
+    if len(flown_enu_m) == 0:
+        return 0.0
     away_m = np.linalg.norm(np.asarray(flown_enu_m, dtype=float) - area_enu_m, axis=1)
     return round(float(1.0 - away_m.min() / max(away_m[0], 1e-9)), 4)

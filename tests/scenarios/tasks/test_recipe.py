@@ -32,6 +32,7 @@ def test_what_a_file_does_not_name_keeps_its_default(tmp_path):
         ('failures = ["gnss"]', "recipe: failures 'gnss' is not valid"),
         ('failures = ["gnss=off@8:2"]', "8:2 is no range"),
         ('failures = ["wing=off@1"]', "part 'wing' is unknown"),
+        ('failures = ["motor99=off@1"]', "part 'motor99' is unknown"),
         ("navigation_within = 0.5", "recipe: navigation_within 0.5 is out of range; valid: 1 or"),
         ("draws = 0", "recipe: draws 0 is out of range; valid: 1 to 100"),
         ("seed = -1", "recipe: seed -1 is out of range"),
@@ -54,3 +55,8 @@ def test_a_recipe_that_is_wrong_is_refused_in_one_line(tmp_path, text, says):
 def test_a_recipe_that_is_not_there_is_named(tmp_path):
     with pytest.raises(RecipeError, match=r"none.toml': No such file or directory"):
         read_recipe(tmp_path / "none.toml")
+
+
+def test_any_motor_of_any_vehicle_may_fail():
+    words = ("motor4=off@3", "motor6=slow@1:2")
+    assert recipe_from({"failures": list(words)}).failures == words

@@ -37,3 +37,4 @@ def test_progress_is_the_share_of_the_way_at_the_nearest_point():
     assert progress(way, area, has_reached=False) == pytest.approx(0.6)
     assert progress(way, area, has_reached=True) == 1.0
     assert progress(way[:1], area, has_reached=False) == 0.0
+    assert progress(way[:0], area, has_reached=False) == 0.0
