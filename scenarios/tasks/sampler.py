@@ -16,6 +16,7 @@ from aeroscene.solids.shapes import scene_primitives
 from autonomy.planning.openings import Opening, find_openings
 from autonomy.types import Vector3
 from flightsim.draws import generator
+from flightsim.plant.timed_failures import TimedFailureError, parse_failures
 from flightsim.vehicles import Airframe
 from flightsim.world import WorldError, build_world
 from scenarios.mission.goals import draw_goals, fitting_areas, is_indoor
@@ -105,10 +106,24 @@ class Sampler:
             depth_camera=_one(rng, recipe.depth_camera),
             map=_one(rng, recipe.map),
             aiding=_one(rng, recipe.aiding),
-            failures=draw_failures(_one(rng, recipe.failures), rng, len(self._airframe.motors)),
+            failures=self._draw_failures(rng),
             navigation_limit_s=self._navigation_limit_s(way),
             way=way,
         )
+
+    def _draw_failures(self, rng: np.random.Generator) -> str:
+        """Failures of a task.
+
+        Raises:
+            NoTaskError: If the vehicle lacks the part.
+        """
+        n_rotors = len(self._airframe.motors)
+        failures = draw_failures(_one(rng, self._recipe.failures), rng, n_rotors)
+        try:
+            parse_failures(failures, n_rotors)
+        except TimedFailureError as error:
+            raise NoTaskError(f"{self._airframe.name}: {error}") from None
+        return failures
 
     def _navigation_limit_s(self, way: WayFigures) -> float | None:
         within = self._recipe.navigation_within

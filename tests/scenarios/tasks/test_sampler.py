@@ -162,6 +162,12 @@ def test_failures_are_drawn_within_their_bounds(scene):
     assert dataclasses.replace(sampler.task(0), failures="none") == usual
 
 
+def test_a_vehicle_without_the_motor_that_fails_has_no_task(scene):
+    recipe = dataclasses.replace(RECIPE, failures=("motor6=off@3",), draws=1)
+    with pytest.raises(NoTaskError, match="iris: fail 'motor6=off@3': part 'motor6' is unknown"):
+        Sampler("7", scene, IRIS, recipe).task(0)
+
+
 def test_a_race_allows_multiples_of_the_least_time(scene):
     recipe = dataclasses.replace(RECIPE, navigation_within=2.0, draws=1)
     task = Sampler("7", scene, IRIS, recipe).task(0)
