@@ -27,7 +27,7 @@ class TrainCfg:
     ] = None
     """Model and training: default is ours, paper follows the paper to the letter."""
     config: Annotated[Path | None, default_hint("none")] = None
-    """TOML file that changes fields of the preset; see docs/model.md."""
+    """TOML file that changes fields of the preset; see docs/training.md."""
     data: Path = Path("corpus")
     """Folder that `aeroscene dataset build` has made, or a file of neutral layouts."""
     stream: bool = False

@@ -100,7 +100,7 @@ def test_configuration_of_a_checkpoint_is_checked(change, message):
 
 
 def test_documented_example_is_read(tmp_path):
-    page = Path(__file__).parents[4] / "docs" / "model.md"
+    page = Path(__file__).parents[4] / "docs" / "training.md"
     (example,) = re.findall(r"```toml\n(.*?)```", page.read_text(), re.DOTALL)
     changed = settings(tmp_path, example)
     assert changed["training"].precision == "mixed"
