@@ -34,14 +34,14 @@ def toilet(look: Look) -> list[Part]:
     foot, low = (0.7 * long, 0.6 * rim[1]), 0.3 * seat if is_hung else 0.0
     lid = (0.9 * seat, seat)
     parts = [
-        shifted(cone(foot, rim, (low, lid[0]), "ceramic"), middle),
+        shifted(cone(foot, rim, (low, lid[0]), "enamel"), middle),
         shifted(cone(rim, rim, lid, "plastic_white"), middle),
     ]
     if is_hung:
         plate = paint((back[1], back[1] + 0.01), 0.6 * y, about(0.85 * z, 0.16 * z), "metal")
         return [*parts, block(back, y, (0, z), "wall_tiles"), plate]
     button = disc((back[0] + deep / 2, 0, z + 0.004), 0.3 * deep, 0.008, "metal")
-    parts += [block(back, 0.94 * y, (0.8 * seat, z), "ceramic"), button]
+    parts += [block(back, 0.94 * y, (0.8 * seat, z), "enamel"), button]
     if form == "open":
         leaf = (back[1], back[1] + 0.06 * long)
         parts += [
@@ -77,14 +77,14 @@ def basin(look: Look) -> list[Part]:
                 paint(front, about(sign * y / 4, 0.47 * y), (0.14 * z, 0.84 * rim), doors)
                 for sign in (-1, 1)
             ),
-            block(x, y, (0.86 * rim, rim), "ceramic"),
+            block(x, y, (0.86 * rim, rim), "enamel"),
             paint(0.8 * x, 0.9 * y, (0, 0.1 * z), "dark_metal"),
         ]
     if form == "trough":
         bracket = (-x / 2, 0.2 * x)
         return [
             *parts,
-            block(x, y, (0.78 * rim, rim), "ceramic"),
+            block(x, y, (0.78 * rim, rim), "enamel"),
             block(inwards(-1, x / 2, 0.04 * x), y, (0, z), "wall_tiles"),
             *(
                 block(bracket, about(sign * 0.4 * y, 0.04), (0.62 * rim, 0.78 * rim), "metal")
@@ -93,8 +93,8 @@ def basin(look: Look) -> list[Part]:
         ]
     return [
         *parts,
-        cone((0.55 * x, 0.5 * y), (x, y), (0.76 * rim, rim), "ceramic"),
-        cylinder((-0.1 * x, 0, 0.39 * rim), 0.34 * min(x, y), 0.78 * rim, "ceramic"),
+        cone((0.55 * x, 0.5 * y), (x, y), (0.76 * rim, rim), "enamel"),
+        cylinder((-0.1 * x, 0, 0.39 * rim), 0.34 * min(x, y), 0.78 * rim, "enamel"),
     ]
 
 
@@ -111,7 +111,7 @@ def bath(look: Look) -> list[Part]:
     rim = z if z < 1.3 * _TUB_M else _TUB_M
     wall, low = 0.09 * x, 0.2 * rim if form == "oval" else 0.0
     floor = low + 0.2 * rim
-    casing = look.choice("casing", ("wall_tiles", "ceramic")) if form == "tub" else "ceramic"
+    casing = look.choice("casing", ("wall_tiles", "enamel")) if form == "tub" else "enamel"
     parts = [
         block(x, y, (low, floor), casing),
         *(block(inwards(sign, x / 2, wall), y, (floor, rim), casing) for sign in (-1, 1)),
@@ -142,7 +142,7 @@ def _shower(look: Look) -> list[Part]:
     front: Interval = (0.0, y / 2) if side > 0 else (-y / 2, 0.0)
     head = (-x / 2, -0.1 * x)
     return [
-        block(x, y, (0, tray), "ceramic"),
+        block(x, y, (0, tray), "enamel"),
         disc((0, 0, tray + 0.002), 0.12 * min(x, y), 0.004, "metal"),
         block(x - _PANE_M, end, (tray, z), "glass"),
         block(inwards(1, x / 2, _PANE_M), front, (tray, z), "glass"),
@@ -154,4 +154,4 @@ def _shower(look: Look) -> list[Part]:
 
 def _hollow(x: Interval, y: Interval, z: float) -> Part:
     """What one sees of the inside of a basin from above."""
-    return paint(x, y, (z, z + 0.004), "floor_tiles")
+    return paint(x, y, (z, z + 0.004), "concrete")
