@@ -46,22 +46,22 @@ SAME: Mapping[str, tuple[str, ...]] = {
     "monitor": ("Desktop",),
     "plate": ("Plate",),
     "cup": ("Cup", "Mug"),
-    "cutlery": ("Fork", "Knife", "ButterKnife", "Spoon"),
     "book": ("Book", "Newspaper"),
     "box": ("Box",),
     "bin": ("GarbageCan",),
+    "toilet": ("Toilet",),
+    "basin": ("Sink",),
+    "bath": ("Bathtub",),
     "building": ("building",),
 }
 
 STAND_INS: Mapping[str, tuple[str, ...]] = {
-    # Seats without a back, and the one with a cistern.
+    # Seats without a back.
     "chair": ("Barstool", "Stool"),
     "coffee_table": ("Footstool / Sofastool / Bed End Stool / Stool", "Ottoman"),
-    "armchair": ("Toilet",),
     # Furniture and machines of the same outline.
     "desk": ("Dressing Table",),
     "shelf": ("Wine Cabinet", "Wine Cooler", "Cart"),
-    "counter": ("Sink",),
     "stove": ("WashingMachine", "ClothesDryer"),
     "bin": ("LaundryHamper", "GarbageBag"),
     # A flat picture on a wall.
@@ -75,10 +75,11 @@ STAND_INS: Mapping[str, tuple[str, ...]] = {
         "Bottle, Kettle, PaperTowelRoll, PepperShaker, Plunger, Pot, SaltShaker, SoapBottle, "
         "SprayBottle, ToiletPaper, Vase, WineBottle"
     ),
-    # Long and thin, lying.
-    "cutlery": ("Ladle", "Pen", "Pencil", "Spatula"),
-    # Flat, lying.
-    "book": ("CD", "CellPhone", "Cloth", "CreditCard", "KeyChain", "RemoteControl"),
+    # Flat or thin, lying.
+    "book": _names(
+        "ButterKnife, CD, CellPhone, Cloth, CreditCard, Fork, KeyChain, Knife, Ladle, Pen, Pencil, "
+        "RemoteControl, Spatula, Spoon"
+    ),
     # Compact bodies of any kind.
     "box": _names(
         "AlarmClock, Apple, BaseballBat, BasketBall, Boots, Bread, CoffeeMachine, DishSponge, "
@@ -140,11 +141,17 @@ WORDS: Mapping[str, tuple[str, ...]] = {
     "nightstand": ("night stand", "bedside table"),
     "coffee_table": ("side table", "end table", "tea table"),
     "cabinet": ("tv stand", "sideboard", "drawer", "dresser", "console"),
-    "counter": ("countertop", "sink"),
+    "counter": ("countertop",),
     "fridge": ("refrigerator",),
     "stove": ("oven",),
     "television": ("tv",),
     "lamp": ("light", "chandelier"),
+    "toilet": ("commode", "urinal", "lavatory", "water closet"),
+    "basin": ("sink", "washbasin", "wash basin", "washstand"),
+    "bath": ("bathtub", "shower tray", "shower cabin", "shower stall", "shower cubicle"),
+    # What bathrooms and tables have beside, so that their first word does not decide.
+    "cup": ("toilet paper", "toilet brush"),
+    "book": ("bath mat", "bath towel", "cutlery", "silverware"),
 }
 """Words in names that no table holds, beside the names of our categories; the last one decides,
 as in English a table lamp is a lamp."""
@@ -158,7 +165,6 @@ FORMS: Mapping[str, tuple[str, ...]] = {
     "panel": ("Painting",),
     "round": ("Round End Table",),
     "sideboard": ("Sideboard / Side Cabinet / Console Table", "TV Stand", "TVStand"),
-    "sink": ("Sink",),
     "swivel": ("Lounge Chair / Book-chair / Computer Chair",),
 }
 """Forms of our shapes under which these names look most like themselves."""

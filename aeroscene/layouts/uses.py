@@ -9,6 +9,8 @@ from itertools import pairwise
 USES: Mapping[str, tuple[str, ...]] = {
     "bedroom": ("bedroom", "bed", "sleeping", "nursery", "kids", "children", "guest"),
     "kitchen": ("kitchen", "kitchenette", "pantry"),
+    "bathroom": ("bath", "shower", "ensuite"),
+    "washroom": ("restroom", "toilet", "toilets", "lavatory", "wc", "powder"),
     "dining": ("dining",),
     "living": ("living", "livingroom", "family", "sitting"),
     "office": ("office", "study", "work", "desk"),

@@ -65,7 +65,7 @@ class GenerateCfg:
     """Factor on the number of fine objects that a scene of its domain has; at most 250 objects in
     all are asked for. With --redo on the number that goes."""
     clutter: Annotated[float | None, CLUTTER, default_hint("1")] = None
-    """Factor on the loose things (crates, barrels, pallets, bins, boxes) on ground and floors."""
+    """Factor on the loose things (crates, pallets, bins, boxes) on ground and floors."""
     min_passage: Annotated[float | None, PASSAGE_M, default_hint("none")] = None
     """Least clear width of doors and corridors: doors are widened, and a scene that still has a
     narrower passage is drawn again."""

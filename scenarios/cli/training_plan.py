@@ -41,9 +41,10 @@ def require_usable(cfg: TrainCfg) -> StateHead | None:
     preset, sections = _sections(cfg, head)
     require_trainable(sections)
     _parts(cfg, preset)
-    for path in (cfg.take, cfg.begin):
-        if path is not None and path != "shipped":
-            read_sections(Path(path))
+    if cfg.take is not None:
+        read_sections(cfg.take)
+    if cfg.begin is not None and cfg.begin != "shipped":
+        read_sections(Path(cfg.begin), any_catalogue=not cfg.keep_language)
     require_data(cfg.data)
     return head
 
@@ -126,7 +127,8 @@ def _begun_with(cfg: TrainCfg, preset: str, sections: Mapping[str, Any]) -> Begu
         return None
     valid = f"none with preset {preset}, which has another network"
     require(ok=not is_flat(sections), name="begin", value=cfg.begin, valid=valid)
-    return read_begun(SHIPPED[preset] if cfg.begin == "shipped" else Path(cfg.begin))
+    path = SHIPPED[preset] if cfg.begin == "shipped" else Path(cfg.begin)
+    return read_begun(path, any_catalogue=not cfg.keep_language)
 
 
 def _first_weights(

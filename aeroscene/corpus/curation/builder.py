@@ -17,6 +17,8 @@ Attributes = Mapping[str, AttributeValue]
 """What the box of an object does not say."""
 TOUCH_M = 0.001
 """Overlaps below this count as touching."""
+_RESERVED = -1
+"""Number of an occupant that is no object, but air that is kept free."""
 MAX_IOU = 0.01
 """Largest overlap of two boxes neither of which is the other's parent."""
 
@@ -151,14 +153,24 @@ class Builder:
 
     def reserve(self, spot: Frame, size: Vector3, base: float) -> None:
         """Keep a box of air free of everything that is placed from now on."""
-        self._occupants.append(_occupant(spot, size, base, 0.0, -1))
+        self._occupants.append(_occupant(spot, size, base, 0.0, _RESERVED))
 
     def is_free(
-        self, spot: Frame, size: Vector3, base: float, inside: Placed | None = None
+        self,
+        spot: Frame,
+        size: Vector3,
+        base: float,
+        inside: Placed | None = None,
+        *,
+        or_reserved: bool = False,
     ) -> bool:
-        """Whether nothing stands in a box, but for what contains it."""
+        """Whether nothing stands in a box, but for what contains it.
+
+        Air that is kept free counts as taken, unless `or_reserved`.
+        """
         line = frozenset() if inside is None else self._ancestors[inside.id] | {inside.id}
-        return not self._is_taken(_occupant(spot, size, base, 0.0, -1), line)
+        line |= {_RESERVED} if or_reserved else set()
+        return not self._is_taken(_occupant(spot, size, base, 0.0, _RESERVED), line)
 
     def _leaves_bounds(self, spot: Frame, size: Vector3) -> bool:
         if self._bounds is None:

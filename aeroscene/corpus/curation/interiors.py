@@ -7,7 +7,16 @@ from collections.abc import Callable, Iterator
 from aeroscene.corpus.curation.builder import Builder
 from aeroscene.corpus.curation.draw import Draw
 from aeroscene.corpus.curation.room_space import RoomSpace
-from aeroscene.corpus.curation.rooms import care, fair, guests, home, public, storage, work
+from aeroscene.corpus.curation.rooms import (
+    bathrooms,
+    care,
+    fair,
+    guests,
+    home,
+    public,
+    storage,
+    work,
+)
 from aeroscene.corpus.curation.rooms.interior import Interior
 from aeroscene.corpus.curation.rooms.rest import furnish_rest
 from aeroscene.corpus.curation.rooms.uses import USES
@@ -26,7 +35,8 @@ FURNISHINGS: dict[str, Callable[[Interior], Iterator[None]]] = {
     "bedroom": home.furnish_bedroom,
     "kitchen": home.furnish_kitchen,
     "dining": home.furnish_dining,
-    "bathroom": home.furnish_bathroom,
+    "bathroom": bathrooms.furnish_bathroom,
+    "washroom": bathrooms.furnish_washroom,
     "ward": care.furnish_ward,
     "practice": care.furnish_practice,
     "waiting": care.furnish_waiting,

@@ -39,7 +39,7 @@ LEAST_M = (15.0, 17.0)
 """Width and depth of the least parcel for a tower."""
 _PROGRAMMES = (
     ("living", "kitchen", "bedroom", "bathroom", "bedroom"),
-    ("office", "meeting", "office", "bathroom", "office", "store"),
+    ("office", "meeting", "office", "washroom", "office", "store"),
 )
 """Rooms of a storey: flats or offices."""
 _SIZE_M = (9.0, 12.6)

@@ -2,6 +2,9 @@
 
 Of kinds, traits and arrays that the other language has not, the nearest stands for them; everything
 else of the networks is the same. So a model that knows one corpus learns another in less time.
+
+The languages may be of two catalogues. Categories are matched by name. Kinds of a category that the
+first catalogue lacks begin with the mean of all vectors, and its traits with zeros.
 """
 
 from __future__ import annotations
@@ -60,13 +63,18 @@ class Begun:
         return parts
 
 
-def read_begun(path: Path) -> Begun:
+def read_begun(path: Path, *, any_catalogue: bool = True) -> Begun:
     """The model of a checkpoint.
+
+    Args:
+        path: File of the checkpoint.
+        any_catalogue: Whether the checkpoint may have the categories of an earlier catalogue. A
+            training that keeps its language needs those of this one.
 
     Raises:
         CheckpointError: If it cannot be used, or is not of the preset `default`.
     """
-    found = read_checkpoint(path)
+    found = read_checkpoint(path, any_catalogue=any_catalogue)
     if not isinstance(found.known, Language):
         raise CheckpointError(
             f"checkpoint {str(path)!r} is of preset {found.facts.preset!r}; valid: 'default'"

@@ -114,15 +114,19 @@ def write_checkpoint(
         file.write(data)
 
 
-def read_checkpoint(path: str | Path) -> Checkpoint:
+def read_checkpoint(path: str | Path, *, any_catalogue: bool = False) -> Checkpoint:
     """Read and check a checkpoint.
 
+    Args:
+        path: File of the checkpoint.
+        any_catalogue: Whether the checkpoint may have the categories of an earlier catalogue.
+
     Raises:
-        CheckpointError: If it is missing, truncated, damaged, of another version or of other
-            categories.
+        CheckpointError: If it is missing, truncated, damaged, of another version or, unless
+            `any_catalogue`, of other categories.
     """
     path = Path(path)
-    facts = read_facts(path)
+    facts = read_facts(path, any_catalogue=any_catalogue)
     with safe_open(path, framework="pt", device="cpu") as file:
         tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
     single = {k: v.float() if v.dtype == torch.float16 else v for k, v in tensors.items()}

@@ -99,18 +99,24 @@ def category_names() -> tuple[str, ...]:
     return tuple(CATALOGUE[number].name for number in sorted(CATALOGUE))
 
 
-def read_facts(path: Path) -> CheckpointFacts:
+def read_facts(path: Path, *, any_catalogue: bool = False) -> CheckpointFacts:
     """Facts of a checkpoint, after a check that its weights are those that were written.
 
+    Args:
+        path: File of the checkpoint.
+        any_catalogue: Whether the checkpoint may have the categories of an earlier catalogue.
+
     Raises:
-        CheckpointError: If it is missing, truncated, damaged, of another version or of other
-            categories.
+        CheckpointError: If it is missing, truncated, damaged, of another version or, unless
+            `any_catalogue`, of other categories.
     """
     try:
         # Before safetensors, whose errors do not name what is missing.
         require_short_head(path)
         with safe_open(path, framework="np") as file:
             facts = _facts(path, (file.metadata() or {}).get(KEY, ""))
+        if not any_catalogue:
+            _check_categories(path, facts)
         digest = _file_digest(path)
     except OSError as error:
         reason = (error.strerror or type(error).__name__).lower()
@@ -224,7 +230,6 @@ def _facts(path: Path, text: str) -> CheckpointFacts:
         raise CheckpointError(
             f"checkpoint {str(path)!r} is damaged ({error}); valid: the file as it was made"
         ) from None
-    _check_categories(path, facts)
     return facts
 
 
@@ -244,5 +249,6 @@ def _check_categories(path: Path, facts: CheckpointFacts) -> None:
     example = f"it has {strange[0]!r}" if strange else "they are others, or in another order"
     raise CheckpointError(
         f"checkpoint {str(path)!r} was trained with {len(facts.categories)} other categories "
-        f"({example}); valid: the {len(known)} of this catalogue; train anew with aeroscene train"
+        f"({example}); valid: the {len(known)} of this catalogue; aeroscene train --begin FILE "
+        "makes a model of them from one of the preset 'default'"
     )

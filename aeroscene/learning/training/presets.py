@@ -103,15 +103,19 @@ def sections_from_plain(plain: Mapping[str, Mapping[str, Any]]) -> dict[str, Any
     return {name: section_from_plain(_KINDS[name], values, name) for name, values in plain.items()}
 
 
-def read_sections(path: Path) -> dict[str, Any]:
+def read_sections(path: Path, *, any_catalogue: bool = False) -> dict[str, Any]:
     """Sections of the training that a checkpoint is of, after a check of its file.
+
+    Args:
+        path: File of the checkpoint.
+        any_catalogue: Whether the checkpoint may have the categories of an earlier catalogue.
 
     Raises:
         CheckpointError: If the file cannot be used.
         TrainingError: If a section is missing, unknown, or out of range.
     """
     try:
-        sections = sections_from_plain(read_facts(path).configs)
+        sections = sections_from_plain(read_facts(path, any_catalogue=any_catalogue).configs)
     except TrainingError as error:
         raise error.within(f"checkpoint {str(path)!r}") from None
     require_filled(path, sections)

@@ -13,6 +13,7 @@ from aeroscene.scene import Scene, SceneError, SceneObject, Vector3
 from aeroscene.scene.box import quat_product, rotation_matrix
 from aeroscene.scene.catalogue import by_name
 from aeroscene.solids.shapes import (
+    bathroom,
     boats,
     buildings,
     fences,
@@ -39,6 +40,7 @@ from aeroscene.solids.shapes.primitive import IDENTITY, Part, Primitive, block
 SHAPES: Mapping[str, Shape] = {
     name.removesuffix("_"): shape
     for module in (
+        bathroom,
         boats,
         buildings,
         fences,

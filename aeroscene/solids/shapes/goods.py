@@ -5,8 +5,8 @@ from __future__ import annotations
 from aeroscene.solids.shapes.forms import FORMS
 from aeroscene.solids.shapes.look import Look
 from aeroscene.solids.shapes.materials import PAINT_COLOURS
-from aeroscene.solids.shapes.primitive import Interval, Part, block, cylinder
-from aeroscene.solids.shapes.solids import about, cone, disc, inwards, paint
+from aeroscene.solids.shapes.primitive import Interval, Part, block
+from aeroscene.solids.shapes.solids import about, disc, inwards, paint
 
 PALLET_M = 0.144
 """Height of a bare pallet."""
@@ -35,31 +35,6 @@ def crate(look: Look) -> list[Part]:
         return parts + [paint(x, y, rail, trim) for rail in rails]
     bands = [about(sign * 0.28 * y, 0.06) for sign in (-1, 1)]
     return parts + [paint(x, band, (0, z + 0.006), trim) for band in bands]
-
-
-def barrel(look: Look) -> list[Part]:
-    """A steel drum with hoops, a small keg of bright metal, or a wooden cask that bulges."""
-    x, y, z = look.size_m
-    form, wide = look.choice("form", FORMS["barrel"]), min(x, y)
-    if form == "cask":
-        waist = (wide, wide)
-        ends = (0.84 * wide, 0.84 * wide)
-        return [
-            cone(ends, waist, (0, 0.5 * z), "wood", sides=10),
-            cone(waist, ends, (0.5 * z, z), "wood", sides=10),
-            *(disc((0, 0, at * z), 0.99 * wide, 0.05, "dark_metal") for at in (0.3, 0.7)),
-        ]
-    if form == "keg":
-        return [
-            cylinder((0, 0, 0.5 * z), 0.9 * wide, z - 0.14, "metal"),
-            cylinder((0, 0, 0.06), wide, 0.12, "dark_metal"),
-            cylinder((0, 0, z - 0.05), wide, 0.1, "dark_metal"),
-        ]
-    return [
-        cylinder((0, 0, z / 2), 0.97 * wide, z, _paint_colour(look)),
-        *(disc((0, 0, at * z), wide, 0.04, "dark_metal") for at in (0.36, 0.66)),
-        disc((0.24 * wide, 0, z + 0.003), 0.12 * wide, 0.006, "metal"),
-    ]
 
 
 def pallet(look: Look) -> list[Part]:

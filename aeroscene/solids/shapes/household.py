@@ -8,7 +8,7 @@ from aeroscene.solids.shapes.forms import FORMS
 from aeroscene.solids.shapes.look import Look
 from aeroscene.solids.shapes.materials import FABRIC_COLOURS, PAINT_COLOURS
 from aeroscene.solids.shapes.primitive import Part, block, cylinder, ellipsoid
-from aeroscene.solids.shapes.solids import about, cone, disc, inwards, leaning, paint
+from aeroscene.solids.shapes.solids import about, cone, disc, leaning, paint
 
 
 def lamp(look: Look) -> list[Part]:
@@ -131,23 +131,6 @@ def cup(look: Look) -> list[Part]:
     handle = paint((0.36 * wide, wide / 2), 0.015, (0.25 * z, 0.75 * z), glaze)
     inside = disc((0, 0, z), 0.66 * wide, 0.004, "bark")
     return [cylinder((0, 0, z / 2), 0.8 * wide, z, glaze), handle, inside]
-
-
-def cutlery(look: Look) -> list[Part]:
-    """Knife and fork, with a spoon between them where wide enough, or chopsticks."""
-    x, y, z = look.size_m
-    form = look.set_choice("form", FORMS["cutlery"])
-    count = 3 if form == "trio" and y > 0.05 else 2
-    wide = {"sticks": 0.14, "trio": 0.18, "pair": 0.3}[form] * y
-    material = "dark_wood" if form == "sticks" else "metal"
-    step = (y - wide) / (count - 1)
-    bars = [
-        block(x, about(-y / 2 + wide / 2 + i * step, wide), (0, z), material) for i in range(count)
-    ]
-    if form == "sticks":
-        return bars
-    head = paint((0.28 * x, x / 2), inwards(1, y / 2, min(y, 1.5 * wide)), (0, 0.9 * z), material)
-    return [*bars, head]
 
 
 def book(look: Look) -> list[Part]:

@@ -126,6 +126,7 @@ _PLAIN = (
     Material("plastic_green", (0.16, 0.38, 0.20, 1.0), "plastic", (0.8, 0.8), 0.6, 0.3),
     Material("cardboard", (0.68, 0.52, 0.34, 1.0), "cardboard", (0.6, 0.6), 0.7, 0.0),
     Material("ceramic", (0.95, 0.94, 0.91, 1.0), "ceramic", (0.3, 0.3), 0.6, 0.5),
+    Material("enamel", (0.95, 0.95, 0.94, 1.0), None, (1.0, 1.0), 0.5, 0.6),
     Material("stone", (0.80, 0.78, 0.74, 1.0), "ashlar", (2.4, 2.4), 0.7, 0.3),
     Material("terracotta", (0.74, 0.42, 0.28, 1.0), "plaster", (1.0, 1.0), 0.8, 0.0),
     Material("solar", (0.16, 0.22, 0.42, 1.0), "solar", (1.0, 1.0), 0.5, 0.7),

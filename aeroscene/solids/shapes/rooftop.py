@@ -125,31 +125,3 @@ def water_tank(look: Look) -> list[Part]:
         ]
     lid = disc((0, 0, z + 0.004), 0.3 * wide, 0.008, "dark_metal")
     return [cylinder((0, 0, (z + frame) / 2), wide, z - frame, "corrugated"), lid, *feet]
-
-
-def antenna(look: Look) -> list[Part]:
-    """A mast with cross bars, with a dish, or with three cells of a telephone network."""
-    x, y, z = look.size_m
-    form = look.choice("form", FORMS["antenna"])
-    mast = cylinder((0, 0, z / 2), min(0.1, 0.5 * x), z, "metal")
-    foot = block(0.8 * x, 0.8 * y, (0, 0.08), "concrete")
-    if form == "dish":
-        wide = min(x, y, 0.5 * z)
-        dish = cylinder((0.16 * x, 0, 0.7 * z), wide, 0.06, "plastic_white", axis="x")
-        horn = paint((0.18 * x, x / 2), 0.05, about(0.7 * z, 0.05), "dark_metal")
-        return [mast, foot, dish, horn]
-    if form == "cells":
-        cells = [
-            block(
-                about(u * x, 0.2 * x), about(v * y, 0.26 * y), (0.62 * z, 0.96 * z), "plastic_white"
-            )
-            for u, v in ((0.34, 0.0), (-0.24, 0.32), (-0.24, -0.32))
-        ]
-        ring = block(0.7 * x, 0.7 * y, about(0.8 * z, 0.05), "dark_metal")
-        return [mast, foot, *cells, ring]
-    return [
-        mast,
-        foot,
-        *(block(0.05, w * y, about(at * z, 0.05), "metal") for w, at in ((1.0, 0.7), (0.7, 0.8))),
-        block(x, 0.05, about(0.9 * z, 0.05), "metal"),
-    ]

@@ -23,7 +23,7 @@ from scenarios.generation.prompts.wishes import Relation, RelationName, named, s
 
 _FOLDER = Path(__file__).parent
 _ES = ("s", "x", "z", "ch", "sh")
-_SAME = frozenset(("grass", "silverware", "steps", "greenery", "railings", "parking"))
+_SAME = frozenset(("grass", "steps", "greenery", "railings", "parking"))
 """Nouns that are their own plural."""
 
 

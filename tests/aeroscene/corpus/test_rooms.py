@@ -37,7 +37,7 @@ LEAST_PER_100_M2 = {
 MEDIAN_M2 = {
     "bedroom": (11.0, 18.0), "living": (20.0, 32.0), "kitchen": (12.0, 24.0),
     "office": (11.0, 19.0), "meeting": (16.0, 28.0), "classroom": (45.0, 65.0),
-    "bathroom": (9.0, 17.0),
+    "bathroom": (9.0, 17.0), "washroom": (9.0, 24.0),
 }  # fmt: skip
 """Between which areas the median of a use lies."""
 
@@ -135,7 +135,8 @@ def test_rooms_of_furnished_houses_have_real_sizes_too() -> None:
 def test_buildings_in_which_people_stay_have_bathrooms(theme: str) -> None:
     (found,) = (each for each in THEMES if each.name == theme)
     plans = [draw_plan(Draw(np.random.default_rng(seed)), found) for seed in range(10)]
-    share = np.mean([any(zone.kind == "bathroom" for zone in plan.zones) for plan in plans])
+    kind = "bathroom" if theme in {"apartments", "hotel"} else "washroom"
+    share = np.mean([any(zone.kind == kind for zone in plan.zones) for plan in plans])
     assert share >= 0.9
 
 
@@ -169,20 +170,112 @@ def are_in_line(first: SceneObject, second: SceneObject) -> bool:
 
 
 @pytest.mark.parametrize("kind", ["kitchen", "living", "dining", "restaurant", "cafe"])
-def test_cutlery_and_plates_lie_together(kind: str) -> None:
-    found: Counter[str] = Counter()
+def test_plates_on_tables_have_a_cup_beside_them(kind: str) -> None:
+    found: Counter[bool] = Counter()
     for seed in range(4):
         objects = furnished(kind, seed, (7.0, 6.0))
-        by_id = {obj.id: obj for obj in objects}
-        found.update(obj.category for obj in objects)
-        for obj in objects:
-            if obj.category == "cutlery":
-                plates = [
-                    p for p in objects if (p.category, p.parent_id) == ("plate", obj.parent_id)
+        tables = {obj.id for obj in objects if obj.category == "table"}
+        cups = [obj for obj in objects if obj.category == "cup"]
+        for plate in objects:
+            if plate.category == "plate" and plate.parent_id in tables:
+                own = [c.bbox.p for c in cups if c.parent_id == plate.parent_id]
+                gaps = [np.hypot(*np.subtract(p, plate.bbox.p)[:2]) for p in own]
+                found[min(gaps, default=9.0) < 0.3] += 1
+    assert found[True] >= 4
+    assert found[True] >= 0.8 * found.total()
+
+
+FITTINGS = {"toilet": 0.6, "basin": 0.7, "bath": 0.6}
+"""Fittings of a bathroom, and the depth of clear floor before each, m."""
+
+
+def fitted_rooms(*uses: str) -> list[tuple[Scene, SceneObject, list[SceneObject]]]:
+    """Rooms of some uses in the corpus, with the fittings that they hold."""
+    found = []
+    for scene in (*layouts(INDOOR), *layouts(MIXED)):
+        rooms, held = rooms_of(scene), contents(scene)
+        for number, room in rooms.items():
+            if room.attributes.get("use") in uses:
+                found.append((scene, room, [o for o in held[number] if o.category in FITTINGS]))
+    return found
+
+
+def test_bathrooms_have_a_toilet_a_basin_and_a_bath_or_shower() -> None:
+    rooms = fitted_rooms("bathroom")
+    assert len(rooms) >= 8
+    kinds = [Counter(obj.category for obj in held) for _, _, held in rooms]
+    complete = [kind for kind in kinds if kind == {"toilet": 1, "basin": 1, "bath": 1}]
+    assert len(complete) >= 0.9 * len(kinds), kinds
+
+
+def test_washrooms_have_rows_of_toilets_and_basins() -> None:
+    rooms = fitted_rooms("washroom")
+    assert len(rooms) >= 8
+    kinds = [Counter(obj.category for obj in held) for _, _, held in rooms]
+    assert all(kind["toilet"] and not kind["bath"] for kind in kinds), kinds
+    assert np.mean([kind["basin"] > 0 for kind in kinds]) >= 0.9
+    assert np.mean([kind["toilet"] >= 2 for kind in kinds]) >= 0.7
+
+
+def test_fittings_stand_with_their_backs_to_walls_and_clear_floor_before_them() -> None:
+    n = 0
+    for scene, room, held in fitted_rooms("bathroom", "washroom"):
+        others = [obj for obj in contents(scene)[room.id] if obj.parent_id == room.id]
+        outlines = {
+            obj.id: shapely.MultiPoint(obj.bbox.corners()[:, :2]).convex_hull for obj in others
+        }
+        for obj in held:
+            frame = Frame(*obj.bbox.p[:2], obj.bbox.yaw_rad)
+            back = Frame(*room.bbox.p[:2], room.bbox.yaw_rad).local(
+                *frame.point(-obj.bbox.s[0] / 2, 0.0)
+            )
+            gaps = np.array(room.bbox.s[:2]) / 2 - np.abs(back)
+            assert gaps.min() <= 2 * GAP_M, obj
+            low, high = (
+                obj.bbox.s[0] / 2 + 0.005,
+                obj.bbox.s[0] / 2 + FITTINGS[obj.category] - 0.005,
+            )
+            half = obj.bbox.s[1] / 2 - 0.005
+            clear = shapely.Polygon(
+                [
+                    frame.point(u, v)
+                    for u, v in ((low, -half), (high, -half), (high, half), (low, half))
                 ]
-                assert min(np.hypot(*np.subtract(p.bbox.p, obj.bbox.p)[:2]) for p in plates) < 0.3
-                assert by_id[obj.parent_id or 0].category == "table"
-    assert found["cutlery"] >= 4
+            )
+            for other in others:
+                assert not clear.intersects(outlines[other.id]), (obj, other)
+            n += 1
+    assert n >= 40
+
+
+def test_no_fitting_stands_before_a_door() -> None:
+    n = 0
+    for scene, _, held in fitted_rooms("bathroom", "washroom"):
+        doors = [
+            obj for obj in scene.objects if obj.category == "wall" and "door_m" in obj.attributes
+        ]
+        for obj in held:
+            outline = shapely.MultiPoint(obj.bbox.corners()[:, :2]).convex_hull
+            for wall in doors:
+                if abs(wall.bbox.p[2] - obj.bbox.p[2]) > 2.5:
+                    continue
+                x = wall.bbox.s[0]
+                at, half = (
+                    float(wall.attributes.get("door_offset_m", 0.0)),
+                    float(wall.attributes["door_m"]) / 2,
+                )
+                frame = Frame(*wall.bbox.p[:2], wall.bbox.yaw_rad)
+                reach = x / 2 + 0.8
+                spot = (
+                    (-reach, at - half),
+                    (reach, at - half),
+                    (reach, at + half),
+                    (-reach, at + half),
+                )
+                ahead = shapely.Polygon([frame.point(u, v) for u, v in spot])
+                assert ahead.intersection(outline).area < 1e-3, (scene.scene_id, obj, wall)
+                n += 1
+    assert n > 100
 
 
 @pytest.mark.parametrize("kind", ["library", "office", "store", "bedroom", "aisles"])

@@ -15,7 +15,7 @@ from aeroscene.validation import validate
 from tests.aeroscene.feasibility.scenes import BENCH, CUP, HOME, LAWN, TABLE, garden, thing
 
 WEST = Region(low_enu_m=(-20.0, -20.0, -math.inf), high_enu_m=(0.0, 20.0, math.inf))
-CRATE, BARREL = 20, 21
+CRATE, SECOND = 20, 21
 
 
 def box(number, x, y, side=1.0, base=0.06):
@@ -34,12 +34,12 @@ def inserted(given, *new, region=WEST):
 
 
 def test_what_was_there_stays_and_the_new_finds_room_beside_it(given):
-    made = inserted(given, box(CRATE, -6.2, -5.4), box(BARREL, -12.0, 6.0))
+    made = inserted(given, box(CRATE, -6.2, -5.4), box(SECOND, -12.0, 6.0))
     assert made.report.rejection is None
     scene = made.scene
     assert scene.objects[: len(given.objects)] == given.objects
-    assert set(scene.object_by_id) == {*given.object_by_id, CRATE, BARREL}
-    assert scene.object_by_id[BARREL].bbox.p == (-12.0, 6.0, 0.56)
+    assert set(scene.object_by_id) == {*given.object_by_id, CRATE, SECOND}
+    assert scene.object_by_id[SECOND].bbox.p == (-12.0, 6.0, 0.56)
     x, y, _ = scene.object_by_id[CRATE].bbox.p
     assert 0.1 < math.dist((x, y), (-6.2, -5.4)) < 2.0
     assert validate(scene) == ()
@@ -61,7 +61,7 @@ def test_what_is_kept_moves_not_even_where_it_overlaps_before(given):
 
 
 def test_what_lies_beside_the_region_or_has_no_room_goes(given):
-    new = box(CRATE, 3.0, 0.0), box(BARREL, -12.0, 6.0, side=28.0), box(22, -9.0, 9.0)
+    new = box(CRATE, 3.0, 0.0), box(SECOND, -12.0, 6.0, side=28.0), box(22, -9.0, 9.0)
     scene = inserted(given, *new).scene
     assert set(scene.object_by_id) - set(given.object_by_id) == {22}
 
@@ -94,7 +94,7 @@ def test_nothing_new_is_a_rejection(given):
 
 def test_areas_outside_stay_and_those_inside_are_derived_anew(given):
     """A crate where an area was takes it away; the others in the region are found again."""
-    scene = inserted(given, box(CRATE, -6.2, -5.4), box(BARREL, -12.0, 6.0)).scene
+    scene = inserted(given, box(CRATE, -6.2, -5.4), box(SECOND, -12.0, 6.0)).scene
     there = set(given.interaction_areas)
     east = {a for a in there if min(x for x, _, _ in a.polygon) >= 0.0}
     assert len(east) >= 2

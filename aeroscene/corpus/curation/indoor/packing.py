@@ -11,7 +11,7 @@ from aeroscene.corpus.curation.rooms.uses import MOST_ASPECT, USES
 
 LEAST_ROOM_M = 3.1
 """Shortest room along a row: a door of 1.75 m between its jambs, and walls."""
-_GIVE = {"bathroom": 0.2, "store": 0.5}
+_GIVE = {"bathroom": 0.2, "washroom": 0.3, "store": 0.5}
 """How readily a room grows to make a row whole, where less than others."""
 
 

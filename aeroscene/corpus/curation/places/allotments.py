@@ -86,7 +86,7 @@ class Allotments:
                 self._gardens.append(_Garden(u0, round(u0 + share, 2), v0, v1, gate))
 
     def details(self) -> Iterator[None]:
-        """Beds, fruit trees, barrels for rain, a table here and there, things on the path."""
+        """Beds, fruit trees, compost bins, a table here and there, things on the path."""
         ground = self.ground
         growths = [self._tend(garden) for garden in self._gardens]
         yield from in_turn(*growths, self._line_path())
@@ -107,7 +107,7 @@ class Allotments:
         look = {"form": draw.one_of(("round", "spreading"))}
         ground.stand("tree", right, garden.at(0.84), size, turn=0.0, look=look)
         yield
-        ground.stand("barrel", garden.u0 + 3.7, garden.at(0.9), (0.6, 0.6, 0.9), turn=0.0)
+        ground.stand("bin", garden.u0 + 3.7, garden.at(0.9), (0.7, 0.7, 0.9), turn=0.0)
         ground.stand("bush", garden.u0 + 0.9, garden.at(0.2), (1.0, 1.2, 0.8))
         yield
         match draw.count(0, 2):

@@ -13,8 +13,8 @@ from aeroscene.corpus.curation.places.boundary import enclose
 from aeroscene.corpus.curation.places.filling import fill_up
 from aeroscene.corpus.curation.places.goods import (
     crate_stack,
-    drums,
     pallet_row,
+    plastic_crates,
     range_goods,
     set_container,
     stack_container,
@@ -144,7 +144,7 @@ class Construction:
         )
 
     def _build(self) -> Iterator[None]:
-        """Bricks, crates and drums on the slab and on the scaffold."""
+        """Bricks and crates on the slab and on the scaffold."""
         ground, draw, slab = self.ground, self.ground.draw, self._slab
         if slab is None:
             return
@@ -162,7 +162,7 @@ class Construction:
                 top.stand("crate", spot, size)
             pallet_row(beneath(ground, self._scaffold), self._scaffold.frame, 0.0, 0.0, 1)
             yield
-        drums(platform, slab.frame, -0.3 * x, 0.2 * y, 3)
+        plastic_crates(platform, slab.frame, -0.3 * x, 0.2 * y, 3)
         yield
         pallet_row(platform, slab.frame.moved(0, 0, QUARTER), 0.15 * y, -0.3 * x, draw.count(1, 2))
         yield
@@ -191,7 +191,7 @@ class Construction:
         roof = self._upper_cabin or self._cabin
         if roof:
             on_top(ground, roof).stand("ac_unit", roof.frame.moved(1.8, 0.0), (0.9, 1.0, 0.8))
-            on_top(ground, roof).stand("antenna", roof.frame.moved(-2.2, 0.0), (0.5, 0.5, 2.4))
+            on_top(ground, roof).stand("solar_panel", roof.frame.moved(-1.8, 0.0), (1.2, 1.8, 0.5))
             yield
         if self._cabin:
             at = self._cabin.size[1] / 2 + 1.3
@@ -207,5 +207,5 @@ class Construction:
         yield
         ground.scatter("water_tank", 1, near=(-half, half, 3.0, depth), turn=0.0)
         yield
-        names = ("barrel", "pallet", "crate", "bin", "bicycle")
+        names = ("pallet", "crate", "bin", "bicycle")
         yield from fill_up(ground, names, (-half, half, 1.0, depth), 9)

@@ -14,9 +14,9 @@ from aeroscene.corpus.curation.places.filling import fill_up
 from aeroscene.corpus.curation.places.furnished import furnish, raise_hall
 from aeroscene.corpus.curation.places.goods import (
     crate_stack,
-    drums,
     paint,
     pallet_row,
+    plastic_crates,
     range_goods,
     set_container,
 )
@@ -161,7 +161,7 @@ class Depot:
             spot = house.frame.moved(0.0, -house.size[1] / 2 - 0.6)
             bearing.stand("bicycle", spot, (1.75, 0.55, 1.05))
             yield
-        drums(bearing, ground.parcel.frame, draw.between(-0.6, 0.4) * half, 0.4 * depth, 4)
+        plastic_crates(bearing, ground.parcel.frame, draw.between(-0.6, 0.4) * half, 0.4 * depth, 4)
         yield
         for index, box in enumerate(self._boxes):
             at = box.size[0] / 2 + 0.9
@@ -169,5 +169,5 @@ class Depot:
             yield
         ground.scatter("water_tank", 1, near=(-half, half, 0.2 * depth, depth), turn=0.0)
         yield
-        names = ("pallet", "bin", "barrel", "crate", "bicycle")
+        names = ("pallet", "bin", "crate", "bicycle")
         yield from fill_up(ground, names, (-half, half, 0.8, depth), 9)

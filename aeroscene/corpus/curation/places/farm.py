@@ -101,7 +101,7 @@ class Farm:
         yield from in_turn(self._work(), self._live(), self._grow(), self._plant())
 
     def _work(self) -> Iterator[None]:
-        """A lorry in the yard, hay under the shed, a silo beside the barn, drums and pallets."""
+        """A lorry in the yard, hay under the shed, a silo beside the barn, crates and pallets."""
         ground, draw = self.ground, self.ground.draw
         bearing = OpenGround(ground)
         if self._yard:
@@ -114,7 +114,7 @@ class Farm:
             yield
             spot = self._yard.frame.moved(0.32 * self._yard.size[0], -0.3 * self._yard.size[1])
             pallet_row(yard, spot, 0.0, 0.0, 2)
-            yard.stand("barrel", spot.moved(0.0, 1.6), (0.6, 0.6, 0.9))
+            yard.stand("crate", spot.moved(0.0, 1.6), (0.8, 0.8, 0.7))
             yield
         if self._shed:
             shed = beneath(ground, self._shed)

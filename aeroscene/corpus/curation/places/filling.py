@@ -8,7 +8,7 @@ from aeroscene.corpus.curation.frame import INWARD, STREETWARD
 from aeroscene.corpus.curation.places.ground import Ground
 from aeroscene.scene import Vector3
 
-_PITCH_M = {"tree": 5.2, "bicycle": 1.0, "barrel": 0.9, "crate": 1.4, "pallet": 1.5}
+_PITCH_M = {"tree": 5.2, "bicycle": 1.0, "crate": 1.4, "pallet": 1.5}
 _USUAL_PITCH_M = 3.4
 """Distance from one to the next in a row."""
 _INSET_M = 1.3

@@ -1,4 +1,4 @@
-"""Goods in the open: stacks of containers, pallets in rows, crates on crates, drums together."""
+"""Goods in the open: stacks of containers, pallets in rows, crates on crates or side by side."""
 
 from __future__ import annotations
 
@@ -59,13 +59,12 @@ def crate_stack(bearing: Bearing, frame: Frame, u: float, v: float) -> None:
         bearing.builder.place("crate", spot, (0.8, 0.8, 0.6), parent=first, within=first)
 
 
-def drums(bearing: Bearing, frame: Frame, u: float, v: float, count: int) -> None:
-    """Barrels close together in two ranks."""
-    look = paint(bearing.draw)
+def plastic_crates(bearing: Bearing, frame: Frame, u: float, v: float, count: int) -> None:
+    """Plastic crates of one colour close together in two ranks."""
+    look = {**paint(bearing.draw), "form": "plastic"}
     for index in range(count):
-        at = (u + (index // 2) * 0.72, v + (index % 2) * 0.72)
-        size = (0.6, 0.6, 0.88)
-        bearing.stand("barrel", frame.moved(*at), size, look=look)
+        at = (u + (index // 2) * 0.82, v + (index % 2) * 0.82)
+        bearing.stand("crate", frame.moved(*at), (0.7, 0.7, 0.62), look=look)
 
 
 def range_goods(ground: Ground, bearing: Bearing, near: Area, rounds: int) -> Iterator[None]:
@@ -79,7 +78,7 @@ def range_goods(ground: Ground, bearing: Bearing, near: Area, rounds: int) -> It
         elif kind == 1:
             crate_stack(bearing, ground.parcel.frame, u, v)
         else:
-            drums(bearing, ground.parcel.frame, u, v, draw.count(3, 4))
+            plastic_crates(bearing, ground.parcel.frame, u, v, draw.count(3, 4))
         yield
 
 

@@ -269,7 +269,7 @@ class Houses:
         ground.stand("bench", middle, depth - 1.2, (0.6, 1.8, 0.85), turn=STREETWARD)
         ground.scatter("bush", 2, near=garden)
         yield
-        names = ("bush", "tree", "planter", "bush", "chair", "barrel", "bicycle", "tree")
+        names = ("bush", "tree", "planter", "bush", "chair", "bin", "bicycle", "tree")
         yield from fill_up(ground, names, garden, 10)
 
     def _beds(self, plot: _Plot) -> None:

@@ -104,7 +104,7 @@ class Market:
             bearing = OpenGround(ground)
             for sign in (-1, 1):
                 at = sign * (kiosk.size[1] / 2 + 0.6)
-                bearing.stand("barrel", kiosk.frame.moved(0.6, at), (0.6, 0.6, 0.88))
+                bearing.stand("bin", kiosk.frame.moved(0.6, at), (0.6, 0.6, 0.95))
             yield
 
     def _serve(self) -> Iterator[None]:
@@ -142,7 +142,7 @@ class Market:
             ground.scatter("planter", 1, turn=0.0)
             ground.scatter("bin", 1, turn=0.0)
             yield
-        names = ("crate", "bench", "barrel", "tree", "planter", "bicycle")
+        names = ("crate", "bench", "bin", "tree", "planter", "bicycle")
         yield from fill_up(ground, names, (-half, half, 0.3, depth), 8)
 
 

@@ -23,11 +23,11 @@ from aeroscene.corpus.curation.shells import RoomSpace
 from aeroscene.solids.shapes.materials import WALL_COLOURS
 
 _PROGRAMMES = {
-    "offices": ("office", "meeting", "office", "bathroom", "office", "store"),
+    "offices": ("office", "meeting", "office", "washroom", "office", "store"),
     "flats": ("living", "kitchen", "bedroom", "bathroom", "bedroom"),
     "cafe": ("cafe", "galley", "store", "office"),
     "studio": ("open_office", "meeting", "workshop", "kitchen"),
-    "library": ("library", "office", "meeting", "bathroom"),
+    "library": ("library", "office", "meeting", "washroom"),
 }
 """Rooms of a use, in the order in which a building offers them."""
 _LEAST_SHELL_M = (11.5, 16.0)

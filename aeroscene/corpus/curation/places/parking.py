@@ -182,7 +182,7 @@ class Parking:
         aisle = self._side * (half - 0.7)
         rack_bicycles(OpenGround(ground), ground.parcel.frame.moved(aisle, 0, QUARTER), 9.0, 0, 4)
         yield
-        names = ("planter", "bin", "bicycle", "bush", "barrel")
+        names = ("planter", "bin", "bicycle", "bush")
         yield from fill_up(ground, names, (-half, half, 0.0, depth), 5)
         yield from fill_up(ground, ("tree", "bench", "bush"), (-half, half, _LEVEL_V_M, depth), 6)
 

@@ -125,9 +125,9 @@ def _machines(top: RoofTop) -> Iterator[None]:
             yield
     yield
     corners = [(su, sv) for su in (-1, 1) for sv in (-1, 1)]
-    names = ("water_tank", "antenna", "chimney", "ac_unit")
+    names = ("water_tank", "chimney", "ac_unit")
     for index in draw.shuffled(range(len(corners)))[: draw.count(1, 3)]:
-        name = names[draw.count(0, 3)]
+        name = draw.one_of(names)
         size = draw.size_of(name, 0.25)
         reach_u, reach_v = top.half_u - size[0] / 2, top.half_v - size[1] / 2
         if min(reach_u, reach_v) > 0.8:

@@ -176,7 +176,7 @@ class School:
             picnic(shade, self._shade.frame, 0.0, 0.0, QUARTER)
             yield
         for tower in self._towers:
-            bearing.stand("barrel", tower.frame.moved(-2.4, 1.0), (0.6, 0.6, 0.9))
+            bearing.stand("bin", tower.frame.moved(-2.4, 1.0), (0.5, 0.5, 0.9))
             bearing.stand("crate", tower.frame.moved(-2.6, -0.6), (0.8, 0.8, 0.6))
             yield
         if self._court:

@@ -58,13 +58,10 @@ def _seats(size: Vector3, count: int) -> list[_Seat]:
 
 
 def lay_table(builder: Builder, draw: Draw, table: Placed, seats: Sequence[_Seat]) -> None:
-    """Plate, cutlery and perhaps a cup before each of some seats."""
+    """A plate and perhaps a cup before each of some seats."""
     reach = table.size[0] / 2
     for side, along in seats:
-        items: list[tuple[str, float, float]] = [
-            ("plate", reach - 0.2, 0.0),
-            ("cutlery", reach - 0.2, side * 0.2),
-        ]
+        items: list[tuple[str, float, float]] = [("plate", reach - 0.2, 0.0)]
         if draw.chance(0.6):
             items.append(("cup", reach - 0.36, side * -0.2))
         for name, inset, aside in items:

@@ -184,7 +184,7 @@ class Terraces:
                 platform.stand(name, frame.moved(u, at), size)
             if step % 3 == 0:
                 at = draw.between(-0.45, 0.45) * width
-                platform.stand("barrel", frame.moved(0.3 * deep, at), (0.6, 0.6, 0.9))
+                platform.stand("crate", frame.moved(0.3 * deep, at), (0.7, 0.7, 0.6))
             yield
 
     def _front(self) -> Iterator[None]:

@@ -11,8 +11,8 @@ from aeroscene.corpus.curation.frame import INWARD, QUARTER, STREETWARD
 from aeroscene.corpus.curation.places.bearing import OpenGround, Platform, beneath, on_top
 from aeroscene.corpus.curation.places.filling import fill_up
 from aeroscene.corpus.curation.places.goods import (
-    drums,
     paint,
+    plastic_crates,
     range_goods,
     set_container,
     stack_container,
@@ -155,14 +155,14 @@ class Waterfront:
             yield
 
     def _line_edge(self) -> Iterator[None]:
-        """Benches towards the water, bollards, lamps."""
+        """Benches towards the water, planters, lamps."""
         ground = self.ground
         half = ground.parcel.width / 2
         count = max(2, int(2 * half / 6.0))
         for index in range(count):
             u = (index + 0.5) * 2 * half / count - half
             ground.stand("bench", u, self._edge - 1.6, (0.6, 1.8, 0.85), turn=INWARD)
-            ground.stand("barrel", u + 2.2, self._edge - 0.5, (0.5, 0.5, 0.8), turn=0.0)
+            ground.stand("planter", u + 2.2, self._edge - 0.6, (0.6, 0.6, 0.7), turn=0.0)
             if index % 2 == 0:
                 at = (u - 1.9, self._edge - 1.6)
                 ground.stand("street_lamp", *at, (0.9, 0.4, 4.2), turn=INWARD)
@@ -184,7 +184,7 @@ class Waterfront:
             yield from dine(beneath(ground, self._pavilion), self._pavilion.frame, spots, QUARTER)
         for box in self._boxes:
             at = box.size[0] / 2 - 1.0
-            drums(bearing, box.frame.moved(at, -box.size[1] / 2 - 1.2, 0), 0.0, 0.0, 3)
+            plastic_crates(bearing, box.frame.moved(at, -box.size[1] / 2 - 1.2, 0), 0.0, 0.0, 3)
             yield
         park(bearing, "van", ground.parcel.frame, draw.between(-0.5, 0.5) * half, 1.6, 0.0)
         yield
@@ -200,7 +200,7 @@ class Waterfront:
         ground.stand("sign", 0.8 * half, 0.6, (0.1, 1.4, 2.4), turn=STREETWARD)
         ground.scatter("bin", 1, near=(-half, half, 0.5, self._edge), turn=0.0)
         yield
-        names = ("bicycle", "crate", "planter", "bench", "barrel")
+        names = ("bicycle", "crate", "planter", "bench", "bin")
         yield from fill_up(ground, names, (-half, half, 0.5, self._edge), 8)
 
 

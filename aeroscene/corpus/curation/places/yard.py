@@ -134,7 +134,7 @@ class Yard:
         if self._office:
             office = on_top(ground, self._office)
             office.stand("ac_unit", self._office.frame.moved(1.8, 0.0), (0.9, 1.0, 0.8))
-            office.stand("antenna", self._office.frame.moved(-2.2, 0.5), (0.6, 0.6, 2.6))
+            office.stand("solar_panel", self._office.frame.moved(-1.8, 0.0), (1.2, 1.8, 0.5))
             yield
             beside = OpenGround(ground)
             reach = self._office.size[1] / 2 + 0.7
@@ -155,5 +155,5 @@ class Yard:
             draw_size = (0.6, 0.6, 0.5)
             on_top(ground, top).stand("crate", top.frame.moved(draw.between(-2, 2), 0.0), draw_size)
         yield
-        names = ("pallet", "barrel", "bin", "crate", "bicycle")
+        names = ("pallet", "bin", "crate", "bicycle")
         yield from fill_up(ground, names, (-half, half, 1.0, depth), 9)

@@ -103,7 +103,7 @@ def furnish_galley(room: Interior) -> Iterator[None]:
     second = room.against(room.some_side(), "counter", (0.7, draw.between(1.4, 2.2), 0.92))
     strew(room, second, KITCHEN, 4)
     yield
-    for name in ("bin", "crate", "box", "barrel"):
+    for name in ("bin", "crate", "box", "crate"):
         room.against(room.some_side(), name)
     yield
     for _ in range(2):

@@ -169,19 +169,3 @@ def furnish_dining(room: Interior) -> Iterator[None]:
     room.against(room.some_side(), "armchair")
     room.against(room.some_side(), "lamp", (0.4, 0.4, 1.6))
     yield
-
-
-def furnish_bathroom(room: Interior) -> Iterator[None]:
-    """A cabinet, a shelf, a box for the laundry, a plant, a bin; nothing to wash in yet."""
-    draw = room.draw
-    cabinet = room.against(room.some_side(), "cabinet", (0.45, draw.between(0.7, 1.2), 0.85))
-    strew(room, cabinet, ("cup", "box", "plant"), 2)
-    yield
-    room.against(room.some_side(), "box", (0.4, 0.5, 0.55))
-    room.against(room.some_side(), "bin", (0.35, 0.35, 0.7))
-    yield
-    shelf = room.against(room.some_side(), "shelf", (0.3, 0.7, 1.7))
-    stock(room, shelf, CARTONS)
-    yield
-    room.against(room.some_side(), "plant")
-    yield

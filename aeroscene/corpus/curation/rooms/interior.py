@@ -89,6 +89,11 @@ class Interior:
         frame = self.room.frame.moved(along * x / 2, across * y / 2, turn)
         return frame, y if along else x
 
+    def depth(self, side: str) -> float:
+        """Distance from a wall to the opposite one, m."""
+        x, y, _ = self.room.size
+        return x if _WALLS[side][0] else y
+
     def some_side(self) -> str:
         """A wall by chance."""
         return self.draw.one_of(self.sides)
@@ -294,9 +299,19 @@ class Interior:
             look=look,
         )
 
-    def is_free(self, spot: Frame, size: Vector3) -> bool:
-        """Whether nothing of the room stands in a box on its floor."""
-        return self._builder.is_free(spot, size, self.floor, inside=self.room)
+    def is_free(self, spot: Frame, size: Vector3, *, or_reserved: bool = False) -> bool:
+        """Whether nothing of the room stands in a box on its floor.
+
+        Air that is kept free, such as that before doors, counts as taken, unless `or_reserved`.
+        """
+        return self._builder.is_free(
+            spot, size, self.floor, inside=self.room, or_reserved=or_reserved
+        )
+
+    def keep_clear(self, placed: Placed, deep: float) -> None:
+        """Keep the floor before something's front clear of all that is placed from now on."""
+        spot = placed.frame.moved((placed.size[0] + deep) / 2, 0.0)
+        self._builder.reserve(spot, (deep, placed.size[1], placed.size[2]), placed.base)
 
     def stand(
         self,

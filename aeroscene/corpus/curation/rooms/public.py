@@ -102,7 +102,7 @@ def furnish_garden(room: Interior) -> Iterator[None]:
         chairs = seats(room, table, 2)
         lay(room, table, chairs[:1])
         yield
-    yield from room.line_walls(("bush", "plant", "planter", "barrel"), 4)
+    yield from room.line_walls(("bush", "plant", "planter"), 4)
 
 
 def furnish_gym(room: Interior) -> Iterator[None]:
@@ -117,7 +117,7 @@ def furnish_gym(room: Interior) -> Iterator[None]:
     room.lined(room.some_side(), "shelf", 2)
     room.lined(room.some_side(), "cabinet", 2)
     yield
-    room.lined(room.some_side(), "barrel", 2)
+    room.lined(room.some_side(), "box", 2)
     room.against(room.some_side(), draw.one_of(("bin", "plant")))
     yield
 
@@ -151,7 +151,7 @@ def furnish_court(room: Interior) -> Iterator[None]:
     yield
     yield from room.in_ranks(stand, "chair", (0.5, 0.5, 0.85), 4, pitch=1.05, gap=0.15)
     for side in others:
-        room.lined(side, "barrel", 4)
+        room.lined(side, "box", 4)
         yield
 
 

@@ -38,18 +38,20 @@ _HOME: _Accents = (
     ("cabinet", "plant", "shelf", "lamp", "box", "armchair"),
     ("book", "cup", "lamp"),
 )
+_WASHING: _Accents = ((), ("cabinet", "shelf", "plant", "box", "bin"), ("cup", "box"))
 _SEATING: _Accents = (("coffee_table",), ("armchair", "plant", "shelf", "lamp"), ("book", "cup"))
 _CARE: _Accents = ((), ("cabinet", "shelf", "armchair", "bin", "plant"), ("box", "cup", "book"))
 _COOKING: _Accents = ((), ("counter", "shelf", "cabinet", "box"), ("cup", "plate", "box"))
-_GOODS: _Accents = (("pallet", "crate"), ("crate", "barrel", "shelf", "box"), ("box",))
+_GOODS: _Accents = (("pallet", "crate"), ("crate", "bin", "shelf", "box"), ("box",))
 _SPORT: _Accents = (
     ("landing_pad", "crate", "bench"),
-    ("bench", "chair", "bin", "barrel"),
+    ("bench", "bin", "box"),
     ("box", "book"),
 )
 _ACCENTS: dict[str, _Accents] = {
     **dict.fromkeys(("office", "open_office", "meeting", "classroom", "library"), _WORK),
-    **dict.fromkeys(("living", "bedroom", "dining", "bathroom"), _HOME),
+    **dict.fromkeys(("living", "bedroom", "dining"), _HOME),
+    **dict.fromkeys(("bathroom", "washroom"), _WASHING),
     **dict.fromkeys(("ward", "practice", "waiting"), _CARE),
     **dict.fromkeys(("kitchen", "galley"), _COOKING),
     "lounge": _SEATING,
@@ -61,6 +63,7 @@ _ACCENTS: dict[str, _Accents] = {
     "corridor": ((), ("plant", "cabinet", "bench"), ("book",)),
 }
 _STOCKS = {
+    **dict.fromkeys(("bathroom", "washroom"), CARTONS),
     **dict.fromkeys(("store", "racks", "goods", "storage", "workshop", "aisles"), CARTONS),
     **dict.fromkeys(("kitchen", "galley"), ("plate", "box", "cup")),
 }

@@ -30,7 +30,7 @@ def furnish_store(room: Interior) -> Iterator[None]:
     strew(room, counter, CARTONS, 3)
     yield
     for _ in range(2):
-        for name in ("barrel", "crate", "box"):
+        for name in ("bin", "crate", "box"):
             room.against(room.some_side(), name)
         yield
 
@@ -56,7 +56,7 @@ def furnish_racks(room: Interior) -> Iterator[None]:
 
 
 def furnish_goods(room: Interior) -> Iterator[None]:
-    """Blocks of pallets with lanes between, a van, a packing table, crates and barrels in rows."""
+    """Blocks of pallets with lanes between, a van, a packing table, crates and bins in rows."""
     draw = room.draw
     for number, (u, v) in enumerate(room.spots(3.9, 1.4, 1.6, is_tight=True)):
         height = 0.15 if draw.chance(0.2) else draw.between(0.5, 1.3)
@@ -71,7 +71,7 @@ def furnish_goods(room: Interior) -> Iterator[None]:
     room.on(table, "laptop", 0.6, 0.85)
     room.on(table, "box", -0.4, 0.85)
     yield
-    for name, size in (("crate", (1.1, 1.1, 0.9)), ("barrel", (0.6, 0.6, 0.9))) * 3:
+    for name, size in (("crate", (1.1, 1.1, 0.9)), ("bin", (0.6, 0.7, 1.0))) * 3:
         room.lined(room.some_side(), name, 4, size, gap=0.1)
         yield
 
@@ -86,7 +86,7 @@ def furnish_storage(room: Interior) -> Iterator[None]:
     for u, v in room.spots(2.6, 1.3, 1.6, is_tight=True):
         room.put("crate", u, v, (1.1, 1.1, draw.between(0.6, 1.0)))
         yield
-    for name in ("barrel", "pallet"):
+    for name in ("bin", "pallet"):
         room.lined(room.some_side(), name, 3)
         yield
 

@@ -12,7 +12,7 @@ from aeroscene.scene import Vector3
 _SEAT_PITCH_M = 0.75
 """Distance between the middles of chairs side by side."""
 _BESIDE_M = 0.04
-"""Gap between a plate and what lies to its sides."""
+"""Gap between a plate and the cup beside it."""
 _KEEPS_M = (0.8, 0.55)
 """Distance of a free-standing table from everything, at first and where that finds no place."""
 LAID_AT_ONCE = 2
@@ -49,11 +49,11 @@ def seats(room: Interior, table: Placed | None, count: int, name: str = "chair")
 
 
 def lay(room: Interior, table: Placed | None, chairs: Sequence[Placed]) -> None:
-    """A plate between cutlery and a cup before each chair of a table."""
+    """A plate with a cup beside it before each chair of a table."""
     if table is None:
         return
     x = table.size[0] / 2
-    plate, cutlery, cup = (room.draw.size_of(name) for name in ("plate", "cutlery", "cup"))
+    plate, cup = (room.draw.size_of(name) for name in ("plate", "cup"))
     for chair in chairs:
         u, v = table.frame.local(chair.frame.x, chair.frame.y)
         sign = 1.0 if u > 0 else -1.0
@@ -61,9 +61,8 @@ def lay(room: Interior, table: Placed | None, chairs: Sequence[Placed]) -> None:
         at = sign * (x - plate[0] / 2 - 0.03)
         if room.lie(table, "plate", at, v, plate, turn) is None:
             continue
-        for name, size, side in (("cutlery", cutlery, 1.0), ("cup", cup, -1.0)):
-            across = sign * side * (plate[1] / 2 + _BESIDE_M + size[1] / 2)
-            room.lie(table, name, at, v + across, size, turn)
+        across = sign * (plate[1] / 2 + _BESIDE_M + cup[1] / 2)
+        room.lie(table, "cup", at, v - across, cup, turn)
 
 
 def lay_all(room: Interior, table: Placed | None, chairs: Sequence[Placed]) -> Iterator[None]:

@@ -11,7 +11,8 @@ Objects on 100 m2, pooled over each set, 3D-FRONT and ProcTHOR's houses and sing
 sides over shorter ones: median 1.3 to 1.6, 90% below 2.3.
 
 Uses that no set has keep to planners' rules: 8 to 10 m2 for each desk, about 2 m2 for each pupil
-and each seat at a conference table, 1.5 to 2 m2 for each guest.
+and each seat at a conference table, 1.5 to 2 m2 for each guest, 2 to 3 m2 for each toilet with
+its share of basins and floor.
 """
 
 from __future__ import annotations
@@ -44,6 +45,7 @@ USES: dict[str, Use] = {
     "dining": Use(12.0, 20.0, 75.0),
     "kitchen": Use(13.0, 22.0, 90.0),
     "bathroom": Use(8.5, 13.0, 42.0),
+    "washroom": Use(11.0, 19.0, 60.0),
     "office": Use(11.0, 19.0, 62.0),
     "meeting": Use(16.0, 28.0, 55.0),
     "open_office": Use(38.0, 70.0, 52.0),

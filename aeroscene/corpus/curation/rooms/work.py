@@ -113,7 +113,7 @@ def _bring(room: Interior, table: Placed | None, chair: Placed) -> None:
 
 
 def furnish_workshop(room: Interior) -> Iterator[None]:
-    """Work benches along the walls, a table with tools, full shelves, barrels and crates."""
+    """Work benches along the walls, a table with tools, full shelves, bins and crates."""
     draw = room.draw
     for side in ("left", "right"):
         bench = room.against(side, "counter", (0.75, draw.between(1.8, 2.8), 0.92))
@@ -125,7 +125,7 @@ def furnish_workshop(room: Interior) -> Iterator[None]:
     for shelf in room.lined(room.some_side(), "shelf", 3, (0.4, 1.0, 1.9)):
         stock(room, shelf, CARTONS)
         yield
-    room.lined(room.some_side(), "barrel", 3)
+    room.lined(room.some_side(), "bin", 3)
     yield
     for name in ("crate", "pallet", "crate", "bin"):
         room.against(room.some_side(), name)

@@ -2,17 +2,20 @@
 
 from dataclasses import replace
 
+import msgspec
 import numpy as np
 import pytest
 import torch
 
 from aeroscene.learning.generation.loading import SHIPPED
 from aeroscene.learning.training.carried import _nearest, carried, read_begun
+from aeroscene.learning.training.checkpoint import read_checkpoint, write_checkpoint
 from aeroscene.learning.training.checkpoint_facts import CheckpointError
 from aeroscene.learning.training.data import prepared
 from aeroscene.learning.training.fitted import fitted
 from aeroscene.learning.training.presets import preset_sections
 from aeroscene.learning.training.procedure import CHECKPOINT, Training
+from aeroscene.learning.writer.language import Language
 from aeroscene.learning.writer.model import new_writer
 from tests.aeroscene.conftest import cached_scene
 from tests.aeroscene.learning.training.conftest import Watcher, small_sections, ten_objects
@@ -88,6 +91,54 @@ def test_the_model_that_ships_is_begun_with_by_the_usual_networks(data):
     parts = read_begun(SHIPPED["default"]).parts_for(known, sections)
     new_writer(sections["writer"], known).load_state_dict(dict(parts["writer"]))
     assert set(parts) == {"writer", "denoiser"}
+
+
+@pytest.fixture
+def earlier(checkpoint, data, tmp_path):
+    """The same model as an earlier catalogue had it, with barrels in the place of one category."""
+    known = data.train.known
+    units = [kind.category for kind in known.vocabulary.kinds if kind.node == "unit"]
+    name = max(set(units), key=units.count)
+    found = read_checkpoint(checkpoint)
+    text = known.to_json().replace(f'"{name}"', '"barrel"').replace(f'"{name} ', '"barrel ')
+    facts = msgspec.structs.replace(
+        found.facts,
+        vocabulary=text,
+        categories=tuple("barrel" if each == name else each for each in found.facts.categories),
+    )
+    path = tmp_path / "earlier.safetensors"
+    old = Language.restored(text, known.to_arrays())
+    write_checkpoint(path, facts, found.parts, old, is_half=False)
+    return name, path
+
+
+def test_a_model_of_an_earlier_catalogue_is_begun_with_but_neither_drawn_from_nor_kept(earlier):
+    _, path = earlier
+    for read in (read_checkpoint, lambda path: read_begun(path, any_catalogue=False)):
+        with pytest.raises(
+            CheckpointError, match=r"other categories \(it has 'barrel'\); valid: the 70"
+        ):
+            read(path)
+    assert read_begun(path).path == path
+
+
+def test_categories_of_an_earlier_catalogue_are_matched_by_name_and_others_begin_afresh(
+    earlier, plan, checkpoint
+):
+    name, path = earlier
+    known = plan.data.train.known
+    parts = read_begun(path).parts_for(known, plan.sections)
+    same = read_begun(checkpoint).parts_for(known, plan.sections)
+    new_writer(plan.sections["writer"], known).load_state_dict(dict(parts["writer"]))
+    n = len(known.vocabulary.kinds)
+    for part in ("writer", "denoiser"):
+        mean = same[part]["embedding.own"][:n].mean(0)
+        for number, kind in enumerate(known.vocabulary.kinds):
+            row = parts[part]["embedding.own"][number]
+            if kind.node == "unit" and kind.category == name:
+                torch.testing.assert_close(row, mean, atol=2e-3, rtol=0)
+            elif kind.category != name:
+                torch.testing.assert_close(row, same[part]["embedding.own"][number])
 
 
 def test_networks_of_another_size_are_refused_in_a_line(data):
