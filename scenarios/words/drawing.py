@@ -25,6 +25,7 @@ from scenarios.words.goal import (
     On,
     Toward,
     grade_of,
+    marks_of,
 )
 from scenarios.words.phrasing import text_of
 from scenarios.words.site import Place, Site, Truth, site_of
@@ -172,16 +173,33 @@ def _nested(
 ) -> Iterator[Description]:
     marks = []
     for other in _around(site, place):
-        if _name(site, other) is None and (related := next(_related(site, other, rng), None)):
+        if other.kind == place.kind:
+            continue
+        if _name(site, other) is not None:
+            continue
+        related = next(_related(site, other, rng), None)
+        if related is not None and not _speaks_of(related, place, site):
             marks.append((other, related))
         if len(marks) == _MOST_NESTED:
             break
     links = _by_kind(_links(site, place, marks), rng)
     nested = [link for link in links if not isinstance(link, (Has, Between))]
+    nested = [link for link in nested if not _is_nearest_to_nearest(link)]
     for head in _shuffled(heads, rng):
         for link in nested[:_MOST_TRIES]:
             if the_one(found := replace(head, links=(link,)), site) is place:
                 yield found
+
+
+def _speaks_of(description: Description, place: Place, site: Site) -> bool:
+    """Whether a description refers to a place, which then must not be described by it."""
+    marks = [mark for link in description.links for mark in marks_of(link)]
+    return any(the_one(mark, site) is place for mark in marks)
+
+
+def _is_nearest_to_nearest(link: Link) -> bool:
+    inner = link.mark.links if isinstance(link, Nearest) else ()
+    return any(isinstance(each, Nearest) for each in inner)
 
 
 def _go_together(first: Link, second: Link) -> bool:
@@ -244,7 +262,8 @@ def _links(
         if kind in COUNTED and count <= _MOST_COUNT
     ]
     for _, name in marks:
-        found += [On(name), Of(name), Beside(name)]
+        found += [On(name), Beside(name)]
+        found += [Of(name)] if place.kind == "roof" else []
         found += [Nearest(name)] if name.kind != place.kind else []
         found += [Toward(direction, name) for direction in COMPASS]
     level = [name for other, name in marks if other.kind not in {"building", "tower"}]

@@ -27,10 +27,16 @@ _ORDERS = (
     "Set the drone down {at} {place}.",
     "Touch down {at} {place}.",
     "Your target is {place}. Land {there}.",
+    "Find {place}. Land {there}.",
+)
+_SHORT_ORDERS = (
+    *_ORDERS,
     "Find {place} and land {there}.",
     "Fly to {place} and land {there}.",
     "Bring the drone to {place} and put it down {there}.",
 )
+"""Orders that go on after the place, which only a short one allows: at the end of a long one nobody
+knows any more what `there` is."""
 _NUMBERS = ("no", "one", "two", "three", "four", "five")
 _STOREYS = ("on the ground floor", "one floor up", "two floors up", "three floors up")
 _IN = frozenset({"room"})
@@ -47,19 +53,28 @@ def text_of(description: Description, rng: np.random.Generator) -> str:
     """
     place = noun_phrase(description, rng)
     at, there = _prepositions(description.kind, rng)
-    text = _one(rng, _ORDERS).format(at=at, place=place, there=there)
+    orders = _SHORT_ORDERS if description.is_plain else _ORDERS
+    text = _one(rng, orders).format(at=at, place=place, there=there)
     return text[0].upper() + text[1:]
 
 
-def noun_phrase(description: Description, rng: np.random.Generator) -> str:
-    """`The ...` with all that a description says."""
+def noun_phrase(
+    description: Description, rng: np.random.Generator, *, is_mark: bool = False
+) -> str:
+    """`The ...` with all that a description says.
+
+    Args:
+        description: What is meant.
+        rng: Chooses the phrasing.
+        is_mark: Whether something else is described by it. Then directions are by compass: two
+            viewpoints in one sentence would be taken for one.
+    """
     before, after = FORM_WORDS.get((description.kind, description.form or ""), ("", ""))
     noun, _ = NOUNS[description.kind]
-    words = ["the", description.colour or "", before, noun, after]
-    if description.storey is not None:
-        words.append(_storey(description.storey))
+    storey = "" if description.storey is None else _storey(description.storey)
+    words = ["the", description.colour or "", before, noun, storey, after]
     head = " ".join(word for word in words if word)
-    links = [_link(link, description, rng) for link in description.links]
+    links = [_link(link, description, rng, is_mark=is_mark) for link in description.links]
     if links and isinstance(description.links[0], Has) and after.startswith("with "):
         links[0] = links[0].replace("with ", "and ", 1)
     if len(links) < 2:
@@ -85,7 +100,7 @@ def _prepositions(kind: str, rng: np.random.Generator) -> tuple[str, str]:
     return "on", _one(rng, ("there", "on it"))
 
 
-def _link(link: Link, whose: Description, rng: np.random.Generator) -> str:
+def _link(link: Link, whose: Description, rng: np.random.Generator, *, is_mark: bool) -> str:
     """A relation in words."""
     match link:
         case Has(count, kind):
@@ -98,7 +113,9 @@ def _link(link: Link, whose: Description, rng: np.random.Generator) -> str:
         case Beside(mark):
             return f"{_one(rng, ('beside', 'next to', 'right by'))} {_mark(mark, rng)}"
         case Toward(direction, mark):
-            return _one(rng, _sides(direction)).format(_mark(mark, rng))
+            is_short = mark.is_plain and not is_mark
+            ways = _sides(direction) if is_short else _by_compass(direction)
+            return _one(rng, ways).format(_mark(mark, rng))
         case Between(first, second):
             return f"between {_mark(first, rng)} and {_mark(second, rng)}"
         case Nearest(mark):
@@ -106,7 +123,7 @@ def _link(link: Link, whose: Description, rng: np.random.Generator) -> str:
 
 
 def _mark(mark: Description, rng: np.random.Generator) -> str:
-    return noun_phrase(mark, rng)
+    return noun_phrase(mark, rng, is_mark=True)
 
 
 def _counted(count: int, kind: str) -> str:
@@ -120,15 +137,18 @@ def _where_on(kind: str) -> str:
     return "in it" if kind in _IN or kind == "water" else "on it"
 
 
+def _by_compass(direction: Compass) -> Sequence[str]:
+    """Ways to say by compass that something lies in a direction from a mark."""
+    return f"{direction} of {{}}", f"to the {direction} of {{}}"
+
+
 def _sides(direction: Compass) -> Sequence[str]:
-    """Ways to say that something lies in a direction from a mark."""
+    """All ways to say that something lies in a direction from a mark."""
     place = COMPASS.index(direction)
     opposite, right, left = (COMPASS[(place + turn) % 4] for turn in (2, 1, 3))
     # Whoever stands in the south and looks north has the east to the right.
     return (
-        f"{direction} of {{}}",
-        f"to the {direction} of {{}}",
-        f"on the {direction} side of {{}}",
+        *_by_compass(direction),
         f"behind {{}} as seen from the {opposite}",
         f"to the right of {{}} as seen from the {right}",
         f"to the left of {{}} as seen from the {left}",

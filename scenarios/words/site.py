@@ -194,7 +194,9 @@ class Site:
             place = self.places[number]
             if place is host:
                 continue
-            if not host.bottom_m - _BELOW_M <= place.bottom_m <= host.top_m + _ABOVE_M:
+            # What stands on the roof of a room is not in it.
+            most_m = host.top_m + (-_ABOVE_M if host.kind == "room" else _ABOVE_M)
+            if not host.bottom_m - _BELOW_M <= place.bottom_m <= most_m:
                 continue
             is_within = about.contains(place.ground)
             parent = self._of_object.get(place.objects[0].parent_id or -1)

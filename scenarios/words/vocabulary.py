@@ -87,7 +87,9 @@ COUNTED = frozenset(
 _ALIKE_KINDS = (
     ("building", "house", "tower", "warehouse", "garage"),
     ("kiosk", "garage", "container"),
-    ("roof", "canopy", "building", "house", "tower", "warehouse", "garage", "kiosk"),
+    *(("roof", each) for each in ("canopy", "building", "house", "tower", "warehouse", "garage")),
+    *(("roof", each) for each in ("kiosk", "container", "deck")),
+    ("kiosk", "house"),
     ("car", "van"),
     ("van", "truck", "bus"),
     ("table", "desk", "coffee_table", "counter", "nightstand"),
