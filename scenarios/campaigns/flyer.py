@@ -41,6 +41,8 @@ from scenarios.tasks.sampler import Sampler
 from scenarios.tasks.task import Task, trial_id
 from scenarios.trials.grade import grade, progress
 from scenarios.trials.measures.track import track_of
+from scenarios.trials.result import TrialResult
+from scenarios.trials.word_scores import spl
 
 _LOG = logging.getLogger(__name__)
 
@@ -281,6 +283,7 @@ class Flyer:
         has_reached = result.navigation_s is not None
         return {
             **result.to_plain(),
+            "spl": _spl(task, result),
             **(failure(Mishap.HUNG, result.reason) if sitl.bench.fault else {}),
             # The task names scene and vehicle as they were opened.
             "scene": task.scene,
@@ -304,6 +307,14 @@ class Flyer:
 
     def __exit__(self, *exception: object) -> None:
         self.close()
+
+
+def _spl(task: Task, result: TrialResult) -> float | None:
+    """Success weighted by path length, of a flight to a goal in words."""
+    if result.path_m is None:
+        return None
+    weight = spl(success=result.success is True, way_m=task.way.way_m, path_m=result.path_m)
+    return round(weight, 4)
 
 
 def _guarded(pilot: NamedPilot, name: str) -> NamedPilot:

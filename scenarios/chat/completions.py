@@ -24,8 +24,7 @@ _TO = "/chat/completions"
 
 
 class ChatError(ValueError):
-    """An endpoint cannot be used; one line names the option, the address and what would be
-    valid."""
+    """An endpoint cannot be used; one line names the option and the address."""
 
 
 class _Message(msgspec.Struct):

@@ -63,9 +63,7 @@ class WordGoal:
         return grade_of(self.description)
 
 
-def draw_goal(
-    scene: Scene, area: InteractionArea, grade: Grade, seed: int
-) -> WordGoal | None:
+def draw_goal(scene: Scene, area: InteractionArea, grade: Grade, seed: int) -> WordGoal | None:
     """Goal whose text fits the place that bears an area, and no other one.
 
     Args:
@@ -158,10 +156,7 @@ def _paired(
     pairs = [pair for pair in itertools.combinations(links, 2) if _go_together(*pair)]
     for head in _shuffled(heads, rng):
         # Neither alone is enough: else the other one is idle.
-        alone = {
-            link: the_one(replace(head, links=(link,)), site) is place
-            for link in links
-        }
+        alone = {link: the_one(replace(head, links=(link,)), site) is place for link in links}
         tried = [pair for pair in _shuffled(pairs, rng) if not any(alone[link] for link in pair)]
         for pair in tried[:_MOST_TRIES]:
             if the_one(found := replace(head, links=_ordered(pair)), site) is place:
@@ -230,7 +225,9 @@ def _around(site: Site, place: Place) -> list[Place]:
     near = [
         (gap_m, other.id, other)
         for other in site.places
-        if other is not place and other.kind in NOUNS and other.kind not in _POOR_MARKS
+        if other is not place
+        and other.kind in NOUNS
+        and other.kind not in _POOR_MARKS
         and (gap_m := site.gap_m(other, place)) <= TOWARD_M
     ]
     return [other for _, _, other in sorted(near, key=lambda each: each[:2])]
@@ -250,9 +247,7 @@ def _named_marks(site: Site, place: Place) -> list[tuple[Place, Description]]:
     return found
 
 
-def _links(
-    site: Site, place: Place, marks: Sequence[tuple[Place, Description]]
-) -> list[Link]:
+def _links(site: Site, place: Place, marks: Sequence[tuple[Place, Description]]) -> list[Link]:
     """Relations that surely hold for a place."""
     found: list[Link] = []
     counts = Counter(other.kind for other, _ in site.standing_on(place))

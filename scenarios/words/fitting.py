@@ -153,7 +153,7 @@ def _condition(link: Link, site: Site) -> Callable[[Place], Truth]:
             raise TypeError(link)
 
 
-def _truth(value: bool) -> Truth:  # noqa: FBT001 - the value is all there is
+def _truth(value: bool) -> Truth:
     return Truth.YES if value else Truth.NO
 
 
@@ -258,9 +258,7 @@ def _are_apart(place: Place, mark: Place) -> bool:
 
 def _is_level(place: Place, mark: Place) -> bool:
     """Whether the heights of two things overlap, or nearly do."""
-    return (
-        place.bottom_m <= mark.top_m + _LEVEL_M and mark.bottom_m <= place.top_m + _LEVEL_M
-    )
+    return place.bottom_m <= mark.top_m + _LEVEL_M and mark.bottom_m <= place.top_m + _LEVEL_M
 
 
 def _share_a_room(place: Place, mark: Place, site: Site) -> bool:

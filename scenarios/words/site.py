@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
@@ -11,12 +12,14 @@ from functools import cached_property
 import numpy as np
 import shapely
 from jaxtyping import Float
+from shapely.geometry.base import BaseGeometry
 
 from aeroscene.scene import InteractionArea, Scene, SceneObject
 from aeroscene.scene.footprint import footprint
 from aeroscene.scene.rooms import room_of
 from scenarios.words.goal import Description, Link
 from scenarios.words.looks import colour_of, form_of
+
 
 class Truth(IntEnum):
     """Whether a condition holds."""
@@ -56,7 +59,7 @@ class Place:
     objects: tuple[SceneObject, ...]
     colour: str | None
     form: str | None
-    ground: shapely.Geometry
+    ground: BaseGeometry
     """Footprint, ENU, m."""
     bottom_m: float
     top_m: float
@@ -252,7 +255,7 @@ def _storeys(floors_m: Sequence[float]) -> list[int]:
     """Number of the storey of each floor, by its height."""
     order = np.argsort(floors_m, kind="stable")
     storeys, number = [0] * len(floors_m), 0
-    for before, after in zip(order, order[1:], strict=False):
+    for before, after in itertools.pairwise(order):
         number += floors_m[after] - floors_m[before] > _STOREY_M
         storeys[after] = number
     return storeys
