@@ -31,6 +31,7 @@ from scenarios.campaigns.external.program import words_of
 from scenarios.campaigns.external.user_class import PilotFaultError, UserPilot
 from scenarios.campaigns.flight_stack import FlightStack
 from scenarios.campaigns.recordings import Recordings
+from scenarios.chat.completions import ChatModel
 from scenarios.mission.surroundings import MissionError
 from scenarios.run.hangar import Hangar
 from scenarios.run.input_errors import INPUT_ERRORS
@@ -96,6 +97,8 @@ class Suite:
     process."""
     program: str | None = None
     """Command that flies each trial over MAVLink; None waits for a client."""
+    chat: ChatModel | None = None
+    """Model that steers the pilot `vlm`."""
     stack: FlightStack | None = None
     """Flight stack that the pilot commands; None is our autopilot."""
     equipment: Equipment = field(default_factory=Equipment)
@@ -129,6 +132,9 @@ class Suite:
             found["pilot"] = self.pilot
         if self.is_external and self.program is not None:
             found["program"] = self.program
+        if self.chat is not None:
+            # Images and, over https, the user's key would be sent there.
+            found["endpoint"] = self.chat.endpoint
         if self.stack is not None:
             found["autopilot-binary"] = self.stack.binary
         return found
@@ -144,7 +150,7 @@ class Suite:
         if self.stack is not None:
             self.stack.require()
         if not self.is_external:
-            pilot_of(self.pilot)
+            pilot_of(self.pilot, chat=self.chat)
         elif self.program is not None:
             words_of(self.program)
 
@@ -155,6 +161,8 @@ class Suite:
             "families": {name: asdict(recipe) for name, recipe in self.families.items()},
             "pilot": self.pilot,
             "program": self.program,
+            "endpoint": None if self.chat is None else self.chat.endpoint,
+            "model": None if self.chat is None else self.chat.model,
             "equipment": self.equipment.to_plain(),
             **({"autopilot": None} if self.stack is None else self.stack.to_plain()),
         }
@@ -194,7 +202,7 @@ class Flyer:
                 suite.program, patience_s=patience_s, port=port, is_shown=shows_program
             )
         else:
-            self._pilot = _guarded(pilot_of(suite.pilot), suite.pilot)
+            self._pilot = _guarded(pilot_of(suite.pilot, chat=suite.chat), suite.pilot)
         self._hangar = Hangar()
         self._samplers: OrderedDict[tuple[str, str, str], Sampler] = OrderedDict()
 
