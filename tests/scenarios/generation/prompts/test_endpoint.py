@@ -252,6 +252,6 @@ def test_a_server_that_is_not_there_is_named():
 )
 def test_an_address_that_is_none_is_refused(endpoint):
     with pytest.raises(
-        PromptError, match="prompt-endpoint is .*valid: an address such as http://127"
+        PromptError, match=r"prompt-endpoint is .*valid: an address such as http://127"
     ):
         ask_endpoint(PROMPT, endpoint, "small", {})
