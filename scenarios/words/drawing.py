@@ -203,8 +203,11 @@ def _go_together(first: Link, second: Link) -> bool:
 
 
 def _ordered(pair: tuple[Link, Link]) -> tuple[Link, ...]:
-    """Relations in the order of a sentence: what is on it, where it stands, then the rest."""
-    rank = (Has, Of, On, Beside, Between, Toward, Nearest)
+    """Relations in the order of a sentence: what is on it first, what it stands on last.
+
+    After a host with a form, such as a room with a carpet, no reader knows whose relation follows.
+    """
+    rank = (Has, Of, Beside, Between, Toward, Nearest, On)
     return tuple(sorted(pair, key=lambda link: rank.index(type(link))))
 
 

@@ -15,7 +15,7 @@ from scenarios.words.vocabulary import COLOUR_WORDS, COLOURED
 
 _LEAST_SHARE = 0.25
 """Share of the surface that a colour must have to be the object's."""
-_LEAST_LEAD = 2.0
+_LEAST_LEAD = 6.0
 """How many times as large the surface of that colour must be as that of any other."""
 _LOADS = {"cardboard": "boxes", "fabric_beige": "sacks", "brick": "bricks"}
 _FLOORS = {

@@ -78,7 +78,9 @@ def noun_phrase(
     if links and isinstance(description.links[0], Has) and after.startswith("with "):
         links[0] = links[0].replace("with ", "and ", 1)
     if len(links) < 2:
-        return " ".join([head, *links])
+        # The cross of a landing pad is not west of anything: the pad is.
+        is_apart = bool(after) and not is_mark and not any(x.startswith("and ") for x in links)
+        return (", " if is_apart else " ").join([head, *links])
     first, *rest = description.links
     if isinstance(first, (Has, Of)):
         return f"{head} {links[0]}, {' and '.join(links[1:])}"
@@ -107,6 +109,8 @@ def _link(link: Link, whose: Description, rng: np.random.Generator, *, is_mark: 
             return f"with {_counted(count, kind)} {_where_on(whose.kind)}"
         case On(host):
             preposition = "in" if host.kind in _IN else "on"
+            # `nearest to the van on the lawn` leaves open what is on the lawn.
+            preposition = f"that stands {preposition}" if is_mark else preposition
             return f"{preposition} {_mark(host, rng)}"
         case Of(whole):
             return f"of {_mark(whole, rng)}"

@@ -164,8 +164,8 @@ _ALIKE_COLOURS = (
 
 COLOURED = frozenset(
     {
-        *("building", "house", "tower", "warehouse", "kiosk", "container", "canopy", "car"),
-        *("van", "truck", "bus", "boat", "barrel", "crate", "sofa", "armchair", "roof"),
+        *("building", "house", "tower", "kiosk", "container", "canopy", "car", "van", "truck"),
+        *("bus", "barrel", "crate", "sofa", "armchair", "roof"),
     }
 )
 """Kinds whose colour catches the eye."""

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from scenarios.words.goal import Beside, Description, Has, Nearest, Of, Toward
+from scenarios.words.goal import Beside, Description, Has, Nearest, Of, On, Toward
 from scenarios.words.phrasing import noun_phrase, text_of
 
 CAR = Description(kind="car", colour="red")
@@ -47,6 +47,18 @@ def test_a_chain_says_what_belongs_to_what():
 def test_forms_and_storeys_stand_where_they_belong():
     room = Description(kind="room", form="carpet", storey=1, links=(Has(3, "chair"),))
     assert phrases(room) == {"the room one floor up with the carpet and three chairs in it"}
+
+
+def test_what_follows_a_form_is_the_places_own():
+    pad = Description(kind="landing_pad", form="cross", links=(Beside(CAR),))
+    assert "the landing pad with a white cross, beside the red car" in phrases(pad)
+
+
+def test_a_landmark_says_that_it_is_the_one_on_its_host():
+    van = Description(kind="van", links=(On(Description(kind="lawn")),))
+    text = "the car closest to the van that stands on the lawn"
+    assert text in phrases(Description(kind="car", links=(Nearest(van),)))
+    assert phrases(van) == {"the van on the lawn"}
 
 
 def test_an_order_is_one_or_two_sentences():
