@@ -89,7 +89,7 @@ def _looks_fit(description: Description, place: Place, site: Site) -> Truth:
     wanted = (description.kind, description.colour, description.form)
     truth = _same_kind(wanted[0], place.kind)
     if truth and wanted[1] is not None:
-        truth = min(truth, _same_colour(wanted[1], place.colour))
+        truth = min(truth, _same_colour(wanted[1], place))
     if truth and wanted[2] is not None and place.form != wanted[2]:
         is_other = place.kind == wanted[0] and place.form is not None
         truth = Truth.NO if is_other else min(truth, Truth.MAYBE)
@@ -105,10 +105,13 @@ def _same_kind(wanted: str, kind: str) -> Truth:
     return Truth.MAYBE if (wanted, kind) in ALIKE_KINDS else Truth.NO
 
 
-def _same_colour(wanted: str, colour: str | None) -> Truth:
-    if wanted == colour:
+def _same_colour(wanted: str, place: Place) -> Truth:
+    if wanted == place.colour:
         return Truth.YES
-    return Truth.MAYBE if colour is None or (wanted, colour) in ALIKE_COLOURS else Truth.NO
+    # A van with a red cab and a white box may be called either.
+    shown = {place.colour} if place.colour is not None else place.colours
+    may_be = not shown or any(each == wanted or (wanted, each) in ALIKE_COLOURS for each in shown)
+    return Truth.MAYBE if may_be else Truth.NO
 
 
 def _kept(link: Link, found: Mapping[Place, Truth], site: Site) -> dict[Place, Truth]:

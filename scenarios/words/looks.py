@@ -7,11 +7,12 @@ cannot be wrong: the renderer paints with them.
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Mapping
 
 from aeroscene.scene import SceneObject
 from aeroscene.solids.shapes.build import object_primitives
 from aeroscene.solids.shapes.primitive import Primitive
-from scenarios.words.vocabulary import COLOUR_WORDS, COLOURED
+from scenarios.words.vocabulary import COLOUR_WORDS
 
 _LEAST_SHARE = 0.25
 """Share of the surface that a colour must have to be the object's."""
@@ -26,15 +27,11 @@ _FLOORS = {
 }
 
 
-def colour_of(obj: SceneObject, kind: str) -> str | None:
-    """Adjective of the colour that an object shows; None if it shows none clearly.
+def colours_of(obj: SceneObject) -> Mapping[str, float]:
+    """Shares of an object's surface by the adjectives of their colours, the largest first.
 
-    Args:
-        obj: The object.
-        kind: Its kind; only kinds of `COLOURED` have a colour.
+    What has no adjective, such as glass and tyres, counts for the whole surface alone.
     """
-    if kind not in COLOURED:
-        return None
     areas_m2: Counter[str] = Counter()
     whole_m2 = 0.0
     for solid in object_primitives(obj):
@@ -43,9 +40,18 @@ def colour_of(obj: SceneObject, kind: str) -> str | None:
         name = solid.material.removeprefix("plaster_").removeprefix("facade_")
         if (word := COLOUR_WORDS.get(name)) is not None:
             areas_m2[word] += area_m2  # pyright: ignore[reportArgumentType]
-    (first, most_m2), (_, next_m2) = (*areas_m2.most_common(2), ("", 0.0), ("", 0.0))[:2]
-    is_clear = most_m2 >= _LEAST_SHARE * whole_m2 and most_m2 >= _LEAST_LEAD * next_m2
-    return first if first and is_clear else None
+    return {word: area_m2 / whole_m2 for word, area_m2 in areas_m2.most_common()}
+
+
+def prevailing(shares: Mapping[str, float]) -> str | None:
+    """Adjective of the colour by which one would call an object; None if none prevails.
+
+    Args:
+        shares: Shares of its surface, the largest first.
+    """
+    first, second = (*shares.values(), 0.0, 0.0)[:2]
+    is_clear = first >= _LEAST_SHARE and first >= _LEAST_LEAD * second
+    return next(iter(shares)) if is_clear else None
 
 
 def form_of(obj: SceneObject, kind: str) -> str | None:

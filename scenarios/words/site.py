@@ -18,7 +18,8 @@ from aeroscene.scene import InteractionArea, Scene, SceneObject
 from aeroscene.scene.footprint import footprint
 from aeroscene.scene.rooms import room_of
 from scenarios.words.goal import Description, Link
-from scenarios.words.looks import colour_of, form_of
+from scenarios.words.looks import colours_of, form_of, prevailing
+from scenarios.words.vocabulary import COLOURED
 
 
 class Truth(IntEnum):
@@ -39,6 +40,8 @@ HOSTS = frozenset(
 """Kinds that other things stand on or in."""
 _WHOLES = frozenset({"building", "house", "tower", "warehouse", "garage"})
 """Kinds that have roofs and storeys."""
+_TRACE = 0.04
+"""Share of its surface below which nobody calls a thing by a colour."""
 _STOREY_M = 1.5
 """Rooms whose floors lie closer than this are on one storey."""
 _ABOVE_M, _BELOW_M = 0.3, 0.15
@@ -58,6 +61,9 @@ class Place:
     kind: str
     objects: tuple[SceneObject, ...]
     colour: str | None
+    """Adjective by which one would call it; None if no colour prevails, or it catches no eye."""
+    colours: frozenset[str]
+    """Adjectives of all colours that it shows, but for traces."""
     form: str | None
     ground: BaseGeometry
     """Footprint, ENU, m."""
@@ -237,12 +243,14 @@ def _place(
     kind = first.category
     if kind == "terrain":
         kind = str(first.attributes.get("form", "terrain"))
+    shares = colours_of(first)
     heights = np.concatenate([obj.bbox.corners()[:, 2] for obj in objects])
     return Place(
         id=number,
         kind=kind,
         objects=tuple(objects),
-        colour=colour_of(first, kind),
+        colour=prevailing(shares) if kind in COLOURED else None,
+        colours=frozenset(word for word, share in shares.items() if share >= _TRACE),
         form=form_of(first, kind),
         ground=shapely.union_all([footprint(obj) for obj in objects]),
         bottom_m=float(heights.min()),

@@ -29,6 +29,13 @@ def test_a_colour_that_may_be_taken_for_another_is_no_ground_to_tell_two_apart()
     assert fitting(RED, car(1, "red", (0, 0)), car(2, "orange", (9, 0)))[2] is Truth.MAYBE
 
 
+def test_of_two_colours_either_may_be_meant():
+    van = thing(2, "van", (9, 0), (6, 2, 2.6), colour="red", form="parcel")
+    for colour, truth in (("red", Truth.MAYBE), ("white", Truth.MAYBE), ("blue", Truth.NO)):
+        found = fitting(Description(kind="van", colour=colour), van)
+        assert found.get(2, Truth.NO) is truth
+
+
 def test_a_kind_that_may_be_taken_for_another_is_no_ground_either():
     van = thing(2, "van", (9, 0), (5, 2, 2), colour="red")
     assert fitting(RED, car(1, "red", (0, 0)), van)[2] is Truth.MAYBE
