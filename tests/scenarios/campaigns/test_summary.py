@@ -103,6 +103,7 @@ def test_goals_in_words_have_the_scores_of_the_field():
     ]
     rows[0] |= {"spl": 0.8, "fate": "safe_down"}
     rows[1] |= {"spl": 0.0, "fate": "collided"}
+    rows = [{"scene": "2", **row} for row in rows]
     found = summarise_trials(pa.Table.from_pylist(rows, schema=SCHEMA))["words"]
     counts = {name: score["successes"] for name, score in found.items() if "successes" in score}
     assert counts == {
@@ -121,6 +122,5 @@ def test_goals_in_words_have_the_scores_of_the_field():
 
 
 def test_without_goals_in_words_there_are_no_such_scores():
-    assert (
-        summarise_trials(table(("2", "iris", True, "landed", True, 1.0, "easy")))["words"] is None
-    )
+    found = summarise_trials(table(("2", "iris", True, "landed", True, 1.0, "easy")))
+    assert found["words"] is None

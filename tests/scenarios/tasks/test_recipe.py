@@ -30,10 +30,7 @@ def test_what_a_file_does_not_name_keeps_its_default(tmp_path):
         ),
         ('ends = "both"', "recipe: ends is 'both'"),
         ('goals = ["word"]', "recipe: goals is "),
-        (
-            'goals = ["naming"]\ntarget = "perching"',
-            "target 'perching' has no texts; valid: landing",
-        ),
+        ('goals = ["naming"]\ntarget = "any"', "target 'any' has no texts; valid: landing"),
         ('failures = ["gnss"]', "recipe: failures 'gnss' is not valid"),
         ('failures = ["gnss=off@8:2"]', "8:2 is no range"),
         ('failures = ["wing=off@1"]', "part 'wing' is unknown"),
