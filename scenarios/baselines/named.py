@@ -23,10 +23,10 @@ PLANNERS: Mapping[str, Method] = {OURS: "optimise", "mueller": "primitives"}
 """Our pilot's names, and what makes its trajectories under each."""
 BASELINES: Mapping[str, str] = {
     "potential": "scenarios.baselines.potential_pilot:PotentialFieldPilot",
+    "straight": "scenarios.baselines.straight_line:StraightLinePilot",
     "random": "scenarios.baselines.area_choosers:RANDOM",
     "nearest": "scenarios.baselines.area_choosers:NEAREST",
     "perfect": "scenarios.baselines.area_choosers:PERFECT",
-    "straight": "scenarios.baselines.straight_line:StraightLinePilot",
 }
 """Classes that ship beside ours, to tell flight stacks apart by."""
 VLM = "vlm"

@@ -296,6 +296,8 @@ class Flyer:
             # The task names scene and vehicle as they were opened.
             "scene": task.scene,
             "vehicle": task.vehicle,
+            # Of a goal in words the result names the area where the flight ended.
+            "area": task.area,
             "recording": None if sitl.missing else result.recording,
             "flown_enu_m": flown_enu_m,
             "progress": progress(
