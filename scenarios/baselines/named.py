@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import importlib
+import os
 import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
 if TYPE_CHECKING:
     from autonomy.planning import Method
+    from scenarios.chat.completions import ChatModel
     from scenarios.run.cfg import SitlCfg
     from scenarios.run.companion import Aboard, Companion
 
@@ -21,9 +24,14 @@ PLANNERS: Mapping[str, Method] = {OURS: "optimise", "mueller": "primitives"}
 BASELINES: Mapping[str, str] = {
     "potential": "scenarios.baselines.potential_pilot:PotentialFieldPilot",
     "straight": "scenarios.baselines.straight_line:StraightLinePilot",
+    "random": "scenarios.baselines.area_choosers:RANDOM",
+    "nearest": "scenarios.baselines.area_choosers:NEAREST",
+    "perfect": "scenarios.baselines.area_choosers:PERFECT",
 }
 """Classes that ship beside ours, to tell flight stacks apart by."""
-SHIPPED = frozenset((*PLANNERS, *BASELINES))
+VLM = "vlm"
+"""Pilot that a vision-language model steers, behind an address that the user names."""
+SHIPPED = frozenset((*PLANNERS, *BASELINES, VLM))
 """Pilots that need no code but ours."""
 
 
@@ -45,20 +53,26 @@ class NamedPilot:
         return replace(cfg, demo=self.make is None, planner=self.planner)
 
 
-def pilot_of(text: str, option: str = "pilot") -> NamedPilot:
+def pilot_of(text: str, option: str = "pilot", chat: ChatModel | None = None) -> NamedPilot:
     """The pilot that a user names.
 
     Args:
         text: A name that ships, or `MODULE:CLASS`; modules are looked for where the command was
             started too.
         option: Name of the option that asks for it, for the message.
+        chat: Model that steers the pilot `vlm`; None for all others.
 
     Raises:
         PilotError: If there is no such pilot.
     """
+    if (text == VLM) != (chat is not None):
+        name = "no endpoint" if chat is None else f"endpoint {chat.endpoint!r}"
+        raise PilotError(f"{option} is {text!r} with {name}; valid: --pilot vlm --endpoint URL")
+    if chat is not None:
+        return _steered_by(chat)
     if text in PLANNERS:
         return NamedPilot(planner=PLANNERS[text])
-    names = ", ".join((*PLANNERS, *BASELINES))
+    names = ", ".join((*PLANNERS, *BASELINES, VLM))
     valid = f"valid: {names}, or MODULE:CLASS such as my_pilot:Pilot, see docs/python.md"
     module, _, name = BASELINES.get(text, text).partition(":")
     if not module or not name.isidentifier():
@@ -74,3 +88,19 @@ def pilot_of(text: str, option: str = "pilot") -> NamedPilot:
     if not callable(found):
         raise PilotError(f"{option} is {text!r}, which is no class; {valid}")
     return NamedPilot(make=cast("MakePilot", found))
+
+
+def _steered_by(chat: ChatModel) -> NamedPilot:
+    """The pilot that a model steers.
+
+    Raises:
+        PilotError: If the address is none.
+    """
+    from scenarios.baselines.vlm_pilot import VlmPilot
+    from scenarios.chat.completions import ChatError
+
+    try:
+        _ = chat.address
+    except ChatError as error:
+        raise PilotError(str(error)) from None
+    return NamedPilot(make=partial(VlmPilot, chat, os.environ))

@@ -23,6 +23,7 @@ from scenarios.campaigns.flyer import Row, Suite, Trial
 from scenarios.campaigns.recordings import MANIFEST
 from scenarios.campaigns.store import JOURNAL, Store, open_store, read_results
 from scenarios.campaigns.summary import SUMMARY_COLUMNS, summarise_trials
+from scenarios.chat.completions import ChatModel
 from scenarios.tasks.recipe import recipe_from
 
 SUMMARY = "summary.json"
@@ -37,6 +38,8 @@ class _SuiteFacts(msgspec.Struct, kw_only=True):
     families: dict[str, dict[str, Any]] = {}
     pilot: str
     program: str | None = None
+    endpoint: str | None = None
+    model: str | None = None
     autopilot: Literal["px4", "ardupilot"] | None = None
     autopilot_binary: str = ""
     autopilot_sha256: str = ""
@@ -158,11 +161,18 @@ def read_suite(folder: Path) -> Suite | None:
             families={name: recipe_from(each) for name, each in suite["families"].items()},
             pilot=suite["pilot"],
             program=suite["program"],
+            chat=chat_from(suite),
             stack=stack_from(suite),
             equipment=equipment_from(suite),
         )
     except ValueError as error:
         raise _no_manifest(path, error) from None
+
+
+def chat_from(suite: dict[str, Any]) -> ChatModel | None:
+    """Model that steers the pilot of a manifest; None if none does."""
+    endpoint, model = suite["endpoint"], suite["model"]
+    return None if endpoint is None else ChatModel(endpoint=endpoint, model=model or "default")
 
 
 def row_of(folder: Path, trial: Trial) -> Row | None:

@@ -31,6 +31,7 @@ from scenarios.campaigns.external.program import words_of
 from scenarios.campaigns.external.user_class import PilotFaultError, UserPilot
 from scenarios.campaigns.flight_stack import FlightStack
 from scenarios.campaigns.recordings import Recordings
+from scenarios.chat.completions import ChatModel
 from scenarios.mission.surroundings import MissionError
 from scenarios.run.hangar import Hangar
 from scenarios.run.input_errors import INPUT_ERRORS
@@ -41,6 +42,8 @@ from scenarios.tasks.sampler import Sampler
 from scenarios.tasks.task import Task, trial_id
 from scenarios.trials.grade import grade, progress
 from scenarios.trials.measures.track import track_of
+from scenarios.trials.result import TrialResult
+from scenarios.trials.word_scores import spl
 
 _LOG = logging.getLogger(__name__)
 
@@ -94,6 +97,8 @@ class Suite:
     process."""
     program: str | None = None
     """Command that flies each trial over MAVLink; None waits for a client."""
+    chat: ChatModel | None = None
+    """Model that steers the pilot `vlm`."""
     stack: FlightStack | None = None
     """Flight stack that the pilot commands; None is our autopilot."""
     equipment: Equipment = field(default_factory=Equipment)
@@ -127,6 +132,9 @@ class Suite:
             found["pilot"] = self.pilot
         if self.is_external and self.program is not None:
             found["program"] = self.program
+        if self.chat is not None:
+            # Images and, over https, the user's key would be sent there.
+            found["endpoint"] = self.chat.endpoint
         if self.stack is not None:
             found["autopilot-binary"] = self.stack.binary
         return found
@@ -142,7 +150,7 @@ class Suite:
         if self.stack is not None:
             self.stack.require()
         if not self.is_external:
-            pilot_of(self.pilot)
+            pilot_of(self.pilot, chat=self.chat)
         elif self.program is not None:
             words_of(self.program)
 
@@ -153,6 +161,8 @@ class Suite:
             "families": {name: asdict(recipe) for name, recipe in self.families.items()},
             "pilot": self.pilot,
             "program": self.program,
+            "endpoint": None if self.chat is None else self.chat.endpoint,
+            "model": None if self.chat is None else self.chat.model,
             "equipment": self.equipment.to_plain(),
             **({"autopilot": None} if self.stack is None else self.stack.to_plain()),
         }
@@ -192,7 +202,7 @@ class Flyer:
                 suite.program, patience_s=patience_s, port=port, is_shown=shows_program
             )
         else:
-            self._pilot = _guarded(pilot_of(suite.pilot), suite.pilot)
+            self._pilot = _guarded(pilot_of(suite.pilot, chat=suite.chat), suite.pilot)
         self._hangar = Hangar()
         self._samplers: OrderedDict[tuple[str, str, str], Sampler] = OrderedDict()
 
@@ -281,10 +291,13 @@ class Flyer:
         has_reached = result.navigation_s is not None
         return {
             **result.to_plain(),
+            "spl": _spl(task, result),
             **(failure(Mishap.HUNG, result.reason) if sitl.bench.fault else {}),
             # The task names scene and vehicle as they were opened.
             "scene": task.scene,
             "vehicle": task.vehicle,
+            # Of a goal in words the result names the area where the flight ended.
+            "area": task.area,
             "recording": None if sitl.missing else result.recording,
             "flown_enu_m": flown_enu_m,
             "progress": progress(
@@ -304,6 +317,14 @@ class Flyer:
 
     def __exit__(self, *exception: object) -> None:
         self.close()
+
+
+def _spl(task: Task, result: TrialResult) -> float | None:
+    """Success weighted by path length, of a flight to a goal in words."""
+    if result.path_m is None:
+        return None
+    weight = spl(success=result.success is True, way_m=task.way.way_m, path_m=result.path_m)
+    return round(weight, 4)
 
 
 def _guarded(pilot: NamedPilot, name: str) -> NamedPilot:

@@ -10,9 +10,11 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from aeroscene.corpus.corpus import scene_domain
+from scenarios.trials.verdict import Fate
+from scenarios.words.goal import GRADES as GOAL_GRADES
 
 _Z_95 = 1.959963984540054
 """Quantile of the normal law for an interval of 95%."""
@@ -42,6 +44,7 @@ def _winds(table: pa.Table) -> pa.Array:
 
 GROUPS: Mapping[str, Callable[[pa.Table], pa.Array]] = {
     "family": _named("family"),
+    "goal": _named("goal"),
     "vehicle": _named("vehicle"),
     "kind": _kinds,
     "scene": _named("scene"),
@@ -64,6 +67,7 @@ SUMMARY_COLUMNS = (
         "scene",
         "difficulty",
     ),
+    *("goal", "navigation_error_m", "oracle_error_m", "spl", "fate"),
     *("wind_mps", "map", "gnss", "aiding", "depth_camera", "traffic", "failures", "family"),
 )
 """Columns that a summary is made of."""
@@ -101,7 +105,8 @@ def summarise_trials(table: pa.Table) -> dict[str, Any]:
         `trials`, `success_rate`, `interval_95`; `grade` and `grade_interval_95`, the mean of
         `scenarios.trials.grade`; `without_task`, trials that a scene has no task
         for, which count nowhere else; `phases`, of which interaction counts only flights that came
-        to their area; `groups` by name and value; `codes` with their counts, most frequent first.
+        to their area; `words`, scores of the trials with goals in words; `groups` by name and
+        value; `codes` with their counts, most frequent first.
     """
     judged = table.filter(pc.field("success").is_valid())
     came = judged.filter(pc.field("navigated") | pc.field("success"))
@@ -116,9 +121,52 @@ def summarise_trials(table: pa.Table) -> dict[str, Any]:
             "interaction": _rate(came),
         },
         "groups": {name: _group(judged, group_of(judged)) for name, group_of in GROUPS.items()},
+        "words": _words(judged),
         "codes": {row["code"]: row["count_all"] for row in codes},
         "cpu_seconds_per_trial": float(cpu_seconds.mean()) if cpu_seconds.size else None,
     }
+
+
+WITHIN_M = (5.0, 20.0)
+"""Distances from the place within which flights to goals in words are counted."""
+
+
+def _words(judged: pa.Table) -> dict[str, Any] | None:
+    """Scores of the trials with goals in words; None where there are none.
+
+    A trial without a flight, such as one whose pilot raised an error, is nowhere near its goal.
+    """
+    rows = judged.filter(pc.field("goal").isin(list(GOAL_GRADES)))
+    if not len(rows):
+        return None
+    near_m, oracle_m, weights = (
+        rows[name].to_numpy() for name in ("navigation_error_m", "oracle_error_m", "spl")
+    )
+    collided = np.array([fate == Fate.COLLIDED.value for fate in rows["fate"].to_pylist()])
+    found: dict[str, Any] = {"success": _rate(rows)}
+    for within_m in WITHIN_M:
+        # Comparisons with NaN are false.
+        found[f"within_{within_m:g}_m"] = _share_of(near_m <= within_m)
+        found[f"oracle_within_{within_m:g}_m"] = _share_of(oracle_m <= within_m)
+    return {
+        **found,
+        "collided": _share_of(collided),
+        "spl": mean_with_interval(np.nan_to_num(weights)),
+        "navigation_error_m": mean_with_interval(near_m[np.isfinite(near_m)]),
+    }
+
+
+def _share_of(holds: Bool[np.ndarray, " n"]) -> dict[str, Any]:
+    return share(int(np.count_nonzero(holds)), len(holds))
+
+
+def mean_with_interval(values: Float[np.ndarray, " n"]) -> dict[str, Any]:
+    """Mean of some figures as plain data, with the interval of the mean by the normal law."""
+    n = len(values)
+    mean = float(values.mean()) if n else None
+    half = _Z_95 * float(values.std(ddof=1)) / math.sqrt(n) if n > 1 else None
+    ends = None if mean is None or half is None else [max(0.0, mean - half), mean + half]
+    return {"trials": n, "mean": mean, "interval_95": ends}
 
 
 def _group(judged: pa.Table, groups: pa.Array) -> dict[str, Any]:

@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from scenarios.campaigns.fixed import FixedSuite
     from scenarios.campaigns.flight_stack import FlightStack
     from scenarios.campaigns.flyer import Suite, Trial
+    from scenarios.chat.completions import ChatModel
 
 _PROG = "aeroscene campaign"
 _DISTRICT = re.compile(r"district:[0-9]{1,9}")
@@ -68,12 +69,19 @@ class CampaignCfg:
     """Airframes by their names, or files FILE.toml that describe them, joined by commas."""
     pilot: str = "demo"
     """Who flies: demo is ours, mueller the same with motion primitives for a planner; potential
-    goes through a potential field, straight flies straight lines without looking; MODULE:CLASS is
-    a class of your own, mavlink a program of your own over MAVLink, see docs/campaigns.md."""
+    goes through a potential field, straight flies straight lines without looking; random, nearest,
+    perfect and vlm are for goals in words, see docs/goals.md; MODULE:CLASS is a class of your own,
+    mavlink a program of your own over MAVLink, see docs/campaigns.md."""
     program: Annotated[str | None, tyro.conf.arg(help_behavior_hint="")] = None
     """With --pilot mavlink: command that flies each trial, with its task as a line of JSON on
     standard input. By default clients come by themselves, and each task is a line on standard
     output."""
+    endpoint: Annotated[str | None, tyro.conf.arg(help_behavior_hint="")] = None
+    """With --pilot vlm: address of a vision-language model that answers chat/completions as
+    OpenAI's does, such as http://127.0.0.1:8080/v1. OPENAI_API_KEY is sent if it is set, over https
+    and to this machine only."""
+    model: str = "default"
+    """With --endpoint: name of the model there."""
     autopilot: Literal["builtin", "px4", "ardupilot"] = "builtin"
     """Flight stack that the pilot commands: ours, or one of its own, see docs/flight_stacks.md."""
     autopilot_binary: Annotated[str | None, tyro.conf.arg(help_behavior_hint="")] = None
@@ -277,6 +285,7 @@ def _suite(cfg: CampaignCfg) -> Suite:
         families=families,
         pilot=cfg.pilot,
         program=cfg.program,
+        chat=chat_model(_PROG, cfg.endpoint, cfg.model),
         stack=_stack(cfg),
         equipment=cfg.equipment,
         recordings=recordings,
@@ -292,6 +301,17 @@ def _suite(cfg: CampaignCfg) -> Suite:
     if has_ports and not 0 <= cfg.instance <= last:
         fail(_PROG, f"instance {cfg.instance} is out of range; valid: 0 to {last}, by the workers")
     return suite
+
+
+def chat_model(prog: str, endpoint: str | None, model: str) -> ChatModel | None:
+    """Model at the address that is asked for; a model without one ends the process."""
+    from scenarios.chat.completions import ChatModel
+
+    if endpoint is None:
+        if model != "default":
+            fail(prog, f"model {model!r} needs --endpoint")
+        return None
+    return ChatModel(endpoint=endpoint, model=model)
 
 
 def _stack(cfg: CampaignCfg) -> FlightStack | None:

@@ -12,6 +12,7 @@ import tyro
 from aeroscene.ranges import Range
 from scenarios.campaigns.equipment import CameraHz, Equipment
 from scenarios.campaigns.recordings import MANIFEST, RECORDINGS, Recordings
+from scenarios.cli.campaign import chat_model
 from scenarios.cli.campaign_limits import MOST_TRIALS
 from scenarios.cli.command_line import (
     EXIT_BAD_INPUT,
@@ -53,6 +54,10 @@ class FlyCfg:
     run: name it again, or say --trust."""
     program: Annotated[str | None, default_hint("none")] = None
     """With a campaign of --pilot mavlink: the command that flies, as the campaign names it."""
+    endpoint: Annotated[str | None, default_hint("none")] = None
+    """With --pilot vlm, or a campaign of it: address of the model, as the campaign names it."""
+    model: str = "default"
+    """With --endpoint: name of the model there."""
     autopilot_binary: Annotated[str | None, default_hint("none")] = None
     """With a campaign of --autopilot: the program of the flight stack, as the campaign has it."""
     trust: bool = False
@@ -125,6 +130,8 @@ def _suite(cfg: FlyCfg) -> tuple[Suite, bool]:
         suite = replace(suite, recipe=named_recipe(cfg.recipe))
     if cfg.pilot is not None:
         suite = replace(suite, pilot=cfg.pilot)
+    if cfg.endpoint is not None:
+        suite = replace(suite, chat=chat_model(_PROG, cfg.endpoint, cfg.model))
     if cfg.equipment != Equipment():
         suite = replace(suite, equipment=cfg.equipment)
     if cfg.program is not None:
@@ -143,6 +150,7 @@ def _require_trust(cfg: FlyCfg, suite: Suite) -> None:
     named = {
         "pilot": cfg.pilot,
         "program": cfg.program,
+        "endpoint": cfg.endpoint,
         "autopilot-binary": cfg.autopilot_binary,
     }
     for option, value in suite.foreign_code.items():
@@ -168,6 +176,8 @@ def _print_row(row: Row, is_same: bool | None) -> None:
             f"{row['difficulty']}, wind {row['wind_mps']:.1f} m/s",
             soft_wrap=True,
         )
+    if row.get("text") is not None:
+        console.print(styled(("  goal: ", "bold"), row["text"]), soft_wrap=True)
     if is_same is not None:
         console.print(f"  {'the same' if is_same else 'ANOTHER'} flight as in the campaign")
     if row.get("recording"):

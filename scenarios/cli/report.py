@@ -79,12 +79,33 @@ def print_summary(console: Terminal, summary: Mapping[str, Any]) -> None:
         for value, rate in members.items():
             _add_rate(rates, f"{name} {value}", rate)
     console.print(rates)
+    if (words := summary["words"]) is not None:
+        console.print(_words_table(words))
     codes = Table("code", "trials")
     for code, count in summary["codes"].items():
         codes.add_row(code, str(count))
     console.print(codes)
     if summary["without_task"]:
         console.print(f"{summary['without_task']} trials had no task and count nowhere.")
+
+
+def _words_table(words: Mapping[str, Any]) -> Table:
+    """Scores of goals in words."""
+    table = Table("goals in words", "trials", "", "95% interval")
+    for name, score in words.items():
+        is_rate = "success_rate" in score
+        value, form = (
+            score["success_rate" if is_rate else "mean"],
+            "{:.1%}" if is_rate else "{:.2f}",
+        )
+        ends = score["interval_95"] or []
+        table.add_row(
+            name.replace("_", " "),
+            str(score["trials"]),
+            "" if value is None else form.format(value),
+            " to ".join(form.format(end) for end in ends),
+        )
+    return table
 
 
 def _add_rate(table: Table, name: str, rate: Mapping[str, Any]) -> None:

@@ -25,6 +25,8 @@ def announce(console: Terminal, sitl: Sitl) -> None:
         ),
         soft_wrap=True,
     )
+    if sitl.words is not None:
+        console.print(styled(("Goal: ", "bold"), sitl.words.text), soft_wrap=True)
     external = first.external
     if external is not None and not cfg.autopilot_binary:
         console.print(
@@ -110,6 +112,7 @@ def _figures(result: TrialResult) -> Iterator[tuple[str, float | int | str | Non
     yield "the vehicle is", result.fate and result.fate.replace("_", " "), ""
     yield "area, assigned", result.area, ""
     yield "area, landed on", result.landed_area, ""
+    yield "distance from the goal", result.navigation_error_m, " m"
     yield "contacts before touchdown", result.contacts_before_touchdown, ""
     yield "touchdown error", result.touchdown_error_m, " m"
     yield "touchdown speed", result.touchdown_speed_mps, " m/s"

@@ -20,12 +20,13 @@ from scenarios.reports.findings import FIGURE_COLUMNS, FIGURES, Figure
 _TASK = (
     *("seed", "start", "start_yaw_rad", "area", "time_limit_s", "wind_mps", "wind_from_deg"),
     *("gust_mps", "turbulence", "traffic", "gnss", "depth_camera", "map", "aiding", "failures"),
+    "text",
     "navigation_limit_s",
 )
 _COLUMNS = tuple(
     dict.fromkeys(
         (
-            *("trial_id", "success", "code", "family", "scene", "vehicle", "difficulty"),
+            *("trial_id", "success", "code", "family", "goal", "scene", "vehicle", "difficulty"),
             *_TASK,
             *FIGURE_COLUMNS,
         )

@@ -42,6 +42,10 @@ class SitlCfg:
     area: Annotated[int | None, Range(0), _UNSET] = None
     """Number of the area to land on; by default the seed draws one among all that fit the vehicle
     and can be flown to, indoors and outdoors with equal chance."""
+    goal: Literal["area", "words", "naming", "relation", "chain"] = "area"
+    """How the pilot learns where to land: area names the area; words is a text that fits one place
+    of the scene alone, and naming, relation or chain is its grade, see docs/goals.md. With --area,
+    the text means the place of that area."""
     map: Literal["truth", "onboard"] = "truth"
     """What our mission knows of the place: truth is the scene's own map; onboard is nothing but the
     flight volume and the areas, and the map grows from depth."""
@@ -103,6 +107,11 @@ class SitlCfg:
             _require_folder("captures", self.captures)
         if self.ros2:
             _ = self.domain
+        if self.goal != "area" and len(self.airframes) > 1:
+            raise TestbenchError(
+                f"goal {self.goal!r} is one vehicle's, vehicles {self.vehicles!r} are several; "
+                "valid: one vehicle, or --goal area"
+            )
         if not self.formats:
             raise TestbenchError("format has no value; valid: png, svg, pdf")
 

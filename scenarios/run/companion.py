@@ -14,6 +14,17 @@ from flightsim.mavlink.client import BytePipe, MavlinkClient
 from flightsim.vehicles import Airframe
 from scenarios.pilot.eyes import DepthFrame
 from scenarios.trials.verdict import Word
+from scenarios.words.goal import Description
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Insight:
+    """Knowledge that no vehicle has, for baselines that stand for perfect perception."""
+
+    scene: Scene
+    """The scene with all its objects and areas, whatever the pilot is given of the map."""
+    description: Description
+    """Meaning of the text."""
 
 
 class CameraImage(DepthFrame, Protocol):
@@ -36,10 +47,16 @@ class Aboard:
     render: Callable[[str], CameraImage]
     """Function that renders the present frame of the named camera."""
     scene: Scene
-    """The map."""
+    """The map. In a flight to a goal in words whose map is not given, it has neither objects nor
+    areas."""
     airframe: Airframe
     area: InteractionArea | None = None
     """Assigned area; None leaves the choice to the companion."""
+    text: str = ""
+    """Goal in words, such as `Land on the blue container.`; empty where the goal is an area."""
+    insight: Insight | None = None
+    """None but for a maker of pilots with a true attribute `has_insight`, in a flight to a goal in
+    words."""
     scan: Callable[[], LidarScan | None] = lambda: None
     """Function that gives the lidar's last complete scan; None without a lidar."""
 

@@ -4,28 +4,31 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import ExitStack
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from aeroscene.scene import InteractionArea
 from flightsim.cameras import Cameras
 from flightsim.testbench import Testbench, Vehicle
+from scenarios.run.announcing import announce_goal
 from scenarios.run.cfg import SitlCfg
 from scenarios.run.hangar import Hangar
 from scenarios.run.missions import new_pilot
 from scenarios.run.schedule import Schedule
 from scenarios.trials.figures import Goal
 from scenarios.trials.flight_log import FlightLog
-from scenarios.trials.result import TrialResult, figures
+from scenarios.trials.result import TrialResult, figures, rounded
 from scenarios.trials.score import FlightScore
 from scenarios.trials.verdict import Code, Ending, Judgement, judge
+from scenarios.trials.word_scores import nearest_area, score_words
 
 if TYPE_CHECKING:
     from scenarios.mission.mission import Mission
     from scenarios.pictures.tape import FlightTape
     from scenarios.pilot import Pilot
     from scenarios.run.companion import Aboard, Companion
+    from scenarios.words.drawing import WordGoal
 
 
 class Flight:
@@ -33,6 +36,7 @@ class Flight:
 
     Attributes:
         vehicle: The vehicle with its stack.
+        words: Goal in words; None where it is an area.
         area: Area that was assigned by its number; None leaves it to the draw, or to the companion.
         log: What score and hash need.
         pilot: Our own pilot, in a demo.
@@ -50,6 +54,7 @@ class Flight:
         area: InteractionArea | None,
         mission: Mission | None,
         pilot: Callable[[Aboard], Companion] | None,
+        words: WordGoal | None = None,
     ) -> None:
         """Follow a vehicle from now on.
 
@@ -62,8 +67,11 @@ class Flight:
             area: Assigned area.
             mission: Flown by our own pilot, in a demo.
             pilot: Makes the caller's pilot.
+            words: Goal in words; landing on any of its areas will do.
         """
-        self.vehicle, self.area = vehicle, area
+        self.vehicle, self.area, self.words = vehicle, area, words
+        if words is not None:
+            announce_goal(bench, vehicle, words.text)
         self._cfg, self._hangar, self._stack = cfg, hangar, stack
         self._cameras: Cameras | None = None
         self.log = FlightLog(vehicle.plant, is_judged=cfg.demo or pilot is not None)
@@ -71,7 +79,7 @@ class Flight:
         self.pilot: Pilot | None = None
         if mission is not None:
             self.pilot = new_pilot(vehicle, mission, self.cameras.render_depth)
-        self.companion = self.pilot if pilot is None else pilot(self._aboard())
+        self.companion = self.pilot if pilot is None else pilot(self._aboard(pilot))
         if (companion := self.companion) is not None:
             bench.observers.append(lambda: companion.update(vehicle.plant.time_us))
         self._tape = None if cfg.pictures is None else self._open_tape()
@@ -85,18 +93,25 @@ class Flight:
             self._cameras = self._stack.enter_context(self._hangar.cameras(self.vehicle))
         return self._cameras
 
-    def _aboard(self) -> Aboard:
-        from scenarios.run.companion import Aboard
+    def _aboard(self, pilot: Callable[[Aboard], Companion]) -> Aboard:
+        from scenarios.run.companion import Aboard, Insight
 
-        vehicle = self.vehicle
+        vehicle, words, scene = self.vehicle, self.words, self.vehicle.scene
+        insight = None
+        if words is not None and getattr(pilot, "has_insight", False):
+            insight = Insight(scene=scene, description=words.description)
+        if words is not None and self._cfg.map == "onboard":
+            scene = replace(scene, objects=(), interaction_areas=(), relief=None)
         return Aboard(
             client=vehicle.connect(),
             link=vehicle.stack.pipe(),
             # Opens the cameras only where somebody looks.
             render=lambda camera: self.cameras.render(camera),  # noqa: PLW0108
-            scene=vehicle.scene,
+            scene=scene,
             airframe=vehicle.airframe,
             area=self.area,
+            text="" if words is None else words.text,
+            insight=insight,
             scan=lambda: None if vehicle.lidar is None else vehicle.lidar.latest,
         )
 
@@ -109,7 +124,10 @@ class Flight:
     def schedule(self) -> Schedule:
         """What of the flight is still to come, from now on."""
         longest_s = self._cfg.headless_seconds
-        return Schedule(self.vehicle.plant, self.log, self.companion, longest_s)
+        is_to_land = self.words is not None
+        return Schedule(
+            self.vehicle.plant, self.log, self.companion, longest_s, is_to_land=is_to_land
+        )
 
     def conclude(
         self, stopped_by: str | None, spent_s: tuple[float, float], recording: str | None
@@ -124,6 +142,9 @@ class Flight:
         goal = self._goal()
         score = self.log.score(goal)
         measured = figures(score, None if goal is None else goal.area, self.companion)
+        if self.words is not None and goal is not None:
+            found = score_words(self.log.positions_enu_m(), self.words.areas)
+            measured |= {name: rounded(figure) for name, figure in asdict(found).items()}
         judgement = self._judge(score, goal, stopped_by)
         return self._result(measured, judgement, spent_s, recording)
 
@@ -144,7 +165,10 @@ class Flight:
         if self.companion is None:
             return None
         area = self.area or self.companion.area
-        if self.pilot is not None:
+        if self.words is not None:
+            # Any area of the place will do: the flight is judged by the one where it ended.
+            area = nearest_area(self.log.positions_enu_m()[-1], self.words.areas)
+        elif self.pilot is not None:
             area = self.pilot.mission.area
         return Goal(
             area=area,
@@ -180,6 +204,8 @@ class Flight:
             vehicle=vehicle.airframe.name,
             seed=vehicle.cfg.seed,
             start=(x, y, z),
+            goal="area" if self.words is None else self.words.grade,
+            text=None if self.words is None else self.words.text,
             sim_seconds=round(sim_s, 2),
             wall_seconds=round(wall_s, 2),
             cpu_seconds=round(cpu_s, 2),

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from scenarios.mission.mission import Mission
     from scenarios.pilot import Pilot
     from scenarios.pilot.eyes import Frames
+    from scenarios.words.drawing import WordGoal
 
 _APART_M = 4.0
 """Least distance between the areas of two vehicles, and from where another one starts."""
@@ -66,6 +67,34 @@ def plan_missions(
         replace(mission, alternates=_left_to(mission, [m for m in missions if m is not mission]))
         for mission in missions
     ]
+
+
+def plan_to_words(cfg: SitlCfg, vehicle: Vehicle, goal: WordGoal) -> Mission:
+    """Plan our pilot's mission to a goal in words.
+
+    Our pilot stands for perfect perception and perfect reading: it evaluates what the text means
+    on the scene's own objects. So its failures are those of flying alone.
+
+    Args:
+        cfg: Configuration of the run.
+        vehicle: The vehicle.
+        goal: The goal.
+
+    Raises:
+        TestbenchError: If none of the areas can be flown to.
+    """
+    from scenarios.words.perceiving import perceived_areas
+
+    fault: TestbenchError | None = None
+    areas = perceived_areas(vehicle.scene, goal.description, vehicle.airframe)
+    for area in areas:
+        try:
+            (mission,) = plan_missions(cfg, [vehicle], area)
+        except TestbenchError as error:
+            fault = fault or error
+        else:
+            return replace(mission, alternates=tuple(each for each in areas if each != area))
+    raise fault or TestbenchError(f"scene {vehicle.scene.scene_id}: nothing fits {goal.text!r}")
 
 
 def new_pilot(vehicle: Vehicle, mission: Mission, frames: Frames) -> Pilot:

@@ -22,7 +22,13 @@ class Schedule:
     """The parts of a vehicle's run, one after the other; ask `is_over` before each tick."""
 
     def __init__(
-        self, plant: Plant, log: FlightLog, companion: Companion | None, longest_s: float | None
+        self,
+        plant: Plant,
+        log: FlightLog,
+        companion: Companion | None,
+        longest_s: float | None,
+        *,
+        is_to_land: bool = False,
     ) -> None:
         """Begin now.
 
@@ -31,8 +37,10 @@ class Schedule:
             log: Its flight.
             companion: Who flies; a run for clients alone has one part, which has no end.
             longest_s: Simulated time after which it is over anyway; None for never.
+            is_to_land: Whether it has to land even if the companion names no area.
         """
         self._plant, self._log, self._companion = plant, log, companion
+        self._is_to_land = is_to_land
         self._is_endless = companion is None
         self._watches_descent = False
         self._parts = iter(()) if companion is None else self._flown(companion, log)
@@ -64,12 +72,15 @@ class Schedule:
             return
         yield LIMITS.settle_s, lambda: False
         rest_s = LIMITS.longest_settle_s - LIMITS.settle_s
-        yield rest_s, lambda: companion.area is None or log.is_still()
+        yield rest_s, lambda: not self._wants_landing(companion) or log.is_still()
+
+    def _wants_landing(self, companion: Companion) -> bool:
+        return self._is_to_land or companion.area is not None
 
     def _is_left_in_the_air(self) -> bool:
         """Whether a pilot that was to land has ended its flight in the air."""
         companion = self._companion
-        if companion is None or companion.area is None or not companion.is_done:
+        if companion is None or not self._wants_landing(companion) or not companion.is_done:
             return False
         return self._log.is_in_the_air()
 

@@ -19,17 +19,19 @@ from scenarios.mission.goals import find_area, with_start
 from scenarios.run.cfg import SitlCfg
 from scenarios.run.flight import Flight
 from scenarios.run.hangar import Hangar
-from scenarios.run.missions import plan_missions
+from scenarios.run.missions import plan_missions, plan_to_words
 from scenarios.run.results import RunResult
 from scenarios.run.schedule import RunClock, run_until_over
 from scenarios.run.summary import write_summary
 from scenarios.trials.result import TrialResult
 
 if TYPE_CHECKING:
+    from scenarios.mission.mission import Mission
     from scenarios.pilot import Pilot
     from scenarios.recording import Recorder
     from scenarios.recording.viewer import Viewer
     from scenarios.run.companion import Aboard, Companion
+    from scenarios.words.drawing import WordGoal
 
 _LOG = logging.getLogger(__name__)
 
@@ -40,6 +42,7 @@ class Sitl:
     Attributes:
         bench: The simulated world with its vehicles and their autopilots.
         flights: Flight of each vehicle, with its pilot, its log and its cameras.
+        words: Goal in words of the flight; None where it is an area.
         recorder: Recorder of the run, if it is recorded or watched.
         viewer: Viewer that shows the run live, if it is watched.
         result: Results of all vehicles, once `run` has ended.
@@ -89,6 +92,7 @@ class Sitl:
                 scene = with_start(scene, airframes[0], cfg.start)
             name = cfg.area
             area = None if name is None else find_area(scene, airframes[0], name, "area")
+            self.words = self._words(scene, airframes[0], area)
             self.bench = stack.enter_context(
                 Testbench(
                     scene,
@@ -121,10 +125,14 @@ class Sitl:
         """Open the flight of each vehicle; an assigned area is the first one's."""
         cfg, vehicles = self.cfg, self.bench.vehicles
         is_ours = cfg.demo and pilot is None
-        missions = plan_missions(cfg, vehicles, area) if is_ours else [None] * len(vehicles)
+        missions: Sequence[Mission | None] = [None] * len(vehicles)
+        if is_ours and self.words is not None:
+            missions = [plan_to_words(cfg, vehicles[0], self.words)]
+        elif is_ours:
+            missions = plan_missions(cfg, vehicles, area)
         flights: list[Flight] = []
         for vehicle, mission in zip(vehicles, missions, strict=True):
-            own_area = None if flights else area
+            own_area = None if flights or self.words is not None else area
             flights.append(
                 Flight(
                     cfg,
@@ -135,11 +143,27 @@ class Sitl:
                     area=own_area,
                     mission=mission,
                     pilot=pilot,
+                    words=self.words,
                 )
             )
         for flight in flights:
             flight.log.fly_with([mate.log for mate in flights if mate is not flight])
         return tuple(flights)
+
+    def _words(
+        self, scene: Scene, airframe: Airframe, area: InteractionArea | None
+    ) -> WordGoal | None:
+        """Goal in words, if the run has one.
+
+        Raises:
+            WordsError: If no text fits one place alone.
+        """
+        cfg = self.cfg
+        if cfg.goal == "area":
+            return None
+        from scenarios.words.choosing import choose_goal
+
+        return choose_goal(scene, airframe, asked=cfg.goal, seed=cfg.bench.seed, area=area)
 
     @property
     def pilot(self) -> Pilot | None:

@@ -25,6 +25,8 @@ _MOST_DRAWS = 100
 _MOST_WORDS = 100
 Ends = Literal["any", "indoor", "outdoor", "through"]
 Aiding = Literal["gnss", "vio", "mocap", "auto"]
+Goal = Literal["area", "naming", "relation", "chain"]
+"""Kinds of goals: an area, or a text of one of three grades."""
 Range = tuple[float, float]
 """Bounds between which a number is drawn, every one with equal chance."""
 
@@ -49,6 +51,9 @@ class Recipe:
     """Where start and target lie: both indoors, both outdoors, one of each (`through`), or any."""
     target: Target = "landing"
     """What it is to land on."""
+    goals: tuple[Goal, ...] = ("area",)
+    """How the pilot learns where to land: by its area, or by a text of a grade, see
+    docs/goals.md."""
     difficulty: tuple[Grade, ...] = GRADES[::-1]
     """Grades of the ways, which the trials take in turn as far as the scene has them; hard ones
     come first, so that a few trials a scene tell pilots apart."""
@@ -102,6 +107,10 @@ class Recipe:
             raise RecipeError(
                 f"recipe: time_limit_s {self.time_limit_s} is out of range; "
                 f"valid: above 0, at most {LIMITS.trial_s:g}"
+            )
+        if set(self.goals) != {"area"} and self.target != "landing":
+            raise RecipeError(
+                f"recipe: target {self.target!r} has no texts; valid: landing, or goals area"
             )
         if self.navigation_within is not None and not self.navigation_within >= 1.0:
             raise RecipeError(

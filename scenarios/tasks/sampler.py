@@ -33,10 +33,18 @@ from scenarios.tasks.way import (
     least_navigation_s,
     measure_way,
 )
+from scenarios.words.choosing import fitting
+from scenarios.words.drawing import WordGoal, draw_goal
+from scenarios.words.goal import Grade as GoalGrade
 
 _MOST_DRAWS = 60
 """Draws of a start and an area for one trial, with those that no free space joins."""
 _SEEDS = 2**31
+MOST_SHARE = 0.05
+"""Share of the areas that fit the vehicle which may be of the place that a text means: whoever
+lands anywhere must not be right more often."""
+_MOST_WAYS = 4
+"""Nearest areas of such a place to which ways are measured."""
 _KEPT_SCENES = 2
 _T = TypeVar("_T")
 
@@ -50,6 +58,13 @@ class _Start(NamedTuple):
     position_enu_m: Vector3
     yaw_rad: float
     side: Side
+
+
+class _Asked(NamedTuple):
+    """What text a trial asks for."""
+
+    grade: GoalGrade
+    seed: int
 
 
 class Sampler:
@@ -75,6 +90,7 @@ class Sampler:
         self._reach = Reach.of(scene, airframe)
         self._places: dict[Vector3, Vector3 | None] = {}
         """Where the vehicle begins above each start; None if it cannot stand there, or not rise."""
+        self._goals: dict[tuple[int, _Asked], WordGoal | None] = {}
         self._ways: dict[tuple[Vector3, int], WayFigures | None] = {}
 
     def task(self, trial: int) -> Task:
@@ -85,17 +101,25 @@ class Sampler:
         """
         recipe, scene_id = self._recipe, self._scene.scene_id
         stream = (self._airframe.name, trial)
-        start, area, way = self._draw_way(trial, generator(recipe.seed, scene_id, "way", *stream))
         rng = generator(recipe.seed, scene_id, "conditions", *stream)
+        seed = int(rng.integers(_SEEDS))
+        kind = _one(generator(recipe.seed, scene_id, "goal kind", *stream), recipe.goals)
+        asked = None if kind == "area" else _Asked(kind, seed)
+        ways = generator(recipe.seed, scene_id, "way", *stream)
+        start, area, way = self._draw_way(trial, ways, asked)
+        goal = None if asked is None else self._goal(area, asked)
         return Task(
             family=self._family,
             scene=self._name,
             vehicle=self._airframe.vehicle,
             trial=trial,
-            seed=int(rng.integers(_SEEDS)),
+            seed=seed,
             start=start.position_enu_m,
             start_yaw_rad=start.yaw_rad,
             area=area.id,
+            goal=kind,
+            text=None if goal is None else goal.text,
+            goal_areas=(area.id,) if goal is None else tuple(each.id for each in goal.areas),
             time_limit_s=recipe.time_limit_s,
             wind_mps=_within(rng, recipe.wind_mps),
             wind_from_deg=round(float(rng.uniform(0.0, 360.0)), 1),
@@ -132,18 +156,19 @@ class Sampler:
         return round(within * least_navigation_s(way.way_m, self._airframe), 2)
 
     def _draw_way(
-        self, trial: int, rng: np.random.Generator
+        self, trial: int, rng: np.random.Generator, asked: _Asked | None
     ) -> tuple[_Start, InteractionArea, WayFigures]:
         """Start, area and way: of the grade whose turn it is, else the nearest to it."""
         wanted = self._recipe.difficulty[trial % len(self._recipe.difficulty)]
         found: list[tuple[_Start, InteractionArea, WayFigures]] = []
         for _ in range(_MOST_DRAWS):
             start, seed = self._draw_start(rng), int(rng.integers(_SEEDS))
-            area = None if start is None else self._draw_area(start, seed)
+            area = None if start is None else self._draw_area(start, seed, asked)
             if start is None or area is None:
                 continue
-            if (way := self._way(start.position_enu_m, area)) is None:
+            if (nearest := self._nearest_way(start, area, asked)) is None:
                 continue
+            area, way = nearest
             found.append((start, area, way))
             if way.grade == wanted or len(found) == self._recipe.draws:
                 break
@@ -151,6 +176,7 @@ class Sampler:
             raise NoTaskError(
                 f"scene {self._scene.scene_id}, {self._airframe.name}: free space joins no start "
                 f"to a {self._recipe.target} area for class {self._airframe.drone_class}"
+                + ("" if asked is None else f" that a text of grade {asked.grade} names alone")
                 + ("" if self._recipe.ends == "any" else f" with ends {self._recipe.ends}")
             )
         return min(found, key=lambda each: _steps_between(each[2].grade, wanted))
@@ -173,11 +199,42 @@ class Sampler:
         area = areas[place % len(areas)]
         return _Start(area.centroid, round(yaw_rad, 3), self._side(area))
 
-    def _draw_area(self, start: _Start, seed: int) -> InteractionArea | None:
+    def _draw_area(self, start: _Start, seed: int, asked: _Asked | None) -> InteractionArea | None:
         """The first area that a seed draws for a start and the recipe allows; None without any."""
         scene = self._from(start.position_enu_m)
-        goals = draw_goals(scene, self._airframe, seed, self._recipe.target)
-        return next((goal for goal in goals if self._may_end(start, goal)), None)
+        drawn = draw_goals(scene, self._airframe, seed, self._recipe.target)
+        goals = [goal for goal in drawn if self._may_end(start, goal)]
+        if asked is not None:
+            goals = (goal for goal in goals if self._has_text(start, goal, asked))
+        return next(iter(goals), None)
+
+    def _has_text(self, start: _Start, area: InteractionArea, asked: _Asked) -> bool:
+        """Whether a text names the place of an area alone, and luck does not find it."""
+        goal = self._goal(area, asked)
+        if goal is None:
+            return False
+        n_areas = len(fitting_areas(self._scene, self._airframe))
+        stands_there = any(math.dist(start.position_enu_m, a.centroid) < 1e-6 for a in goal.areas)
+        return len(goal.areas) <= MOST_SHARE * n_areas and not stands_there
+
+    def _goal(self, area: InteractionArea, asked: _Asked) -> WordGoal | None:
+        """Goal in words for the place of an area, as the run of the task draws it too."""
+        key = (area.id, asked)
+        if key not in self._goals:
+            goal = draw_goal(self._scene, area, asked.grade, asked.seed)
+            self._goals[key] = None if goal is None else fitting(goal, self._airframe)
+        return self._goals[key]
+
+    def _nearest_way(
+        self, start: _Start, area: InteractionArea, asked: _Asked | None
+    ) -> tuple[InteractionArea, WayFigures] | None:
+        """The area with the shortest way among those on which a landing is a success."""
+        goal = None if asked is None else self._goal(area, asked)
+        areas = [area] if goal is None else goal.areas
+        near = sorted(areas, key=lambda each: math.dist(each.centroid, start.position_enu_m))
+        ways = [(each, self._way(start.position_enu_m, each)) for each in near[:_MOST_WAYS]]
+        found = [(each, way) for each, way in ways if way is not None]
+        return min(found, key=lambda each: each[1].way_m, default=None)
 
     def _may_end(self, start: _Start, area: InteractionArea) -> bool:
         ends, side = self._recipe.ends, self._side(area)

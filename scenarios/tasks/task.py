@@ -31,7 +31,13 @@ class Task:
     """Point to stand on at first, ENU, m."""
     start_yaw_rad: float
     area: int
-    """Area to land on."""
+    """Area to land on; of a goal in words, the area of its place with the shortest way."""
+    goal: Literal["area", "naming", "relation", "chain"]
+    """How the pilot learns where to land."""
+    text: str | None
+    """Goal in words."""
+    goal_areas: tuple[int, ...]
+    """Areas on which a landing is a success."""
     time_limit_s: float
     """Simulated time in which it must have landed."""
     wind_mps: float
@@ -62,6 +68,7 @@ class Task:
         return SitlCfg(
             scene=self.scene,
             area=self.area,
+            goal=self.goal,
             map=self.map,
             navigation_limit_s=self.navigation_limit_s,
             headless_seconds=self.time_limit_s,

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from jaxtyping import Float
 
 from flightsim.plant import Plant
 from flightsim.plant.cfg import ADVANCE_HZ
@@ -118,6 +119,11 @@ class FlightLog:
             least_clearance_m=self._least_clearance_m(history),
             nearest_mover_m=self._nearest_mover_m(history, score),
         )
+
+    def positions_enu_m(self) -> Float[np.ndarray, "n 3"]:
+        """True position at the end of every tick of a flight that is judged, ENU."""
+        rows = self._rows(0)["position_true_enu_m"]
+        return rows[len(self._plant.history) - 1 :: len(self._plant.history)]
 
     def track(self) -> Track:
         """True way of a flight that is judged, from its first row to its last."""

@@ -30,8 +30,13 @@ class TrialResult:
     seed: int
     start: Vector3
     """Point that the vehicle stood on at the start, ENU."""
+    goal: str
+    """`area`, or the grade of the goal in words."""
+    text: str | None
+    """Goal in words."""
     area: int | None
-    """Assigned area."""
+    """Assigned area; of a goal in words, the area of its place where the flight ended, or nearest
+    to that."""
     navigated: bool | None
     """Whether it came above the assigned area, without a contact on the way."""
     landed_area: int | None
@@ -64,6 +69,12 @@ class TrialResult:
     """Plans that the pilot made anew; None where it does not say."""
     least_clearance_m: float | None
     nearest_mover_m: float | None
+    navigation_error_m: float | None = None
+    """Distance from where the flight ended to the place that the text means."""
+    oracle_error_m: float | None = None
+    """Least distance to that place at any time of the flight."""
+    path_m: float | None = None
+    """Length of the flown way to a goal in words."""
     position_rmse_m: float | None
     attitude_rmse_deg: float | None
     contacts: tuple[dict[str, Any], ...]

@@ -95,6 +95,7 @@ class ExternalFlights:
     def _brief(self, task: Task, bench: Testbench, port: int) -> dict[str, Any]:
         """What a pilot is told: what ours is told, and nothing of the wind."""
         area = next(each for each in bench.scene.interaction_areas if each.id == task.area)
+        is_named = task.text is None
         keys = ("id", "kind", "centroid", "polygon", "radius", "surface")
         return {
             "trial_id": task.trial_id,
@@ -103,7 +104,8 @@ class ExternalFlights:
             "start_enu_m": task.start,
             "start_yaw_rad": task.start_yaw_rad,
             "local_origin_enu_m": bench.plant.truth.position_enu_m,
-            "area": {key: value for key, value in asdict(area).items() if key in keys},
+            "area": {key: asdict(area)[key] for key in keys} if is_named else None,
+            "goal": task.text,
             "time_limit_s": task.time_limit_s,
             "scene_file": str(self._scene_file(bench.scene)) if task.map == "truth" else None,
         }

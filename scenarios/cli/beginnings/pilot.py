@@ -28,7 +28,7 @@ class Pilot:
 
     def __init__(self, aboard: aeroscene.Aboard) -> None:
         # `aboard` has the MAVLink client, `render("down")` for camera images, the map, the
-        # airframe, and the area that a campaign assigns.
+        # airframe, and the area that a campaign assigns, or a goal in words, `aboard.text`.
         self.client = aboard.client
         roomiest = max(aboard.scene.landing_areas, key=lambda area: (area.clearance_m, area.radius))
         # The truth judges whether the vehicle comes to rest on this area.

@@ -136,3 +136,29 @@ def test_a_client_that_comes_by_itself_finds_its_task_on_standard_output(capsys)
         subprocess.run([sys.executable, str(EXAMPLE)], input=line, text=True, check=True)
         flight.join(60.0)
     assert [row["code"] for row in rows] == ["landed"], rows
+
+
+HEAR = """
+import json, os, sys
+os.environ["MAVLINK20"] = "1"
+from pymavlink import mavutil
+task = json.loads(sys.stdin.readline())
+drone = mavutil.mavlink_connection(task["url"])
+parts = []
+while not parts or len(parts[-1].text) == 50:
+    drone.mav.command_long_send(0, 0, 31010, 0, 300, *[0.0] * 6)
+    message = drone.recv_match(type="STATUSTEXT", blocking=True)
+    if parts or message.text.startswith("Goal: "):
+        parts.append(message)
+heard = "".join(part.text for part in sorted(parts, key=lambda part: part.chunk_seq))
+raise SystemExit(json.dumps([task["area"], task["scene_file"], heard == "Goal: " + task["goal"]]))
+"""
+
+
+def test_a_program_reads_and_hears_a_goal_in_words_and_learns_no_area():
+    recipe = Recipe(goals=("naming",), map=("onboard",), draws=1)
+    suite = Suite(pilot="mavlink", program=python(HEAR), recipe=recipe)
+    with Flyer(suite, patience_s=100.0) as flyer:
+        row = flyer.fly(Trial("45", "hummingbird", 0))
+    assert row["text"]
+    assert (row["code"], row["reason"]) == ("raised", "[null, null, true]")

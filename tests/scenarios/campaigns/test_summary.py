@@ -91,3 +91,36 @@ def test_groups_are_those_of_a_plain_loop():
     assert found["codes"] == dict(Counter(row["code"] for row in rows).most_common())
     cpu = [row["trial_cpu_seconds"] for row in rows if row["trial_cpu_seconds"] is not None]
     assert found["cpu_seconds_per_trial"] == pytest.approx(sum(cpu) / len(cpu))
+
+
+def test_goals_in_words_have_the_scores_of_the_field():
+    rows = [
+        {"goal": "naming", "success": True, "navigation_error_m": 0.1, "oracle_error_m": 0.1},
+        {"goal": "chain", "success": False, "navigation_error_m": 12.0, "oracle_error_m": 4.0},
+        {"goal": "chain", "success": False},
+        {"goal": "area", "success": True},
+        {"goal": "chain", "success": None},
+    ]
+    rows[0] |= {"spl": 0.8, "fate": "safe_down"}
+    rows[1] |= {"spl": 0.0, "fate": "collided"}
+    rows = [{"scene": "2", **row} for row in rows]
+    found = summarise_trials(pa.Table.from_pylist(rows, schema=SCHEMA))["words"]
+    counts = {name: score["successes"] for name, score in found.items() if "successes" in score}
+    assert counts == {
+        "success": 1,
+        "within_5_m": 1,
+        "oracle_within_5_m": 2,
+        "within_20_m": 2,
+        "oracle_within_20_m": 2,
+        "collided": 1,
+    }
+    assert found["success"]["trials"] == 3
+    assert found["success"]["interval_95"] == pytest.approx(wilson_interval(1, 3))
+    assert found["spl"]["mean"] == pytest.approx(0.8 / 3)
+    assert found["navigation_error_m"]["mean"] == pytest.approx(6.05)
+    assert found["navigation_error_m"]["interval_95"][0] == 0.0
+
+
+def test_without_goals_in_words_there_are_no_such_scores():
+    found = summarise_trials(table(("2", "iris", True, "landed", True, 1.0, "easy")))
+    assert found["words"] is None

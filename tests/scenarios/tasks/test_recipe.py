@@ -29,6 +29,8 @@ def test_what_a_file_does_not_name_keeps_its_default(tmp_path):
             "recipe: time_limit_s 0.0 is out of range; valid: above 0, at most 240",
         ),
         ('ends = "both"', "recipe: ends is 'both'"),
+        ('goals = ["word"]', "recipe: goals is "),
+        ('goals = ["naming"]\ntarget = "any"', "target 'any' has no texts; valid: landing"),
         ('failures = ["gnss"]', "recipe: failures 'gnss' is not valid"),
         ('failures = ["gnss=off@8:2"]', "8:2 is no range"),
         ('failures = ["wing=off@1"]', "part 'wing' is unknown"),

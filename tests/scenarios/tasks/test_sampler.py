@@ -16,8 +16,9 @@ from scenarios.mission.goals import fitting_areas, is_indoor
 from scenarios.mission.surroundings import sphere_radius_m
 from scenarios.tasks.reach import NoTaskError
 from scenarios.tasks.recipe import Recipe
-from scenarios.tasks.sampler import Sampler
+from scenarios.tasks.sampler import MOST_SHARE, Sampler
 from scenarios.tasks.way import GRADES, MOST_POINTS, THIRDS, WayFigures, least_navigation_s
+from scenarios.words.choosing import choose_goal
 from tests.scenarios.landing_scenes import field, thing
 
 IRIS = AIRFRAMES["iris"]
@@ -207,3 +208,31 @@ def test_the_least_time_is_that_of_full_tilt_there_and_back(vehicle):
     speeds_mps = np.cumsum(signs * thrust_mps2 * math.sin(tilt_rad)) * step_s
     assert speeds_mps[-1] == pytest.approx(0.0, abs=1e-6)
     assert np.sum(speeds_mps) * step_s == pytest.approx(way_m, rel=1e-3)
+
+
+def test_a_goal_in_words_is_one_that_chance_does_not_find():
+    scene, hummingbird = load_scene("45"), AIRFRAMES["hummingbird"]
+    recipe = Recipe(goals=("relation",), draws=1)
+    tasks = [Sampler("45", scene, hummingbird, recipe).task(trial) for trial in (0, 0, 1)]
+    assert tasks[0] == tasks[1]
+    n_areas = len(fitting_areas(scene, hummingbird))
+    for task in tasks[1:]:
+        assert task.text
+        assert task.area in task.goal_areas
+        assert len(task.goal_areas) <= MOST_SHARE * n_areas
+        goal = choose_goal(
+            task.place(scene),
+            hummingbird,
+            asked="relation",
+            seed=task.seed,
+            area=next(area for area in scene.landing_areas if area.id == task.area),
+        )
+        # The run of the task draws the same text.
+        assert goal.text == task.text
+
+
+def test_goals_in_words_change_nothing_else_of_a_task(scene):
+    plain = Sampler("7", scene, IRIS, Recipe(draws=1)).task(3)
+    assert (plain.goal, plain.text, plain.goal_areas) == ("area", None, (plain.area,))
+    with pytest.raises(NoTaskError, match="that a text of grade naming names alone"):
+        Sampler("field", field(), IRIS, Recipe(goals=("naming",), draws=1)).task(0)

@@ -1,0 +1,1 @@
+"""Language models that the user names, asked over HTTP as OpenAI's servers are."""

@@ -1,0 +1,38 @@
+"""Sends the goal in words to MAVLink clients, as messages for people."""
+
+from __future__ import annotations
+
+import math
+
+from flightsim.autopilot.events import Severity
+from flightsim.testbench import Testbench, Vehicle
+
+GOAL = "Goal: "
+"""Beginning of the message."""
+_EVERY_US = 5_000_000
+"""Simulated time between two messages: a client that connects later must hear it too."""
+
+
+def announce_goal(bench: Testbench, vehicle: Vehicle, text: str) -> None:
+    """Send a text as STATUSTEXT every five seconds until the vehicle is armed.
+
+    Args:
+        bench: Testbench whose ticks are counted.
+        vehicle: Vehicle of the goal. External flight stacks keep such messages to themselves: they
+            get none.
+        text: The goal.
+    """
+    if vehicle.external is not None:
+        return
+    autopilot, statustext = vehicle.autopilot, vehicle.own.server.statustext
+    next_us: float = 0
+
+    def on_tick() -> None:
+        nonlocal next_us
+        if autopilot.is_armed:
+            next_us = math.inf
+        elif vehicle.plant.time_us >= next_us:
+            next_us = vehicle.plant.time_us + _EVERY_US
+            statustext.say(Severity.NOTICE, GOAL + text)
+
+    bench.observers.append(on_tick)

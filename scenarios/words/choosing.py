@@ -1,0 +1,62 @@
+"""Chooses the goal in words of a run: of a given area, or of the first one that a seed draws."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from aeroscene.scene import InteractionArea, Scene
+from flightsim.draws import generator
+from flightsim.testbench import TestbenchError
+from flightsim.vehicles.airframe import Airframe
+from scenarios.mission.goals import draw_goals, fits
+from scenarios.words.drawing import WordGoal, draw_goal
+from scenarios.words.goal import GRADES, Grade
+
+Asked = Literal["words"] | Grade
+"""Grade of a text, or any of them."""
+
+
+class WordsError(TestbenchError):
+    """A scene has no goal in words; one line says which, and what would be valid."""
+
+
+def choose_goal(
+    scene: Scene,
+    airframe: Airframe,
+    *,
+    asked: Asked,
+    seed: int,
+    area: InteractionArea | None = None,
+) -> WordGoal:
+    """Goal in words of a run.
+
+    Args:
+        scene: The scene, with its start.
+        airframe: Vehicle that must fit on the areas.
+        asked: Grade of the text; `words` draws one.
+        seed: Seed of all draws: the same one gives the same text.
+        area: Area whose place the text means; None draws one.
+
+    Raises:
+        WordsError: If no text of the grade fits any such place alone.
+    """
+    grades: list[Grade] = [grade for grade in GRADES if asked in {"words", grade}]
+    rng = generator(seed, scene.scene_id, "grade")
+    order = [grades[i] for i in rng.permutation(len(grades))]
+    for candidate in draw_goals(scene, airframe, seed) if area is None else [area]:
+        for grade in order:
+            goal = draw_goal(scene, candidate, grade, seed)
+            if goal is not None:
+                return fitting(goal, airframe)
+    whose = "any area" if area is None else f"area {area.id}"
+    valid = "another scene" if area is None else "another area"
+    raise WordsError(
+        f"goal {asked}: scene {scene.scene_id} has no text that fits the place of {whose} alone; "
+        f"valid: {valid}{'' if asked == 'words' else ', or --goal words'}"
+    )
+
+
+def fitting(goal: WordGoal, airframe: Airframe) -> WordGoal:
+    """The goal with those of its areas alone that a vehicle fits on."""
+    areas = tuple(area for area in goal.areas if fits(area, airframe))
+    return WordGoal(text=goal.text, description=goal.description, areas=areas)

@@ -1,0 +1,273 @@
+"""Draws a goal: a description that fits one place of a scene and surely no other, and its text."""
+
+from __future__ import annotations
+
+import itertools
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from aeroscene.scene import InteractionArea, Scene
+from flightsim.draws import generator
+from scenarios.words.fitting import TOWARD_M, fits, the_one
+from scenarios.words.goal import (
+    COMPASS,
+    Beside,
+    Between,
+    Description,
+    Grade,
+    Has,
+    Link,
+    Nearest,
+    Of,
+    On,
+    Toward,
+    grade_of,
+    marks_of,
+)
+from scenarios.words.phrasing import text_of
+from scenarios.words.site import Place, Site, Truth, site_of
+from scenarios.words.vocabulary import COUNTED, NOUNS
+
+_MOST_MARKS = 14
+"""Nearest landmarks that a text is drawn from."""
+_MOST_NESTED = 5
+"""Nearest landmarks with a relation of their own that a text is drawn from."""
+_MOST_COUNT = 5
+"""Most things that a text counts."""
+_MOST_TRIES = 60
+"""Pairs of relations that are tried for a chain."""
+_POOR_MARKS = frozenset({"sidewalk", "room", "lawn", "water", "roof"})
+"""Kinds that are too large, or too much alike, to find the way by."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class WordGoal:
+    """A goal in words.
+
+    Attributes:
+        text: What the pilot is told.
+        description: What the text means.
+        areas: Areas of the only place that it fits; landing on any of them is a success.
+    """
+
+    text: str
+    description: Description
+    areas: tuple[InteractionArea, ...]
+
+    @property
+    def grade(self) -> Grade:
+        """Whether it names, relates, or chains relations."""
+        return grade_of(self.description)
+
+
+def draw_goal(scene: Scene, area: InteractionArea, grade: Grade, seed: int) -> WordGoal | None:
+    """Goal whose text fits the place that bears an area, and no other one.
+
+    Args:
+        scene: The scene.
+        area: A landing area.
+        grade: Grade of the text.
+        seed: Seed of the draw: the same one gives the same text.
+
+    Returns:
+        The goal; None if no text of the grade fits that place alone.
+    """
+    site = site_of(scene)
+    place = site.place_of(area.object_id)
+    if place is None or place.kind not in NOUNS:
+        return None
+    rng = generator(seed, scene.scene_id, "words", grade, str(area.object_id))
+    description = describe(site, place, grade, rng)
+    if description is None:
+        return None
+    return WordGoal(text=text_of(description, rng), description=description, areas=place.areas)
+
+
+def describe(
+    site: Site, place: Place, grade: Grade, rng: np.random.Generator
+) -> Description | None:
+    """Description of a grade that fits a place and surely no other; None if there is none.
+
+    A relation is never idle: without it the description would fit another place as well.
+    """
+    found: Iterator[Description]
+    match grade:
+        case "naming":
+            found = (each for each in _heads(site, place) if the_one(each, site) is place)
+            every = list(found)
+            return every[int(rng.integers(len(every)))] if every else None
+        case "relation":
+            found = _related(site, place, rng)
+        case "chain":
+            found = _chained(site, place, rng)
+    return next(found, None)
+
+
+def _heads(site: Site, place: Place) -> list[Description]:
+    """Descriptions of a place without relations, the shortest first, each of which fits it."""
+    if place.id in site.heads:
+        return site.heads[place.id]
+    looks = [(name, value) for name in ("colour", "form") if (value := getattr(place, name))]
+    if (storey := site.storey_of(place)) is not None:
+        looks.append(("storey", storey))
+    site.heads[place.id] = [
+        Description(kind=place.kind, **dict(chosen))
+        for count in range(len(looks) + 1)
+        for chosen in itertools.combinations(looks, count)
+    ]
+    return site.heads[place.id]
+
+
+def _name(site: Site, place: Place) -> Description | None:
+    """Shortest description without relations that fits a place alone; None if there is none."""
+    heads = _heads(site, place) if place.kind in NOUNS else []
+    return next((head for head in heads if the_one(head, site) is place), None)
+
+
+def _shuffled(items: Sequence, rng: np.random.Generator) -> list:
+    return [items[i] for i in rng.permutation(len(items))]
+
+
+def _related(site: Site, place: Place, rng: np.random.Generator) -> Iterator[Description]:
+    """Descriptions with one relation to something that is named."""
+    open_heads = [head for head in _heads(site, place) if the_one(head, site) is not place]
+    links = _links(site, place, _named_marks(site, place))
+    for head in _shuffled(open_heads, rng):
+        for link in _by_kind(links, rng):
+            if the_one(found := replace(head, links=(link,)), site) is place:
+                yield found
+
+
+def _chained(site: Site, place: Place, rng: np.random.Generator) -> Iterator[Description]:
+    """Descriptions with two relations, or with one to something that has one itself."""
+    heads = [head for head in _heads(site, place) if the_one(head, site) is not place]
+    ways = [_paired(site, place, heads, rng), _nested(site, place, heads, rng)]
+    for way in _shuffled(ways, rng):
+        yield from way
+
+
+def _paired(
+    site: Site, place: Place, heads: Sequence[Description], rng: np.random.Generator
+) -> Iterator[Description]:
+    links = _by_kind(_links(site, place, _named_marks(site, place)), rng)
+    pairs = [pair for pair in itertools.combinations(links, 2) if _go_together(*pair)]
+    for head in _shuffled(heads, rng):
+        # Neither alone is enough: else the other one is idle.
+        alone = {link: the_one(replace(head, links=(link,)), site) is place for link in links}
+        tried = [pair for pair in _shuffled(pairs, rng) if not any(alone[link] for link in pair)]
+        for pair in tried[:_MOST_TRIES]:
+            if the_one(found := replace(head, links=_ordered(pair)), site) is place:
+                yield found
+
+
+def _nested(
+    site: Site, place: Place, heads: Sequence[Description], rng: np.random.Generator
+) -> Iterator[Description]:
+    marks = []
+    for other in _around(site, place):
+        if other.kind == place.kind:
+            continue
+        if _name(site, other) is not None:
+            continue
+        related = next(_related(site, other, rng), None)
+        if related is not None and not _speaks_of(related, place, site):
+            marks.append((other, related))
+        if len(marks) == _MOST_NESTED:
+            break
+    links = _by_kind(_links(site, place, marks), rng)
+    nested = [link for link in links if not isinstance(link, (Has, Between))]
+    nested = [link for link in nested if not _is_nearest_to_nearest(link)]
+    for head in _shuffled(heads, rng):
+        for link in nested[:_MOST_TRIES]:
+            if the_one(found := replace(head, links=(link,)), site) is place:
+                yield found
+
+
+def _speaks_of(description: Description, place: Place, site: Site) -> bool:
+    """Whether a description refers to a place, which then must not be described by it."""
+    marks = [mark for link in description.links for mark in marks_of(link)]
+    return any(the_one(mark, site) is place for mark in marks)
+
+
+def _is_nearest_to_nearest(link: Link) -> bool:
+    inner = link.mark.links if isinstance(link, Nearest) else ()
+    return any(isinstance(each, Nearest) for each in inner)
+
+
+def _go_together(first: Link, second: Link) -> bool:
+    """Whether two relations say different things: not twice the same kind, nor of one mark."""
+    return type(first) is not type(second) and not {On, Of} >= {type(first), type(second)}
+
+
+def _ordered(pair: tuple[Link, Link]) -> tuple[Link, ...]:
+    """Relations in the order of a sentence: what is on it first, what it stands on last.
+
+    After a host with a form, such as a room with a carpet, no reader knows whose relation follows.
+    """
+    rank = (Has, Of, Beside, Between, Toward, Nearest, On)
+    return tuple(sorted(pair, key=lambda link: rank.index(type(link))))
+
+
+def _by_kind(links: Sequence[Link], rng: np.random.Generator) -> list[Link]:
+    """Relations in a drawn order in which no kind of them comes up more often than another."""
+    kinds: dict[type, list[Link]] = {}
+    for link in _shuffled(links, rng):
+        kinds.setdefault(type(link), []).append(link)
+    # The nearest to something is always only one: where that were as frequent as the others, most
+    # texts would say it.
+    last = kinds.pop(Nearest, [])
+    rows = itertools.zip_longest(*_shuffled(list(kinds.values()), rng))
+    return [*(link for row in rows for link in row if link is not None), *last]
+
+
+def _around(site: Site, place: Place) -> list[Place]:
+    """Landmarks about a place, the nearest first."""
+    near = [
+        (gap_m, other.id, other)
+        for other in site.places
+        if other is not place
+        and other.kind in NOUNS
+        and other.kind not in _POOR_MARKS
+        and (gap_m := site.gap_m(other, place)) <= TOWARD_M
+    ]
+    return [other for _, _, other in sorted(near, key=lambda each: each[:2])]
+
+
+def _named_marks(site: Site, place: Place) -> list[tuple[Place, Description]]:
+    """Landmarks about a place that a name alone tells from all others, with the shortest name."""
+    found: list[tuple[Place, Description]] = []
+    hosts = [host for host in site.hosts if site.stands_on(place, host)]
+    whole = site.whole_of(place) if place.kind == "roof" else None
+    wanted = [*hosts, *([] if whole is None else [whole]), *_around(site, place)]
+    for other in dict.fromkeys(wanted):
+        if (name := _name(site, other)) is not None:
+            found.append((other, name))
+        if len(found) == _MOST_MARKS:
+            break
+    return found
+
+
+def _links(site: Site, place: Place, marks: Sequence[tuple[Place, Description]]) -> list[Link]:
+    """Relations that surely hold for a place."""
+    found: list[Link] = []
+    counts = Counter(other.kind for other, _ in site.standing_on(place))
+    found += [
+        Has(count, kind)
+        for kind, count in counts.items()
+        if kind in COUNTED and count <= _MOST_COUNT
+    ]
+    for _, name in marks:
+        found += [On(name), Beside(name)]
+        found += [Of(name)] if place.kind == "roof" else []
+        found += [Nearest(name)] if name.kind != place.kind else []
+        found += [Toward(direction, name) for direction in COMPASS]
+    level = [name for other, name in marks if other.kind not in {"building", "tower"}]
+    found += [Between(first, second) for first, second in itertools.combinations(level, 2)]
+    return [
+        link
+        for link in found
+        if fits(Description(kind=place.kind, links=(link,)), site).get(place) is Truth.YES
+    ]

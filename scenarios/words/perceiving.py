@@ -1,0 +1,33 @@
+"""What perfect perception finds: the areas of the place that a description fits."""
+
+from __future__ import annotations
+
+import math
+
+from aeroscene.scene import InteractionArea, Scene
+from flightsim.vehicles.airframe import Airframe
+from scenarios.mission.goals import fits
+from scenarios.words.fitting import the_one
+from scenarios.words.goal import Description
+from scenarios.words.site import site_of
+
+
+def perceived_areas(
+    scene: Scene, description: Description, airframe: Airframe
+) -> list[InteractionArea]:
+    """Areas of the only place that a description fits, the nearest to the start first.
+
+    The scene graph itself is read here, which is what faultless segmentation and tracking of a
+    vehicle that has seen everything would come to.
+
+    Args:
+        scene: The scene with its objects, and with the start of the flight.
+        description: Meaning of the text.
+        airframe: Vehicle that must fit on the areas.
+
+    Returns:
+        The areas; none if the description fits no place, or several.
+    """
+    place = the_one(description, site_of(scene))
+    areas = [] if place is None else [area for area in place.areas if fits(area, airframe)]
+    return sorted(areas, key=lambda area: math.dist(area.centroid, scene.start_position_enu_m))

@@ -1,0 +1,269 @@
+"""A scene as a text speaks of it: places with a kind, looks, a footprint, a storey and a host."""
+
+from __future__ import annotations
+
+import functools
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+from functools import cached_property
+
+import numpy as np
+import shapely
+from jaxtyping import Float
+from shapely.geometry.base import BaseGeometry
+
+from aeroscene.scene import InteractionArea, Scene, SceneObject
+from aeroscene.scene.footprint import footprint
+from aeroscene.scene.rooms import room_of
+from scenarios.words.goal import Description, Link
+from scenarios.words.looks import colours_of, form_of, prevailing
+from scenarios.words.vocabulary import COLOURED
+
+
+class Truth(IntEnum):
+    """Whether a condition holds."""
+
+    NO = 0
+    MAYBE = 1
+    """A reader may think so."""
+    YES = 2
+
+
+HOSTS = frozenset(
+    {
+        *("roof", "room", "lawn", "parking_lot", "plaza", "sidewalk", "terrace", "ramp", "mound"),
+        *("deck", "table", "desk", "coffee_table", "counter", "landing_pad", "water", "road"),
+    }
+)
+"""Kinds that other things stand on or in."""
+_WHOLES = frozenset({"building", "house", "tower", "warehouse", "garage"})
+"""Kinds that have roofs and storeys."""
+_TRACE = 0.04
+"""Share of its surface below which nobody calls a thing by a colour."""
+_STOREY_M = 1.5
+"""Rooms whose floors lie closer than this are on one storey."""
+_ABOVE_M, _BELOW_M = 0.3, 0.15
+"""How far the underside of what stands on a host may lie above its top and below its underside."""
+_INSIDE_M = 0.3
+"""How far it may stand out over the edge of its host."""
+_SAMPLES = 5
+"""Points of a footprint along each axis by which directions are judged."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Place:
+    """An object of the scene, or a room of several tiles."""
+
+    id: int
+    """Number among the places of the scene."""
+    kind: str
+    objects: tuple[SceneObject, ...]
+    colour: str | None
+    """Adjective by which one would call it; None if no colour prevails, or it catches no eye."""
+    colours: frozenset[str]
+    """Adjectives of all colours that it shows, but for traces."""
+    form: str | None
+    ground: BaseGeometry
+    """Footprint, ENU, m."""
+    bottom_m: float
+    top_m: float
+    areas: tuple[InteractionArea, ...]
+    """Landing areas that it bears, whatever their class."""
+
+    @cached_property
+    def object_ids(self) -> frozenset[int]:
+        """Ids of its objects."""
+        return frozenset(obj.id for obj in self.objects)
+
+    @cached_property
+    def centre(self) -> Float[np.ndarray, " 2"]:
+        """Middle of the footprint, ENU, m."""
+        return np.array(self.ground.centroid.coords[0])
+
+    @cached_property
+    def points(self) -> Float[np.ndarray, "n 2"]:
+        """Points all over the footprint, its corners among them, ENU, m."""
+        low_x, low_y, high_x, high_y = self.ground.bounds
+        xs, ys = np.linspace(low_x, high_x, _SAMPLES), np.linspace(low_y, high_y, _SAMPLES)
+        grid = np.array([(x, y) for x in xs for y in ys])
+        inside = shapely.contains_xy(self.ground, grid)
+        return np.concatenate([grid[inside], shapely.get_coordinates(self.ground)])
+
+
+class Site:
+    """All places of a scene, and what is where.
+
+    Attributes:
+        places: All places, in the order of the objects.
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        self._scene = scene
+        self.places = _places(scene)
+        self._of_object = {i: place for place in self.places for i in place.object_ids}
+        self._grounds = np.array([place.ground for place in self.places], dtype=object)
+        shapely.prepare(self._grounds)
+        self._of_kind: dict[str, list[Place]] = {}
+        for place in self.places:
+            self._of_kind.setdefault(place.kind, []).append(place)
+        self._possible: dict[int, list[tuple[Place, bool]]] = {}
+        self._gaps_m: dict[int, Float[np.ndarray, " n"]] = {}
+        self.hosts = [place for place in self.places if place.kind in HOSTS]
+        self.heads: dict[int, list[Description]] = {}
+        """Descriptions without relations that fit each place; kept, as all below."""
+        self.fits: dict[Description, Mapping[Place, Truth]] = {}
+        self.holds: dict[Link, dict[int, Truth]] = {}
+        """Whether a relation holds, under the number of the place."""
+
+    def of_kind(self, kind: str) -> Sequence[Place]:
+        """Places of a kind."""
+        return self._of_kind.get(kind, ())
+
+    def gap_m(self, place: Place, mark: Place) -> float:
+        """Distance between two footprints; 0 where they touch or overlap."""
+        if mark.id not in self._gaps_m:
+            self._gaps_m[mark.id] = shapely.distance(self._grounds, mark.ground)
+        return float(self._gaps_m[mark.id][place.id])
+
+    def place_of(self, object_id: int | None) -> Place | None:
+        """Place that an object is, or is a part of; None for the bare ground."""
+        return None if object_id is None else self._of_object.get(object_id)
+
+    def whole_of(self, place: Place) -> Place | None:
+        """Building that a roof or a room belongs to; None where it belongs to none."""
+        for above in self._scene.ancestors(place.objects[0].id):
+            if (found := self._of_object.get(above)) is not None and found.kind in _WHOLES:
+                return found
+        return None
+
+    @cached_property
+    def room_by_id(self) -> Mapping[int, Place | None]:
+        """Room that each place stands in, under the number of the place; None out of rooms."""
+        rooms = [place for place in self.places if place.kind == "room"]
+        found: dict[int, Place | None] = {}
+        for place in self.places:
+            above = (self._of_object.get(i) for i in self._scene.ancestors(place.objects[0].id))
+            named = (each for each in above if each is not None and each.kind == "room")
+            found[place.id] = next(named, None)
+        centres = np.array([place.centre for place in self.places])
+        bottoms_m = np.array([place.bottom_m for place in self.places])
+        for room in reversed(rooms):
+            is_held = shapely.contains_xy(room.ground, centres)
+            is_held &= bottoms_m >= room.bottom_m - _BELOW_M
+            is_held &= bottoms_m < room.top_m - _ABOVE_M
+            found |= {int(i): room for i in np.flatnonzero(is_held) if i != room.id}
+        return found
+
+    @cached_property
+    def storey_by_id(self) -> Mapping[int, int]:
+        """Storey of each room in a building of several ones, under the number of the place."""
+        rooms: dict[int | None, list[Place]] = {}
+        for place in self.places:
+            if place.kind == "room":
+                whole = self.whole_of(place)
+                rooms.setdefault(None if whole is None else whole.id, []).append(place)
+        found: dict[int, int] = {}
+        for group in rooms.values():
+            storeys = _storeys([place.bottom_m for place in group])
+            if max(storeys) > 0:
+                found |= {place.id: storey for place, storey in zip(group, storeys, strict=True)}
+        return found
+
+    def storey_of(self, place: Place) -> int | None:
+        """Storey of a room, or of what stands in one; None where a building has only one."""
+        room = place if place.kind == "room" else self.room_by_id[place.id]
+        return None if room is None else self.storey_by_id.get(room.id)
+
+    def foot_of(self, place: Place) -> Place:
+        """What of a place one sees from the ground: of a roof, its building."""
+        whole = self.whole_of(place) if place.kind == "roof" else None
+        return place if whole is None else whole
+
+    def stands_on(self, place: Place, host: Place) -> bool | None:
+        """Whether something stands on a host, or in it; None where that may be argued about."""
+        for each, is_sure in self.standing_on(host):
+            if each is place:
+                return is_sure or None
+        return False
+
+    def standing_on(self, host: Place) -> Sequence[tuple[Place, bool]]:
+        """All that stands on a host or may be said to, and whether that is beyond dispute."""
+        if host.id not in self._possible:
+            self._possible[host.id] = list(self._standing_on(host))
+        return self._possible[host.id]
+
+    def _standing_on(self, host: Place) -> Sequence[tuple[Place, bool]]:
+        found: list[tuple[Place, bool]] = []
+        if host.kind not in HOSTS:
+            return found
+        about = host.ground.buffer(_INSIDE_M)
+        for number in np.flatnonzero(shapely.intersects(self._grounds, host.ground)):
+            place = self.places[number]
+            if place is host:
+                continue
+            # What stands on the roof of a room is not in it.
+            most_m = host.top_m + (-_ABOVE_M if host.kind == "room" else _ABOVE_M)
+            if not host.bottom_m - _BELOW_M <= place.bottom_m <= most_m:
+                continue
+            is_within = about.contains(place.ground)
+            parent = self._of_object.get(place.objects[0].parent_id or -1)
+            is_others = parent is not None and parent is not host and parent.kind in HOSTS
+            # A cup on a table in a room is in the room; a bench on a square in a lawn is not on the
+            # lawn.
+            is_others = is_others and host.kind != "room"
+            found.append((place, is_within and not is_others))
+        return found
+
+
+@functools.lru_cache(maxsize=4)
+def site_of(scene: Scene) -> Site:
+    """The places of a scene, kept for the next text."""
+    return Site(scene)
+
+
+def _places(scene: Scene) -> tuple[Place, ...]:
+    groups: dict[object, list[SceneObject]] = {}
+    for obj in scene.objects:
+        groups.setdefault(room_of(obj) or obj.id, []).append(obj)
+    areas: dict[int | None, list[InteractionArea]] = {}
+    for area in scene.landing_areas:
+        areas.setdefault(area.object_id, []).append(area)
+    return tuple(
+        _place(number, objects, tuple(area for obj in objects for area in areas.get(obj.id, ())))
+        for number, objects in enumerate(groups.values())
+    )
+
+
+def _place(
+    number: int, objects: Sequence[SceneObject], areas: tuple[InteractionArea, ...]
+) -> Place:
+    first = objects[0]
+    kind = first.category
+    if kind == "terrain":
+        kind = str(first.attributes.get("form", "terrain"))
+    shares = colours_of(first)
+    heights = np.concatenate([obj.bbox.corners()[:, 2] for obj in objects])
+    return Place(
+        id=number,
+        kind=kind,
+        objects=tuple(objects),
+        colour=prevailing(shares) if kind in COLOURED else None,
+        colours=frozenset(word for word, share in shares.items() if share >= _TRACE),
+        form=form_of(first, kind),
+        ground=shapely.union_all([footprint(obj) for obj in objects]),
+        bottom_m=float(heights.min()),
+        top_m=float(heights.max()),
+        areas=areas,
+    )
+
+
+def _storeys(floors_m: Sequence[float]) -> list[int]:
+    """Number of the storey of each floor, by its height."""
+    order = np.argsort(floors_m, kind="stable")
+    storeys, number = [0] * len(floors_m), 0
+    for before, after in itertools.pairwise(order):
+        number += floors_m[after] - floors_m[before] > _STOREY_M
+        storeys[after] = number
+    return storeys
