@@ -31,6 +31,7 @@ class AirspeedCfg:
     """Errors of a pitot tube and of its pressure sensor."""
 
     rate_hz: int = 50
+    """Samples a second; it must divide the control rate."""
     noise_pa: float = 1.0
     """RMS of a sample: 0.01 hPa in PX4's simulated sensor (SensorAirspeedSim.cpp) and in its plugin
     for Gazebo Classic (gazebo_airspeed_plugin.cpp)."""
@@ -57,16 +58,29 @@ def sample_airspeed(
     velocity_enu_mps: np.ndarray,
     normals: np.ndarray,
 ) -> None:
-    """Measure at a true state in moving air."""
+    """Take one sample from the true state of a vehicle in moving air, and write it into the record.
+
+    Args:
+        r: Record of the sensor; changed.
+        tick: Present control tick, which becomes the time of the sample.
+        height_enu_m: True height above the scene's origin, m.
+        quat_wxyz: True attitude, body FLU to world ENU.
+        air_velocity_enu_mps: Velocity of the air at the vehicle, m/s.
+        velocity_enu_mps: True velocity of the vehicle, m/s.
+        normals: At least one standard normal number.
+    """
     w, x, y, z = quat_wxyz[0], quat_wxyz[1], quat_wxyz[2], quat_wxyz[3]
     v, air = velocity_enu_mps, air_velocity_enu_mps
+    # Airspeed along body x: first column of the rotation matrix times the relative velocity.
     speed = (1.0 - 2.0 * (y * y + z * z)) * (v[0] - air[0])
     speed += 2.0 * (x * y + w * z) * (v[1] - air[1]) + 2.0 * (x * z - w * y) * (v[2] - air[2])
     altitude_m = r.origin_altitude_m + height_enu_m
     density = pressure_pa(altitude_m) / (_GAS_CONSTANT_JPKGK * temperature_k(altitude_m))
+    # speed * |speed| keeps the sign: air from behind lowers the pressure at the nose.
     dynamic_pa = 0.5 * density * speed * abs(speed)
     measured_pa = r.span * dynamic_pa + r.zero_pa + r.noise_pa * normals[0]
     r.differential_pa = said(r, 0, tick, 0, measured_pa, normals)
+    # The instrument knows no altitude, so it converts with the density at sea level.
     indicated = math.sqrt(2.0 * abs(r.differential_pa) / AIR_DENSITY_KGPM3)
     r.indicated_mps = math.copysign(indicated, r.differential_pa)
     r.temperature_degc = temperature_k(altitude_m) - 273.15
@@ -94,7 +108,7 @@ class AirspeedReading(NamedTuple):
     time_us: int
     differential_pa: float
     indicated_mps: float
-    """Negative when the air comes from behind."""
+    """Speed that the pressure stands for at sea level; negative when the air comes from behind."""
     temperature_degc: float
 
 

@@ -1,4 +1,9 @@
-"""Barometer: static pressure of the standard atmosphere, with white noise and drift."""
+"""Barometer: static pressure of the standard atmosphere, with white noise and drift.
+
+The true height gives the true pressure, and errors are added to the pressure rather than to the
+height. A failure in Pa then looks to the filter and to MAVLink as it would on a real vehicle. The
+filter reads only the altitude that the standard atmosphere assigns to the measured pressure.
+"""
 
 from __future__ import annotations
 
@@ -23,8 +28,9 @@ class BarometerCfg:
     noise_pa: float = 1.0
     """RMS of a sample: PX4's gazebo-classic barometer, with a true normal law."""
     drift_density_pa: float = 0.0
-    """Pa/s/sqrt(Hz)."""
+    """Density of the noise that drives the drift, Pa/s/sqrt(Hz); 0 for no drift."""
     drift_correlation_s: float = 300.0
+    """Time after which the drift has forgotten 1 - 1/e of its value."""
 
 
 def _configure(r: np.void, cfg: BarometerCfg, start: SensorStart) -> None:
@@ -35,7 +41,7 @@ def _configure(r: np.void, cfg: BarometerCfg, start: SensorStart) -> None:
 
 @kernel
 def sample_barometer(r: np.record, tick: int, height_enu_m: float, normals: np.ndarray) -> None:
-    """Measure at a true height in the scene."""
+    """Take one sample at a true height above the scene's origin, m; uses `normals[0:2]`."""
     altitude = r.origin_altitude_m + height_enu_m
     r.drift_pa = r.decay * r.drift_pa + r.drift_sigma_pa * normals[1]
     measured_pa = pressure_pa(altitude) + r.drift_pa + r.noise_pa * normals[0]

@@ -1,8 +1,11 @@
-"""Failures of sensors and motors: what a part does instead of working.
+"""Failures of sensors and motors: how a broken part behaves instead of working.
 
-A sensor that fails goes on measuring; what it says instead of a sample is decided here, value by
-value, so that every other random draw of a flight stays as it was. A part of a sensor fails alone:
-the IMU has an accelerometer and a gyroscope, all others are one part.
+A failed sensor goes on measuring. Only at the end does `said` replace each measured number by the
+failed one. The sensor thus consumes the same random numbers as a healthy one, so a failure leaves
+all other errors of the flight as they were, and two flights differ by the failure alone.
+
+Parts of a sensor fail alone: the IMU has an accelerometer and a gyroscope, all others have one
+part.
 """
 
 from __future__ import annotations
@@ -15,17 +18,18 @@ import numpy as np
 from autonomy.jit import kernel
 
 N_PARTS = 2
-"""Parts of a sensor that can fail alone; most sensors have one."""
+"""Size of the per-part fields of a record: the IMU has two parts, all other sensors use one."""
 N_CHANNELS = 6
-"""Most numbers in a sample."""
+"""Size of the per-number fields of a record; no sensor has more numbers in a sample."""
 N_KEPT = 32
-"""Samples that a delayed sensor keeps."""
+"""Length of the ring in which a delayed sensor keeps past samples."""
 LATE_S = 0.5
-"""Delay of a sensor that is late, unless it keeps too few samples for that."""
+"""Delay of a delayed sensor; shorter if that is more samples than the ring holds."""
 MOST_ALIKE = 5
-"""Samples that repeat each other, noise and all, before a driver takes a sensor for stuck."""
+"""Number of identical samples in a row after which a driver declares a sensor stuck. Noise makes
+such a row all but impossible in a healthy sensor."""
 SLOW_FACTOR = 10
-"""Sensors that are slow send one sample of so many."""
+"""A slow sensor sends one of this many samples."""
 
 
 @unique
@@ -34,46 +38,48 @@ class Failure(IntEnum):
 
     NONE = 0
     OFF = 1
-    """It says nothing any more."""
+    """Sends nothing any more."""
     STUCK = 2
-    """It repeats what it said last."""
+    """Repeats its last sample."""
     GARBAGE = 3
-    """It says anything."""
+    """Sends random numbers."""
     WRONG = 4
-    """It is off by a constant."""
+    """Adds a constant to each number."""
     SLOW = 5
     """A sensor sends one sample of ten; a motor turns at 85% of its command."""
     DELAYED = 6
-    """It says what it measured half a second ago."""
+    """Sends each sample half a second late."""
     INTERMITTENT = 7
-    """It says nothing in every other second."""
+    """Sends nothing in every other second."""
 
 
+# Kernels read plain integers, which compile to constants; keep them equal to `Failure`.
 _NONE, _OFF, _STUCK, _GARBAGE = 0, 1, 2, 3
 _WRONG, _SLOW, _DELAYED, _INTERMITTENT = 4, 5, 6, 7
 
 FAILURE_FIELDS = (
-    ("failure", "i8", N_PARTS),  # by part, of `Failure`
-    ("failing_since", "i8", N_PARTS),  # tick
-    ("n_late", "i8"),  # samples by which it is late where it is delayed
-    ("wrong", "f8", N_CHANNELS),  # what is added to each number where it is wrong
-    ("garbage", "f8", N_CHANNELS),  # standard deviation where it is garbage
-    ("kept", "f8", (N_KEPT, N_CHANNELS)),  # samples since it fails
-    ("last_number", "f8", N_PARTS),  # that its driver has read
-    ("n_alike", "i8", N_PARTS),  # samples that repeat the one before
+    ("failure", "i8", N_PARTS),  # a `Failure` for each part
+    ("failing_since", "i8", N_PARTS),  # tick at which the failure began
+    ("n_late", "i8"),  # delay of DELAYED, in samples
+    ("wrong", "f8", N_CHANNELS),  # constant that WRONG adds to each number
+    ("garbage", "f8", N_CHANNELS),  # standard deviation of GARBAGE
+    ("kept", "f8", (N_KEPT, N_CHANNELS)),  # ring of samples since the failure began
+    ("last_number", "f8", N_PARTS),  # first number of the sample that the driver read last
+    ("n_alike", "i8", N_PARTS),  # number of samples in a row that repeat the one before
 )
 """Fields of every sensor's record."""
 
 
 @kernel
 def is_heard(r: np.record, part: int, tick: int) -> bool:
-    """Whether a part of a sensor says anything new at this tick, at which it measures."""
+    """Return true if a part of a sensor, which measures at this tick, also sends its sample."""
     kind = r.failure[part]
     if kind == _OFF:
         return False
     if kind == _SLOW:
         return tick // r.period_ticks % SLOW_FACTOR == 0
     if kind == _INTERMITTENT:
+        # rate times period are the control ticks of one second.
         return tick // (r.rate_hz * r.period_ticks) % 2 == 0
     return True
 
@@ -82,15 +88,20 @@ def is_heard(r: np.record, part: int, tick: int) -> bool:
 def said(
     r: np.record, part: int, tick: int, channel: int, value: float, normals: np.ndarray
 ) -> float:
-    """What a sensor says instead of a number that it has measured at this tick.
+    """Return the number that a sensor sends for a number that it measured at this tick.
+
+    Without a failure that is the measured number itself. Sensors call it once for each number of
+    each sample, also while they fail, because delayed and intermittent sensors need the samples in
+    between.
 
     Args:
-        r: The sensor.
-        part: The part that measures the number.
+        r: Record of the sensor; its ring of samples changes.
+        part: Part that measures the number, below `N_PARTS`.
         tick: Present tick.
         channel: Place of the number in the sample, below `N_CHANNELS`.
-        value: The number.
-        normals: Standard normals of the sample.
+        value: Measured number, in any unit.
+        normals: Standard normals of the sample. Garbage reuses them, so that it draws none of its
+            own.
     """
     kind = r.failure[part]
     if kind == _NONE:
@@ -101,8 +112,10 @@ def said(
         return r.garbage[channel] * normals[channel % len(normals)]
     n_since = (tick - r.failing_since[part]) // r.period_ticks
     if kind == _DELAYED:
+        # Before `n_late` samples have passed, the sensor repeats the first one after the failure.
         r.kept[n_since % N_KEPT, channel] = value
         return r.kept[max(n_since - r.n_late, 0) % N_KEPT, channel]
+    # A silent part repeats its old number, because the other part of the sensor may still send.
     # A part that is not heard is held, for another one may speak.
     if n_since == 0 or (kind != _STUCK and is_heard(r, part, tick)):
         r.kept[0, channel] = value
@@ -111,9 +124,15 @@ def said(
 
 @kernel
 def is_stuck(r: np.record, part: int, number: float) -> bool:
-    """Whether the driver of a sensor discards a sample by its first number, for it repeats itself.
+    """Return true if the driver of a sensor discards this sample because it repeats itself.
 
-    Beyond its reach a rangefinder repeats itself rightly, with a number that is not finite.
+    The driver compares only the first number of each sample. It ignores numbers that are not
+    finite: a rangefinder rightly repeats infinity while nothing is in reach.
+
+    Args:
+        r: Record of the sensor; its count of equal samples changes.
+        part: Part that measured the number.
+        number: First number of the sample.
     """
     is_alike = number == r.last_number[part] and math.isfinite(number)
     r.n_alike[part] = r.n_alike[part] + 1 if is_alike else 0

@@ -1,12 +1,17 @@
 """Satellite navigation receiver: late, at a low rate, with an error that wanders.
 
-The position error is a first-order Gauss-Markov process plus white noise; velocity has white
-noise. A fix is delivered `delay_s` after the time for which it is valid. In a room there is no
-fix; back under the sky the first one comes after `reacquire_s`, and its additional error decays.
-The same happens with fewer than four satellites in view (`flightsim.plant.sky`). All errors of
-position and velocity grow with the dilution of precision; with few satellites a receiver with
-corrections does not resolve their ambiguities, "float". Solids that hide satellites nearby reflect
-others: multipath, which wanders over seconds.
+A filter that sees only white noise becomes far too confident in its position, so the errors that
+dominate a real receiver are modelled one by one:
+
+- The position error is a first-order Gauss-Markov process plus white noise; velocity has white
+  noise.
+- A fix is delivered `delay_s` after the time for which it is valid.
+- In a room, or with fewer than four satellites in view (`flightsim.plant.sky`), there is no fix.
+  Back under the sky the first one comes after `reacquire_s`, and its additional error decays.
+- All errors of position and velocity grow with the dilution of precision.
+- With few satellites a receiver with corrections cannot resolve the ambiguities of the carrier
+  phase. Its solution is then a "float" solution of decimetres.
+- Solids that hide satellites nearby reflect others. This multipath wanders over seconds.
 """
 
 from __future__ import annotations
@@ -33,14 +38,14 @@ from flightsim.sensors.gnss_reading import read_gnss
 from flightsim.sensors.sensor import Sensor, SensorStart, is_due, noise
 
 _MULTIPATH_S = 5.0
-"""Correlation time of multipath of a receiver that flies past walls."""
+"""Correlation time of multipath for a receiver that flies past walls."""
 N_GNSS_PAST = 64
-"""IMU ticks that the receiver remembers; the longest delay."""
+"""Number of past IMU ticks that the receiver remembers, which limits `delay_s`."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class GnssCfg:
-    """Errors of a receiver; pairs are horizontal (each axis) and vertical."""
+    """Errors of a receiver; each pair is horizontal (per axis) and vertical."""
 
     rate_hz: int
     delay_s: float = 0.12
@@ -52,25 +57,26 @@ class GnssCfg:
     position_noise_m: tuple[float, float]
     velocity_noise_mps: tuple[float, float]
     reported_accuracy_m: tuple[float, float]
-    """Accuracy that the receiver claims: eph and epv."""
+    """Accuracy that the receiver claims with a good sky: eph and epv."""
     reacquire_s: float = 1.0
     """Time from leaving a room to the first fix; hot start and reacquisition of a u-blox F9 or M10
     take 1 to 2 s by their data sheets."""
     reacquired_sigma_m: float = 1.5
     """Additional white error of the first fix."""
     constellations: tuple[Constellation, ...] = (GPS, GALILEO)
-    """What the receiver hears."""
+    """Satellite systems that the receiver listens to."""
     least_fixed: int = 0
-    """Number of satellites below which corrections give metres less, not centimetres: float."""
+    """Below this number of satellites the solution is "float": corrections bring decimetres, not
+    centimetres."""
     float_sigma_m: float = 0.0
-    """White error of a float solution."""
+    """White error of each axis of a float solution."""
     most_step_m: float = 0.03
-    """Most by which a fix should move an estimate that odometry carries, each axis."""
+    """Largest step by which one fix should move an estimate that odometry carries, each axis."""
     multipath_sigma_m: float = 0.0
-    """Multipath with half of the sky hidden by things near."""
+    """Standard deviation of multipath if nearby solids hide half of the sky."""
     settle_s: float = 1.5
-    """Time in which that error falls to 1/e: below 1 cm after 8 s; the F9 has RTK fixed by its data
-    sheet in less than 10 s."""
+    """Time in which the error of a new fix falls to 1/e. It is below 1 cm after 8 s; the data sheet
+    of the F9 promises an RTK fix in less than 10 s."""
 
 
 RTK = GnssCfg(
@@ -87,7 +93,7 @@ RTK = GnssCfg(
     # A quarter of the 19 cm of the L1 carrier at most; half of that, as reflections are weaker.
     multipath_sigma_m=0.024,
 )
-"""A receiver with corrections whose antenna swings below a frame: decimetre grade."""
+"""Receiver with corrections, of decimetre grade because its antenna swings below a frame."""
 
 STANDARD = GnssCfg(
     rate_hz=5,
@@ -99,21 +105,24 @@ STANDARD = GnssCfg(
     position_noise_m=(2e-4 * math.sqrt(5.0), 4e-4 * math.sqrt(5.0)),
     velocity_noise_mps=(0.2, 0.4),
     reported_accuracy_m=(1.3, 2.2),
+    # At 5 Hz this is 2.5 cm/s, as much as odometry drifts at 1 m/s. A place that odometry or a map
+    # knows well then stays known for seconds, while the receiver wanders by a metre in a minute.
     # 2.5 cm/s, as far as odometry drifts at 1 m/s: what is known of the place by other means
     # stays known for seconds, while the receiver wanders by a metre in a minute.
     most_step_m=0.005,
     # Code multipath between buildings is some metres (Kaplan and Hegarty 2017, section 9.5).
     multipath_sigma_m=3.0,
 )
-"""A receiver without corrections: metre grade."""
+"""Receiver without corrections, of metre grade."""
 
 GRADES = {"rtk": RTK, "standard": STANDARD}
 
 
 def _configure(r: np.void, cfg: GnssCfg, start: SensorStart) -> None:
-    """Switch on a receiver that has tracked satellites for long."""
+    """Fill the record of a receiver that has tracked satellites for a long time."""
     horizontal, vertical = cfg.drift_sigma_m
     stationary = np.array([horizontal, horizontal, vertical])
+    # The process starts in its stationary distribution, as if the receiver had long been on.
     r["drift_enu_m"] = stationary * start.rng.standard_normal(3)
     for i in range(3):
         density = density_of(stationary[i], cfg.drift_correlation_s)
@@ -124,9 +133,12 @@ def _configure(r: np.void, cfg: GnssCfg, start: SensorStart) -> None:
     r["delay_ticks"] = round(cfg.delay_s * start.tick_hz)
     r["reacquire_ticks"] = round(cfg.reacquire_s * start.tick_hz)
     r["settle_decay"] = math.exp(-1.0 / (cfg.settle_s * cfg.rate_hz))
+    # The vehicle starts with a fix, unless the first tick finds it in a room.
     r["under_sky_ticks"] = r["reacquire_ticks"]
     dt_s = 1.0 / cfg.rate_hz
     r["multipath_decay"] = math.exp(-dt_s / _MULTIPATH_S)
+    # Samples of a process with correlation time T share their error for about 2 T: so many samples
+    # count as one independent sample.
     r["multipath_samples"] = 2.0 * _MULTIPATH_S * cfg.rate_hz
     r["dilution"] = 1.0
 
@@ -135,7 +147,7 @@ def _configure(r: np.void, cfg: GnssCfg, start: SensorStart) -> None:
 def follow_gnss(
     r: np.record, tick: int, position_enu_m: np.ndarray, velocity_enu_mps: np.ndarray
 ) -> None:
-    """Let the receiver see the true state of an IMU tick."""
+    """Store the true state of an IMU tick, from which a later fix is made; called at every tick."""
     r.under_sky_ticks += 1
     slot = tick % N_GNSS_PAST
     for i in range(3):
@@ -147,7 +159,16 @@ def follow_gnss(
 def hears_satellites(
     r: np.record, sky: np.record, rooms: np.ndarray, position_enu_m: np.ndarray
 ) -> bool:
-    """Whether there is a fix at a true position, outside of all `rooms` (`ROOM_COLUMNS`)."""
+    """Return true if the receiver has a fix at a true position.
+
+    Losing the sky restarts the wait of `reacquire_s` and the extra error of the first fix.
+
+    Args:
+        r: Record of the receiver; changed while it has no sky.
+        sky: Satellites in view (`flightsim.plant.sky`).
+        rooms: Rooms of the scene, a row each (`ROOM_COLUMNS`).
+        position_enu_m: True position, shape (3,).
+    """
     if is_in_room(rooms, position_enu_m) or sky.n_heard < LEAST_SATELLITES:
         r.under_sky_ticks = 0
         r.settling_sigma_m = r.reacquired_sigma_m
@@ -156,13 +177,15 @@ def hears_satellites(
 
 @kernel
 def suffer_sky(r: np.record, sky: np.record, normals: np.ndarray) -> None:
-    """Set what the satellites in view do to the next fix."""
+    """Compute dilution, float state and multipath of the next fix from the satellites in view."""
     r.n_heard = sky.n_heard
     r.is_float = 1 if sky.n_heard < r.least_fixed else 0
     r.dilution[0], r.dilution[1], r.dilution[2] = sky.horizontal, sky.horizontal, sky.vertical
     decay = r.multipath_decay
+    # `multipath_sigma_m` is stated for half of the sky hidden, hence the factor two.
     sigma = 2.0 * r.multipath_sigma_m * sky.near_share * sky.has_multipath
     for i in range(3):
+        # A process of unit variance, scaled afterwards: the share of hidden sky changes in flight.
         step = math.sqrt(1.0 - decay * decay) * normals[9 + i]
         r.multipath[i] = decay * r.multipath[i] + step
         r.multipath_enu_m[i] = sigma * r.dilution[i] * r.multipath[i]
@@ -171,7 +194,7 @@ def suffer_sky(r: np.record, sky: np.record, normals: np.ndarray) -> None:
 
 @kernel
 def sample_gnss(r: np.record, tick: int, normals: np.ndarray) -> None:
-    """Deliver at `tick` the fix that is valid for `delay_ticks` before it."""
+    """Deliver at `tick` the fix that is valid for `delay_ticks` earlier; uses `normals[0:9]`."""
     ambiguous = r.float_sigma_m * r.is_float
     r.tick = tick - r.delay_ticks
     r.settling_sigma_m *= r.settle_decay
@@ -188,6 +211,9 @@ def sample_gnss(r: np.record, tick: int, normals: np.ndarray) -> None:
         noise = r.present_velocity_sigma_mps[i] * normals[6 + i]
         velocity = r.past_velocity_enu_mps[slot, i] + noise
         r.velocity_enu_mps[i] = said(r, 0, tick, 3 + i, velocity, normals)
+        # The filter takes errors of successive fixes as independent. Errors that fixes share are
+        # thus inflated by the number of samples that share them: multipath in full, drift only by
+        # the part beyond the filter's own model of it.
         # What fixes share counts more: multipath by its time, drift beyond what the filter expects.
         shared = r.multipath_samples * r.multipath_now_sigma_m[i] ** 2
         beyond = (r.dilution[i] * r.dilution[i] - 1.0) * r.drift_sigma_m[0 if i < 2 else 1] ** 2
@@ -205,8 +231,20 @@ def sense_gnss(
     rooms: np.ndarray,
     normals: np.ndarray,
 ) -> None:
-    """Follow the vehicle, and let the filter use the fix if one is due."""
+    """Follow the vehicle, and if a fix is due, deliver it to the filter.
+
+    Args:
+        r: Record of the receiver; changed.
+        f: Record of the filter; changed by a fix.
+        tick: Present tick.
+        qpos: True pose: position ENU and attitude, shape (7,).
+        qvel: True velocity ENU and angular rate, shape (6,).
+        sky: Satellites in view.
+        rooms: Rooms of the scene.
+        normals: Standard normals of this second.
+    """
     follow_gnss(r, tick, qpos[0:3], qvel[0:3])
+    # Before `delay_ticks` have passed, the ring holds no state of that time yet.
     if not is_due(r, tick) or tick <= r.delay_ticks:
         return
     if not hears_satellites(r, sky, rooms, qpos[0:3]):

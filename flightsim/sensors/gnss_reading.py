@@ -1,4 +1,4 @@
-"""What a GNSS receiver says: the latest fix, and how good it claims to be."""
+"""Output of a GNSS receiver: its latest fix, and the accuracy that it claims."""
 
 from __future__ import annotations
 
@@ -24,8 +24,11 @@ class GnssReading(NamedTuple):
     fix_type: int
     """MAVLink's GPS_FIX_TYPE; 0 or 1 before the first fix or without signal."""
     eph_m: float
+    """Claimed standard deviation of each horizontal axis; infinite without a fix."""
     epv_m: float
+    """Claimed standard deviation of the altitude; infinite without a fix."""
     n_satellites: int
+    """Satellites used; 0 without a fix."""
 
 
 _numbers = numbers(
@@ -37,11 +40,15 @@ _numbers = numbers(
 
 
 def read_gnss(r: np.void, tick_us: int) -> GnssReading:
-    """Reading of a receiver's record, by the length of its ticks."""
+    """Return the reading of a receiver's record; `tick_us` is the length of a control tick.
+
+    The claimed accuracy grows with dilution, multipath and a float solution, as in a real receiver.
+    """
     tick, position, velocity, fix_type, accuracy, settling, *rest = _numbers(r)
     dilution, multipath, is_float, float_sigma, n_heard, *heard = rest
     is_enabled, failure, under_sky_ticks, reacquire_ticks = heard
     ambiguous = is_float * float_sigma
+    # Dilution and multipath are per axis (east, north, up): 2 * k picks east and up.
     eph_m, epv_m = (
         math.hypot(math.hypot(accuracy[k], ambiguous) * dilution[2 * k], multipath[2 * k], settling)
         for k in (0, 1)

@@ -1,9 +1,12 @@
 """Inertial measurement unit in the centre of mass.
 
-A sample is the mean over its interval, as from an IMU that integrates fast: the specific force
-from the change of velocity, the angular rate from the change of attitude, each with white noise
-N / sqrt(dt) and a drifting bias (`flightsim.sensors.drift`), and with what the rotors shake
-(`flightsim.sensors.vibration`).
+A sample is the mean over its interval, as from an IMU that integrates fast: the specific force from
+the change of velocity, the angular rate from the change of attitude. Instantaneous values would
+miss the motion between two samples, and a filter that integrates them would drift from the truth
+even without noise.
+
+Each axis adds white noise N / sqrt(dt), a drifting bias (`flightsim.sensors.drift`), and the
+vibration of the rotors (`flightsim.sensors.vibration`).
 """
 
 from __future__ import annotations
@@ -36,17 +39,19 @@ class ImuCfg:
     """Noise of an IMU."""
 
     gyro_noise_density: float
-    """rad/s/sqrt(Hz)."""
+    """Density N of the white noise, rad/s/sqrt(Hz)."""
     gyro_bias_walk: float
-    """rad/s^2/sqrt(Hz)."""
+    """Density of the noise that drives the bias, rad/s^2/sqrt(Hz)."""
     gyro_bias_correlation_s: float = 1000.0
     gyro_turn_on_sigma_radps: float
+    """Standard deviation of the bias at switching on."""
     accel_noise_density: float
-    """m/s^2/sqrt(Hz)."""
+    """Density N of the white noise, m/s^2/sqrt(Hz)."""
     accel_bias_walk: float
-    """m/s^3/sqrt(Hz)."""
+    """Density of the noise that drives the bias, m/s^3/sqrt(Hz)."""
     accel_bias_correlation_s: float = 300.0
     accel_turn_on_sigma_mps2: float
+    """Standard deviation of the bias at switching on."""
 
 
 ADIS16448 = ImuCfg(
@@ -57,7 +62,7 @@ ADIS16448 = ImuCfg(
     accel_bias_walk=0.006,
     accel_turn_on_sigma_mps2=0.196,
 )
-"""Default of RotorS, an uncalibrated ADIS16448."""
+"""Default IMU of RotorS: an uncalibrated ADIS16448."""
 
 PX4_IMU = ImuCfg(
     gyro_noise_density=8.7266e-4,
@@ -67,15 +72,15 @@ PX4_IMU = ImuCfg(
     accel_bias_walk=0.0,
     accel_turn_on_sigma_mps2=0.0,
 )
-"""Sensor of PX4's gazebo-classic vehicles today: noisier, and calibrated."""
+"""IMU of PX4's gazebo-classic vehicles today: noisier, and calibrated."""
 
 IMUS = {"px4": PX4_IMU, "adis16448": ADIS16448}
 ACCELEROMETER, GYROSCOPE = 0, 1
-"""Parts that can fail alone."""
+"""Parts of the IMU that can fail alone."""
 
 
 def _configure(r: np.void, cfg: ImuCfg, start: SensorStart) -> None:
-    """Switch on the sensor at a true attitude and velocity."""
+    """Fill the record of a sensor that is switched on at a true attitude and velocity."""
     dt_s = 1.0 / start.tick_hz
     r["dt_s"] = dt_s
     r["last_quat_wxyz"] = start.quat_wxyz
@@ -96,7 +101,14 @@ def _configure(r: np.void, cfg: ImuCfg, start: SensorStart) -> None:
 def sample_imu(
     r: np.record, quat_wxyz: np.ndarray, velocity_enu_mps: np.ndarray, normals: np.ndarray
 ) -> None:
-    """Measure the interval since the sample before, which ends in this true state."""
+    """Measure the interval since the previous sample, which ends in this true state.
+
+    Args:
+        r: Record of the sensor; changed.
+        quat_wxyz: True attitude at the end of the interval, body FLU to world ENU.
+        velocity_enu_mps: True velocity at the end of the interval.
+        normals: Twelve standard normals: white noise and drift of accelerometer and gyroscope.
+    """
     _mean_motion(r, quat_wxyz, velocity_enu_mps)
     advance_drift(r.accel_bias_flu_mps2, r.accel_decay, r.accel_drift_sigma, normals, 6)
     advance_drift(r.gyro_bias_flu_radps, r.gyro_decay, r.gyro_drift_sigma, normals, 9)
@@ -107,13 +119,16 @@ def sample_imu(
 
 @kernel
 def _mean_motion(r: np.record, quat_wxyz: np.ndarray, velocity_enu_mps: np.ndarray) -> None:
-    """Mean specific force and mean angular rate of the interval, without errors."""
+    """Write the mean specific force and mean angular rate of the interval, without errors."""
     q, turn, R, dt = r.work_quat, r.work_vector, r.work_R, r.dt_s
+    # q is the inverse of the last attitude; q times the present one is the turn in body axes.
     q[0] = r.last_quat_wxyz[0]
     for i in range(3):
         q[i + 1] = -r.last_quat_wxyz[i + 1]
     quat_multiply(q, quat_wxyz, q)
     rotation_vector_from_quat(q, turn)
+    # The mean acceleration is rotated by the attitude halfway through the interval, which is right
+    # to second order.
     quat_from_rotation_vector(0.5 * turn[0], 0.5 * turn[1], 0.5 * turn[2], q)
     quat_multiply(r.last_quat_wxyz, q, q)
     matrix_from_quat(q, R)
@@ -121,6 +136,7 @@ def _mean_motion(r: np.record, quat_wxyz: np.ndarray, velocity_enu_mps: np.ndarr
         r.gyro_flu_radps[i] = turn[i] / dt
         turn[i] = (velocity_enu_mps[i] - r.last_velocity_enu_mps[i]) / dt
         r.last_velocity_enu_mps[i] = velocity_enu_mps[i]
+    # `turn` now holds the mean acceleration. An accelerometer at rest reads +g upwards.
     turn[2] += GRAVITY_MPS2
     for i in range(3):
         r.accel_flu_mps2[i] = R[0, i] * turn[0] + R[1, i] * turn[1] + R[2, i] * turn[2]
@@ -139,7 +155,7 @@ def sense_imu(
     vibration: np.record,
     normals: np.ndarray,
 ) -> None:
-    """Measure, and let the filter predict by it."""
+    """Measure, and let the filter predict with the sample; called at every control tick."""
     drawn = noise(r, tick, normals)
     sample_imu(r, qpos[3:7], qvel[0:3], drawn)
     for i in range(3):
@@ -149,6 +165,8 @@ def sense_imu(
         r.gyro_flu_radps[i] = said(r, GYROSCOPE, tick, 3 + i, gyro, drawn)
     if is_heard(r, ACCELEROMETER, tick) and is_heard(r, GYROSCOPE, tick):
         r.tick = tick
+    # The vehicle has no second IMU to switch to, so the filter goes on even with a stuck one. The
+    # calls only keep the counts that the health report reads.
     # There is no other one to go by: the filter goes on with what it says.
     is_stuck(r, ACCELEROMETER, r.accel_flu_mps2[0])
     is_stuck(r, GYROSCOPE, r.gyro_flu_radps[0])

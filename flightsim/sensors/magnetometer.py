@@ -1,6 +1,9 @@
-"""Magnetometer: the Earth's field in body axes, with white noise and drift, steel and currents.
+"""Magnetometer: the Earth's field in body axes, with noise, drift, steel and motor currents.
 
-The motors' current adds a field in a direction of chance that is fixed to the body.
+Compass errors decide whether a filter may trust its heading. White noise alone is harmless. Two
+disturbances are not: steel near the vehicle turns the field (`flightsim.environment.steel`), and
+the current of the motors adds a field in a random direction fixed to the body, which grows with the
+thrust.
 """
 
 from __future__ import annotations
@@ -24,17 +27,17 @@ from flightsim.sensors.sensor import Sensor, SensorStart, is_due, noise, reader
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class MagnetometerCfg:
-    """Noise of a magnetometer: PX4's gazebo-classic (0.4e-3 gauss/sqrt(Hz) is 0.04 uT)."""
+    """Noise of a magnetometer, by PX4's gazebo-classic (0.4e-3 gauss/sqrt(Hz) is 0.04 uT)."""
 
     rate_hz: int = 50
     noise_density: float = 0.04
-    """uT/sqrt(Hz)."""
+    """Density of the white noise, uT/sqrt(Hz)."""
     drift_density: float = 6.4e-4
-    """uT/s/sqrt(Hz)."""
+    """Density of the noise that drives the drift, uT/s/sqrt(Hz)."""
     drift_correlation_s: float = 600.0
     motor_ut_per_a: float = 0.03
-    """Field by the current of the motors: 1 uT, 2% of the Earth's, at the 33 A of full throttle, as
-    on a mast; ArduPilot's manual (compassmot) accepts 30%."""
+    """Field per ampere of motor current. It makes 1 uT, 2% of the Earth's field, at the 33 A of
+    full throttle, as on a mast; ArduPilot's manual (compassmot) accepts 30%."""
 
 
 def _configure(r: np.void, cfg: MagnetometerCfg, start: SensorStart) -> None:
@@ -43,6 +46,7 @@ def _configure(r: np.void, cfg: MagnetometerCfg, start: SensorStart) -> None:
     r["decay"], r["drift_sigma_ut"] = drift_terms(cfg.drift_density, cfg.drift_correlation_s, dt_s)
     r["noise_ut"] = cfg.noise_density / math.sqrt(dt_s)
     direction = start.rng.standard_normal(3)
+    # Current grows with the cube of the rotor speed, so the kernel only sums cubes.
     strength = cfg.motor_ut_per_a * start.amperes_per_cubed_speed
     r["motor_flu_ut_s3"] = strength * direction / np.linalg.norm(direction)
 
@@ -56,7 +60,7 @@ def sample_magnetometer(
     steel: np.ndarray,
     normals: np.ndarray,
 ) -> None:
-    """Measure at a true pose (7,), among steel (`flightsim.environment.steel`)."""
+    """Take one sample at a true pose (7,), among steel (`flightsim.environment.steel`)."""
     R, field = r.R, r.work_vector
     matrix_from_quat(qpos[3:7], R)
     field[:] = r.field_enu_ut
@@ -97,7 +101,7 @@ def sense_magnetometer(
 
 
 class MagReading(NamedTuple):
-    """Magnetic field in body axes."""
+    """Latest magnetic field in body axes, uT."""
 
     time_us: int
     field_flu_ut: Vector3

@@ -1,4 +1,8 @@
-"""Motion capture: pose of the vehicle in the world by cameras of the room, white noise, late."""
+"""Motion capture: pose of the vehicle in the world from cameras in the room.
+
+It has white noise and a delay, but no drift: the cameras see the vehicle from fixed places. Use it
+to fly indoors with a known position, or to take the estimator's drift out of an experiment.
+"""
 
 from __future__ import annotations
 
@@ -23,11 +27,11 @@ class MocapCfg:
 
     rate_hz: int = 125
     delay_s: float = 0.008
-    """Time from the exposure to the pose; at most one frame."""
+    """Time from the exposure to the pose; longer ones are cut to one frame."""
     position_noise_m: float = 1e-3
     """White noise of each axis."""
     yaw_noise_rad: float = 3e-3
-    """White noise, as of markers 0.2 m apart with errors of half a millimetre."""
+    """White noise of heading, as from markers 0.2 m apart with errors of half a millimetre."""
 
 
 def _configure(r: np.void, cfg: MocapCfg, start: SensorStart) -> None:
@@ -52,6 +56,7 @@ def sense_mocap(
     r: np.record, f: np.record, tick: int, qpos: np.ndarray, normals: np.ndarray
 ) -> None:
     """Fuse the pose that arrives at this tick, then take the next one."""
+    # Fuse before sampling: the next sample overwrites the one that arrives at this tick.
     has_come = has_arrived(r, tick) and not is_stuck(r, 0, r.position_enu_m[0])
     if has_come and f.is_aligned == 1:
         fuse_mocap(f, r.position_enu_m, r.yaw_rad, r.delay_ticks)

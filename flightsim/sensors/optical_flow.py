@@ -1,18 +1,20 @@
-"""Optical flow: how fast what lies below passes the eye of a sensor that looks along body -z.
+"""Optical flow: angular rate at which the ground passes a sensor that looks along body -z.
 
     symbol   name                                             frame     unit
     w        angular rate                                     body FRD  rad/s
     v        velocity                                         body FRD  m/s
-    d        distance along the ray to what is below                    m
+    d        distance along the ray to the ground                       m
     f        rate of flow, (w_x - v_y / d, w_y + v_x / d)     body FRD  rad/s
 
 A right-handed turn about an axis and a flow in its sense are positive, as OPTICAL_FLOW_RAD of
-MAVLink and SensorOpticalFlow of PX4 define it (docs.px4.io, msg_docs/SensorOpticalFlow). It follows
-from the optical axis alone: all below counts as at rest, and as rich in texture. The gyroscope
-beside the eye is the vehicle's own, summed over the same time.
+MAVLink and SensorOpticalFlow of PX4 define it (docs.px4.io, msg_docs/SensorOpticalFlow).
 
-The distance is measured with each sample, and taken to stay so until the next. Near the ground and
-far above, or where things pass too fast for it, the sensor says that its quality is zero.
+The flow follows from the optical axis alone. Rendering an image for each sample would cost far
+more, and a filter would see the same number. The price is that all ground counts as at rest and as
+rich in texture. The gyroscope beside the eye is the vehicle's own, summed over the same time.
+
+The distance is measured with each sample and held until the next. Close to the ground, far above
+it, or where it passes too fast, the sensor reports a quality of zero.
 
 Source of the limits: PixArt's PMW3901 and PAA3905 as PX4 and their makers state them: 0.08 m, 7.4
 rad/s (github.com/PX4/PX4-Autopilot, src/drivers/optical_flow; github.com/kriswiner/PAA3905).
@@ -36,15 +38,17 @@ class OpticalFlowCfg:
     """A sensor of optical flow with a gyroscope and a rangefinder of its own."""
 
     is_fitted: bool = False
-    """Whether the vehicle carries it from the start."""
+    """True if the vehicle carries the sensor from the start."""
     rate_hz: int = 50
     noise_radps: float = 0.05
     """Standard deviation of the mean rate in a sample. PX4's filter takes 0.15 rad/s at the best
     quality (EKF2_OF_N_MIN), three of these."""
     min_distance_m: float = 0.08
+    """Distance below which the lens cannot focus."""
     max_distance_m: float = 30.0
-    """Reach: that of the rangefinder beside it."""
+    """Reach, which is that of the rangefinder beside the eye."""
     max_rate_radps: float = 7.4
+    """Fastest flow of either axis that the sensor can follow."""
 
 
 class OpticalFlowReading(NamedTuple):
@@ -53,13 +57,13 @@ class OpticalFlowReading(NamedTuple):
     time_us: int
     integration_us: int
     flow_frd_rad: tuple[float, float]
-    """Flow about the axes forward and right; zero while the quality is."""
+    """Flow about the axes forward and right; zero if the quality is zero."""
     gyro_frd_rad: tuple[float, float, float]
     """Turn about the axes forward, right and down."""
     distance_m: float
-    """To what lies below; infinite beyond reach, NaN before the first sample."""
+    """Distance to the ground along the ray; infinite beyond reach, NaN before the first sample."""
     quality: int
-    """0 if there is no flow to see, else 255."""
+    """0 if some flow in the interval could not be seen, otherwise 255."""
 
 
 BEST_QUALITY = 255
@@ -78,25 +82,27 @@ def follow_flow(
     gyro_flu_radps: np.ndarray,
     dt_s: float,
 ) -> None:
-    """Add what passes in a control tick.
+    """Add the flow and the turn of one control tick to the sums of the running sample.
 
     Args:
-        r: The sensor with `seen_m`, the distance to what is below; changed.
-        quat_wxyz: True attitude, body to world.
+        r: Record of the sensor, with `seen_m`, the true distance to the ground; changed.
+        quat_wxyz: True attitude, body FLU to world ENU.
         velocity_enu_mps: True velocity.
         rate_flu_radps: True angular rate.
-        gyro_flu_radps: What the gyroscope measures of it.
+        gyro_flu_radps: Angular rate that the IMU measures.
         dt_s: Length of the tick.
     """
     w, x, y, z = quat_wxyz[0], quat_wxyz[1], quat_wxyz[2], quat_wxyz[3]
     v = velocity_enu_mps
-    forward = (1.0 - 2.0 * (y * y + z * z)) * v[0] + 2.0 * (x * y + w * z) * v[1]
-    forward += 2.0 * (x * z - w * y) * v[2]
-    left = 2.0 * (x * y - w * z) * v[0] + (1.0 - 2.0 * (x * x + z * z)) * v[1]
-    left += 2.0 * (y * z + w * x) * v[2]
+    # Velocity along body x and y: first two columns of the rotation matrix times the velocity.
+    forward_mps = (1.0 - 2.0 * (y * y + z * z)) * v[0] + 2.0 * (x * y + w * z) * v[1]
+    forward_mps += 2.0 * (x * z - w * y) * v[2]
+    leftward_mps = 2.0 * (x * y - w * z) * v[0] + (1.0 - 2.0 * (x * x + z * z)) * v[1]
+    leftward_mps += 2.0 * (y * z + w * x) * v[2]
     is_seen = r.min_distance_m <= r.seen_m <= r.max_distance_m
-    about_x = rate_flu_radps[0] + (left / r.seen_m if is_seen else 0.0)
-    about_y = -rate_flu_radps[1] + (forward / r.seen_m if is_seen else 0.0)
+    # The signs change from FLU to FRD: y and z of the body point the other way.
+    about_x = rate_flu_radps[0] + (leftward_mps / r.seen_m if is_seen else 0.0)
+    about_y = -rate_flu_radps[1] + (forward_mps / r.seen_m if is_seen else 0.0)
     if not is_seen or max(abs(about_x), abs(about_y)) > r.max_rate_radps:
         r.has_lost = 1
     r.passed_frd_rad[0] += about_x * dt_s
@@ -108,7 +114,7 @@ def follow_flow(
 
 @kernel
 def sample_optical_flow(r: np.record, tick: int, period_s: float, normals: np.ndarray) -> None:
-    """Measure what has passed since the sample before, `period_s` ago."""
+    """Finish the sample that began `period_s` ago and start the next one."""
     r.quality = BEST_QUALITY if r.has_lost == 0 else 0
     for i in range(2):
         flow = r.passed_frd_rad[i] + r.noise_radps * period_s * normals[i]
@@ -124,7 +130,7 @@ def sample_optical_flow(r: np.record, tick: int, period_s: float, normals: np.nd
 
 
 def _rate_radps(reading: OpticalFlowReading) -> float:
-    """Size of the mean rate of flow; NaN before the first sample."""
+    """Return the size of the mean rate of flow in rad/s; NaN before the first sample."""
     if reading.integration_us == 0:
         return math.nan
     return math.hypot(*reading.flow_frd_rad) / (1e-6 * reading.integration_us)
@@ -139,7 +145,7 @@ OPTICAL_FLOW = Sensor(
         *fields("quality", "integration_us", kind="i8"),
         ("flow_frd_rad", "f8", 2),
         ("gyro_frd_rad", "f8", 3),
-        # since the last sample: flow, turn by the gyroscope, whether any of it was not seen
+        # sums since the last sample: flow, turn by the gyroscope; 1 if any flow was not seen
         ("passed_frd_rad", "f8", 2),
         ("turned_frd_rad", "f8", 3),
         ("has_lost", "i8"),

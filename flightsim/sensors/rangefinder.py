@@ -1,4 +1,8 @@
-"""Downward rangefinder along body -z: distance to what a ray from the centre of mass hits."""
+"""Downward rangefinder along body -z: distance to what a ray from the centre of mass hits.
+
+The plant casts the ray (`flightsim.plant.rays`), because only it knows the solids. This module aims
+the ray and turns the true distance into a reading.
+"""
 
 from __future__ import annotations
 
@@ -20,6 +24,7 @@ class RangefinderCfg:
     max_range_m: float = 30.0
     """Range of the sensor; the reading is infinite if there is nothing within it."""
     noise_m: float = 0.01
+    """Standard deviation at short distances."""
     relative_noise: float = 0.003
     """Share of the distance that is added to `noise_m` in quadrature."""
 
@@ -30,9 +35,16 @@ def _configure(r: np.void, _cfg: RangefinderCfg, _start: SensorStart) -> None:
 
 @kernel
 def aim_ray(r: np.record, position_enu_m: np.ndarray, q: np.ndarray) -> None:
-    """Point the ray from a true pose: origin and body -z, in the world."""
+    """Point the ray from a true pose; `r.ray` becomes origin and direction (body -z) in the world.
+
+    Args:
+        r: Record of the sensor; changed.
+        position_enu_m: True position of the centre of mass, shape (3,).
+        q: True attitude (w, x, y, z), body FLU to world ENU.
+    """
     for i in range(3):
         r.ray[i] = position_enu_m[i]
+    # The third column of the rotation matrix, negated.
     r.ray[3] = -2.0 * (q[1] * q[3] + q[0] * q[2])
     r.ray[4] = -2.0 * (q[2] * q[3] - q[0] * q[1])
     r.ray[5] = -1.0 + 2.0 * (q[1] * q[1] + q[2] * q[2])
@@ -40,11 +52,19 @@ def aim_ray(r: np.record, position_enu_m: np.ndarray, q: np.ndarray) -> None:
 
 @kernel
 def sample_rangefinder(r: np.record, tick: int, distance_m: float, normals: np.ndarray) -> None:
-    """Measure a true distance along the ray, negative if it meets nothing."""
+    """Turn a true distance along the ray into a reading.
+
+    Args:
+        r: Record of the sensor; changed.
+        tick: Present tick.
+        distance_m: True distance; negative if the ray meets nothing.
+        normals: At least one standard normal.
+    """
     r.tick = tick
     relative = r.relative_noise * distance_m
     sigma = math.sqrt(r.noise_m * r.noise_m + relative * relative)
     measured_m = distance_m + sigma * normals[0]
+    # The true distance decides, not the noisy one: otherwise readings flicker at the limit.
     if distance_m < 0.0 or distance_m > r.max_range_m:
         measured_m = math.inf
     r.range_m = max(0.0, said(r, 0, tick, 0, measured_m, normals))

@@ -2,14 +2,15 @@
 
     m <- m + Rz(-a) (dp - s_p sqrt(|dp|) n),   a <- a + s_a sqrt(|dp|) n
 
-for the true step dp between two frames, position m and heading of the frame a: a random walk in
-position and another in heading, so that the error grows with the square root of the distance and,
-where nothing constrains the heading, with its 3/2nd power.
+Here dp is the true step between two frames, m the position and a the heading of the frame. Position
+and heading each take a random walk over the distance flown, not over time: real odometry barely
+drifts in hover. The error grows with the square root of the distance and, because nothing
+constrains the heading, with its 3/2nd power on long flights.
 
 The default grade is that of a good filter on the EuRoC flights (Geneva et al. 2020, "OpenVINS: a
-research platform for visual-inertial estimation"): on flights of 36 to 130 m, aligned to the truth
-in position and heading, the model errs by 0.14 m RMS, where OpenVINS with one camera has 0.18 m on
-the mean of the eleven flights (github.com/symao/open_vins, ov_msckf_result.md).
+research platform for visual-inertial estimation"). On flights of 36 to 130 m, aligned to the truth
+in position and heading, the model errs by 0.14 m RMS. OpenVINS with one camera has 0.18 m on the
+mean of the eleven flights (github.com/symao/open_vins, ov_msckf_result.md).
 """
 
 from __future__ import annotations
@@ -30,11 +31,11 @@ from flightsim.sensors.sensor import Sensor, SensorStart, has_arrived, is_due, n
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class VioCfg:
-    """Errors of visual-inertial odometry; pairs are horizontal (each axis) and vertical."""
+    """Errors of visual-inertial odometry; each pair is horizontal (per axis) and vertical."""
 
     rate_hz: int = 25
     delay_s: float = 0.04
-    """Time from the exposure to the pose; at most one frame."""
+    """Time from the exposure to the pose; longer ones are cut to one frame."""
     position_walk: tuple[float, float] = (0.025, 0.02)
     """Random walk in m/sqrt(m flown)."""
     yaw_walk: float = 2.1e-3
@@ -42,6 +43,7 @@ class VioCfg:
     position_noise_m: float = 0.01
     """White noise of each axis."""
     yaw_noise_rad: float = 4e-3
+    """White noise of the heading."""
 
 
 class VioReading(NamedTuple):
@@ -49,11 +51,12 @@ class VioReading(NamedTuple):
 
     time_us: int
     arrives_us: int
-    """When it is there for use."""
+    """Time at which the pose is available to the filter."""
     position_vio_m: Vector3
-    """Way from the start along the axes that the vehicle had there, level: forward, left, up."""
+    """Displacement since the start, along level axes of the vehicle's heading there: forward, left,
+    up."""
     yaw_vio_rad: float
-    """Turn since the start, counterclockwise."""
+    """Change of heading since the start, counterclockwise."""
 
 
 _numbers = numbers("tick", "delay_ticks", "position_vio_m", "yaw_vio_rad")
@@ -79,6 +82,7 @@ def sample_vio(
     """Measure at a true pose; the reading is valid for use after `delay_ticks`."""
     last, now, m = r.last_position_enu_m, position_enu_m, r.odometer_m
     dx, dy, dz = now[0] - last[0], now[1] - last[1], now[2] - last[2]
+    # Fourth root of the squared distance: the walk is in m/sqrt(m flown).
     root = math.sqrt(math.sqrt(dx * dx + dy * dy + dz * dz))
     dx -= r.walk_enu[0] * root * normals[0]
     dy -= r.walk_enu[1] * root * normals[1]
@@ -100,6 +104,7 @@ def sample_vio(
 @kernel
 def sense_vio(r: np.record, f: np.record, tick: int, qpos: np.ndarray, normals: np.ndarray) -> None:
     """Fuse the pose that arrives at this tick, then take the next one."""
+    # Fuse before sampling: the next sample overwrites the one that arrives at this tick.
     has_come = has_arrived(r, tick) and not is_stuck(r, 0, r.position_vio_m[0])
     if has_come and f.is_aligned == 1:
         fuse_vio(f, r.position_vio_m, r.yaw_vio_rad, r.delay_ticks)
