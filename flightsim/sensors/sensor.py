@@ -95,8 +95,7 @@ class Sensor:
 
     @property
     def start_streams(self) -> tuple[int, ...]:
-        """Key of the random stream for errors drawn once: its own number, or a branch of `stream`.
-        """
+        """Key of the random stream for errors drawn once: own number, or a branch of `stream`."""
         return (self.stream, 0) if self.start_stream is None else (self.start_stream,)
 
     def cfg(self, plant_cfg: Any) -> Any:
