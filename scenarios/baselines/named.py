@@ -31,6 +31,8 @@ BASELINES: Mapping[str, str] = {
 """Classes that ship beside ours, to tell flight stacks apart by."""
 VLM = "vlm"
 """Pilot that a vision-language model steers, behind an address that the user names."""
+READERS = frozenset(("random", "nearest", "perfect", VLM))
+"""Pilots that choose their area by a text, and fly to no other goals."""
 SHIPPED = frozenset((*PLANNERS, *BASELINES, VLM))
 """Pilots that need no code but ours."""
 

@@ -23,7 +23,7 @@ from aeroscene.solids import field_cache
 from flightsim.environment.traffic import TrafficError
 from flightsim.vehicles import airframe_by_name
 from flightsim.world import WorldError
-from scenarios.baselines.named import OURS, SHIPPED, NamedPilot, pilot_of
+from scenarios.baselines.named import OURS, READERS, SHIPPED, NamedPilot, PilotError, pilot_of
 from scenarios.campaigns.equipment import Equipment
 from scenarios.campaigns.external.flight import ExternalFlights
 from scenarios.campaigns.external.pilot import CrashedError, SilentError
@@ -31,7 +31,7 @@ from scenarios.campaigns.external.program import words_of
 from scenarios.campaigns.external.user_class import PilotFaultError, UserPilot
 from scenarios.campaigns.flight_stack import FlightStack
 from scenarios.campaigns.recordings import Recordings
-from scenarios.chat.completions import ChatModel
+from scenarios.chat.completions import ChatError, ChatModel
 from scenarios.mission.surroundings import MissionError
 from scenarios.run.hangar import Hangar
 from scenarios.run.input_errors import INPUT_ERRORS
@@ -149,6 +149,12 @@ class Suite:
         """
         if self.stack is not None:
             self.stack.require()
+        recipes = self.families.values() or [self.recipe]
+        if self.pilot in READERS and any("area" in recipe.goals for recipe in recipes):
+            raise PilotError(
+                f"pilot is {self.pilot!r}, which reads goals in words, and goals of the recipe has "
+                "area; valid: --recipe words, --recipe search, or a recipe with other goals"
+            )
         if not self.is_external:
             pilot_of(self.pilot, chat=self.chat)
         elif self.program is not None:
@@ -252,7 +258,7 @@ class Flyer:
             row |= failure(Mishap.NO_PLAN, _one_line(error))
         except SilentError as error:
             row |= failure(Mishap.HUNG, _one_line(error))
-        except CrashedError as error:
+        except (CrashedError, ChatError) as error:
             row |= failure(Mishap.RAISED, _one_line(error))
         except Exception as error:  # noqa: BLE001 - a user's pilot may raise anything
             _LOG.info("trial %s", trial.id, exc_info=True)

@@ -133,6 +133,8 @@ def test_fly_repeats_a_trial_with_a_recording_and_report_tells_of_it(campaign, c
         (("--camera-size", "1x1"), "camera-size '1x1' is not valid; valid: WIDTHxHEIGHT"),
         (("--suite", "aeroscene-300", "--lidar", "vlp16"), "are fixed by suite 'aeroscene-300'"),
         (("--recipe", "none.toml"), "recipe 'none.toml': No such file"),
+        (("--pilot", "random"), "pilot is 'random', which reads goals in words, and goals of"),
+        (("--model", "m"), "model 'm' needs --endpoint"),
         (("--out", "/proc/none"), "file '/proc/none': no such file or directory"),
     ],
 )

@@ -50,6 +50,11 @@ CODE = (
         "autopilot-binary './run'",
         "--autopilot-binary ./run",
     ),
+    (
+        {"pilot": "vlm", "endpoint": "http://127.0.0.1:9", "recipe": {"goals": ["naming"]}},
+        "endpoint 'http://127.0.0.1:9'",
+        "--endpoint http://127.0.0.1:9",
+    ),
 )
 
 
