@@ -46,14 +46,14 @@ NOUNS: Mapping[str, tuple[str, str]] = {
     "boat": ("boat", "boats"),
     "planter": ("planter", "planters"),
     "crate": ("crate", "crates"),
-    "barrel": ("barrel", "barrels"),
     "pallet": ("pallet", "pallets"),
     "landing_pad": ("landing pad", "landing pads"),
     "ac_unit": ("air-conditioning unit", "air-conditioning units"),
     "chimney": ("chimney", "chimneys"),
     "solar_panel": ("solar panel", "solar panels"),
     "water_tank": ("water tank", "water tanks"),
-    "antenna": ("antenna", "antennas"),
+    "toilet": ("toilet", "toilets"),
+    "basin": ("washbasin", "washbasins"),
     "table": ("table", "tables"),
     "chair": ("chair", "chairs"),
     "sofa": ("sofa", "sofas"),
@@ -76,8 +76,8 @@ terrain is divided by its form."""
 COUNTED = frozenset(
     {
         *("kiosk", "container", "car", "van", "truck", "bus", "bicycle", "tree", "bush", "bench"),
-        *("street_lamp", "sign", "bin", "boat", "planter", "crate", "barrel", "pallet", "ac_unit"),
-        *("landing_pad", "chimney", "solar_panel", "water_tank", "antenna", "table", "chair"),
+        *("street_lamp", "sign", "bin", "boat", "planter", "crate", "toilet", "pallet", "ac_unit"),
+        *("landing_pad", "chimney", "solar_panel", "water_tank", "basin", "table", "chair"),
         *("sofa", "armchair", "bed", "desk", "cabinet", "wardrobe", "shelf", "coffee_table"),
         *("counter", "fridge", "stove", "television", "plant"),
     }
@@ -96,10 +96,12 @@ _ALIKE_KINDS = (
     ("sofa", "armchair", "bed"),
     ("armchair", "chair"),
     ("bench", "chair"),
+    ("toilet", "chair"),
+    ("basin", "counter"),
     ("cabinet", "wardrobe", "shelf", "counter", "nightstand", "fridge", "stove"),
     ("bush", "planter", "plant", "tree"),
     ("crate", "box", "pallet", "container"),
-    ("barrel", "bin", "water_tank"),
+    ("bin", "water_tank"),
     ("bin", "box"),
     ("deck", "terrace", "bridge"),
     ("terrace", "ramp", "mound", "stairs"),
@@ -165,7 +167,7 @@ _ALIKE_COLOURS = (
 COLOURED = frozenset(
     {
         *("building", "house", "tower", "kiosk", "container", "canopy", "car", "van", "truck"),
-        *("bus", "barrel", "crate", "sofa", "armchair", "roof"),
+        *("bus", "crate", "sofa", "armchair", "roof"),
     }
 )
 """Kinds whose colour catches the eye."""
