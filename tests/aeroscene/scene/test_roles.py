@@ -21,7 +21,7 @@ MAKING = {
     "aeroscene/partition/storeys/build.py": "builds rooms and walls",
     "scenarios/words/": "says each of them in English, and what a reader may take it for",
 }
-"""Where a category is named, because objects of just this one are made, drawn or put into words there."""
+"""Where a category is named, because just this one is made, drawn or put into words there."""
 OTHER_WORDS = {
     "box": ("",),  # a kind of primitive
     "plant": ("flightsim/plant/", "scenarios/bench/"),  # what simulates the vehicle

@@ -121,7 +121,10 @@ def test_tables_of_campaigns_and_datasets_keep_brackets(shown):
     console = terminal(width=200)
     rate = {"trials": 2, "success_rate": 0.5, "interval_95": (0.1, 0.9)}
     groups = {"vehicle": {HOSTILE: rate, "b": rate}}
-    print_summary(console, {**rate, "phases": {}, "groups": groups, "codes": {}, "without_task": 0, "words": None})
+    print_summary(
+        console,
+        {**rate, "phases": {}, "groups": groups, "codes": {}, "without_task": 0, "words": None},
+    )
     side = {"pilot": HOSTILE, "folder": HOSTILE, "without_pair": 0, **rate}
     found = {"pairs": 1, "a": side, "b": side, "difference": 0.0, "interval_95": (0.0, 0.1)}
     found |= dict.fromkeys(("a_alone", "b_alone", "both", "neither"), 0)
