@@ -24,7 +24,7 @@ from flightsim.sensors.rangefinder import RangefinderCfg
 from flightsim.sensors.vio import VioCfg
 
 ADVANCE_HZ = 50
-"""Calls of `Plant.advance` a simulated second: the rate of everything that is not the plant."""
+"""Calls of `Plant.advance` a simulated second, which is the rate of the autopilot and MAVLink."""
 
 _PRESSURE_GRADIENT_PAPM = 11.6
 """Pressure gradient of the standard atmosphere near 400 m above the sea."""
@@ -32,31 +32,36 @@ _PRESSURE_GRADIENT_PAPM = 11.6
 _USUAL_CURRENT_A = 15.0
 """Current of the motors in hover."""
 _DISTURBANCE_LASTS_S = 6.0
-"""Correlation time of the disturbance of the heading by motors, and by steel that is flown past."""
+"""Correlation time of the heading's disturbance by motors, and by steel that the vehicle flies
+past."""
 
+# Settings of `aiding` with which each of these sensors is switched on.
 _AIDED_BY = {"gnss": ("gnss", "auto"), "vio": ("vio", "auto"), "mocap": ("mocap",)}
 
 
 class PlantError(ValueError):
-    """A plant that cannot be built as configured."""
+    """A plant cannot be built or switched as requested; the message names what would be valid."""
 
 
 class NotAlignedError(RuntimeError):
-    """A setpoint was given before the estimator knew the attitude."""
+    """A setpoint came before the estimator knew the attitude, or alignment took too long."""
 
 
 class PhysicsDivergedError(RuntimeError):
-    """The physics engine could not continue from its numbers."""
+    """The physics engine gave a state up, because it was infinite or not a number."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class PlantCfg:
-    """A simulated vehicle below its autopilot: physics, sensors, estimator and inner loops."""
+    """A simulated vehicle below its autopilot: physics, sensors, estimator and inner loops.
+
+    All rates are in Hz and must divide evenly; `check` refuses others.
+    """
 
     seed: int
     """Seed of every random number that the plant draws."""
     gnss: Literal["rtk", "standard"] = "rtk"
-    """Decimetre or metre grade."""
+    """Grade of the receiver: "rtk" is of decimetres, "standard" of metres."""
     aiding: Literal["gnss", "vio", "mocap", "auto"] = "gnss"
     """Position source: satellites (no fix in rooms), visual-inertial odometry or motion capture;
     auto has satellites and odometry. All but gnss know where they start."""
@@ -65,18 +70,19 @@ class PlantCfg:
     state: Literal["estimate", "truth"] = "estimate"
     """State that the controller gets; the truth is for benchmarks of control alone."""
     physics_hz: int = 500
+    """Rate of the physics steps, which must be the world's own."""
     control_hz: int = 250
     """Rate of the IMU, the estimator and the controller."""
     advance_hz: int = ADVANCE_HZ
-    """Calls a simulated second; a setpoint holds until the next one."""
+    """Calls of `advance` a simulated second; a setpoint holds until the next call."""
     has_sensors: bool = True
-    """Whether anything is measured and estimated; without, the state is the truth."""
+    """False leaves out all sensors and the estimator; `state` must then be "truth"."""
     free_flight: bool = True
-    """Whether the kernel integrates a vehicle itself while nothing can touch it, because that is
+    """True lets the kernel integrate a vehicle itself while nothing can touch it, because that is
     faster. Otherwise MuJoCo takes every step. Both give the same flight up to rounding."""
     wind: WindCfg = CALM
     effects: Effects = ALL_EFFECTS
-    """What of the physics is on."""
+    """Physical effects that are switched on."""
     rotor_axial_limit_mps: float = 25.0
     """Axial speed at which a rotor makes no thrust any more, by the loss at low speeds (PX4's)."""
     barometer: BarometerCfg = field(default_factory=BarometerCfg)
@@ -92,16 +98,20 @@ class PlantCfg:
     """Gains; None takes `autonomy.control.cfg.controller_cfg_for` of the airframe."""
 
     def has(self, sensor: str) -> bool:
-        """Whether a sensor, by its name, is switched on at the start."""
+        """Return true if the sensor of this name is switched on at the start."""
         if sensor == OPTICAL_FLOW.name:
             return self.optical_flow.is_fitted
+        # Sensors that do not measure the position are always on.
         return self.aiding in _AIDED_BY.get(sensor, (self.aiding,))
 
     def check(self, timestep_s: float) -> None:
         """Check the rates against each other and against the world's physics step.
 
+        Args:
+            timestep_s: Physics step of the world.
+
         Raises:
-            PlantError: If they do not divide evenly.
+            PlantError: If they do not divide evenly, or the estimate is wanted without sensors.
         """
         if not 1 <= self.advance_hz <= self.control_hz:
             raise PlantError(f"advance_hz = {self.advance_hz}: 1 to {self.control_hz} are valid")
@@ -132,10 +142,11 @@ class PlantCfg:
 
 
 def estimator_cfg_for(plant: PlantCfg) -> EstimatorCfg:
-    """Tuning for the sensors of a plant by their data sheets.
+    """Return the tuning of the estimator that fits the sensors of a plant.
 
-    The noise is theirs, a twentieth more for the IMU, whose integration adds errors; where a sheet
-    says zero, which no real sensor keeps, there are floors.
+    A tuned estimator is only as honest as its noise figures, so they come from the data sheets that
+    the simulated sensors follow. The IMU gets a twentieth more, because integrating its samples
+    adds errors. A data sheet may say zero, which no real sensor keeps; floors stand in for that.
     """
     imu, gnss, vio, mocap = IMUS[plant.imu], GRADES[plant.gnss], plant.vio, plant.mocap
     dt_s = 1.0 / plant.control_hz
@@ -152,10 +163,13 @@ def estimator_cfg_for(plant: PlantCfg) -> EstimatorCfg:
         initial_gyro_bias_sigma_radps=gyro_noise,
         initial_accel_bias_sigma_mps2=max(imu.accel_turn_on_sigma_mps2, 5e-3),
         heading_sigma_rad=mag.noise_density * math.sqrt(mag.rate_hz) / horizontal_ut,
-        # Of a direction of chance, the part across the field turns the heading.
+        # The field of the motors points in a random direction. The part across the Earth's field
+        # turns the heading: on average 1/sqrt(3) of it.
         heading_disturbance_rad=mag.motor_ut_per_a
         * _USUAL_CURRENT_A
         / (math.sqrt(3.0) * horizontal_ut),
+        # Samples within twice the correlation time share the disturbance, as in `GnssCfg`'s
+        # multipath.
         heading_disturbance_samples=2.0 * _DISTURBANCE_LASTS_S * mag.rate_hz,
         baro_sigma_m=1.05 * plant.barometer.noise_pa / _PRESSURE_GRADIENT_PAPM,
         gnss_wander_sigma_m=gnss.drift_sigma_m,

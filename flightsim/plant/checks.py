@@ -1,4 +1,4 @@
-"""What a plant refuses: worlds of other vehicles than its own, setpoints that are not finite."""
+"""Checks of a plant's inputs: worlds that fit together, and finite setpoints."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from flightsim.world import World
 
 
 def unaligned(setpoint: Setpoint, time_us: int) -> NotAlignedError:
-    """The refusal of a setpoint that comes before the estimator is aligned."""
+    """Return the error for a setpoint that comes before the estimator is aligned."""
     return NotAlignedError(
         f"setpoint at level {setpoint.level.name} after {1e-6 * time_us:.2f} s: the "
         "estimator is not aligned yet; valid: OFF and IDLE, or call align() before"
@@ -20,10 +20,11 @@ def unaligned(setpoint: Setpoint, time_us: int) -> NotAlignedError:
 
 
 def check_worlds(worlds: Sequence[World], cfgs: Sequence[PlantCfg]) -> None:
-    """Refuse worlds and configurations that no plants can be made of; see `Plant` and `Fleet`.
+    """Refuse worlds and configurations from which no plants can be made; see `Plant` and `Fleet`.
 
     Raises:
-        PlantError: Naming what would be valid.
+        PlantError: If their numbers or rates differ, or a world has no vehicle or is another's
+            view.
     """
     if not worlds or len(worlds) != len(cfgs):
         raise PlantError(
@@ -47,7 +48,7 @@ def check_alike(worlds: Sequence[World]) -> None:
     """Refuse worlds whose vehicles do not fit into the arrays of one `Fleet`.
 
     Raises:
-        PlantError: Naming what would be valid.
+        PlantError: If the numbers of vehicles or of their rotors differ.
     """
     each = [vehicle for world in worlds for vehicle in world.vehicles]
     for what, numbers in (
@@ -59,9 +60,10 @@ def check_alike(worlds: Sequence[World]) -> None:
 
 
 def normalised(setpoint: Setpoint) -> Setpoint | None:
-    """The same attitude or rate setpoint with a unit quaternion, None if it is not finite."""
+    """Return an attitude or rate setpoint with a unit quaternion, or None if it is not finite."""
     w, x, y, z = setpoint.quat_wxyz
     norm = math.sqrt(w * w + x * x + y * y + z * z)
+    # One infinite or NaN summand makes the sum infinite or NaN, so one test covers all numbers.
     total = setpoint.thrust + norm + sum(setpoint.angular_rate_flu_radps)
     if not math.isfinite(total) or norm < 1e-3:
         return None

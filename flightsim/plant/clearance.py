@@ -1,9 +1,13 @@
 """Distance from a point to the nearest static solid, in compiled code, by the tree of the rays.
 
-The distance is a lower bound. It is measured to the bounding box of a geom in the geom's own axes,
-which for a box is exact, and it is 0 inside that box. Above a height field it is at least the
-height times the cosine of the steepest slope. Subtrees farther away than the nearest solid so far
-are skipped, so that a search visits a few dozen of a scene's hundreds of geoms.
+Free flight (`flightsim.plant.free_flight`) needs to know how far a vehicle may move before MuJoCo
+must look for contacts. For that a lower bound is enough, which is far cheaper than the exact
+distance to every shape. The bound is the distance to the bounding box of a geom in the geom's own
+axes. It is exact for a box, and 0 inside the bounding box. Above a height field it is at least the
+height times the cosine of the steepest slope.
+
+Subtrees farther away than the nearest solid so far are skipped, so that a search visits a few dozen
+of a scene's hundreds of geoms.
 """
 
 from __future__ import annotations
@@ -20,7 +24,7 @@ from flightsim.plant.rays import HEIGHT_FIELD
 
 @kernel
 def clearance_m(r: np.record, f: np.record, point_enu_m: np.ndarray, most_m: float) -> float:
-    """Lower bound of the distance to the nearest static solid; `most_m` if all are farther.
+    """Return a lower bound of the distance to the nearest static solid, at most `most_m`.
 
     Args:
         r: `flightsim.plant.rays.RAYS_DTYPE`, with the tree.
@@ -30,6 +34,7 @@ def clearance_m(r: np.record, f: np.record, point_enu_m: np.ndarray, most_m: flo
         most_m: Greatest distance that is searched.
     """
     best_m = most_m
+    # Planes have no bounding box, so the tree does not hold them.
     for geom in integers(r.endless_address, r.n_endless):
         if _is_solid(r, f, geom):
             best_m = min(best_m, _above_plane_m(r, geom, point_enu_m))
@@ -38,7 +43,7 @@ def clearance_m(r: np.record, f: np.record, point_enu_m: np.ndarray, most_m: flo
 
 @kernel
 def _clearance_of_boxes_m(r: np.record, f: np.record, point: np.ndarray, best_m: float) -> float:
-    """The lesser of a distance and the distance to the nearest solid of the tree.
+    """Return the smaller of a distance and the distance to the nearest solid of the tree.
 
     The traversal visits the child on the point's side first. It needs no stack, because it can
     decide again at each parent which child came first, as in `flightsim.plant.rays`.
@@ -46,6 +51,7 @@ def _clearance_of_boxes_m(r: np.record, f: np.record, point: np.ndarray, best_m:
     n = r.n_leaves
     boxes, axes = table(r.boxes_address, 2 * n, 6), integers(r.axes_address, n)
     leaves = integers(r.leaves_address, n)
+    # The tree is a heap: node k has children 2k and 2k + 1, and the nodes from n on are leaves.
     node = 1
     while True:
         if _box_m(boxes[node], point) < best_m:
@@ -55,6 +61,7 @@ def _clearance_of_boxes_m(r: np.record, f: np.record, point: np.ndarray, best_m:
             geom = int(leaves[node - n])
             if geom >= 0 and _is_solid(r, f, geom):
                 best_m = min(best_m, _solid_m(r, f, geom, point))
+        # Go up while this node was the second child of its parent: both are then done.
         while node > 1:
             parent = node >> 1
             if (node & 1) == _is_on_upper_side(boxes[parent], axes[parent], point):
@@ -62,6 +69,7 @@ def _clearance_of_boxes_m(r: np.record, f: np.record, point: np.ndarray, best_m:
             node = parent
         if node == 1:
             return best_m
+        # This was the first child: its sibling differs in the last bit.
         node ^= 1
 
 
@@ -72,7 +80,7 @@ def _is_on_upper_side(box: np.ndarray, axis: int, point: np.ndarray) -> bool:
 
 @kernel
 def _is_solid(r: np.record, f: np.record, geom: int) -> bool:
-    """Whether a geom can have contacts at all."""
+    """Return true if a geom can have contacts at all."""
     touching = integers(f.contype_address, r.n_geoms)[geom]
     return touching != 0 or integers(f.conaffinity_address, r.n_geoms)[geom] != 0
 
@@ -88,7 +96,7 @@ def _above_plane_m(r: np.record, geom: int, point: np.ndarray) -> float:
 
 @kernel
 def _box_m(box: np.ndarray, point: np.ndarray) -> float:
-    """Distance to a box (6,), given by its least and greatest corner; 0 inside it."""
+    """Return the distance to a box (6,) of least and greatest corner; 0 inside it."""
     square = 0.0
     for k in range(3):
         outside = max(box[k] - point[k], point[k] - box[3 + k], 0.0)
@@ -98,8 +106,9 @@ def _box_m(box: np.ndarray, point: np.ndarray) -> float:
 
 @kernel
 def _solid_m(r: np.record, f: np.record, geom: int, point: np.ndarray) -> float:
-    """Distance to the bounding box of a geom in the geom's own axes, or to a height field."""
+    """Return the distance to the bounding box of a geom in its own axes, or to a height field."""
     place, turn = doubles(r.xpos_address + 24 * geom, 3), doubles(r.xmat_address + 72 * geom, 9)
+    # MuJoCo's `geom_aabb` holds the centre and the half sizes.
     around = doubles(f.aabb_address + 48 * geom, 6)
     x, y, z = point[0] - place[0], point[1] - place[1], point[2] - place[2]
     square = 0.0

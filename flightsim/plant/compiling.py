@@ -1,4 +1,8 @@
-"""The flight kernels, compiled ahead of the first flight."""
+"""Compilation of the flight kernels ahead of the first flight.
+
+Numba compiles a function at its first call, which would stop a running simulation for seconds.
+Compiling ahead moves that into the start, where a message can explain the wait.
+"""
 
 from __future__ import annotations
 
@@ -13,15 +17,16 @@ from flightsim.plant.kernel import advance
 from flightsim.plant.record import PLANT_DTYPE
 
 _COMPILE_SECONDS = 12.0
+"""Rough times that the message to the user names."""
 _OUTSIDE_SECONDS = 3.0
 
 
 @functools.cache
 def compile_kernels() -> None:
-    """Compile the flight kernels now, or load them from the cache; says so if it takes long.
+    """Compile the flight kernels now or load them from the cache, with a message if it takes long.
 
-    Only the first call does anything: finding the types of the arguments takes as long as building
-    a small world.
+    Only the first call does anything, because finding the types of the arguments takes as long as
+    building a small world.
     """
     compile_ahead(advance, example_arguments(), "flight kernels", _COMPILE_SECONDS)
     # Positions from outside come between the steps, straight to the filter.
@@ -35,5 +40,5 @@ def compile_kernels() -> None:
 
 
 def example_arguments() -> tuple[np.ndarray, ...]:
-    """Arrays of the types that the kernel takes, for compiling it without a world."""
+    """Return arrays of the types that the kernel takes, to compile it without a world."""
     return np.zeros((1, 1), PLANT_DTYPE), np.zeros(1, np.int64)

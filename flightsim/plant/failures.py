@@ -1,4 +1,4 @@
-"""Switches by which parts of a plant fail."""
+"""Switches that make sensors and motors of a plant fail."""
 
 from __future__ import annotations
 
@@ -14,25 +14,36 @@ SENSOR_PARTS = {
     "accelerometer": (IMU.name, ACCELEROMETER),
     "gyroscope": (IMU.name, GYROSCOPE),
 }
-"""Sensor and part of each name."""
+"""Sensor and number of its part, by the name that callers use."""
 _SLOW_SHARE = 0.85
+"""Share of the commanded speed at which a slow motor turns."""
 ROTOR_FAILURES = frozenset({Failure.NONE, Failure.OFF, Failure.STUCK, Failure.SLOW})
-"""Kinds of failure that a motor can have."""
+"""Kinds of failure that a motor can have; the others make sense for measurements only."""
 
 
 class Failures:
-    """Failures of one plant, each until it is taken back."""
+    """Failures of one plant; each lasts until it is set to `Failure.NONE`."""
 
     def __init__(self, record: np.void, readings: SensorReadings) -> None:
-        """Switch parts of a record of `PLANT_DTYPE`, whose sensors these are."""
+        """Switch parts of a vehicle.
+
+        Args:
+            record: Record of the plant, of `PLANT_DTYPE`; changed.
+            readings: Readings of the same plant, which drop what they have read when a sensor
+                changes.
+        """
         self._record = record
         self._rotors = range(record["rotors"]["n_rotors"])
         self._readings = readings
 
     def fail_sensor(self, sensor: str, failure: Failure) -> None:
-        """Let a sensor fail, or a part of the IMU: `accelerometer`, `gyroscope`.
+        """Make a sensor fail, or a part of the IMU: `accelerometer` or `gyroscope`.
 
-        One that is off keeps its last reading and its time.
+        A sensor that is off keeps its last reading and the time of it.
+
+        Args:
+            sensor: A key of `SENSOR_PARTS`.
+            failure: Kind of failure; `Failure.NONE` mends the sensor.
 
         Raises:
             PlantError: If there is no such sensor.
@@ -42,11 +53,12 @@ class Failures:
         name, part = SENSOR_PARTS[sensor]
         r = self._record[name]
         r["failure"][part] = failure
+        # From the next tick: the present one has been measured already.
         r["failing_since"][part] = self._record["engine"]["tick"] + 1
         self._readings.drop()
 
     def fail_rotor(self, rotor: int, failure: Failure) -> None:
-        """Let a motor (from 0) stop, stick at its present speed, or turn slower than commanded.
+        """Make a motor (from 0) stop, stick at its present speed, or turn slower than commanded.
 
         Raises:
             PlantError: If there is no such rotor, or no such failure of one.
@@ -64,7 +76,7 @@ class Failures:
         r["stuck_radps"][rotor] = r["speed_radps"][rotor] if is_stuck else 0.0
 
     def weaken_rotor(self, rotor: int, effectiveness: float) -> None:
-        """Let a rotor (from 0) make only this share, 0 to 1, of its thrust and torque.
+        """Make a rotor (from 0) produce only this share, 0 to 1, of its thrust and torque.
 
         Raises:
             PlantError: If there is no such rotor or share.

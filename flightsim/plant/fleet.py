@@ -1,7 +1,11 @@
 """Many plants at once, worlds by vehicles, advanced by one compiled call.
 
-What a vehicle does depends on its own world, its configuration and the setpoints there only, bit
-for bit: not on how many other worlds there are, nor on the number of threads.
+Learning and campaigns need thousands of vehicles. A loop of `Plant.advance` in Python would spend
+most of its time outside of the kernel and use one core. Here all records lie in one array, and
+several threads share its worlds inside one call that needs no lock of the interpreter.
+
+A vehicle's motion depends only on its own world, its configuration and the setpoints there, bit for
+bit. It does not depend on how many other worlds there are, nor on the number of threads.
 """
 
 from __future__ import annotations
@@ -57,10 +61,10 @@ class Fleet:
         """Put every vehicle at rest at its world's start.
 
         Args:
-            worlds: Worlds with as many vehicles each, of as many rotors. One that is named twice is
-                flown twice, and the vehicles of both flights do not meet.
-            cfgs: A configuration for the vehicles of each world; their rates are the same.
-            n_threads: Threads that advance them; None takes one for each core.
+            worlds: Worlds with equal numbers of vehicles and of rotors. A world that is named twice
+                is flown twice, and the vehicles of both flights do not meet.
+            cfgs: A configuration for the vehicles of each world; all have the same rates.
+            n_threads: Number of threads that advance them; None takes one for each core.
 
         Raises:
             PlantError: If there is no world, one has no vehicle, or rates or numbers of vehicles or
@@ -101,6 +105,7 @@ class Fleet:
         self._memories = self._new_memories(cfgs)
         for i, cfg in enumerate(cfgs):
             self._begin(i, cfg.wind)
+        # The calling thread works too, hence one helper less; more than worlds would idle.
         n_helpers = min(n_threads or os.cpu_count() or 1, len(worlds)) - 1
         self._pool = ThreadPoolExecutor(n_helpers, "fleet") if n_helpers else None
         self._n_helpers = n_helpers
@@ -115,7 +120,11 @@ class Fleet:
         return self._ticks * self._tick_s
 
     def data(self, index: int) -> mujoco.MjData:
-        """MuJoCo's state of a vehicle's world now, for readers: not to be written to."""
+        """Return MuJoCo's present state of a vehicle's world; read it only.
+
+        Args:
+            index: Number of the vehicle, 0 to n - 1.
+        """
         return self._datas[index // self.n_together]
 
     def advance(self) -> None:
@@ -124,6 +133,7 @@ class Fleet:
         Raises:
             PhysicsDivergedError: If the physics engine had to give a state up.
         """
+        # Noise is drawn for whole seconds; worlds may be at different times after `restart`.
         is_due = self._ticks % self._tick_hz == 0
         if is_due.any():
             self._draw(np.flatnonzero(is_due).tolist())
@@ -133,7 +143,7 @@ class Fleet:
         self._check_physics(range(len(self)))
 
     def advance_one(self, world: int) -> None:
-        """Advance one world alone, by its number; several threads may do so with different ones.
+        """Advance one world alone, by its number; threads may do so at once with different worlds.
 
         Raises:
             PhysicsDivergedError: If the physics engine had to give its state up.
@@ -147,7 +157,9 @@ class Fleet:
         self._check_physics(vehicles)
 
     def share(self, worlds: Sequence[int], work: Callable[[int], None]) -> None:
-        """Do the same work in several worlds, such as `advance_one`, on all threads."""
+        """Call `work` with each of these worlds, such as `advance_one`, on all threads."""
+        # Threads take the next world from one iterator; the interpreter lock makes each step
+        # atomic.
         waiting = iter(worlds)
 
         def take() -> None:
@@ -172,12 +184,12 @@ class Fleet:
 
         Args:
             world: Number of the world.
-            seed: New seed of its vehicles, whose configuration is otherwise the old one.
+            seed: New seed of its vehicles, whose configuration otherwise stays.
             wind: New wind.
-            held_at: Pose of each vehicle, ENU, body to world, where a hand holds it until
-                `release`; by default they stand at their starts.
-            mass_shares: Mass and inertia of each over those that its controller believes; by
-                default they stay what they are.
+            held_at: Pose of each vehicle, position ENU and attitude body to world, in which it is
+                held until `release`. By default vehicles stand at their starts.
+            mass_shares: Mass and inertia of each vehicle over those that its controller believes.
+                By default they stay as they are.
         """
         vehicles = self.vehicles_of(world)
         if mass_shares:
@@ -186,7 +198,8 @@ class Fleet:
         mujoco.mj_setState(model, data, self._at_rest[world], _STATE)
         for i, pose in zip(vehicles, held_at, strict=False):
             self._memories[i].qpos[:] = [*pose[0], *pose[1]]
-        # All that anybody reads before the next step: where geoms and lights are.
+        # Readers need only the poses of geoms and lights before the next step; a full `mj_forward`
+        # would also search for contacts.
         mujoco.mj_kinematics(model, data)
         mujoco.mj_camlight(model, data)
         for i in vehicles:
@@ -195,10 +208,10 @@ class Fleet:
         self._engine["is_held"][vehicles.start : vehicles.stop] = len(held_at) > 0
 
     def align(self, worlds: Sequence[int]) -> None:
-        """Let the vehicles of worlds rest or be held until their estimators are aligned.
+        """Advance worlds, their vehicles at rest or held, until all their estimators are aligned.
 
         Raises:
-            NotAlignedError: If one is not within ten seconds.
+            NotAlignedError: If one is not aligned within ten seconds.
         """
         if self._engine["knows_truth"][0] == 0:
             self.share(worlds, self._align)
@@ -213,20 +226,21 @@ class Fleet:
         raise NotAlignedError(f"world {world}: an estimator is not aligned after ten seconds")
 
     def release(self, world: int) -> None:
-        """Let go of the vehicles of one world that are held, with rotors at the speed of hover."""
+        """Let go of the held vehicles of one world, with rotors at the speed of hover."""
         first = world * self.n_together
         vehicles = slice(first, first + self.n_together)
         for speeds_radps in self._rotors_at_hover:
             speeds_radps[vehicles] = self._hover_radps[vehicles]
+        # The engine's clock stood still while the vehicles were held.
         self._datas[world].time = self._ticks[first] * self._tick_s
         self._engine["is_held"][vehicles] = 0
 
     def vehicles_of(self, world: int) -> range:
-        """Numbers of the vehicles of a world."""
+        """Return the numbers of the vehicles of a world."""
         return range(world * self.n_together, (world + 1) * self.n_together)
 
     def close(self) -> None:
-        """End the threads."""
+        """End the threads; the fleet cannot advance afterwards."""
         if self._pool is not None:
             self._pool.shutdown()
 
@@ -237,7 +251,10 @@ class Fleet:
         self.close()
 
     def _draw(self, indices: Iterable[int]) -> None:
-        """Draw the noise of the next second of these vehicles; none cares which thread does."""
+        """Draw the noise of the next second of these vehicles.
+
+        Each has a stream of its own, so it makes no difference which thread draws it.
+        """
         waiting = iter(indices)
 
         def draw() -> None:
@@ -247,12 +264,17 @@ class Fleet:
         self._share(draw)
 
     def _share(self, work: Callable[[], None]) -> None:
-        """Let all threads do the same work, and wait for them."""
+        """Let all threads run the same work, and wait for them.
+
+        Args:
+            work: Called once in each thread; the calls divide the work among themselves.
+        """
         pool, n_helpers = self._pool, self._n_helpers
         if pool is None:
             work()
             return
-        # Nobody may restore MuJoCo's clock of stages while others still step.
+        # `advance` clears MuJoCo's clock of stages and restores it at its end. With several threads
+        # the first to end would restore it while others still step, so it is cleared here for all.
         stage_clock, self._clock.value = self._clock.value, None
         try:
             helpers = [pool.submit(work) for _ in range(n_helpers)]
@@ -275,7 +297,7 @@ class Fleet:
             )
 
     def _by_data(self) -> Iterator[tuple[World, mujoco.MjData]]:
-        """Each world, as its first vehicle has it, and its state."""
+        """Return each world, as its first vehicle has it, with its state."""
         return zip(self.worlds[:: self.n_together], self._datas, strict=True)
 
     def _new_memories(self, cfgs: Sequence[PlantCfg]) -> list[PlantMemory]:
@@ -297,7 +319,7 @@ class Fleet:
         return memories
 
     def _begin(self, world: int, wind: WindCfg) -> None:
-        """Set the wind and the setpoints, and write the starts into the log."""
+        """Set the wind and the setpoints, and write the starting poses into the log."""
         vehicles = self.vehicles_of(world)
         self._log_bytes[vehicles.start : vehicles.stop] = 0
         for i in vehicles:
@@ -309,7 +331,7 @@ class Fleet:
             self._first_quat_wxyz[i] = memory.qpos[3:]
 
     def _load(self, world: int, mass_shares: Sequence[float]) -> None:
-        """Give vehicles a share of their masses, in a model of their world's own."""
+        """Scale the masses of a world's vehicles, in a copy of the model that only it uses."""
         vehicles = self.vehicles_of(world)
         views = self.worlds[vehicles.start : vehicles.stop]
         masses_kg = [
@@ -325,6 +347,7 @@ class Fleet:
         for body, mass_kg, share, view in zip(bodies, masses_kg, mass_shares, views, strict=True):
             model.body_mass[body] = mass_kg
             model.body_inertia[body] = share * np.array(view.airframe.quadrotor.inertia_flu_kgm2)
+        # Constants that MuJoCo derives from masses, such as inverse weights, must follow.
         mujoco.mj_setConst(model, self._datas[world])
         for i in vehicles:
             self.worlds[i] = replace(self.worlds[i], model=model)
@@ -332,9 +355,10 @@ class Fleet:
 
 
 def _with_own_model(world: World) -> World:
-    """The world, with a model of its own if something moves in it.
+    """Return the world, with a copy of its model if obstacles move in it.
 
-    The kernel writes into the model what may touch a mover just now.
+    The kernel writes into the model which geoms may touch a mover at the moment, so worlds with
+    movers cannot share a model.
     """
     return replace(world, model=copy.copy(world.model)) if world.obstacles else world
 
@@ -344,7 +368,7 @@ def _n_rotors(world: World) -> int:
 
 
 def _state_of(model: mujoco.MjModel, data: mujoco.MjData) -> np.ndarray:
-    """All that the engine's next steps follow from."""
+    """Return the engine's complete state, from which its next steps follow."""
     state = np.empty(mujoco.mj_stateSize(model, _STATE))
     mujoco.mj_getState(model, data, state, _STATE)
     return state

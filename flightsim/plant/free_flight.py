@@ -33,7 +33,7 @@ _MARGIN_M = 0.01
 _MOST_CLEARANCE_M = 50.0
 """Obstacles farther away than this are not searched."""
 _LEAST_CLEARANCE_M = 0.02
-"""Distance between two searches at least: with less clearance, MuJoCo takes the steps."""
+"""Least distance between two searches. With less clearance MuJoCo takes the steps."""
 _FARTHEST_M = 1e6
 """Distance from the origin up to which a position is believed. MuJoCo reports states that are
 infinite or not a number, so it must get them."""
@@ -42,9 +42,10 @@ FREE_FLIGHT_DTYPE = np.dtype(
     [
         ("is_on", "i8"),
         ("n_steps", "i8"),  # steps that the kernel has taken itself
-        # of the world's geoms: bounding boxes, contact bits
+        # addresses of the world's geoms: bounding boxes, contact bits
         *fields("aabb_address", "contype_address", "conaffinity_address", kind="i8"),
-        # of the vehicle: its accelerations (6,), and forces and torques (6,) from outside the plant
+        # addresses of the vehicle's accelerations (6,), and of the forces and torques (6,) that
+        # come from outside the plant
         *fields("warm_start_address", "push_address", kind="i8"),
         *fields("reach_m", "mass_kg", "dt_s"),
         *fields("inertia_flu_kgm2", "gravity_enu_mps2", shape=(3,)),
@@ -58,14 +59,14 @@ FREE_FLIGHT_DTYPE = np.dtype(
 
 
 def new_free_flight(world: World, data: mujoco.MjData, *, is_on: bool) -> np.ndarray:
-    """Record of a vehicle whose clearance is not known yet, (1,) of `FREE_FLIGHT_DTYPE`.
+    """Return the record of a vehicle whose clearance is not known yet, (1,) of `FREE_FLIGHT_DTYPE`.
 
     The record holds addresses, so `world` and `data` must outlive it.
 
     Args:
         world: The world as the vehicle has it.
         data: State of the physics.
-        is_on: Whether the kernel may take steps itself; otherwise MuJoCo takes all of them.
+        is_on: True lets the kernel take steps itself; otherwise MuJoCo takes all of them.
     """
     model, body = world.model, world.vehicle_body_id
     records = np.zeros(1, FREE_FLIGHT_DTYPE)
@@ -85,6 +86,8 @@ def new_free_flight(world: World, data: mujoco.MjData, *, is_on: bool) -> np.nda
     f["gravity_enu_mps2"], f["dt_s"] = model.opt.gravity, model.opt.timestep
     f["low_enu_m"], f["high_enu_m"] = -np.inf, np.inf
     if np.any(world.geom_object_id == NEIGHBOUR_ID):
+        # The neighbourhood begins GAP_M beyond the volume, less 0.5 m of tolerance. Bounds shrink
+        # only if the vehicle reaches farther than that.
         spare_m = min(GAP_M - 0.5 - float(f["reach_m"]), 0.0)
         f["low_enu_m"] = np.array(world.scene.extent_min_enu_m[:2]) - spare_m
         f["high_enu_m"] = np.array(world.scene.extent_max_enu_m[:2]) + spare_m
@@ -93,7 +96,7 @@ def new_free_flight(world: World, data: mujoco.MjData, *, is_on: bool) -> np.nda
 
 @kernel
 def is_free(plants: np.ndarray) -> bool:
-    """Whether no vehicle of a world can have a contact in its present pose.
+    """Return true if no vehicle of a world can have a contact in its present pose.
 
     Movers are not considered: `flightsim.environment.motion.let_touch` returns whether one is near.
 
@@ -117,14 +120,14 @@ def is_free(plants: np.ndarray) -> bool:
 
 @kernel
 def _is_within(f: np.record, place: np.ndarray) -> bool:
-    """Whether a place lies within the sides of the flight volume, if anything stands beyond."""
+    """Return true if a place lies within the horizontal bounds, if there are any."""
     is_east = f.low_enu_m[0] <= place[0] <= f.high_enu_m[0]
     return is_east and f.low_enu_m[1] <= place[1] <= f.high_enu_m[1]
 
 
 @kernel
 def _measure_clearance(plants: np.ndarray) -> bool:
-    """Measure the clearance of all vehicles of a world; whether each has enough."""
+    """Measure the clearance of all vehicles of a world; return true if each has enough."""
     for k in range(len(plants)):
         e, f = plants[k].engine, plants[k].free_flight
         place = doubles(e.qpos_address, 3)
@@ -145,6 +148,7 @@ def _measure_clearance(plants: np.ndarray) -> bool:
     for k in range(len(plants)):
         f = plants[k].free_flight
         if not f.clearance_m > _LEAST_CLEARANCE_M:
+            # The size of a negative clearance is the distance to the next search, see `is_free`.
             f.clearance_m = min(f.clearance_m, -_LEAST_CLEARANCE_M)
     return _have_clearance(plants)
 
@@ -184,6 +188,7 @@ def step_free(
         turning = torque[k] + push[3 + k] - gyroscopic[k]
         accelerations[3 + k] = turning / inertia[k]
     for k in range(6):
+        # Semi-implicit: the new velocity moves the pose. The order must stay MuJoCo's.
         velocity[k] += f.dt_s * accelerations[k]
     for k in range(3):
         pose[k] += f.dt_s * velocity[k]
@@ -192,9 +197,10 @@ def step_free(
 
 @kernel
 def _turn(quat_wxyz: np.ndarray, rate_flu_radps: np.ndarray, dt_s: float) -> None:
-    """Integrate an attitude over a step of constant body rates."""
+    """Integrate an attitude (w, x, y, z) over a step of constant body rates, in place."""
     x, y, z = rate_flu_radps[0], rate_flu_radps[1], rate_flu_radps[2]
     speed = math.sqrt(x * x + y * y + z * z)
+    # The axis of rotation is undefined, and the attitude does not change.
     if speed == 0.0:
         return
     a, b, c, d = quat_wxyz[0], quat_wxyz[1], quat_wxyz[2], quat_wxyz[3]
@@ -214,7 +220,7 @@ def _apart_m(first_m: np.ndarray, second_m: np.ndarray) -> float:
 
 
 def _reach_m(model: mujoco.MjModel, body: int) -> float:
-    """Distance from a body's origin beyond which it cannot touch static geoms or other vehicles.
+    """Return the distance from a body's origin beyond which it touches no static geom or vehicle.
 
     MuJoCo makes a contact of two geoms whose distance is less than the sum of their margins, so
     margins belong to the reach.
@@ -227,9 +233,9 @@ def _reach_m(model: mujoco.MjModel, body: int) -> float:
 
 
 def _is_plain(world: World) -> bool:
-    """Whether this integration equals MuJoCo's, and every geom with contacts is known.
+    """Return true if this integration equals MuJoCo's and every geom with contacts is known.
 
-    The ray tree holds all but those that stand around the site, which bounds keep away. Joints,
+    The ray tree holds all geoms but those around the site, which the bounds keep away. Joints,
     damping, actuators, fluid forces or an offset centre of mass would make a difference.
     """
     model, tree = world.model, world.rays

@@ -1,4 +1,9 @@
-"""Handover of a plant to a flight stack outside of ours: it commands the rotors at every tick."""
+"""Handover of a plant to a flight stack that is not ours, which commands the rotors at every tick.
+
+PX4 and ArduPilot run their own estimator and controller in lockstep with the physics, once for
+every control tick and not once for 20 ms. The plant then advances tick by tick, and its own
+estimator and controller rest.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +15,7 @@ from autonomy.types import ControlLevel, State
 from flightsim.plant.kernel import advance
 from flightsim.plant.memory import PlantMemory
 
+# The type checker cannot read the signature of a compiled function.
 _advance: Callable[..., None] = advance
 RotorSpeeds = tuple[float, ...]
 
@@ -22,7 +28,8 @@ class Handover:
 
         Args:
             memory: Memory of the plant.
-            drive: Called before each control tick: reads the truth and the sensors, and commands.
+            drive: Called before each control tick. It reads the truth and the sensors, and
+                commands.
         """
         self._drive = drive
         self._memory = memory
@@ -33,7 +40,7 @@ class Handover:
         self._filter: np.void = record["filter"]
         self._setpoint: np.void = record["setpoint"]
         self._engine["ticks_per_advance"] = 1
-        self._filter["n_align"] = np.iinfo(np.int64).max  # The estimator never starts.
+        self._filter["n_align"] = np.iinfo(np.int64).max  # so the estimator never starts
 
     def advance(self, end_tick: Callable[[], None]) -> int:
         """Advance by the ticks of the history, one at a time.
@@ -47,6 +54,7 @@ class Handover:
         history, n_touching = self._memory.history, 0
         for i in range(len(history)):
             self._drive()
+            # Each call writes one row, at the place that the pointer names.
             self._engine["history_address"] = history[i:].ctypes.data
             self._counter[0] = 0
             _advance(self._memory.plants.reshape(1, 1), self._counter)
@@ -55,7 +63,7 @@ class Handover:
         return n_touching
 
     def command_rotors(self, speeds_radps: RotorSpeeds | None) -> None:
-        """Command the speeds of the rotors from the next tick on; None is no power."""
+        """Command the speeds of the rotors from the next tick on; None cuts the power."""
         if speeds_radps is None:
             self._controller["given_speed_radps"] = 0.0
             self._setpoint["level"] = ControlLevel.OFF
@@ -64,7 +72,7 @@ class Handover:
             self._setpoint["level"] = ControlLevel.ROTORS
 
     def take_estimate(self, state: State) -> None:
-        """Take what the stack believes for the vehicle's estimate."""
+        """Use the state that the flight stack believes as the vehicle's estimate."""
         self._filter["position_enu_m"] = state.position_enu_m
         self._filter["velocity_enu_mps"] = state.velocity_enu_mps
         self._filter["quat_wxyz"] = state.quat_wxyz

@@ -1,8 +1,9 @@
 """Height fields of MuJoCo's world from compiled code: heights, rays and distances.
 
 A cell is two triangles with the common edge from its corner (row, column) to (row + 1, column + 1),
-as in MuJoCo's contacts. A ray visits the cells below it one after another, so it costs as much as
-the ray is long; MuJoCo's own ray tests every triangle in the rectangle about the ray.
+as in MuJoCo's contacts. A ray visits the cells below it one after another, so its cost grows with
+its length. MuJoCo's own ray tests every triangle in the rectangle about the ray, which for a long
+diagonal ray is most of the field.
 
     symbol   name
     x, y     place in cells from the field's first node along columns and rows
@@ -24,13 +25,15 @@ from autonomy.jit import kernel
 from flightsim.plant.mujoco_calls import doubles, floats, integers
 
 _NEVER = 1e300
+"""Parameter of a crossing that does not happen; finite, because infinity times zero is not a
+number."""
 
 
 class _Field(NamedTuple):
-    """A height field of the model."""
+    """A height field of the model, as views of MuJoCo's arrays."""
 
     heights: np.ndarray
-    """Heights over the greatest one, row by row."""
+    """Heights over the greatest one, 0 to 1, row by row."""
     n_rows: int
     n_columns: int
     size: np.ndarray
@@ -39,12 +42,15 @@ class _Field(NamedTuple):
 
 @kernel
 def ray_to_field_m(r: np.record, geom: int, ray: np.ndarray) -> float:
-    """Distance to a height field along a ray, in lengths of its direction; negative for none.
+    """Return the distance to a height field along a ray, in lengths of its direction.
 
     Args:
         r: `flightsim.plant.rays.RAYS_DTYPE`.
         geom: Geom whose shape is a height field.
         ray: Origin and direction (6,), ENU, m.
+
+    Returns:
+        The distance, or a negative number if the ray does not meet the field.
     """
     field = _field_of(r, geom)
     x, y, z = _turned(r, geom, ray[0], ray[1], ray[2], True)
@@ -80,13 +86,13 @@ def ray_to_field_m(r: np.record, geom: int, ray: np.ndarray) -> float:
 def _walk(
     field: _Field,
     origin: tuple[float, float, float],
-    way: tuple[float, float, float],
+    direction: tuple[float, float, float],
     start: float,
     end: float,
 ) -> float:
-    """Where on a ray from `start` to `end` it first crosses the surface; negative for nowhere."""
+    """Return where a ray from `start` to `end` first crosses the surface; negative for nowhere."""
     x, y, z = origin
-    dx, dy, dz = way
+    dx, dy, dz = direction
     here = start
     column, row = _cell(x + here * dx, field.n_columns), _cell(y + here * dy, field.n_rows)
     above_m = z + here * dz - _surface(field, row, column, x + here * dx, y + here * dy)
@@ -105,6 +111,7 @@ def _walk(
             is_right = x - y + half * across >= column - row
             f = z + until * dz
             f -= _plane(field, row, column, x + until * dx, y + until * dy, is_right)
+            # Along one triangle the height above the surface is linear: interpolate the crossing.
             if (above_m > 0.0) != (f > 0.0):
                 share = above_m / (above_m - f) if above_m != f else 0.0
                 return here + share * (until - here)
@@ -121,10 +128,10 @@ def _walk(
 
 @kernel
 def above_field_m(r: np.record, geom: int, point: np.ndarray) -> float:
-    """Lower bound of the distance from a point above a height field to its surface; 0 below it.
+    """Return a lower bound of the distance from a point above a height field to it; 0 below it.
 
-    A surface whose gradient is at most g is at least as far as the height above it times
-    1 / sqrt(1 + g^2). That holds beside the field too, by the nearest point of its border.
+    A surface whose gradient is at most g is at least as far as the height above it times 1 / sqrt(1
+    + g^2). That holds beside the field too, by the nearest point of its border.
     """
     field = _field_of(r, geom)
     x, y, z = _turned(r, geom, point[0], point[1], point[2], True)
@@ -138,7 +145,10 @@ def above_field_m(r: np.record, geom: int, point: np.ndarray) -> float:
 
 @kernel
 def ground_m(r: np.record, east_m: float, north_m: float) -> float:
-    """Height of the ground at a place: of the height field of geom 0, or 0 if that is a plane."""
+    """Return the ENU height of the ground at a place, from the height field of geom 0.
+
+    If geom 0 is a plane, the ground lies at 0.
+    """
     if r.n_fields == 0:
         return 0.0
     field = _field_of(r, 0)
@@ -161,6 +171,7 @@ def _field_of(r: np.record, geom: int) -> _Field:
     n_rows = integers(r.field_rows_address, r.n_fields)[number]
     n_columns = integers(r.field_columns_address, r.n_fields)[number]
     first = integers(r.field_first_address, r.n_fields)[number]
+    # MuJoCo stores the heights of all fields one after another, as 32-bit floats.
     heights = floats(r.field_heights_address + 4 * first, n_rows * n_columns)
     return _Field(heights, n_rows, n_columns, doubles(r.field_size_address + 32 * number, 4))
 
@@ -175,7 +186,8 @@ def _cells_per_m(field: _Field) -> tuple[float, float]:
 def _turned(
     r: np.record, geom: int, x: float, y: float, z: float, is_place: bool
 ) -> tuple[float, float, float]:
-    """A place or a direction in the frame of a geom."""
+    """Return a place or a direction, ENU, in the frame of a geom."""
+    # `xmat` is the rotation matrix from geom to world, row by row: its transpose goes back.
     turn = doubles(r.xmat_address + 72 * geom, 9)
     if is_place:
         place = doubles(r.xpos_address + 24 * geom, 3)
@@ -189,8 +201,9 @@ def _turned(
 
 @kernel
 def _within(x: float, dx: float, most: int, start: float, end: float) -> tuple[float, float]:
-    """The part of a ray from `start` to `end` where a coordinate is from 0 to `most`."""
+    """Return the part of a ray from `start` to `end` where a coordinate is from 0 to `most`."""
     if dx == 0.0:
+        # An empty part has its start after its end.
         return (start, end) if 0.0 <= x <= most else (1.0, 0.0)
     first, last = -x / dx, (most - x) / dx
     return max(start, min(first, last)), min(end, max(first, last))
@@ -198,13 +211,13 @@ def _within(x: float, dx: float, most: int, start: float, end: float) -> tuple[f
 
 @kernel
 def _cell(x: float, n_nodes: int) -> int:
-    """Cell of a coordinate, the nearest one beyond the border."""
+    """Return the cell of a coordinate; beyond the border, the nearest one."""
     return min(max(math.floor(x), 0), n_nodes - 2)
 
 
 @kernel
 def _exit(x: float, dx: float, cell: int) -> float:
-    """Where on a ray a coordinate leaves a cell."""
+    """Return the parameter of a ray at which a coordinate leaves a cell."""
     if dx == 0.0:
         return _NEVER
     return (cell + (1.0 if dx > 0.0 else 0.0) - x) / dx
@@ -212,17 +225,17 @@ def _exit(x: float, dx: float, cell: int) -> float:
 
 @kernel
 def _surface(field: _Field, row: int, column: int, x: float, y: float) -> float:
-    """Height of the surface of a cell above the geom's origin."""
+    """Return the height of the surface of a cell above the geom's origin, m."""
     return _plane(field, row, column, x, y, x - y >= column - row)
 
 
 @kernel
 def _plane(field: _Field, row: int, column: int, x: float, y: float, is_right: bool) -> float:
-    """Height of the plane of one of a cell's triangles."""
+    """Return the height of the plane of one of a cell's two triangles, m."""
     heights, first = field.heights, row * field.n_columns + column
     next_row = first + field.n_columns
     u, v = x - column, y - row
-    # A difference of two numbers of 32 bits would have 32 bits as well.
+    # Convert first: the difference of two 32-bit floats would be rounded to 32 bits as well.
     start, end = float(heights[first]), float(heights[next_row + 1])
     corner = float(heights[first + 1])
     if not is_right:

@@ -1,7 +1,9 @@
 """One advance of the plant: the hot loop of the simulator, compiled as a whole.
 
-Each control tick: controller, physics steps with the rotors' wrench, sensors, estimator, log; of
-several vehicles in a world each does its part in turn, and one step of the engine moves them all.
+Each control tick runs the controller, the physics steps with the rotors' wrench, the sensors, the
+estimator and the log. The order is that of a real vehicle: a command acts in the physics before any
+sensor sees its effect. Several vehicles in one world take turns in each stage, and one step of the
+engine moves them all, so that they can touch.
 """
 
 from __future__ import annotations
@@ -32,7 +34,7 @@ from flightsim.plant.surfaces import feel_surfaces
 from flightsim.vehicles.rotor_model import step_rotors
 
 MOST_LATE_S = 1e-3
-"""By which the engine's clock may differ from ours."""
+"""Difference between the engine's clock and ours that still counts as rounding."""
 _N_ROOM_COLUMNS, _N_STEEL_COLUMNS = len(ROOM_COLUMNS), len(STEEL_COLUMNS)
 
 
@@ -40,16 +42,18 @@ _N_ROOM_COLUMNS, _N_STEEL_COLUMNS = len(ROOM_COLUMNS), len(STEEL_COLUMNS)
 def advance(plants: np.ndarray, counter: np.ndarray) -> None:
     """Advance the plants of every world by the control ticks of one call.
 
-    Several threads may call this with the same arrays at the same time: each world is advanced by
-    the first thread that is free, and none waits for another. Who it was changes no bit.
+    Several threads may call this with the same arrays at the same time. Each world is advanced by
+    the first thread that is free, and none waits for another. The thread makes no difference to any
+    bit.
 
     Args:
-        plants: `PLANT_DTYPE` (w, v), the v vehicles of each of w worlds, at least one. Those of a
-            world have one engine's model and data, and the rates of the first, which has the
-            movers of all.
+        plants: `PLANT_DTYPE` (w, v), the v vehicles of each of w worlds, at least one. Vehicles of
+            one world share the engine's model and data. The first one's record holds the rates and
+            the movers of the world.
         counter: Number of worlds that are taken (1,), int64; 0 before the call.
     """
-    # MuJoCo reads its clock before and after each stage, a fifth of a step's time for us.
+    # MuJoCo reads the system's clock before and after each stage, which costs a fifth of our step.
+    # A null callback stops that; other users of MuJoCo get it back at the end.
     clock = pointers(plants[0, 0].engine.clock_address, 1)
     stage_clock, clock[0] = clock[0], 0
     while True:
@@ -77,7 +81,8 @@ def _advance(plants: np.ndarray) -> None:
         for k in range(len(plants)):
             _measure(plants[k], i)
     if lead.is_held == 0:
-        # The engine's clock restarts where it gives a state up.
+        # MuJoCo resets its state, and with it the clock, when a number becomes infinite or NaN. The
+        # clock thus shows the loss, and needs no callback for warnings.
         late_s = doubles(lead.time_address, 1)[0] - lead.tick / lead.tick_hz
         for k in range(len(plants)):
             plants[k].engine.is_lost = abs(late_s) > MOST_LATE_S
@@ -85,10 +90,10 @@ def _advance(plants: np.ndarray) -> None:
 
 @kernel
 def _command(p: np.record) -> None:
-    """Let the controller command the rotors for a control tick, and move the air by it."""
+    """Let the controller command the rotors for a control tick, and advance the air by it."""
     e, air = p.engine, p.air
     qpos, qvel = doubles(e.qpos_address, 7), doubles(e.qvel_address, 6)
-    _tell_state(p.state, e, p.filter, p.rotors, qpos, qvel)
+    _write_state(p.state, e, p.filter, p.rotors, qpos, qvel)
     control(p.controller, p.setpoint, p.state, e.has_new_setpoint == 1)
     e.has_new_setpoint = 0
     e.is_touching = 0
@@ -98,13 +103,14 @@ def _command(p: np.record) -> None:
     normals = doubles(e.normals_address, e.n_normals)
     first = air.first_normal + e.tick % e.tick_hz * AIR_NORMALS
     gusts = normals[first : first + AIR_NORMALS]
+    # Wind shear and turbulence depend on the height above ground, not above the origin.
     height_m = qpos[2] - ground_m(e.rays, qpos[0], qpos[1])
     move_air(air, qpos[0:3], height_m, qvel[0:3], rooms, shelter, gusts, p.rotors.wind_enu_mps)
 
 
 @kernel
 def _measure(p: np.record, row: int) -> None:
-    """Let the sensors measure and the filter estimate after the physics; write a row of the log."""
+    """Let the sensors measure and the filter estimate after the physics, then write the log."""
     e = p.engine
     qpos, qvel = doubles(e.qpos_address, 7), doubles(e.qvel_address, 6)
     e.contact_ticks += e.is_touching
@@ -120,15 +126,16 @@ def _measure(p: np.record, row: int) -> None:
 
 
 @kernel
-def _tell_state(
+def _write_state(
     x: np.record, e: np.record, f: np.record, r: np.record, qpos: np.ndarray, qvel: np.ndarray
 ) -> None:
-    """State that the controller may know: the estimate, or the truth for benchmarks of control.
+    """Write the state that the controller may know: the estimate, or the truth in benchmarks.
 
-    The rotors' speeds come from the telemetry of their speed controllers.
+    The rotors' speeds come from the telemetry of their speed controllers in both cases.
     """
     is_true = e.knows_truth == 1
     for i in range(3):
+        # The record still holds the velocity of the tick before, so this must precede its update.
         change = (qvel[i] - x.velocity_enu_mps[i]) * e.tick_hz
         x.acceleration_enu_mps2[i] = change if is_true else f.acceleration_enu_mps2[i]
         x.position_enu_m[i] = qpos[i] if is_true else f.position_enu_m[i]
@@ -144,7 +151,7 @@ def _tell_state(
 
 @kernel
 def _move_traffic(plants: np.ndarray) -> bool:
-    """Advance the movers of a world by a control tick; returns whether a vehicle is near one."""
+    """Advance the movers of a world by a control tick; return true if a vehicle is near one."""
     e = plants[0].engine
     movers = rows(e.movers_address, e.n_movers, MOVER_DTYPE)
     geom_bits = integers(e.geom_bits_address, e.n_geoms)
@@ -167,11 +174,12 @@ def _move_traffic(plants: np.ndarray) -> bool:
 
 @kernel
 def _step_physics(plants: np.ndarray, is_near_mover: bool) -> None:
-    """Step to the next control tick, and note which vehicle touched something on the way."""
+    """Step to the next control tick, and note which vehicles touched something on the way."""
     lead = plants[0].engine
     for _ in range(lead.steps_per_tick):
         for k in range(len(plants)):
             e, r, c = plants[k].engine, plants[k].rotors, plants[k].controller
+            # With an empty battery the rotors run down, whatever the controller commands.
             command = c.rotor_command_radps if e.has_power == 1 else e.no_command
             qpos, qvel = doubles(e.qpos_address, 7), doubles(e.qvel_address, 6)
             applied = doubles(e.applied_address, 6)
@@ -188,11 +196,12 @@ def _step_physics(plants: np.ndarray, is_near_mover: bool) -> None:
 
 @kernel
 def _step_freely(plants: np.ndarray) -> None:
-    """Integrate all vehicles of a world by a step in which none has a contact."""
+    """Integrate all vehicles of a world over one step in which none has a contact."""
     for k in range(len(plants)):
         e, r = plants[k].engine, plants[k].rotors
         qpos, qvel = doubles(e.qpos_address, 7), doubles(e.qvel_address, 6)
         step_free(plants[k].free_flight, r, doubles(e.applied_address, 3), qpos, qvel)
+    # The engine's clock must go on: `_advance` compares it with ours.
     doubles(plants[0].engine.time_address, 1)[0] += plants[0].free_flight.dt_s
 
 
@@ -205,12 +214,14 @@ def _step_engine(plants: np.ndarray) -> None:
         e = plants[k].engine
         constraint = doubles(e.constraint_address, 6)
         for n in range(6):
+            # Without joint limits or friction, contacts are the only constraints of a free body.
             if constraint[n] != 0.0:
                 e.is_touching = 1
 
 
 @kernel
 def _log(row: np.record, p: np.record, qpos: np.ndarray, qvel: np.ndarray) -> None:
+    """Write one control tick into a row of the history."""
     e, r, imu, f, c, s = p.engine, p.rotors, p.imu, p.filter, p.controller, p.setpoint
     row.time_us = e.tick * e.tick_us
     row.setpoint_level = s.level

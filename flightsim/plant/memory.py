@@ -1,4 +1,9 @@
-"""Memory of the plant: its record, and the arrays without a fixed size."""
+"""Memory of the plant: its record, and the arrays without a fixed size.
+
+A compiled kernel can follow addresses but owns no memory. This module allocates everything for one
+vehicle, writes the addresses into the record and keeps the arrays alive. It also draws all random
+numbers, so that the kernel itself is a pure function of the record.
+"""
 
 from __future__ import annotations
 
@@ -42,20 +47,20 @@ _SKY_STREAM = 14
 
 
 class PlantMemory:
-    """All that the kernel reads and writes.
+    """Everything that the kernel reads and writes for one vehicle.
 
     Attributes:
         world: The world as the vehicle has it.
         data: State of the physics.
         row: `PLANT_DTYPE` (n,), the records of all vehicles of the world.
-        plants: `PLANT_DTYPE` (1,), that of this one.
-        plant: Its only record, as a view.
+        plants: `PLANT_DTYPE` (1,), the record of this vehicle.
+        plant: The same record as a scalar view.
         qpos: True pose of the vehicle (7,) in MuJoCo's memory.
-        qvel: Its true velocity (6,): linear in the world, angular in the body.
+        qvel: True velocity of the vehicle (6,): linear in the world, angular in the body.
         history: `HISTORY_DTYPE`, one row per control tick of an advance.
         setpoint_flat: The setpoint as doubles.
         movers: `MOVER_DTYPE`, a row for each moving obstacle.
-        traffic: `TRAFFIC_DTYPE`, their clock, as a view.
+        traffic: `TRAFFIC_DTYPE`, the clock of the movers, as a view.
     """
 
     def __init__(
@@ -71,14 +76,14 @@ class PlantMemory:
         """Fill the record of a vehicle as it stands in `data`.
 
         Args:
-            world: The world around it.
-            cfg: Its configuration.
+            world: The world as the vehicle has it.
+            cfg: Configuration of the plant.
             data: State of the physics.
-            row: The records of all vehicles of the world.
-            history: Its log.
-            surroundings: Of the scene and the effects.
-            lead: Memory of the first vehicle in the same world, whose movers are everyone's; None
-                for the first.
+            row: Records of all vehicles of the world.
+            history: Log of this vehicle.
+            surroundings: Surroundings for the same scene and effects.
+            lead: Memory of the first vehicle in the same world, whose movers all vehicles share;
+                None for the first.
         """
         self.world, self.data, self.row = world, data, row
         self.plants = row[world.number : world.number + 1]
@@ -86,6 +91,7 @@ class PlantMemory:
         self._written = _written(self.plants, cfg)
         self.setpoint_flat = self.plants["setpoint"].view("f8")
         self.history = history
+        # The first vehicle draws the numbers that it would draw alone in the world.
         self._stream = ("plant",) if world.number == 0 else ("plant", "vehicle", world.number)
         if lead is None:
             self.movers, self._mover_points = new_movers(world.obstacles)
@@ -105,15 +111,16 @@ class PlantMemory:
         self._draw_start(cfg.seed)
 
     def restart(self, seed: int) -> None:
-        """Fill the record anew of a vehicle as it stands in `data` now, in calm air.
+        """Fill the record anew for a vehicle as it stands in `data` now, in calm air.
 
-        It is then what a new memory of this seed has, without the work that no seed changes.
+        The result equals a new memory of this seed. It skips the work that does not depend on the
+        seed.
         """
         self._restore()
         self._draw_start(seed)
 
     def load(self, world: World) -> None:
-        """Take masses that have changed in the model, from the next start on.
+        """Read masses that have changed in the model; they count from the next start on.
 
         Args:
             world: The world with its model, which may be another one of the same sizes.
@@ -146,7 +153,7 @@ class PlantMemory:
             self._stir()
 
     def _stir(self) -> None:
-        """Draw the turbulence of the next second, at first also that of now."""
+        """Draw the turbulence of the next second, and at the first call also its present state."""
         if self._air_stream is None:
             states = stationary_states(self._generator(*self._stream, _FIRST_AIR_STREAM))
             self.plant["air"]["states"] = states
@@ -161,7 +168,7 @@ class PlantMemory:
         return NormalStream(seed_sequence(self._seed, scene_id, *self._stream, number), block)
 
     def _keep(self) -> None:
-        """Keep the records as they are before anything is drawn, for `restart`."""
+        """Copy the records as they are before anything is drawn, for `restart`."""
         self._kept = [part.copy() for part in self._written], self.movers.copy()
 
     def _restore(self) -> None:
@@ -171,7 +178,7 @@ class PlantMemory:
         self.movers[:] = movers
 
     def _name_movers(self, world: World) -> None:
-        """Record the body and the geom of each mover in the model."""
+        """Write the body and the geom of each mover in the model into its record."""
         for index, mover in enumerate(self.movers):
             mover["body"] = world.mover_body_id(index)
             mover["geom"] = world.model.body_geomadr[mover["body"]]
@@ -179,7 +186,7 @@ class PlantMemory:
             place_mover(mover, self._mover_points, 0.0, 1.0)
 
     def _connect(self, world: World, cfg: PlantCfg, data: mujoco.MjData) -> None:
-        """Set the clock and the addresses in MuJoCo's memory."""
+        """Set the clock, and the addresses of arrays in MuJoCo's memory."""
         e, model, body = self.plant["engine"], world.model, world.vehicle_body_id
         e["tick_us"] = self.tick_us = 1_000_000 // cfg.control_hz
         e["tick_hz"] = cfg.control_hz
@@ -236,9 +243,10 @@ class PlantMemory:
         )[0]
 
     def _lay_out_normals(self, cfg: PlantCfg) -> None:
-        """Make room for the noise of a second: a block for each sensor, then one for the air."""
+        """Allocate the noise of a second: a block for each sensor, then one for the air."""
         sensors = SENSORS if cfg.has_sensors else ()
         sizes = [
+            # A sensor without a rate of its own measures at every control tick.
             getattr(sensor.cfg(cfg), "rate_hz", cfg.control_hz) * sensor.n_normals
             for sensor in sensors
         ]
@@ -251,7 +259,8 @@ class PlantMemory:
     def _draw_start(self, seed: int) -> None:
         """Draw what differs between flights: the sky, each sensor's errors and noise, the start.
 
-        Nobody looks at any of it where nothing is measured. The air is drawn when it is stirred.
+        Without sensors nothing reads these numbers, so they are not drawn. The air draws its own
+        when the wind becomes turbulent.
         """
         self._seed = seed
         self._air_stream: NormalStream | None = None
@@ -260,7 +269,7 @@ class PlantMemory:
             self._switch_on(self.world, self._cfg)
 
     def _switch_on(self, world: World, cfg: PlantCfg) -> None:
-        """Fill the records of the sky and the sensors, and give each its noise."""
+        """Fill the records of the sky and the sensors, and give each sensor its stream of noise."""
         self.plant["sky"] = new_sky(
             GRADES[cfg.gnss].constellations,
             world.scene.latitude_deg,
@@ -275,6 +284,7 @@ class PlantMemory:
             is_on=cfg.effects.vibration,
         )[0]
         if cfg.aiding != "gnss":
+            # With other aiding than satellites alone the filter is given its start, with an error.
             sigma_m = (cfg.estimator or estimator_cfg_for(cfg)).start_sigma_m
             believed = self._generator(*self._stream, _START_STREAM)
             f: np.void = self.plant["filter"]
@@ -296,7 +306,7 @@ class PlantMemory:
             self._streams.append(self._normal_stream(sensor.stream, block))
 
     def _point_to_arrays(self) -> None:
-        """Tell the kernel where the arrays without a fixed size are."""
+        """Write the addresses and lengths of the arrays without a fixed size into the record."""
         e = self.plant["engine"]
         for name, array in (
             ("movers", self.movers),
@@ -314,7 +324,10 @@ class PlantMemory:
 
 
 def _written(plants: np.ndarray, cfg: PlantCfg) -> list[np.ndarray]:
-    """Bytes of a record that a flight changes: without sensors, neither theirs nor the filter's."""
+    """Return the bytes of a record that a flight changes, as views.
+
+    Without sensors, the records of the sensors and of the filter never change and need no copies.
+    """
     record = plants.view(np.uint8)
     if cfg.has_sensors:
         return [record]
@@ -332,15 +345,15 @@ def new_memories(
     histories: np.ndarray | None = None,
     surroundings: Surroundings | None = None,
 ) -> list[PlantMemory]:
-    """Memory of each vehicle of a world, as it stands in `data`.
+    """Return the memory of each vehicle of a world, as it stands in `data`.
 
     Args:
         views: The world as each of its vehicles has it.
-        cfg: Configuration of all.
+        cfg: Configuration of all vehicles.
         data: State of the physics.
-        row: Their records, where they are some of many; zeros by default.
-        histories: Their logs, a row for each, where they are some of many.
-        surroundings: Of the same scene and effects, where they are known already.
+        row: Records of the vehicles if they are part of a larger array; new ones by default.
+        histories: Logs of the vehicles, a row for each, if they are part of a larger array.
+        surroundings: Surroundings of the same scene and effects, if they are known already.
     """
     row = np.zeros(len(views), PLANT_DTYPE) if row is None else row
     if histories is None:

@@ -1,7 +1,9 @@
 """MuJoCo's step, rays and arrays from inside a kernel, through their C pointers.
 
-A kernel that steps ten times in one call saves nine trips through Python. Addresses travel as
-integers; a cached kernel holds none of its own.
+A kernel that steps ten times in one call saves nine trips through Python. Numba cannot call
+MuJoCo's Python binding, but it can call a C function at an address. Addresses travel as integer
+arguments. A kernel that is kept on disk must hold none of its own, because libraries load elsewhere
+in the next process.
 """
 
 from __future__ import annotations
@@ -24,27 +26,28 @@ _POINTER = ir.IntType(8).as_pointer()
 
 
 class EngineError(RuntimeError):
-    """The installed MuJoCo is not laid out as kernels need it."""
+    """The installed MuJoCo has a memory layout that the kernels do not know."""
 
 
 class Functions(NamedTuple):
     """Addresses in the library that `mujoco` has loaded."""
 
     step: int
-    """`mj_step`."""
+    """Address of `mj_step`."""
     kinematics: int
-    """`mj_kinematics`."""
+    """Address of `mj_kinematics`."""
     ray_geom: int
-    """`mju_rayGeom`."""
+    """Address of `mju_rayGeom`."""
     ray_mesh: int
-    """`mj_rayMesh`."""
+    """Address of `mj_rayMesh`."""
     clock: int
-    """The variable `mjcb_time` with the clock by which MuJoCo times its stages; 0 is no clock."""
+    """Address of the variable `mjcb_time`, which points to the clock that times MuJoCo's stages; a
+    null pointer in it means no clock."""
 
 
 @functools.cache
 def functions() -> Functions:
-    """Where the functions that kernels call are."""
+    """Return the addresses of the functions that kernels call."""
     folder = Path(mujoco.__file__).parent
     library = ctypes.CDLL(str(next(folder.glob("libmujoco.*"))))
     return Functions(
@@ -57,7 +60,11 @@ def functions() -> Functions:
 
 
 def time_address(data: mujoco.MjData) -> int:
-    """Where the engine's clock is, a double that stands before the energy in `mjData`."""
+    """Return the address of the engine's clock in `mjData`, a double just before the energy.
+
+    Raises:
+        EngineError: If this version of MuJoCo keeps its clock elsewhere.
+    """
     _check_time_address()
     return data.energy.ctypes.data - ctypes.sizeof(ctypes.c_double)
 
@@ -65,6 +72,7 @@ def time_address(data: mujoco.MjData) -> int:
 @functools.cache
 def _check_time_address() -> None:
     data = mujoco.MjData(mujoco.MjModel.from_xml_string("<mujoco/>"))
+    # The binding offers no address of `time`, so the place is tested with a known value.
     data.time = 0.25
     place = data.energy.ctypes.data - ctypes.sizeof(ctypes.c_double)
     if ctypes.c_double.from_address(place).value != data.time:
@@ -83,9 +91,9 @@ _in_kernel: Any = intrinsic
 
 @_in_kernel
 def call_engine(_typing: Any, _function: Any, _model: Any, _data: Any) -> Any:
-    """`void mj_step(const mjModel* m, mjData* d)` or another function of the same type.
+    """Call `void mj_step(const mjModel* m, mjData* d)` or another function of the same type.
 
-    Its address and both pointers are integers.
+    The address of the function and both pointers are integers.
     """
     signature = types.void(types.intp, types.intp, types.intp)
 
@@ -109,7 +117,7 @@ def call_mju_ray_geom(
     _direction: Any,
     _kind: Any,
 ) -> Any:
-    """`mjtNum mju_rayGeom(pos, mat, size, pnt, vec, geomtype, normal)`, without a normal.
+    """Call `mjtNum mju_rayGeom(pos, mat, size, pnt, vec, geomtype, normal)`, without a normal.
 
     Pointers are integers.
     """
@@ -135,7 +143,7 @@ def call_mj_ray_mesh(
     _origin: Any,
     _direction: Any,
 ) -> Any:
-    """`mjtNum mj_rayMesh(m, d, geomid, pnt, vec, normal)`, without a normal.
+    """Call `mjtNum mj_rayMesh(m, d, geomid, pnt, vec, normal)`, without a normal.
 
     Pointers are integers.
     """
@@ -164,6 +172,7 @@ def _add_one(_typing: Any, _address: Any) -> Any:
     def codegen(_context: Any, builder: Any, _signature: Any, args: Any) -> Any:
         integer = ir.IntType(64)
         number = builder.inttoptr(args[0], integer.as_pointer())
+        # "monotonic" suffices: threads share no data but the number itself.
         return builder.atomic_rmw("add", number, ir.Constant(integer, 1), "monotonic")
 
     return types.int64(types.intp), codegen
@@ -171,53 +180,53 @@ def _add_one(_typing: Any, _address: Any) -> Any:
 
 @kernel
 def take_number(counter: np.ndarray) -> int:
-    """The number in a counter (1,), int64, which then counts on; no two threads get the same."""
+    """Return the number in a counter (1,), int64, and count on; no two threads get the same."""
     return _add_one(counter.ctypes.data)
 
 
 @kernel
 def rows(address: int, n: int, dtype: Any) -> np.ndarray:
-    """The n records of a type at an address."""
+    """Return the n records of a type at an address, as a view."""
     return carray(_pointer(address), (n,), dtype)
 
 
 @kernel
 def doubles(address: int, n: int) -> np.ndarray:
-    """The n doubles at an address."""
+    """Return the n doubles at an address, as a view."""
     return carray(_pointer(address), (n,), np.float64)
 
 
 @kernel
 def floats(address: int, n: int) -> np.ndarray:
-    """The n floats of 32 bits at an address."""
+    """Return the n floats of 32 bits at an address, as a view."""
     return carray(_pointer(address), (n,), np.float32)
 
 
 @kernel
 def table(address: int, n: int, columns: int) -> np.ndarray:
-    """The n rows of doubles at an address."""
+    """Return the n rows of doubles at an address, as a view."""
     return doubles(address, n * columns).reshape(n, columns)
 
 
 @kernel
 def integers(address: int, n: int) -> np.ndarray:
-    """The n integers of 32 bits at an address."""
+    """Return the n integers of 32 bits at an address, as a view."""
     return carray(_pointer(address), (n,), np.int32)
 
 
 @kernel
 def pointers(address: int, n: int) -> np.ndarray:
-    """The n pointers at an address, as integers."""
+    """Return the n pointers at an address, as a view of integers."""
     return carray(_pointer(address), (n,), np.intp)
 
 
 @kernel
 def long_integers(address: int, n: int) -> np.ndarray:
-    """The n integers of 64 bits at an address."""
+    """Return the n integers of 64 bits at an address, as a view."""
     return carray(_pointer(address), (n,), np.int64)
 
 
 @kernel
 def bytes_at(address: int, n: int) -> np.ndarray:
-    """The n bytes at an address."""
+    """Return the n bytes at an address, as a view."""
     return carray(_pointer(address), (n,), np.uint8)

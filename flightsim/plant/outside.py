@@ -1,7 +1,7 @@
 """Fixes and poses from outside the plant, in the place of its own receiver and odometry.
 
-Whoever tests a receiver, or an odometry of their own, feeds the filter through here. As long as
-somebody does, the plant's own sensor of that kind measures nothing; afterwards it starts again, as
+If you test a receiver or an odometry of your own, your data reaches the filter through here. While
+you feed one, the plant's own sensor of that kind measures nothing. Afterwards it starts again, as
 after a loss of signal. A flight without such input is the same, bit for bit.
 """
 
@@ -26,22 +26,25 @@ from flightsim.sensors.mocap import MOCAP
 from flightsim.sensors.vio import VIO
 
 _GNSS_PATIENCE_S = 2.0
-"""Age of the last accepted fix from which on there are no satellites."""
+"""Age of the last accepted fix from which on satellites count as lost."""
 _FIX_2D = 2
+"""Least GPS_FIX_TYPE with a position."""
 _MOST_REFUSED = 10
 """Consecutive poses beyond the gate after which the filter starts from the next one."""
 _NEVER_TICKS = -(1 << 60)
-"""Time under the sky of a receiver that hears nothing: the plant counts it up."""
+"""Time under the sky of a receiver that hears nothing. It is far below zero because the plant
+counts it up at every tick."""
 _UNUSED = math.inf
+"""Variance of an axis that the filter should not use."""
 _UNKNOWN_VELOCITY_MPS = 1e3
 """Standard deviation of a velocity that a fix does not have."""
 _OWN_FIX = ("fix_type", "reported_accuracy_m", "is_enabled")
-"""Fields of the receiver that fixes from outside overwrite, and that it gets back."""
+"""Fields of the receiver that fixes from outside overwrite, and that are restored afterwards."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Fix:
-    """A fix of a receiver."""
+    """A fix of a receiver, position and velocity in the scene's ENU frame."""
 
     position_enu_m: Vector3
     velocity_enu_mps: Vector3 | None
@@ -51,13 +54,15 @@ class Fix:
     sigma_m: tuple[float, float]
     """Horizontal (each axis) and vertical standard deviation; infinite for an axis to leave out."""
     sigma_mps: float
+    """Standard deviation of each axis of the velocity."""
     n_satellites: int
     age_s: float = 0.0
+    """Time since the fix was valid."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Pose:
-    """A pose, and how well it is known; an infinite variance leaves its axes out."""
+    """A pose and its uncertainty; an infinite variance leaves its axes out."""
 
     position_enu_m: Vector3
     yaw_rad: float
@@ -65,16 +70,17 @@ class Pose:
     height_variance_m2: float = _UNUSED
     yaw_variance_rad2: float = _UNUSED
     is_relative: bool = False
-    """Whether its frame has an origin and a heading of its own."""
+    """True if its frame has an origin and a heading of its own."""
     age_s: float = 0.0
+    """Time since the pose was valid."""
 
 
 @unique
 class FixSource(Enum):
-    """Where fixes come from."""
+    """Sources that fixes may come from."""
 
     EITHER = "either"
-    """From outside as long as some come, else from the vehicle's receiver."""
+    """From outside as long as such fixes arrive, otherwise from the vehicle's receiver."""
     OWN = "own"
     CLIENT = "client"
     NONE = "none"
@@ -82,25 +88,26 @@ class FixSource(Enum):
 
 @unique
 class PoseUse(Enum):
-    """What became of a pose."""
+    """Outcome of feeding a pose."""
 
     FUSED = "fused"
     RESTARTED = "restarted"
-    """The position was started anew from it: the first of a source, or the last of many refused."""
+    """The filter's position was set to the pose: it was the first of a source, or the last of many
+    refused."""
     REFUSED = "refused"
-    """The position lies beyond its gate, and nothing of the pose is used."""
+    """The position lies beyond its gate, and nothing of the pose was used."""
     HEADING_REFUSED = "heading refused"
-    """The position is used; the heading lies beyond its gate."""
+    """The position was used; the heading lies beyond its gate."""
     WAITING = "waiting"
     """The filter is not aligned yet."""
 
 
 class OutsideAids:
-    """What a plant is told of its place.
+    """Input of positions from outside to a plant's filter.
 
     Attributes:
-        is_fed_fixes: Whether fixes from outside take the receiver's place.
-        is_fed_poses: Whether poses from outside take the odometry's place.
+        is_fed_fixes: True while fixes from outside take the receiver's place.
+        is_fed_poses: True while poses from outside take the odometry's place.
     """
 
     def __init__(self, record: np.void, tick_us: int) -> None:
@@ -121,7 +128,7 @@ class OutsideAids:
 
     @property
     def fix_source(self) -> FixSource:
-        """Where fixes come from; a change counts at once."""
+        """Source of fixes; a change takes effect at once."""
         return self._fix_source
 
     @fix_source.setter
@@ -136,7 +143,7 @@ class OutsideAids:
             self.end_fixes()
 
     def begin_fixes(self) -> None:
-        """Take the receiver's place, without a fix until one comes."""
+        """Replace the receiver; there is no fix until one is fed."""
         if self.is_fed_fixes:
             return
         r = self._gnss
@@ -146,11 +153,11 @@ class OutsideAids:
         self.lose_fix()
 
     def lose_fix(self) -> None:
-        """Say that there is no fix until the next one comes."""
+        """Report no fix until the next one is fed."""
         self._gnss["under_sky_ticks"] = _NEVER_TICKS
 
     def end_fixes(self) -> None:
-        """Let the receiver search for its satellites again."""
+        """Give the receiver back its place; it searches for satellites again."""
         if not self.is_fed_fixes:
             return
         r = self._gnss
@@ -162,7 +169,7 @@ class OutsideAids:
         self.is_fed_fixes = False
 
     def feed_fix(self, fix: Fix) -> None:
-        """Take a fix for the receiver's, and let the filter use it."""
+        """Use a fix in place of the receiver's, in its reading and in the filter."""
         self.begin_fixes()
         r, f = self._gnss, self._filter
         if fix.fix_type < _FIX_2D or r["failure"][0] == Failure.OFF:
@@ -190,7 +197,7 @@ class OutsideAids:
     # --- poses ---
 
     def begin_poses(self) -> None:
-        """Take the odometry's place; without satellites, poses say where the vehicle is."""
+        """Replace the odometry; without satellites, fed poses are absolute positions."""
         if self.is_fed_poses:
             return
         self.is_fed_poses, self._is_started = True, False
@@ -200,21 +207,22 @@ class OutsideAids:
         self.expect_jump()
 
     def end_poses(self) -> None:
-        """Let the vehicle's own odometry go on from where the vehicle is."""
+        """Let the vehicle's own odometry go on from the vehicle's present position."""
         if not self.is_fed_poses:
             return
         self.is_fed_poses = False
         for r in self._odometries:
+            # No sample is under way: an old one must not arrive late.
             r["is_replaced"], r["tick"] = 0, -1
         self._filter["has_vio"] = 0
 
     def expect_jump(self) -> None:
-        """Begin anew with the next pose: its source has restarted."""
+        """Start anew with the next pose, because its source has restarted."""
         self._is_started = False
         self._filter["has_vio"] = 0
 
     def feed_pose(self, pose: Pose) -> PoseUse:
-        """Let the filter use a pose instead of the odometry's."""
+        """Let the filter use a pose instead of the odometry's, and return what it did with it."""
         self.begin_poses()
         f = self._filter
         position = np.array(pose.position_enu_m)
@@ -236,7 +244,11 @@ class OutsideAids:
         age_ticks: int,
         variances: tuple[float, float, float],
     ) -> PoseUse:
-        """Fuse a pose in the world; start from one beyond the gate if it is the first, or lasts."""
+        """Fuse a pose in the world.
+
+        A pose beyond the gate restarts the filter's position if it is the first of its source, or
+        if many in a row were refused.
+        """
         f = self._filter
         worst, yaw_ratio = fuse_pose(f, position_enu_m, yaw_rad, age_ticks, *variances)
         is_first, self._is_started = not self._is_started, True
@@ -266,4 +278,5 @@ class OutsideAids:
         return bool(is_fixed and age_s < _GNSS_PATIENCE_S)
 
     def _age_ticks(self, age_s: float) -> int:
+        # The filter remembers N_PAST ticks: an older measurement counts as that old.
         return max(0, min(N_PAST - 2, round(age_s / self._tick_s)))

@@ -1,6 +1,8 @@
 """The plant: everything that runs faster than 50 Hz, behind a call every 20 ms.
 
-Physics, rotors, sensors, estimator and controller run in one kernel (`flightsim.plant.kernel`).
+`Plant` is the Python face of one kernel call (`flightsim.plant.kernel`). It writes setpoints into
+the plant's record before the call, and reads states and sensors from it afterwards, when somebody
+asks.
 """
 
 from __future__ import annotations
@@ -36,10 +38,10 @@ _ESTIMATE = ("position_enu_m", "velocity_enu_mps", "quat_wxyz", "angular_rate_fl
 class Plant:
     """A vehicle in its world, from setpoints to readings of its sensors and its estimator.
 
-    Deterministic: the same world, configuration and setpoints give the same history, bit for bit.
-    The vehicles of one world share one state of the physics engine, so that they meet: they touch
-    each other, and the rays of one hit the others. The first one draws the noise that it would draw
-    alone, and its movers are everyone's.
+    It is deterministic: the same world, configuration and setpoints give the same history, bit for
+    bit. The vehicles of one world share one state of the physics engine, so that they meet: they
+    touch each other, and the rays of one hit the others. The first one draws the noise that it
+    would draw alone, and all share its movers.
 
     Attributes:
         mates: The other vehicles of the world, which advance together with this one.
@@ -87,9 +89,9 @@ class Plant:
         self.sensors = SensorReadings(self._record, self._memory.tick_us)
         """Latest reading of each sensor."""
         self.failures = Failures(self._record, self.sensors)
-        """What of it fails."""
+        """Switches that make parts of the vehicle fail."""
         self.outside = OutsideAids(self._record, self._memory.tick_us)
-        """Fixes and poses in the place of its own."""
+        """Input of fixes and poses that replace those of the vehicle's own sensors."""
         self.history = with_rotors(self._memory.history, n)
         """The last advance, a row for each control tick (`flightsim.plant.record`)."""
         self._read_afresh()
@@ -117,12 +119,12 @@ class Plant:
             plant._end_advance()
 
     def _begin_advance(self) -> None:
-        """Draw what the next advance needs."""
+        """Draw the noise of the next second if it begins now."""
         if self._n_advances % self.cfg.advance_hz == 0:
             self._memory.draw_normals()
 
     def _end_advance(self) -> None:
-        """Take note of what the kernel has done."""
+        """Read time, contacts and battery after the kernel's call."""
         if self._handover is None:
             self.time_us += self._advance_us
             self.contact_ticks = int(self._engine["contact_ticks"])
@@ -141,7 +143,11 @@ class Plant:
             self._engine["has_power"] = 0
 
     def hand_over(self, drive: Callable[[], None]) -> Handover:
-        """Let another flight stack fly; `drive` is called before each control tick, to command."""
+        """Let another flight stack fly the vehicle.
+
+        Args:
+            drive: Called before each control tick, to command the rotors.
+        """
         self._handover = Handover(self._memory, drive)
         return self._handover
 
@@ -150,7 +156,7 @@ class Plant:
         self._read_afresh()
 
     def _read_afresh(self) -> None:
-        """Drop the objects built from the record of the tick before."""
+        """Drop the cached objects that were built from the record of an earlier tick."""
         self._truth = self._estimate = self._status = None
         self.sensors.drop()
 
@@ -166,14 +172,14 @@ class Plant:
 
     @property
     def is_aligned(self) -> bool:
-        """Whether the controller knows the vehicle's state: by the estimator, or as the truth."""
+        """True if the controller knows the vehicle's state: by the estimator, or as the truth."""
         return self.cfg.state == "truth" or self._filter["is_aligned"] == 1
 
     def align(self, timeout_s: float = 10.0) -> None:
         """Rest until the estimators of all vehicles of the world are aligned, about a second.
 
         Raises:
-            NotAlignedError: If one is not within `timeout_s` of simulated time.
+            NotAlignedError: If one is not aligned within `timeout_s` of simulated time.
         """
         end_us, plants = self.time_us + round(1e6 * timeout_s), (self, *self.mates)
         for plant in plants:
@@ -189,7 +195,8 @@ class Plant:
     def apply(self, setpoint: Setpoint) -> None:
         """Follow this setpoint from the next advance on.
 
-        One that is not finite at `ATTITUDE` or `RATE` is refused: `n_refused_setpoints` counts.
+        A setpoint at `ATTITUDE` or `RATE` that is not finite is refused and counted in
+        `n_refused_setpoints`.
 
         Raises:
             NotAlignedError: If it asks for more than idling before the estimator is aligned.
@@ -200,6 +207,7 @@ class Plant:
             setpoint_or_none = normalised(setpoint)
             if setpoint_or_none is None:
                 self.n_refused_setpoints += 1
+                # A client repeats a bad setpoint many times a second: one warning is enough.
                 if self.n_refused_setpoints == 1:
                     _LOG.warning("setpoint refused, not finite: %s", setpoint)
                 return
@@ -208,7 +216,7 @@ class Plant:
         self._engine["has_new_setpoint"] = 1
 
     def tell_room_below(self, room_m: float) -> None:
-        """Tell the controller of the height under the legs that is free; 0 if nobody knows."""
+        """Pass the free height below the legs to the controller, m; 0 if it is unknown."""
         self._controller["room_below_m"] = room_m
 
     @property
@@ -227,24 +235,24 @@ class Plant:
 
     @property
     def estimator(self) -> EstimatorStatus:
-        """Health of the estimate."""
+        """Health of the estimate now."""
         if self._status is None:
             self._status = estimator_status(self._filter, self._memory.tick_us)
         return self._status
 
     @property
     def rotor_speeds_radps(self) -> tuple[float, ...]:
-        """True rotor speeds."""
+        """True rotor speeds, in the order of the airframe's rotors."""
         return tuple(self._rotor_speeds.tolist())
 
     @property
     def rotor_speed_commands_radps(self) -> tuple[float, ...]:
-        """Speeds last commanded."""
+        """Last commanded rotor speeds, in the same order."""
         return tuple(self._rotor_commands.tolist())
 
     @property
     def lost_rotors(self) -> tuple[int, ...]:
-        """Rotors (from 0) that the controller has found not to turn, until they rest."""
+        """Rotors (from 0) that the controller has found not to turn, until the vehicle rests."""
         if self._controller["n_lost"] == 0:
             return ()
         return tuple(np.flatnonzero(self._controller["is_lost"]).tolist())
@@ -271,17 +279,17 @@ class Plant:
 
     @property
     def record_address(self) -> int:
-        """Where the plant's record (`PLANT_DTYPE`) is, for kernels that read it."""
+        """Address of the plant's record (`PLANT_DTYPE`), for kernels that read it."""
         return self._memory.plants.ctypes.data
 
     @property
     def filter(self) -> np.void:
-        """Record of the filter (`autonomy.estimation.error_state`), for judging it."""
+        """Record of the filter (`autonomy.estimation.error_state`), to judge it by."""
         return self._filter
 
     @property
     def controller(self) -> np.void:
-        """Record of the controller (`autonomy.control.record`), for reports of what it demands."""
+        """Record of the controller (`autonomy.control.record`), for reports of its demands."""
         return self._controller
 
     @property
@@ -291,14 +299,14 @@ class Plant:
 
     @property
     def reference(self) -> tuple[Vector3, Vector3]:
-        """Position and velocity that the controller tracks just now, ENU."""
+        """Position and velocity that the controller tracks at present, ENU."""
         row = self.history[-1]
         position, velocity = row["reference_position_enu_m"], row["reference_velocity_enu_mps"]
         return vector3(position), vector3(velocity)
 
     @property
     def wind(self) -> WindCfg:
-        """Present wind; a new one that is set blows from the next advance on."""
+        """Present wind; a new value takes effect at the next advance."""
         return self._wind
 
     @wind.setter
@@ -318,7 +326,11 @@ class Plant:
 
     @property
     def traffic_speed(self) -> float:
-        """Rate of the movers' time, 1 for real and 0 for a standstill; it changes gradually."""
+        """Rate of the movers' time: 1 is real time, 0 a standstill. Changes are gradual.
+
+        Raises:
+            PlantError: If the rate is set outside of 0 to `MAX_RATE`.
+        """
         return float(self._memory.traffic["rate_cmd"])
 
     @traffic_speed.setter
@@ -328,5 +340,5 @@ class Plant:
         self._memory.traffic["rate_cmd"] = rate
 
     def spin_rotors(self, speeds_radps: tuple[float, ...]) -> None:
-        """Turn the rotors at these speeds while the setpoint is `OFF`, as a test of the motors."""
+        """Turn the rotors at these speeds while the setpoint is `OFF`, for a motor test."""
         self._controller["given_speed_radps"][: len(speeds_radps)] = speeds_radps

@@ -1,8 +1,10 @@
-"""Rays in MuJoCo's world from compiled code: by a tree at what stands, one by one at what moves.
+"""Rays in MuJoCo's world from compiled code, by a tree of the static geoms.
 
-The distance is MuJoCo's own, to the bit: the tree only says which geoms the ray cannot meet. Only
-height fields have rays of their own, see `flightsim.plant.height_fields`. A
-cast so costs the same in a scene of 700 geoms and of 2,500, where `mj_ray` looks at each.
+The distance is MuJoCo's own, to the bit. The tree only excludes geoms that the ray cannot meet. A
+cast therefore costs the same in a scene of 700 geoms and of 2,500, while `mj_ray` looks at each
+geom. Moving geoms are tested one by one: they are few, and a tree over them would have to be
+rebuilt at each step. Only height fields have rays of their own, see
+`flightsim.plant.height_fields`.
 
 Source of the walk through the tree without a stack: Hapala et al. 2011, Efficient stack-less BVH
 traversal for ray tracing.
@@ -31,8 +33,10 @@ from flightsim.world.rays import RayTree
 _MESH = int(mujoco.mjtGeom.mjGEOM_MESH)
 HEIGHT_FIELD = int(mujoco.mjtGeom.mjGEOM_HFIELD)
 _MARGIN_M = 1e-6
+"""Relative and absolute margin of a geom's bounding sphere, so that rounding excludes none."""
 _NEARLY_INFINITE = 1e300
-"""One over a direction of zero; an infinite one times zero would be no number."""
+"""Reciprocal of a zero direction. Infinity would not do, because infinity times zero is not a
+number."""
 
 RAYS_DTYPE = np.dtype(
     [
@@ -42,20 +46,23 @@ RAYS_DTYPE = np.dtype(
         *fields("xpos_address", "xmat_address", "n_geoms", kind="i8"),
         *fields("boxes_address", "axes_address", "leaves_address", "n_leaves", kind="i8"),
         *fields("endless_address", "n_endless", "moving_address", "n_moving", kind="i8"),
-        # height fields: number of each geom's, and of each one its grid
+        # height fields: the number of the field of each geom, and the grid of each field
         *fields("dataid_address", "field_rows_address", "field_columns_address", kind="i8"),
         *fields("field_first_address", "field_heights_address", kind="i8"),
         *fields("field_size_address", "field_cosines_address", "n_fields", kind="i8"),
     ],
     align=True,
 )
-"""Where the geoms of a world and their index (`flightsim.world.rays.RayTree`) are in memory."""
+"""Addresses of a world's geoms and of their index (`flightsim.world.rays.RayTree`)."""
 
 
 def new_rays(world: World, data: mujoco.MjData, tree: RayTree | None = None) -> np.ndarray:
-    """What rays need of a world in the state of `data`, (1,) of `RAYS_DTYPE`; both must live on.
+    """Return the addresses that rays need, (1,) of `RAYS_DTYPE`.
 
-    The rays meet the geoms of a tree, by default those of `world.rays`.
+    Args:
+        world: The world; it must outlive the record.
+        data: State of the physics, in which rays see the geoms; it must outlive the record.
+        tree: Geoms that the rays meet; by default those of `world.rays`.
     """
     model, tree = world.model, world.rays if tree is None else tree
     records = np.zeros(1, RAYS_DTYPE)
@@ -93,14 +100,7 @@ def new_rays(world: World, data: mujoco.MjData, tree: RayTree | None = None) -> 
 def cast_rays(
     rays: np.ndarray, ray_enu_m: np.ndarray, excluded_body: int, distance_m: np.ndarray
 ) -> None:
-    """Distances to what many rays meet first, in lengths of their directions.
-
-    Args:
-        rays: `RAYS_DTYPE` (1,).
-        ray_enu_m: Origin and direction of each ray (n, 6).
-        excluded_body: Body that no ray meets, -1 for none.
-        distance_m: Written (n,): infinite where a ray meets nothing.
-    """
+    """Write the distances to what many rays meet first, in lengths of their directions."""
     for i in range(len(ray_enu_m)):
         hit_m = _first_hit_m(rays[0], ray_enu_m[i], excluded_body)
         distance_m[i] = hit_m
@@ -108,7 +108,7 @@ def cast_rays(
 
 @kernel
 def cast_ray_m(e: np.record, s: np.record) -> float:
-    """Distance to the first solid along a ray that is not of the vehicle; negative for none.
+    """Return the distance to the first solid along a ray, without the vehicle; negative for none.
 
     Args:
         e: Engine of the plant.
@@ -120,10 +120,11 @@ def cast_ray_m(e: np.record, s: np.record) -> float:
 
 @kernel
 def _first_hit_m(r: np.record, ray: np.ndarray, excluded_body: int) -> float:
-    """Distance to what a ray (6,) meets first; infinite for nothing."""
+    """Return the distance to what a ray (6,) meets first; infinite for nothing."""
     best_m = math.inf
     for geom in integers(r.endless_address, r.n_endless):
         best_m = _nearer(best_m, geom_m(r, geom, ray))
+    # Planes come first, because a hit on the ground cuts the search of the tree short.
     best_m = _first_standing_m(r, ray, best_m)
     body = integers(r.body_address, r.n_geoms)
     for geom in integers(r.moving_address, r.n_moving):
@@ -134,13 +135,13 @@ def _first_hit_m(r: np.record, ray: np.ndarray, excluded_body: int) -> float:
 
 @kernel
 def _first_standing_m(r: np.record, ray: np.ndarray, best_m: float) -> float:
-    """The lesser one of a distance and that to the first geom of the tree."""
+    """Return the smaller of a distance and the distance to the first geom of the tree."""
     n = r.n_leaves
     boxes, axes = table(r.boxes_address, 2 * n, 6), integers(r.axes_address, n)
     leaves = integers(r.leaves_address, n)
     x, y, z = ray[0], ray[1], ray[2]
     over_x, over_y, over_z = _over(ray[3]), _over(ray[4]), _over(ray[5])
-    # Of each pair of faces the one that the ray meets first: a column of the boxes.
+    # Columns of the boxes with the face of each pair that the ray meets first.
     first_x, first_y, first_z = 3 * (over_x < 0), 1 + 3 * (over_y < 0), 2 + 3 * (over_z < 0)
     last_x, last_y, last_z = 3 - first_x, 5 - first_y, 7 - first_z
     node = 1
@@ -155,10 +156,12 @@ def _first_standing_m(r: np.record, ray: np.ndarray, best_m: float) -> float:
                 node = 2 * node + (ray[3 + axes[node]] < 0.0)
                 continue
             best_m = _nearer(best_m, geom_m(r, int(leaves[node - n]), ray))
+        # Go up while this node was the far child of its parent: both are then done.
         while node > 1 and (node & 1) != (ray[3 + axes[node >> 1]] < 0.0):
             node >>= 1
         if node == 1:
             return best_m
+        # This was the near child: its sibling differs in the last bit.
         node ^= 1
 
 
@@ -169,13 +172,13 @@ def _over(direction: float) -> float:
 
 @kernel
 def _nearer(best_m: float, distance_m: float) -> float:
-    """The lesser one, where a negative distance is none."""
+    """Return the smaller distance; a negative one means that nothing was hit."""
     return distance_m if 0.0 <= distance_m < best_m else best_m
 
 
 @kernel
 def _is_near_line(r: np.record, geom: int, ray: np.ndarray) -> bool:
-    """Whether a ray may meet the sphere around a geom."""
+    """Return true if a ray may meet the bounding sphere of a geom."""
     radius_m = doubles(r.rbound_address, r.n_geoms)[geom]
     centre = doubles(r.xpos_address + 24 * geom, 3)
     away_2 = along = length_2 = 0.0
@@ -185,6 +188,7 @@ def _is_near_line(r: np.record, geom: int, ray: np.ndarray) -> bool:
         along += away * ray[3 + k]
         length_2 += ray[3 + k] * ray[3 + k]
     reach_m = radius_m + _MARGIN_M * (1.0 + math.sqrt(away_2))
+    # The ray begins inside the sphere.
     if away_2 <= reach_m * reach_m:
         return True
     return along > 0.0 and away_2 - along * along / length_2 <= reach_m * reach_m
@@ -192,7 +196,7 @@ def _is_near_line(r: np.record, geom: int, ray: np.ndarray) -> bool:
 
 @kernel
 def geom_m(r: np.record, geom: int, ray: np.ndarray) -> float:
-    """Distance to one geom along a ray; negative if it does not meet it."""
+    """Return the distance to one geom along a ray; negative if it does not meet it."""
     origin, direction = ray.ctypes.data, ray[3:].ctypes.data
     kind = integers(r.type_address, r.n_geoms)[geom]
     if kind == HEIGHT_FIELD:
@@ -201,6 +205,7 @@ def geom_m(r: np.record, geom: int, ray: np.ndarray) -> float:
         return call_mj_ray_mesh(
             r.ray_mesh_address, r.model_address, r.data_address, geom, origin, direction
         )
+    # Three doubles a position or size, nine a rotation matrix: 24 and 72 bytes.
     return call_mju_ray_geom(
         r.ray_geom_address,
         r.xpos_address + 24 * geom,

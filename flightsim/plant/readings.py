@@ -1,4 +1,4 @@
-"""Health of the estimate, read out of the filter's record on demand."""
+"""Health of the estimate, read out of the filter's record on request."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ from autonomy.types import Vector3
 from flightsim.sensors.sensor import numbers
 
 MAX_HORIZONTAL_SIGMA_M = 5.0
-"""Position counts as lost beyond this: some ten seconds without a fix."""
+"""Horizontal standard deviation beyond which the position counts as lost: after some ten seconds
+without a fix."""
 DEAD_RECKONING_S = 1.5
 """Time without a measured position after which the estimate rests on inertial sensors alone. A
 receiver that is silent every other second stays below it."""
@@ -19,19 +20,19 @@ receiver that is silent every other second stays below it."""
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class EstimatorStatus:
-    """Health of the estimate; ratios of innovations to their gates are accepted below 1."""
+    """Health of the estimate; a ratio of an innovation to its gate is accepted below 1."""
 
     is_attitude_valid: bool
     is_position_valid: bool
     is_dead_reckoning: bool
-    """Whether neither satellites nor odometry nor a client have measured the position of late."""
+    """True if neither satellites nor odometry nor a client have measured the position recently."""
     sigma_horizontal_m: float
     sigma_vertical_m: float
     sigma_velocity_mps: float
     sigma_tilt_rad: float
     sigma_yaw_rad: float
     gnss_age_s: float
-    """Since the last accepted fix."""
+    """Time since the last accepted fix."""
     gnss_position_ratio: float
     gnss_velocity_ratio: float
     baro_ratio: float
@@ -48,7 +49,8 @@ _numbers = numbers(
 
 
 def estimator_status(f: np.void, tick_us: int) -> EstimatorStatus:
-    """Status of a filter of `FILTER_DTYPE`, by ticks of this length."""
+    """Return the status of a filter of `FILTER_DTYPE`; `tick_us` is the length of its ticks."""
+    # Order of the error state: position, velocity, attitude; three each.
     v = f["covariance"].diagonal()[:9].tolist()
     is_aligned, tick, last_gnss_tick, last_tick, gyro_bias, accel_bias, *ratios = _numbers(f)
     gnss_position, gnss_velocity, baro, heading = ratios

@@ -1,4 +1,9 @@
-"""Record of a plant: its engine, all of its parts, and its log."""
+"""Record of a plant: its engine, all of its parts, and its log.
+
+One numpy record holds the complete state of a vehicle, because a compiled kernel reads its fields
+without any Python object, and Python can read the same fields at any time. Arrays whose size
+depends on the scene stay outside and are named by address.
+"""
 
 from __future__ import annotations
 
@@ -25,21 +30,22 @@ ENGINE_DTYPE = np.dtype(
         ("tick", "i8"),  # control ticks since the start
         *fields("tick_us", "tick_hz", "steps_per_tick", "ticks_per_advance", kind="i8"),
         *fields("has_new_setpoint", "has_power", "contact_ticks", "is_touching", kind="i8"),
-        ("knows_truth", "i8"),  # the controller, instead of the estimate
-        ("has_sensors", "i8"),  # or nothing is measured and estimated
-        ("is_held", "i8"),  # by a hand: the vehicle stays where it is
-        ("is_lost", "i8"),  # the engine gave its state up and began anew
-        *fields("step_address", "kinematics_address", "clock_address", kind="i8"),  # of MuJoCo
+        ("knows_truth", "i8"),  # 1: the controller gets the true state, not the estimate
+        ("has_sensors", "i8"),  # 0: nothing is measured and estimated
+        ("is_held", "i8"),  # 1: the vehicle is held where it is
+        ("is_lost", "i8"),  # 1: the engine gave its state up and began anew
+        # functions of MuJoCo
+        *fields("step_address", "kinematics_address", "clock_address", kind="i8"),
         ("rays", RAYS_DTYPE),
         *fields("model_address", "data_address", "time_address", kind="i8"),
-        # of the vehicle, in MuJoCo's memory: pose (7,), velocity (6,), wrench to apply (6,)
+        # the vehicle in MuJoCo's memory: pose (7,), velocity (6,), wrench to apply (6,)
         *fields("qpos_address", "qvel_address", "applied_address", kind="i8"),
-        ("constraint_address", "i8"),  # of its constraint forces (6,)
-        # of the world: poses of movers, what geoms and bodies may touch
+        ("constraint_address", "i8"),  # its constraint forces (6,)
+        # the world in MuJoCo's memory: poses of movers, contact bits of geoms and bodies
         *fields("mocap_pos_address", "mocap_quat_address", kind="i8"),
         *fields("geom_bits_address", "body_bits_address", kind="i8"),
         *fields("n_geoms", "n_bodies", kind="i8"),
-        # of what has no fixed size, and its rows (`flightsim.plant.surroundings`)
+        # arrays without a fixed size, and their rows (`flightsim.plant.surroundings`)
         *fields("movers_address", "mover_points_address", "rooms_address", kind="i8"),
         *fields("shelter_address", "steel_address", "normals_address", kind="i8"),
         ("history_address", "i8"),
@@ -51,11 +57,11 @@ ENGINE_DTYPE = np.dtype(
     align=True,
 )
 
-_OF_ROTORS = ("rotor_command_radps", "rotor_speed_radps")
+_ROTOR_COLUMNS = ("rotor_command_radps", "rotor_speed_radps")
 
 
 def history_dtype(n_rotors: int) -> np.dtype:
-    """One control tick of the log of a vehicle with so many rotors."""
+    """Return the type of one control tick of the log, for a vehicle with this number of rotors."""
     return np.dtype(
         [
             *fields("time_us", "is_touching", kind="i8"),
@@ -67,7 +73,7 @@ def history_dtype(n_rotors: int) -> np.dtype:
             *fields("setpoint_position_enu_m", "setpoint_velocity_enu_mps", shape=(3,)),
             *fields("reference_position_enu_m", "reference_velocity_enu_mps", shape=(3,)),
             *fields("quat_true_wxyz", "quat_est_wxyz", shape=(4,)),
-            *fields(*_OF_ROTORS, shape=(n_rotors,)),
+            *fields(*_ROTOR_COLUMNS, shape=(n_rotors,)),
         ],
         align=True,
     )
@@ -78,7 +84,7 @@ HISTORY_DTYPE = history_dtype(MAX_ROTORS)
 
 
 def with_rotors(history: np.ndarray, n_rotors: int) -> np.ndarray:
-    """The same rows of the log (n,) as a view whose columns of rotors are the vehicle's alone."""
+    """Return the rows of a log (n,) as a view whose rotor columns are the vehicle's alone."""
     wide, narrow = HISTORY_DTYPE.fields or {}, history_dtype(n_rotors).fields or {}
     layout: Any = {
         "names": list(narrow),
@@ -90,7 +96,7 @@ def with_rotors(history: np.ndarray, n_rotors: int) -> np.ndarray:
 
 
 def without_gaps(history: np.ndarray) -> np.ndarray:
-    """Copy of such rows without the room for rotors that the vehicle does not have."""
+    """Return a copy of such rows without the unused room for rotors, as files store them."""
     (n_rotors,) = history.dtype["rotor_speed_radps"].shape
     return history.astype(history_dtype(n_rotors))
 
@@ -113,4 +119,5 @@ PLANT_DTYPE = np.dtype(
     ],
     align=True,
 )
-"""Complete state of a plant."""
+"""Complete state of a plant. Sensors come in one run before the filter; `memory._written` relies on
+it."""

@@ -1,4 +1,9 @@
-"""Sensors of a plant: the list, the order in which they measure, and their readings."""
+"""Sensors of a plant: the list, the order in which they measure, and their readings.
+
+The order is fixed, because all sensors correct the same filter: another order would give slightly
+different estimates. The IMU comes first, so that corrections meet a state that is predicted up to
+the present tick.
+"""
 
 from __future__ import annotations
 
@@ -51,14 +56,14 @@ def sense(
     steel: np.ndarray,
     normals: np.ndarray,
 ) -> None:
-    """Let every sensor that is due measure, and the filter use the sample.
+    """Let every sensor that is due measure, and let the filter use the sample.
 
     Args:
         p: `PLANT_DTYPE`, changed.
         qpos: True pose (7,): position ENU, attitude wxyz.
         qvel: True velocity (6,): linear ENU, angular FLU.
         rooms: Rooms without satellite signals (n, 8).
-        steel: What disturbs the magnetometer (n, 5).
+        steel: Steel that disturbs the magnetometer (n, 5).
         normals: Standard normals of the present second for all sensors.
     """
     f, tick = p.filter, p.engine.tick
@@ -66,6 +71,7 @@ def sense(
     shake(p.vibration, speeds)
     sense_imu(p.imu, f, tick, qpos, qvel, speeds, p.vibration, normals)
     if is_due(p.gnss, tick):
+        # Only for a fix that is due: each look casts rays.
         look_up(p.sky, p.engine, qpos[0:3])
     sense_gnss(p.gnss, f, tick, qpos, qvel, p.sky, rooms, normals)
     sense_vio(p.vio, f, tick, qpos, normals)
@@ -81,7 +87,7 @@ def sense(
 def _sense_range(
     r: np.record, f: np.record, e: np.record, qpos: np.ndarray, normals: np.ndarray
 ) -> None:
-    """Cast the ray in MuJoCo's world."""
+    """Cast the rangefinder's ray in MuJoCo's world if a sample is due, and fuse the reading."""
     if not is_due(r, e.tick):
         return
     aim_ray(r, qpos[0:3], qpos[3:7])
@@ -100,7 +106,7 @@ def _sense_flow(
     gyro_flu_radps: np.ndarray,
     normals: np.ndarray,
 ) -> None:
-    """See what passes below, if there is an eye for it."""
+    """Add the flow of this tick, and finish a sample if one is due; does nothing if not fitted."""
     if r.is_enabled == 0:
         return
     dt_s = 1.0 / e.tick_hz
@@ -108,6 +114,7 @@ def _sense_flow(
     if is_time:
         aim_ray(r, qpos[0:3], qpos[3:7])
         r.seen_m = cast_ray_m(e, r)
+    # The flow is added at every tick, with the distance that the last ray measured.
     follow_flow(r, qpos[3:7], qvel[0:3], qvel[3:6], gyro_flu_radps, dt_s)
     if is_time:
         sample_optical_flow(r, e.tick, r.period_ticks * dt_s, noise(r, e.tick, normals))
@@ -124,18 +131,25 @@ class SensorReadings:
         self._readings: dict[str, Any] = {}
 
     def drop(self) -> None:
-        """Forget what was read: the sensors have measured anew."""
+        """Forget the cached readings, because the sensors have measured again."""
         self._readings.clear()
 
     def read(self, sensor: Sensor) -> Any:
-        """The latest sample of a sensor of `SENSORS`."""
+        """Return the latest sample of a sensor of `SENSORS`."""
         name = sensor.name
         if name not in self._readings:
             self._readings[name] = sensor.read(self._records[name], self._tick_us)
         return self._readings[name]
 
     def is_delivering(self, sensor: Sensor, now_us: int, patience_us: int) -> bool:
-        """Whether a sensor has sent a sample of late, and does not repeat itself."""
+        """Return true if a sensor sends fresh samples.
+
+        Args:
+            sensor: The sensor.
+            now_us: Present simulated time.
+            patience_us: Greatest age of the last sample. A sensor that only repeats itself sends
+                none.
+        """
         r = self._records[sensor.name]
         age_us = now_us - max(0, int(r["tick"])) * self._tick_us
         return age_us < patience_us and max(r["n_alike"].tolist()) < MOST_ALIKE
@@ -167,7 +181,7 @@ class SensorReadings:
 
     @property
     def range_m(self) -> float:
-        """Along body -z; infinite beyond reach, NaN before the first sample."""
+        """Distance along body -z; infinite beyond reach, NaN before the first sample."""
         return self.read(RANGEFINDER)
 
     @property
@@ -177,5 +191,5 @@ class SensorReadings:
 
     @property
     def optical_flow(self) -> OpticalFlowReading:
-        """Flow of what passes below, where `PlantCfg.optical_flow` has the vehicle carry an eye."""
+        """Optical flow, on vehicles that carry the sensor (`PlantCfg.optical_flow`)."""
         return self.read(OPTICAL_FLOW)

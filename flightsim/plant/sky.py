@@ -4,10 +4,13 @@
     h_k      direction to satellite k, ENU, and 1 for the receiver's clock
     Q        inverse of the sum of h_k h_k^T over the satellites heard
 
-The dilution of precision is sqrt(Q_00 + Q_11) horizontally and sqrt(Q_22) vertically; here both are
-over those of the whole sky, which the accuracy of a receiver already contains. A satellite behind
-a solid is not heard. A few rays are cast for each fix, in turn, so that a satellite that was lost
-is heard again about a second later, as a receiver needs to track it again.
+Near buildings a receiver loses satellites on one side, and its errors grow in that direction. A
+fixed error model cannot show that, so a ray is cast to each satellite: one behind a solid is not
+heard. The dilution of precision is sqrt(Q_00 + Q_11) horizontally and sqrt(Q_22) vertically. Both
+are taken relative to the whole sky, because the accuracy of a receiver already contains that.
+
+A few rays are cast for each fix, in turn. A satellite that was lost is therefore heard again about
+a second later, as a receiver needs time to track it again.
 
 Source: Kaplan and Hegarty 2017, Understanding GPS/GNSS, section 11.2 (dilution of precision).
 """
@@ -31,8 +34,9 @@ from flightsim.plant.rays import cast_ray_m
 _MOST_SATELLITES = 40
 _RAYS_PER_FIX = 2
 _NEAR_M = 40.0
-"""Distance within which what hides a satellite reflects others."""
+"""Distance within which a solid that hides one satellite also reflects others."""
 _WORST_DILUTION = 10.0
+"""Bound of the relative dilution, which would be infinite for satellites in one plane."""
 
 SKY_DTYPE = np.dtype(
     [
@@ -55,13 +59,13 @@ def new_sky(
     rng: np.random.Generator,
     effects: Effects,
 ) -> np.ndarray:
-    """The sky of a time of day of chance, all of it heard, in an array of shape (1,).
+    """Return the sky at a random time of day, all of it heard, in an array of shape (1,).
 
     Args:
-        constellations: What the receiver hears.
-        latitude_deg: Where the scene lies.
+        constellations: Satellite systems that the receiver hears.
+        latitude_deg: Latitude of the scene.
         rng: Random stream of the time.
-        effects: Whether solids hide satellites, and reflect others.
+        effects: Switches for hiding satellites behind solids and for reflecting others.
     """
     records = np.zeros(1, SKY_DTYPE)
     s = records[0]
@@ -81,7 +85,7 @@ def new_sky(
 
 @kernel
 def look_up(s: np.record, e: np.record, position_enu_m: np.ndarray) -> None:
-    """Look for the next satellites, at first for all, from a true position."""
+    """Look for the next satellites from a true position; the first call looks for all of them."""
     if s.is_on == 0:
         return
     n_rays = _RAYS_PER_FIX if s.has_looked == 1 else s.n
@@ -109,7 +113,7 @@ def _look_for(s: np.record, e: np.record, k: int, position: np.ndarray) -> None:
 
 @kernel
 def _dilute(s: np.record) -> None:
-    """Set the relative dilution of the satellites that are heard."""
+    """Compute the relative dilution from the satellites that are heard."""
     s.horizontal = s.vertical = 1.0
     if s.n_heard == s.n or s.n_heard < LEAST_SATELLITES:
         return
@@ -133,8 +137,14 @@ def _dilute(s: np.record) -> None:
 
 @kernel
 def _invert(Q: np.ndarray) -> None:
-    """Gauss and Jordan: a positive matrix, left (4, 4), becomes one, and right its inverse."""
+    """Invert a positive matrix by Gauss and Jordan.
+
+    Args:
+        Q: Shape (4, 8): the matrix on the left and the identity on the right; changed, so that the
+            inverse is on the right.
+    """
     for i in range(4):
+        # The floor keeps a nearly singular geometry finite; `_WORST_DILUTION` then bounds it.
         pivot = max(Q[i, i], 1e-9)
         for j in range(8):
             Q[i, j] /= pivot

@@ -1,8 +1,9 @@
 """Ground below and ceiling above the rotors, found by rays in MuJoCo's world at 50 Hz.
 
-A ray from the centre along the rotor axis says how far the surface is, and with it when it is worth
-looking again; only near a surface does each rotor cast a ray of its own, so that a rotor over the
-edge of a roof has no ground.
+Ground effect needs the distance below each rotor, but a ray for each rotor at each step would
+dominate the cost of a flight. One ray from the centre along the rotor axis measures the distance to
+the surface, and with it the time before which no look is worthwhile. Only near a surface does each
+rotor cast a ray of its own, so that a rotor over the edge of a roof has no ground effect.
 """
 
 from __future__ import annotations
@@ -19,9 +20,11 @@ from flightsim.vehicles.air.ground import GROUND_REACH, ground_share
 from flightsim.vehicles.air.inflow import CEILING_REACH, ceiling_ratio
 
 _FASTEST_MPS = 10.0
+"""Speed at which a surface may approach between two looks."""
 _LONGEST_WAIT_TICKS = 50
-"""Ticks after which even a far surface is looked for again: something may come from the side."""
+"""Ticks after which even a far surface is searched again, because one may appear from the side."""
 _MARGIN_M = 0.5
+"""Distance beyond the reach of the effect at which rotors begin to cast rays of their own."""
 
 SURFACES_DTYPE = np.dtype(
     [
@@ -34,7 +37,7 @@ SURFACES_DTYPE = np.dtype(
 
 
 def new_surfaces(effects: Effects) -> np.ndarray:
-    """A search that begins at once, in an array of shape (1,)."""
+    """Return a search that begins at once, in an array of shape (1,)."""
     records = np.zeros(1, SURFACES_DTYPE)
     records["has_ground"], records["has_ceiling"] = effects.ground, effects.ceiling
     return records
@@ -42,7 +45,7 @@ def new_surfaces(effects: Effects) -> np.ndarray:
 
 @kernel
 def feel_surfaces(s: np.record, e: np.record, r: np.record, qpos: np.ndarray) -> None:
-    """Tell the rotors what is below and above them.
+    """Update the ground and ceiling effects of the rotors if a look is due.
 
     Args:
         s: `SURFACES_DTYPE`, changed.
@@ -63,7 +66,7 @@ def feel_surfaces(s: np.record, e: np.record, r: np.record, qpos: np.ndarray) ->
 def _look(
     s: np.record, e: np.record, r: np.record, position: np.ndarray, sign: float, reach_m: float
 ) -> int:
-    """Look up (sign 1) or down (-1) along the rotor axis; returns the tick for the next look."""
+    """Look up (sign 1) or down (-1) along the rotor axis; return the tick of the next look."""
     for k in range(3):
         s.ray[k], s.ray[3 + k] = position[k], sign * r.R[k, 2]
     distance_m = _distance_m(s, e)
@@ -82,7 +85,7 @@ def _look(
 
 @kernel
 def _set_effect(r: np.record, i: int, sign: float, distance_m: float, reach_m: float) -> None:
-    """Set what a surface at a distance from a rotor does to it."""
+    """Set the effect on rotor i of a surface at a distance along its axis."""
     if sign < 0.0:
         is_felt = distance_m < reach_m
         r.ground_share[i] = (
@@ -94,6 +97,6 @@ def _set_effect(r: np.record, i: int, sign: float, distance_m: float, reach_m: f
 
 @kernel
 def _distance_m(s: np.record, e: np.record) -> float:
-    """Distance along the ray to the first surface that is not the vehicle's; infinite for none."""
+    """Return the distance along the ray to the first surface outside the vehicle, or infinity."""
     distance_m = cast_ray_m(e, s)
     return math.inf if distance_m < 0.0 else distance_m

@@ -1,4 +1,4 @@
-"""What the plants of a scene feel of it besides its solids: rooms, steel, the lee of buildings."""
+"""Surroundings that act on a plant besides solids: rooms, steel, the lee of buildings."""
 
 from __future__ import annotations
 
@@ -16,24 +16,24 @@ from flightsim.environment.steel import steel_dipoles
 
 @dataclass(frozen=True, eq=False)
 class Surroundings:
-    """What the plants of a scene feel of it besides its solids; see `kernel.advance`."""
+    """Arrays of a scene that its plants share, a row for each item; see `kernel.advance`."""
 
     rooms: Float[np.ndarray, "n 8"]
-    """Without satellites and wind, `flightsim.environment.rooms`."""
+    """Rooms without satellites and wind, `flightsim.environment.rooms`."""
     steel: Float[np.ndarray, "n 5"]
-    """Near the magnetometer, `flightsim.environment.steel`."""
+    """Steel that disturbs magnetometers, `flightsim.environment.steel`."""
     blocks: Float[np.ndarray, "n 8"]
-    """In the wind, `flightsim.environment.shelter`."""
+    """Blocks that shelter from the wind, `flightsim.environment.shelter`."""
     grid: Grid
-    """On which the flow around them and over the ground is known."""
+    """Grid on which the flow around blocks and over the ground is known."""
     ground_below_m: Float[np.ndarray, "nx ny"]
     """Height of the ground below the grid's columns."""
     is_sheltered: bool
-    """Whether blocks or hills change the wind."""
+    """True if blocks or hills change the wind."""
 
     @classmethod
     def of(cls, scene: Scene, effects: Effects) -> Surroundings:
-        """Surroundings in a scene, without those whose effect is off."""
+        """Return the surroundings in a scene, without those whose effect is off."""
         blocks = blocks_of(scene)[: None if effects.shelter else 0]
         grid = grid_for(scene, blocks)
         return cls(

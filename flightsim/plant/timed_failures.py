@@ -1,8 +1,8 @@
 """Failures that strike in flight: which part fails, how, and how long after lift-off.
 
-A trial that takes something from a pilot on the way must take it at the same moment of every
-repetition. So the moment counts from lift-off, by the true height, and not from the pilot's own
-phases, which differ between pilots.
+A trial that disables a part in flight must do so at the same moment of every repetition. The moment
+therefore counts from lift-off, by the true height, and not from the pilot's own phases, which
+differ between pilots.
 """
 
 from __future__ import annotations
@@ -17,24 +17,26 @@ from flightsim.plant.plant import Plant
 from flightsim.sensors.failure import Failure
 
 LIFTED_M = 0.5
-"""Height above the first position from which the vehicle counts as flying."""
+"""Height above the first position at which the vehicle counts as flying."""
 MOST_AFTER_S = 3600.0
+"""Latest moment after lift-off that is accepted."""
 _NONE = "none"
+# PART[ROTOR]=KIND@SECONDS. The part is matched lazily, so that digits at its end are the rotor.
 _WORD = re.compile(r"(?P<part>[a-z_]+?)(?P<rotor>[1-9]\d?)?=(?P<kind>[a-z]+)@(?P<after>[\d.]+)")
 _MOTOR = "motor"
 _KINDS = {kind.name.lower(): kind for kind in Failure if kind is not Failure.NONE}
 
 
 class TimedFailureError(ValueError):
-    """A failure that no vehicle can have; one line says what would be valid."""
+    """A failure that no vehicle can have; the message names what would be valid."""
 
 
 @dataclass(frozen=True, slots=True)
 class TimedFailure:
-    """A part that fails at a moment of the flight, and stays so."""
+    """A part that fails at a moment of the flight and stays failed."""
 
     part: str
-    """A sensor, as `Failures.fail_sensor` calls it, or `motor`."""
+    """Name of a sensor, as in `Failures.fail_sensor`, or `motor`."""
     rotor: int | None
     """Number of the motor, from 1 on; None for sensors."""
     kind: Failure
@@ -42,10 +44,12 @@ class TimedFailure:
     """Simulated seconds after lift-off."""
 
     def strike(self, plant: Plant) -> None:
-        """Let the part fail."""
+        """Make the part fail now."""
         if self.rotor is None:
             plant.failures.fail_sensor(self.part, self.kind)
         else:
+            # Users number motors from 1, in the order of the flight stack; the plant numbers rotors
+            # from 0.
             rotor = plant.world.airframe.motors[self.rotor - 1]
             plant.failures.fail_rotor(rotor, self.kind)
 
@@ -54,11 +58,12 @@ def parse_failures(text: str, n_rotors: int) -> tuple[TimedFailure, ...]:
     """Read failures such as `gnss=off@5,motor1=off@8`, or `none`.
 
     Args:
-        text: Parts, kinds and seconds after lift-off.
-        n_rotors: Motors of the vehicle.
+        text: Parts, kinds and seconds after lift-off, separated by commas.
+        n_rotors: Number of motors of the vehicle.
 
     Raises:
-        TimedFailureError: If a word is none of these.
+        TimedFailureError: If a word is not of this form; the message names the valid parts or
+            kinds.
     """
     if text == _NONE:
         return ()
@@ -96,17 +101,17 @@ def _parsed(text: str, word: str, n_rotors: int) -> TimedFailure:
 
 
 class FailureTimer:
-    """Lets parts of a vehicle fail at their moments; `update` it after each tick."""
+    """Makes parts of a vehicle fail at their moments; call `update` after each tick."""
 
     def __init__(self, plant: Plant, failures: Sequence[TimedFailure]) -> None:
         """Watch a vehicle that stands on its start."""
         self._plant = plant
-        self._ahead = sorted(failures, key=lambda failure: failure.after_s)
+        self._pending = sorted(failures, key=lambda failure: failure.after_s)
         self._ground_m = plant.truth.position_enu_m[2]
         self._lifted_us: int | None = None
 
     def update(self) -> None:
-        """Let what is due fail."""
+        """Make all parts fail whose moment has come."""
         if self._lifted_us is None:
             if self._plant.truth.position_enu_m[2] < self._ground_m + LIFTED_M:
                 return
@@ -115,5 +120,5 @@ class FailureTimer:
             failure.strike(self._plant)
 
     def _due(self, flown_s: float) -> Iterator[TimedFailure]:
-        while self._ahead and self._ahead[0].after_s <= flown_s:
-            yield self._ahead.pop(0)
+        while self._pending and self._pending[0].after_s <= flown_s:
+            yield self._pending.pop(0)

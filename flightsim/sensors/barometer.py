@@ -1,8 +1,8 @@
 """Barometer: static pressure of the standard atmosphere, with white noise and drift.
 
 The true height gives the true pressure, and errors are added to the pressure rather than to the
-height. A failure in Pa then looks to the filter and to MAVLink as it would on a real vehicle. The
-filter reads only the altitude that the standard atmosphere assigns to the measured pressure.
+height. The pressure that MAVLink reports and the altitude that the filter reads, which the standard
+atmosphere assigns to the measured pressure, then have the same error.
 """
 
 from __future__ import annotations

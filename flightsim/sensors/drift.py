@@ -32,7 +32,7 @@ def drift_terms(density: float, correlation_s: float, dt_s: float) -> tuple[floa
 
 
 def density_of(stationary_sigma: float, correlation_s: float) -> float:
-    """Density of the driving noise that keeps the process at a standard deviation."""
+    """Return the density of the driving noise for which the process settles at a deviation."""
     return stationary_sigma / math.sqrt(0.5 * correlation_s)
 
 

@@ -116,7 +116,6 @@ def said(
         r.kept[n_since % N_KEPT, channel] = value
         return r.kept[max(n_since - r.n_late, 0) % N_KEPT, channel]
     # A silent part repeats its old number, because the other part of the sensor may still send.
-    # A part that is not heard is held, for another one may speak.
     if n_since == 0 or (kind != _STUCK and is_heard(r, part, tick)):
         r.kept[0, channel] = value
     return r.kept[0, channel]

@@ -107,8 +107,6 @@ STANDARD = GnssCfg(
     reported_accuracy_m=(1.3, 2.2),
     # At 5 Hz this is 2.5 cm/s, as much as odometry drifts at 1 m/s. A place that odometry or a map
     # knows well then stays known for seconds, while the receiver wanders by a metre in a minute.
-    # 2.5 cm/s, as far as odometry drifts at 1 m/s: what is known of the place by other means
-    # stays known for seconds, while the receiver wanders by a metre in a minute.
     most_step_m=0.005,
     # Code multipath between buildings is some metres (Kaplan and Hegarty 2017, section 9.5).
     multipath_sigma_m=3.0,
@@ -214,7 +212,6 @@ def sample_gnss(r: np.record, tick: int, normals: np.ndarray) -> None:
         # The filter takes errors of successive fixes as independent. Errors that fixes share are
         # thus inflated by the number of samples that share them: multipath in full, drift only by
         # the part beyond the filter's own model of it.
-        # What fixes share counts more: multipath by its time, drift beyond what the filter expects.
         shared = r.multipath_samples * r.multipath_now_sigma_m[i] ** 2
         beyond = (r.dilution[i] * r.dilution[i] - 1.0) * r.drift_sigma_m[0 if i < 2 else 1] ** 2
         r.present_sigma_m[i] = math.sqrt(white * white + shared + r.multipath_samples * beyond)

@@ -167,7 +167,6 @@ def sense_imu(
         r.tick = tick
     # The vehicle has no second IMU to switch to, so the filter goes on even with a stuck one. The
     # calls only keep the counts that the health report reads.
-    # There is no other one to go by: the filter goes on with what it says.
     is_stuck(r, ACCELEROMETER, r.accel_flu_mps2[0])
     is_stuck(r, GYROSCOPE, r.gyro_flu_radps[0])
     if f.is_aligned == 1:

@@ -44,7 +44,7 @@ class OpticalFlowCfg:
     """Standard deviation of the mean rate in a sample. PX4's filter takes 0.15 rad/s at the best
     quality (EKF2_OF_N_MIN), three of these."""
     min_distance_m: float = 0.08
-    """Distance below which the lens cannot focus."""
+    """Distance below which the sensor sees no flow."""
     max_distance_m: float = 30.0
     """Reach, which is that of the rangefinder beside the eye."""
     max_rate_radps: float = 7.4

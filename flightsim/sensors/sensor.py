@@ -95,7 +95,7 @@ class Sensor:
 
     @property
     def start_streams(self) -> tuple[int, ...]:
-        """Key of the random stream for errors drawn once: own number, or a branch of `stream`."""
+        """Key of the random stream for errors drawn once: its own, or a branch of `stream`."""
         return (self.stream, 0) if self.start_stream is None else (self.start_stream,)
 
     def cfg(self, plant_cfg: Any) -> Any:
@@ -139,7 +139,11 @@ def has_arrived(r: np.record, tick: int) -> bool:
 
 @kernel
 def noise(r: np.record, tick: int, normals: np.ndarray) -> np.ndarray:
-    """Standard normals for the sample of this tick, out of those of the second."""
+    """Return the standard normals for the sample of this tick, from the block of this second.
+
+    The block is laid out by sample number, not by drawing order. A sensor that skips samples,
+    because it is off or has no signal, therefore has the same noise afterwards.
+    """
     first = r.first_normal + (tick - 1) // r.period_ticks % r.rate_hz * r.n_normals
     return normals[first : first + r.n_normals]
 
@@ -184,7 +188,7 @@ def numbers(*names: str) -> Callable[[np.void], tuple[Any, ...]]:
 def _unpacker(
     dtype: Any, names: Sequence[str]
 ) -> tuple[Callable[[Any], tuple[Any, ...]], Callable[[Any], tuple[Any, ...]]]:
-    """Unpacks named fields from a record's bytes, and puts them in the order of the names."""
+    """Return a function that unpacks fields from bytes, and one that sorts them by the names."""
     offsets = {name: (dtype.fields or {})[name][1] for name in names}
     codes, found, n = "=", {}, 0
     # `struct` reads forward only: fields go by their offset, with pad bytes ("x") between them.
@@ -199,10 +203,10 @@ def _unpacker(
 
 
 class NormalStream:
-    """Standard normals of one second; a number drawn in a block costs 11 ns, alone far more.
+    """Standard normals of one second, drawn in one call.
 
-    Every sensor has its own stream, so that another rate or number of draws in one sensor leaves
-    the errors of the others unchanged.
+    In a block a number costs 11 ns, alone far more. Every sensor has its own stream, so that
+    another rate or number of draws in one sensor leaves the errors of the others unchanged.
     """
 
     def __init__(self, seed: np.random.SeedSequence, block: np.ndarray) -> None:

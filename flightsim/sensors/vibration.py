@@ -55,13 +55,13 @@ VIBRATION_DTYPE = np.dtype(
 def new_vibration(
     airframe: Airframe, rng: np.random.Generator, *, dt_s: float, is_on: bool
 ) -> np.ndarray:
-    """Rotors with imbalances and angles of chance, in an array of shape (1,).
+    """Return rotors with random imbalances and angles, (1,) of `VIBRATION_DTYPE`.
 
     Args:
         airframe: The vehicle.
-        rng: Random stream; the imbalance has two normal components.
+        rng: Random stream; two normal numbers a rotor.
         dt_s: Interval of the IMU.
-        is_on: Whether anything shakes.
+        is_on: False for a vehicle without vibration; the draws are made all the same.
     """
     records = np.zeros(1, VIBRATION_DTYPE)
     v = records[0]
@@ -115,7 +115,6 @@ def _add_rotor(v: np.record, i: int, speed: float, turn: float) -> None:
     v.accel_flu_mps2[2] += axial / v.mass_kg * mean_sin2
     # The angular rate is the integral of the torque, hub x force, over J. Integrating cos a over
     # time gives sin a / w, hence one power of the speed less.
-    # The rate is the integral of the torque, hub x force, over J: cos a becomes sin a / w.
     once, twice = radial / speed, axial / (_N_BLADES * speed)
     v.gyro_flu_radps[0] += (-hub[1] * twice * mean_cos2 + hub[2] * once * mean_cos) / J[0]
     v.gyro_flu_radps[1] += (hub[2] * once * mean_sin + hub[0] * twice * mean_cos2) / J[1]
