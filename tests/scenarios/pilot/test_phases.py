@@ -16,6 +16,7 @@ from scenarios.pilot.phases import (
 
 ENDS = {Phase.DONE, Phase.FAILED}
 PAGE = Path(__file__).parents[3] / "docs" / "pilot.md"
+DRAWING = PAGE.parent / "images" / "pilot_states.svg"
 
 
 def reached_from(phase):
@@ -73,14 +74,23 @@ def test_an_area_that_is_given_up_is_left_for_the_next(phase):
     assert Phase.NAVIGATE in TRANSITIONS[phase]
 
 
-def test_the_page_draws_the_table():
-    """All but the ways out, which every phase in the air has and the page tells in a sentence."""
+def drawn(pattern, text):
+    """Changes of state that a text shows, by the names of the phases."""
     names = {phase.name.lower(): phase for phase in Phase}
-    arrows = re.findall(r"^ +(\w+) --> (\w+)", PAGE.read_text(), re.MULTILINE)
-    drawn = {(names[a], names[b]) for a, b in arrows if a in names and b in names}
-    told = {Phase.HOLD, Phase.RETURN, Phase.HAND_OVER, Phase.FAILED}
+    return {(names[a], names[b]) for a, b in re.findall(pattern, text, re.MULTILINE)}
+
+
+@pytest.mark.parametrize(
+    ("path", "pattern"),
+    [(PAGE, r"^\| `(\w+)` \| `(\w+)` \|"), (DRAWING, r'id="(\w+)-(\w+)"')],
+    ids=["table", "drawing"],
+)
+def test_the_page_shows_the_table(path, pattern):
+    """All but the exits, which every phase in the air has and the page names in a sentence."""
+    exits = {Phase.HOLD, Phase.RETURN, Phase.HAND_OVER, Phase.FAILED}
     table = {(source, target) for source in Phase for target in TRANSITIONS[source]}
-    assert {edge for edge in drawn if edge[1] not in told} == {
-        edge for edge in table if edge[1] not in told
+    shown = drawn(pattern, path.read_text())
+    assert {edge for edge in shown if edge[1] not in exits} == {
+        edge for edge in table if edge[1] not in exits
     }
-    assert drawn <= table
+    assert shown <= table
