@@ -68,6 +68,7 @@ def execute(
     cfg = parse(command, prog, args)
     # From here on there may be files and ports to close.
     before = signal.signal(signal.SIGINT, interrupt)
+    hook_before, sys.unraisablehook = sys.unraisablehook, _tell_unless_interrupt
     try:
         return _run_within_boundary(prog, lambda: run(cfg))
     except KeyboardInterrupt:
@@ -76,6 +77,17 @@ def execute(
     finally:
         interrupt_is_answered()
         signal.signal(signal.SIGINT, before)
+        sys.unraisablehook = hook_before
+
+
+def _tell_unless_interrupt(unraisable: sys.UnraisableHookArgs) -> None:
+    """Print an error that a callback or a destructor could not raise, unless it is an interrupt.
+
+    Python would print the KeyboardInterrupt of such a place as a fault. `interrupt` raises it again
+    elsewhere, so nothing is lost.
+    """
+    if not issubclass(unraisable.exc_type, KeyboardInterrupt):
+        sys.__unraisablehook__(unraisable)
 
 
 def _run_within_boundary(prog: str, run: Callable[[], int]) -> int:

@@ -103,6 +103,35 @@ def test_an_interrupt_within_exec_ends_with_the_same_status():
     assert (done.returncode, done.stdout, done.stderr) == (INTERRUPTED, b"", b"")
 
 
+WITHIN_CALLBACK = """
+import signal, sys, time, weakref
+from dataclasses import dataclass
+from scenarios.cli.command_line import execute
+
+@dataclass(frozen=True)
+class NoCfg:
+    "No options."
+
+class Thing:
+    pass
+
+def run(_):
+    thing = Thing()
+    kept = weakref.ref(thing, lambda _: signal.raise_signal(2))
+    del thing
+    time.sleep(20.0)
+    return 0
+
+sys.exit(execute(NoCfg, run, "name", []))
+"""
+
+
+def test_an_interrupt_within_a_callback_ends_the_command_without_a_word():
+    """Python cannot raise it there; it would print it as a fault that is ignored."""
+    done = subprocess.run([sys.executable, "-c", WITHIN_CALLBACK], capture_output=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (INTERRUPTED, b"", b"")
+
+
 def crowded_field(n_objects):
     """The open field, with small boxes beside each other far from the start."""
     document = json.loads(scene_to_json(field_scene()))
