@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from aeroscene.scene import InteractionArea, Scene
+from aeroscene.scene.catalogue import LAWNS, ROOFS, ROOMS, STRIPS, WATER
 from flightsim.draws import generator
 from scenarios.words.fitting import TOWARD_M, fits, the_one
 from scenarios.words.goal import (
@@ -29,7 +30,7 @@ from scenarios.words.goal import (
 )
 from scenarios.words.phrasing import text_of
 from scenarios.words.site import Place, Site, Truth, site_of
-from scenarios.words.vocabulary import COUNTED, NOUNS
+from scenarios.words.vocabulary import COUNTED, NOUNS, TOWERING
 
 _MOST_MARKS = 14
 """Nearest landmarks that a text is drawn from."""
@@ -39,7 +40,7 @@ _MOST_COUNT = 5
 """Most things that a text counts."""
 _MOST_TRIES = 60
 """Pairs of relations that are tried for a chain."""
-_POOR_MARKS = frozenset({"sidewalk", "room", "lawn", "water", "roof"})
+_POOR_MARKS = STRIPS | LAWNS | WATER | ROOFS | ROOMS
 """Kinds that are too large, or too much alike, to find the way by."""
 
 
@@ -240,7 +241,7 @@ def _named_marks(site: Site, place: Place) -> list[tuple[Place, Description]]:
     """Landmarks about a place that a name alone tells from all others, with the shortest name."""
     found: list[tuple[Place, Description]] = []
     hosts = [host for host in site.hosts if site.stands_on(place, host)]
-    whole = site.whole_of(place) if place.kind == "roof" else None
+    whole = site.whole_of(place) if place.kind in ROOFS else None
     wanted = [*hosts, *([] if whole is None else [whole]), *_around(site, place)]
     for other in dict.fromkeys(wanted):
         if (name := _name(site, other)) is not None:
@@ -261,10 +262,10 @@ def _links(site: Site, place: Place, marks: Sequence[tuple[Place, Description]])
     ]
     for _, name in marks:
         found += [On(name), Beside(name)]
-        found += [Of(name)] if place.kind == "roof" else []
+        found += [Of(name)] if place.kind in ROOFS else []
         found += [Nearest(name)] if name.kind != place.kind else []
         found += [Toward(direction, name) for direction in COMPASS]
-    level = [name for other, name in marks if other.kind not in {"building", "tower"}]
+    level = [name for other, name in marks if other.kind not in TOWERING]
     found += [Between(first, second) for first, second in itertools.combinations(level, 2)]
     return [
         link

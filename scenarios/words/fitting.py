@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
+from aeroscene.scene.catalogue import ROOMS
 from scenarios.words.goal import (
     COMPASS,
     Beside,
@@ -267,7 +268,7 @@ def _is_level(place: Place, mark: Place) -> bool:
 def _share_a_room(place: Place, mark: Place, site: Site) -> bool:
     """Whether no wall of a room stands between two things; rooms count as places of a storey."""
     rooms = site.room_by_id
-    if "room" in {place.kind, mark.kind}:
+    if ROOMS & {place.kind, mark.kind}:
         return place.kind == mark.kind and site.whole_of(place) is site.whole_of(mark)
     return rooms[place.id] is rooms[mark.id]
 

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from aeroscene.scene.catalogue import ROOMS, WATER
 from scenarios.words.goal import (
     COMPASS,
     Beside,
@@ -19,7 +20,7 @@ from scenarios.words.goal import (
     On,
     Toward,
 )
-from scenarios.words.vocabulary import FORM_WORDS, NOUNS
+from scenarios.words.vocabulary import FORM_WORDS, NOUNS, ON_TOP
 
 _ORDERS = (
     "Land {at} {place}.",
@@ -39,9 +40,6 @@ _SHORT_ORDERS = (
 knows any more what `there` is."""
 _NUMBERS = ("no", "one", "two", "three", "four", "five")
 _STOREYS = ("on the ground floor", "one floor up", "two floors up", "three floors up")
-_IN = frozenset({"room"})
-_ON_TOP = frozenset({"car", "van", "truck", "bus", "kiosk", "container", "canopy", "ac_unit"})
-"""Kinds whose top one would not think of as a place to stand on."""
 
 
 def text_of(description: Description, rng: np.random.Generator) -> str:
@@ -95,9 +93,9 @@ def _storey(number: int) -> str:
 
 def _prepositions(kind: str, rng: np.random.Generator) -> tuple[str, str]:
     """How one lands at a kind of place, before its name and after it."""
-    if kind in _IN:
+    if kind in ROOMS:
         return "in", _one(rng, ("there", "in it"))
-    if kind in _ON_TOP:
+    if kind in ON_TOP:
         return _one(rng, ("on top of", "on")), _one(rng, ("on top", "on top of it"))
     return "on", _one(rng, ("there", "on it"))
 
@@ -108,7 +106,7 @@ def _link(link: Link, whose: Description, rng: np.random.Generator, *, is_mark: 
         case Has(count, kind):
             return f"with {_counted(count, kind)} {_where_on(whose.kind)}"
         case On(host):
-            preposition = "in" if host.kind in _IN else "on"
+            preposition = "in" if host.kind in ROOMS else "on"
             # `nearest to the van on the lawn` leaves open what is on the lawn.
             preposition = f"that stands {preposition}" if is_mark else preposition
             return f"{preposition} {_mark(host, rng)}"
@@ -138,7 +136,7 @@ def _counted(count: int, kind: str) -> str:
 
 
 def _where_on(kind: str) -> str:
-    return "in it" if kind in _IN or kind == "water" else "on it"
+    return "in it" if kind in ROOMS | WATER else "on it"
 
 
 def _by_compass(direction: Compass) -> Sequence[str]:

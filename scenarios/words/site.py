@@ -15,11 +15,12 @@ from jaxtyping import Float
 from shapely.geometry.base import BaseGeometry
 
 from aeroscene.scene import InteractionArea, Scene, SceneObject
+from aeroscene.scene.catalogue import COVERS, DECKS, PADS, ROOFS, ROOMS, SHELLS, TABLETOPS, TERRAIN
 from aeroscene.scene.footprint import footprint
 from aeroscene.scene.rooms import room_of
 from scenarios.words.goal import Description, Link
 from scenarios.words.looks import colours_of, form_of, prevailing
-from scenarios.words.vocabulary import COLOURED
+from scenarios.words.vocabulary import COLOURED, TERRAIN_FORMS
 
 
 class Truth(IntEnum):
@@ -31,15 +32,8 @@ class Truth(IntEnum):
     YES = 2
 
 
-HOSTS = frozenset(
-    {
-        *("roof", "room", "lawn", "parking_lot", "plaza", "sidewalk", "terrace", "ramp", "mound"),
-        *("deck", "table", "desk", "coffee_table", "counter", "landing_pad", "water", "road"),
-    }
-)
+HOSTS = COVERS | ROOFS | ROOMS | DECKS | TABLETOPS | PADS | TERRAIN_FORMS
 """Kinds that other things stand on or in."""
-_WHOLES = frozenset({"building", "house", "tower", "warehouse", "garage"})
-"""Kinds that have roofs and storeys."""
 _TRACE = 0.04
 """Share of its surface below which nobody calls a thing by a colour."""
 _STOREY_M = 1.5
@@ -134,18 +128,18 @@ class Site:
     def whole_of(self, place: Place) -> Place | None:
         """Building that a roof or a room belongs to; None where it belongs to none."""
         for above in self._scene.ancestors(place.objects[0].id):
-            if (found := self._of_object.get(above)) is not None and found.kind in _WHOLES:
+            if (found := self._of_object.get(above)) is not None and found.kind in SHELLS:
                 return found
         return None
 
     @cached_property
     def room_by_id(self) -> Mapping[int, Place | None]:
         """Room that each place stands in, under the number of the place; None out of rooms."""
-        rooms = [place for place in self.places if place.kind == "room"]
+        rooms = [place for place in self.places if place.kind in ROOMS]
         found: dict[int, Place | None] = {}
         for place in self.places:
             above = (self._of_object.get(i) for i in self._scene.ancestors(place.objects[0].id))
-            named = (each for each in above if each is not None and each.kind == "room")
+            named = (each for each in above if each is not None and each.kind in ROOMS)
             found[place.id] = next(named, None)
         centres = np.array([place.centre for place in self.places])
         bottoms_m = np.array([place.bottom_m for place in self.places])
@@ -161,7 +155,7 @@ class Site:
         """Storey of each room in a building of several ones, under the number of the place."""
         rooms: dict[int | None, list[Place]] = {}
         for place in self.places:
-            if place.kind == "room":
+            if place.kind in ROOMS:
                 whole = self.whole_of(place)
                 rooms.setdefault(None if whole is None else whole.id, []).append(place)
         found: dict[int, int] = {}
@@ -173,12 +167,12 @@ class Site:
 
     def storey_of(self, place: Place) -> int | None:
         """Storey of a room, or of what stands in one; None where a building has only one."""
-        room = place if place.kind == "room" else self.room_by_id[place.id]
+        room = place if place.kind in ROOMS else self.room_by_id[place.id]
         return None if room is None else self.storey_by_id.get(room.id)
 
     def foot_of(self, place: Place) -> Place:
         """What of a place one sees from the ground: of a roof, its building."""
-        whole = self.whole_of(place) if place.kind == "roof" else None
+        whole = self.whole_of(place) if place.kind in ROOFS else None
         return place if whole is None else whole
 
     def stands_on(self, place: Place, host: Place) -> bool | None:
@@ -204,15 +198,15 @@ class Site:
             if place is host:
                 continue
             # What stands on the roof of a room is not in it.
-            most_m = host.top_m + (-_ABOVE_M if host.kind == "room" else _ABOVE_M)
+            most_m = host.top_m + (-_ABOVE_M if host.kind in ROOMS else _ABOVE_M)
             if not host.bottom_m - _BELOW_M <= place.bottom_m <= most_m:
                 continue
             is_within = about.contains(place.ground)
-            parent = self._of_object.get(place.objects[0].parent_id or -1)
+            parent = self.place_of(place.objects[0].parent_id)
             is_others = parent is not None and parent is not host and parent.kind in HOSTS
             # A cup on a table in a room is in the room; a bench on a square in a lawn is not on the
             # lawn.
-            is_others = is_others and host.kind != "room"
+            is_others = is_others and host.kind not in ROOMS
             found.append((place, is_within and not is_others))
         return found
 
@@ -241,8 +235,8 @@ def _place(
 ) -> Place:
     first = objects[0]
     kind = first.category
-    if kind == "terrain":
-        kind = str(first.attributes.get("form", "terrain"))
+    if kind in TERRAIN:
+        kind = str(first.attributes.get("form", kind))
     shares = colours_of(first)
     heights = np.concatenate([obj.bbox.corners()[:, 2] for obj in objects])
     return Place(

@@ -164,6 +164,13 @@ _ALIKE_COLOURS = (
     ("blue-grey", "blue", "dark grey"),
 )
 
+TERRAIN_FORMS = frozenset({"terrace", "ramp", "mound"})
+"""Kinds that are forms of terrain, and no categories of their own."""
+ON_TOP = frozenset({"car", "van", "truck", "bus", "kiosk", "container", "canopy", "ac_unit"})
+"""Kinds whose top nobody would think of as a place to stand on, so that a text says "on top"."""
+TOWERING = frozenset({"building", "tower"})
+"""Kinds so large that nobody speaks of the space between two of them."""
+
 COLOURED = frozenset(
     {
         *("building", "house", "tower", "kiosk", "container", "canopy", "car", "van", "truck"),

@@ -19,7 +19,8 @@ MAKING = {
     "aeroscene/layouts/": "maps words of other projects to them, and builds rooms of them",
     "aeroscene/maps/": "builds features of maps as objects of them",
     "aeroscene/partition/storeys/build.py": "builds rooms and walls",
-    "scenarios/words/": "says each of them in English, and what a reader may take it for",
+    "scenarios/words/vocabulary.py": "says each of them in English",
+    "scenarios/words/looks.py": "tells the forms that shapes of just these have",
 }
 """Where a category is named, because just this one is made, drawn or put into words there."""
 OTHER_WORDS = {
