@@ -1,5 +1,7 @@
 """What fits a description is decided by geometry, with a margin wherever words are vague."""
 
+from dataclasses import replace
+
 import pytest
 
 from scenarios.words.fitting import Truth, fits, the_one
@@ -106,3 +108,11 @@ def test_what_stands_half_on_a_place_counts_for_neither():
 def test_a_relation_to_something_that_is_not_unique_fits_nothing():
     two = [thing(i, "kiosk", (4.5 * (2 * i - 5), 0), (3, 3, 3)) for i in (2, 3)]
     assert fitting(with_link(Beside(KIOSK)), car(1, "red", (0, 0)), *two) == {}
+
+
+def test_what_stands_on_the_first_object_of_a_scene_stands_surely_on_nothing_else():
+    lawn = thing(0, "lawn", (0, 0), (12, 12, 0.1))
+    plaza = thing(1, "plaza", (0, 0), (8, 8, 0.1))
+    bench = replace(thing(2, "bench", (0, 0), BENCH, z=0.1), parent_id=0)
+    on_plaza = with_link(On(Description(kind="plaza")), kind="bench")
+    assert fitting(on_plaza, lawn, plaza, bench) == {2: Truth.MAYBE}
