@@ -299,17 +299,16 @@ class Flyer:
             **result.to_plain(),
             "spl": _spl(task, result),
             **(failure(Mishap.HUNG, result.reason) if sitl.bench.fault else {}),
-            # The task names scene and vehicle as they were opened.
-            "scene": task.scene,
-            "vehicle": task.vehicle,
-            # Of a goal in words the result names the area where the flight ended.
-            "area": task.area,
             "recording": None if sitl.missing else result.recording,
             "flown_enu_m": flown_enu_m,
             "progress": progress(
                 np.array(flown_enu_m), np.array(goal.centroid), has_reached=has_reached
             ),
             "planned_enu_m": None if planned is None else track_of(planned),
+            # What was asked for stands as the task says it. The result rounds the start and, of a
+            # goal in words, names the area where the flight ended: then trials of one task with and
+            # without a flight could not be compared.
+            **task.to_plain(),
         }
 
     def close(self) -> None:

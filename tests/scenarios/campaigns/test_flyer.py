@@ -67,6 +67,15 @@ def test_a_row_holds_task_and_verdict(flown):
     assert len({row["state_hash"] for row in flown.values()}) == len(flown)
 
 
+def test_a_row_holds_the_task_itself_with_a_flight_and_without():
+    """`compare` refuses pairs whose tasks differ by a rounding."""
+    trial = Trial("2", "hummingbird", 0)  # Its start has four decimals.
+    for pilot in ("Raising", "Idle"):
+        with Flyer(Suite(pilot=f"{STUBS}:{pilot}")) as flyer:
+            task, row = flyer.task(trial).to_plain(), flyer.fly(trial)
+        assert {name: row[name] for name in task} == task
+
+
 def test_a_trial_without_a_flight_says_why():
     with Flyer(Suite(pilot=f"{STUBS}:Raising")) as flyer:
         row = flyer.fly(Trial("field", "iris", 0))
