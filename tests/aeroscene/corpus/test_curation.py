@@ -8,6 +8,7 @@ import sys
 import numpy as np
 import pytest
 
+from aeroscene.corpus.curation import curate_layout
 from aeroscene.corpus.curation.builder import Builder
 from aeroscene.corpus.curation.composers import compose_mixed, compose_outdoor
 from aeroscene.corpus.curation.frame import Frame
@@ -24,6 +25,11 @@ from tests.aeroscene.conftest import cached_scene
 from tests.aeroscene.sampling_solids import any_holds
 
 HUMMINGBIRD_RADIUS_M = 0.4
+
+
+def test_a_theme_whose_first_sites_are_too_small_gets_one_that_is_large_enough():
+    """Scene 2106 has no ground for its offices in 20 sites; a stream ended there."""
+    assert curate_layout(2106).objects
 
 
 def test_the_same_number_gives_the_same_bytes_in_another_process(scene_42):

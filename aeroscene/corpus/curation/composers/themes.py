@@ -45,7 +45,8 @@ from aeroscene.corpus.curation.terrain import Slope, raise_terrace
 from aeroscene.corpus.curation.water import Basin
 
 _CEILING_M = 22.0
-_TRIES = 20
+_TRIES = 200
+"""Sites tried on paper at most. One in 2,000 scenes has no ground in the first 20."""
 
 
 class NoGroundError(RuntimeError):
