@@ -79,7 +79,7 @@ class LossCfg:
     1 / alpha_bar, at most 50, as if the velocity were predicted. With even weights, what is decided
     where there is much noise, such as which wall stands on which side, counts next to nothing."""
     is_stratified: bool = True
-    """Whether a batch's times are spread evenly; the paper draws each on its own."""
+    """True spreads a batch's times evenly; the paper draws each on its own."""
     small_noise_share: Annotated[float, Range(0.0, 1.0)] = 0.0
     """Share of the times at which log sigma is uniform, see `Schedule.draw_time`: a place is
     learned to centimetres where there is little noise, of which uniform times have little; the

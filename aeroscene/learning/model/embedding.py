@@ -15,7 +15,7 @@ VALUE_LIMIT = 8.0
 """Channels in their own units are clipped here, because the noise of a wide channel has no
 bound."""
 N_PLACES = 64
-"""Places among siblings that are told apart; `MOST_SIBLINGS` is the last of them."""
+"""Number of places among siblings with a vector of their own; `MOST_SIBLINGS` is the last."""
 
 
 class ProgramEmbedding(nn.Module):

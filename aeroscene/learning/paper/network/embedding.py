@@ -26,7 +26,7 @@ LONGEST_M = 128.0
 _LONGEST = 16.0
 """Longest wavelength of a channel's Fourier features, in spreads."""
 _N_ALIKE = 64
-"""Slots of one category that are told apart; later ones share the last."""
+"""Number of slots of one category with a vector of their own; later ones share the last."""
 _N_TURNS = 4
 _N_FACES = 6
 _N_SHAPE = 7
