@@ -103,7 +103,11 @@ def collision_rate(scene: Scene) -> float:
 
 
 def overlaps(arrays: SceneArrays) -> Overlaps:
-    """Find the pairs of boxes that share volume, with their exact IoU and penetration depth."""
+    """Find the pairs of boxes that share volume, with their exact IoU and penetration depth.
+
+    Depth is computed first, because it is cheap and leaves out all pairs that only lie near each
+    other.
+    """
     p, q, s = arrays.centre_enu_m, arrays.quat_wxyz, arrays.size_m
     first, second = near_pairs(p, q, s)
     depth_m = penetration_depth(p[first], q[first], s[first], p[second], q[second], s[second])
@@ -134,7 +138,12 @@ def overlaps(arrays: SceneArrays) -> Overlaps:
 
 
 def collisions(found: Overlaps, among: Among) -> Collisions:
-    """Count the collisions among the pairs of a kind."""
+    """Count the collisions among the pairs of a kind.
+
+    Args:
+        found: Overlapping pairs of a scene.
+        among: Kind of pairs to count.
+    """
     looked_at = found.is_among[among]
     is_colliding = looked_at & (found.iou > MAX_IOU)
     is_deep = looked_at & (found.depth_m > MAX_DEPTH_M)
@@ -156,6 +165,9 @@ def _n_objects(found: Overlaps, is_pair: np.ndarray) -> int:
 
 
 def total(parts: Sequence[Collisions]) -> Collisions:
-    """Add up the counts of several scenes."""
+    """Add up the counts of several scenes.
+
+    Shares of the sum weigh scenes by their objects, except `rate`, which is a mean over scenes.
+    """
     names = [field.name for field in fields(Collisions)]
     return Collisions(**{name: sum(getattr(part, name) for part in parts) for name in names})

@@ -44,7 +44,10 @@ class Consistency:
 
 
 def coarse_to_fine_consistency(scene: Scene) -> Consistency:
-    """Return the consistency of one scene; zeros if it has no fine object."""
+    """Return the consistency of one scene.
+
+    A scene without fine objects has zeros; a scene without coarse ones is one region as a whole.
+    """
     return consistency(scene_arrays(scene))
 
 

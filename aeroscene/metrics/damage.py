@@ -46,7 +46,12 @@ def jittered(scene: Scene, rng: np.random.Generator, *, spread_m: float) -> Scen
 
 
 def relabelled(scene: Scene, rng: np.random.Generator) -> Scene:
-    """Exchange categories at random among the objects of a level; boxes stay."""
+    """Exchange categories at random among the objects of a level; boxes stay.
+
+    Args:
+        scene: The scene.
+        rng: Source of the exchange.
+    """
     scene = level(scene)
     category = np.array([obj.category_id for obj in scene.objects])
     is_coarse = np.array([CATALOGUE[number].level == "coarse" for number in category.tolist()])
@@ -69,10 +74,17 @@ def spun(scene: Scene, rng: np.random.Generator) -> Scene:
 def with_chairs_turned(
     scene: Scene, rng: np.random.Generator, *, share: float = _CHAIRS_TURNED
 ) -> Scene:
-    """Turn a share of the chairs about their own vertical by a quarter turn or more."""
+    """Turn a share of the chairs about their own vertical by a quarter turn or more.
+
+    Args:
+        scene: The scene.
+        rng: Chooses the chairs and their angles.
+        share: Share of the chairs that are turned.
+    """
     scene = level(scene)
     chairs = [row for row, obj in enumerate(scene.objects) if obj.category in SEATS]
     rows = set(rng.permutation(chairs)[: round(share * len(chairs))].tolist())
+    # From a quarter turn to one before the full turn: never nearly as before.
     angles = rng.uniform(_LEAST_TURN_RAD, 2 * math.pi - _LEAST_TURN_RAD, len(scene.objects))
     return _with(
         scene,

@@ -213,7 +213,14 @@ def _under(quantiles: np.ndarray, order: np.ndarray, is_ahead: np.ndarray) -> np
 
 
 def nearest(distances: Float[np.ndarray, "n n"]) -> tuple[np.ndarray, np.ndarray]:
-    """Return the distance of each layout to the nearest other one, and the number of that one."""
+    """Find the nearest other layout of each layout.
+
+    Args:
+        distances: Distances of all pairs.
+
+    Returns:
+        Distance to the nearest one, and its number.
+    """
     others = distances + np.diag(np.full(len(distances), np.inf))
     index = others.argmin(axis=1)
     return others[np.arange(len(others)), index], index

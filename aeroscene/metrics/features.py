@@ -49,7 +49,10 @@ _RANGES_M = np.array(
 
 
 def layout_features(scenes: Sequence[SceneArrays]) -> Float[np.ndarray, "n f"]:
-    """Return the features of scenes, one row each."""
+    """Return the features of scenes, one row each.
+
+    Rows of any two scenes can be compared, whatever their numbers of objects.
+    """
     return np.array([_features(arrays) for arrays in scenes])
 
 

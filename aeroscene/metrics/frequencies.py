@@ -62,7 +62,10 @@ def frequencies(scenes: Sequence[SceneArrays]) -> Frequencies:
 
 
 def divergences(scenes: Frequencies, reference: Frequencies) -> Divergences:
-    """Return KL(reference || scenes) of all three counts."""
+    """Return KL(reference || scenes) of all three counts.
+
+    The direction punishes what the reference has and the scenes lack.
+    """
     return Divergences(
         category=kl_divergence(reference.category, scenes.category),
         cooccurrence=kl_divergence(reference.cooccurrence, scenes.cooccurrence),

@@ -37,7 +37,13 @@ class Figure:
 def resamples(
     n: int, rng: np.random.Generator, n_draws: int = N_DRAWS
 ) -> Int[np.ndarray, "draws n"]:
-    """Return how often each of `n` scenes is taken in each draw of `n` with replacement."""
+    """Return how often each scene is taken in each draw with replacement.
+
+    Args:
+        n: Number of scenes, and of scenes in a draw.
+        rng: Source of the draws.
+        n_draws: Number of draws.
+    """
     return rng.multinomial(n, np.full(n, 1 / n), n_draws)
 
 
@@ -63,6 +69,7 @@ def ratio_figure(
     if not len(values):
         return nothing()
     times = resamples(len(values), rng) * weights
+    # Weights go into both sums: a draw without large scenes has a smaller total.
     draws = (times @ values) / times.sum(axis=1)
     low, high = np.quantile(draws, _SHARES).tolist()
     value = float((weights * values).sum() / weights.sum())
@@ -106,7 +113,14 @@ def set_figure(
 
 
 def normal_figure(value: float, error: float, n: int, least: float | None = 0.0) -> Figure:
-    """Return a figure with a known standard error and a normal interval."""
+    """Return a figure with a known standard error and a normal interval.
+
+    Args:
+        value: The figure.
+        error: Its standard error.
+        n: Scenes, or other judged things.
+        least: Value below which it cannot be; None if it can be anything.
+    """
     low = value - _Z_95 * error
     return Figure(
         value=value, low=low if least is None else max(low, least), high=value + _Z_95 * error, n=n

@@ -60,7 +60,10 @@ class Neighbours:
 
 
 def neighbours_of(arrays: SceneArrays) -> Neighbours:
-    """Find the nearest neighbours of every object of a scene."""
+    """Find the nearest neighbours of every object of a scene.
+
+    Each object has `N_NEIGHBOURS` of them, or all others in a smaller scene.
+    """
     first, second = _nearest(arrays.centre_enu_m)
     displacement_m = arrays.centre_enu_m[second] - arrays.centre_enu_m[first]
     east, north, up = displacement_m.T

@@ -76,7 +76,12 @@ class KnownSkeletons:
 
 
 def training_distances(scenes: Sketches, training: Sketches) -> Float[np.ndarray, " n"]:
-    """Return the distance of each scene from its nearest training scene, in layout radii."""
+    """Return the distance of each scene from its nearest training scene, in layout radii.
+
+    Args:
+        scenes: Sketches of the judged scenes.
+        training: Sketches of the training scenes.
+    """
     return distances_between(scenes, training).min(axis=1)
 
 

@@ -236,7 +236,15 @@ def _coverage_figure(features: np.ndarray, reference: np.ndarray, times: np.ndar
 
 
 def place_figures(scenes: Sequence[Scene], rng: np.random.Generator) -> dict[str, Figure]:
-    """Return the checks of places, see `aeroscene.metrics.places.checks`."""
+    """Return the checks of places with their intervals.
+
+    Args:
+        scenes: Scenes to judge.
+        rng: Draws the bootstrap.
+
+    Returns:
+        A figure for each of `aeroscene.metrics.places.checks.CHECKS`, by key.
+    """
     views = [TopView(scene) for scene in scenes]
     return {check.key: _place_figure(check, views, rng) for check in CHECKS}
 

@@ -87,7 +87,10 @@ class NeighbourFrequencies:
         return cls(counts.reshape(_SHAPE))
 
     def plausibility(self, scene: Scene | SceneArrays) -> Plausibility:
-        """Return the plausibility of one scene; zeros if it has fewer than two objects."""
+        """Return the plausibility of one scene.
+
+        A scene with fewer than two objects has no neighbours and gets zeros.
+        """
         arrays = scene_arrays(scene) if isinstance(scene, Scene) else scene
         first, second, place = _cells(arrays)
         if not len(first):

@@ -88,7 +88,11 @@ class Frames:
 
 
 def frames_of(layout: FlatLayout, statistics: FlatStatistics) -> Frames:
-    """Return the frame of each object: the site's, or its region's if the statistics have any."""
+    """Return the frame of each object.
+
+    It is the site's. If the statistics have regions, a fine object has the frame of its region,
+    whose height is the region's top or underside.
+    """
     n = len(layout)
     origin, yaw, half = np.zeros((n, 3)), np.zeros(n), np.tile(layout.half_m, (n, 1))
     if statistics.has_regions:
@@ -97,6 +101,7 @@ def frames_of(layout: FlatLayout, statistics: FlatStatistics) -> Frames:
         origin[inside] = layout.center_enu_m[region]
         height = layout.size_m[region, 2]
         on_top = statistics.stands_on_top[layout.category[region]]
+        # Things on a table count from its top, things in a room from its floor.
         origin[inside, 2] += np.where(on_top, height, -height) / 2
         yaw[inside] = layout.yaw_rad[region]
         half[inside] = np.maximum(layout.size_m[region, :2] / 2, LEAST_HALF_M)
@@ -157,7 +162,10 @@ def measure(layouts: Sequence[FlatLayout], *, has_regions: bool) -> FlatStatisti
 def site_yaw_quantiles_rad(
     layouts: Sequence[FlatLayout],
 ) -> Float[np.ndarray, "domains quantiles"]:
-    """Quantiles of the yaw of each domain's sites; zeros for a domain without sites."""
+    """Quantiles of the yaw of each domain's sites; zeros for a domain without sites.
+
+    They are existing values, never interpolated ones: most sites stand at a few angles.
+    """
     shares = (np.arange(_N_QUANTILES) + 0.5) / _N_QUANTILES
     own = [[each.site_yaw_rad for each in layouts if each.wish.domain == d] for d in DOMAINS]
     return np.stack([np.quantile(rad or [0.0], shares, method="nearest") for rad in own])

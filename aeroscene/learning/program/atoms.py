@@ -54,7 +54,15 @@ NO_ATOMS = Atoms({})
 
 
 def atoms_of(rows: Float[np.ndarray, "k channels"], channels: Sequence[int]) -> dict[int, Reaches]:
-    """Find the atoms of a group's rows in some channels; channels without atoms are absent."""
+    """Find the atoms of a group's rows in some channels.
+
+    Args:
+        rows: Channels of all tokens of the group; NaN where a token has none.
+        channels: Channels in which to look.
+
+    Returns:
+        Atoms and reaches by channel; channels without atoms are absent.
+    """
     found: dict[int, Reaches] = {}
     for channel in channels:
         values = rows[~np.isnan(rows[:, channel]), channel]

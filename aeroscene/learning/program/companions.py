@@ -72,5 +72,6 @@ def measure_companions(pairs: Sequence[tuple[UnitKind, HostKey]]) -> Companions:
     for bond, hosts in sorted(counts.items()):
         n = hosts.total()
         if n >= _LEAST_COUNT:
+            # Sorted, so that equal corpora give equal checkpoints.
             found[bond] = tuple(sorted(h for h, k in hosts.items() if k >= _LEAST_SHARE * n))
     return Companions(found)

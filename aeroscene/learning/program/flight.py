@@ -15,7 +15,15 @@ _OPEN_SKY_M = 22.0
 
 
 def extent_of(objects: Sequence[SceneObject], domain: str) -> tuple[Vector3, Vector3]:
-    """Return the corners of the flight volume: up to the roof indoors, with headroom outdoors."""
+    """Return the corners of the flight volume.
+
+    Indoors it reaches up to the roof; outdoors it has headroom over everything, and at least
+    `_OPEN_SKY_M`.
+
+    Args:
+        objects: Objects of the scene; without any the volume is a small box.
+        domain: Domain of the scene.
+    """
     corners = np.array([obj.bbox.corners() for obj in objects] or [[(-1, -1, 0), (1, 1, 0)]])
     low_m, high_m = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
     top_m = max(float(high_m[2]), 1.0)

@@ -19,6 +19,7 @@ from aeroscene.relations.relation import Kind as RelationKind
 from aeroscene.scene import AttributeValue, ObjectDomain, SceneObject
 from aeroscene.scene.catalogue import CATALOGUE
 
+# The order is that of the channels 10 to 16.
 OPENINGS: tuple[str, ...] = (
     "door_m",
     "door_offset_m",

@@ -93,7 +93,13 @@ def own_heading_rad(cos: float, sin: float) -> float:
 
 
 def reach_of(relation: Relation, yaw_rad: float, half_m: Half) -> Half:
-    """Return how far an object with a residual heading reaches along u and v."""
+    """Return how far an object reaches along u and v.
+
+    Args:
+        relation: Relation that gives its quarter turns.
+        yaw_rad: Its heading beyond them.
+        half_m: Its half extents along its own axes.
+    """
     return turned_reach_m(half_m, yaw_rad + relation.quadrant % 4 * math.pi / 2)
 
 
@@ -119,7 +125,10 @@ def _levels(box: OrientedBox | None) -> tuple[float, float]:
 
 
 def up_to_level(category: str, box: OrientedBox | None) -> OrientedBox | None:
-    """Return a host's box without the part above the level that people walk on."""
+    """Return a host's box without the part above the level that people walk on.
+
+    Stairs beside a bridge lead to its deck, and not to its rails.
+    """
     if box is None:
         return None
     low_m, level = _levels(box)[0], level_m(category, box)

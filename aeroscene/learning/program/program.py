@@ -111,7 +111,7 @@ class Program:
         return len(self.kinds)
 
     def unit(self, place: int) -> UnitKind:
-        """Return the kind of a token that is a unit."""
+        """Return the kind of a token that is a unit; the caller knows that it is one."""
         kind = self.kinds[place]
         assert isinstance(kind, UnitKind)
         return kind
@@ -139,6 +139,7 @@ def in_order(root: Node) -> tuple[list[Node], list[int], int]:
     Returns:
         The nodes, the places of their parents, and the number of coarse nodes, which come first.
     """
+    # Two walks: the networks need all coarse tokens before the first fine one.
     coarse: list[tuple[Node, Node]] = []
     _descend(root, root, coarse, is_coarse=True)
     # Fine nodes follow in the order of the coarse nodes that bear them.

@@ -101,7 +101,12 @@ def _to_channels(record: Record, values: Sequence[float]) -> list[float]:
 
 
 def values_of(record: Record, channels: Float[np.ndarray, " 19"]) -> tuple[float, ...]:
-    """Return the numbers of a record from its channels, within the range that it may have."""
+    """Return the numbers of a record from its channels, within the range that it may have.
+
+    Args:
+        record: The record, of which node, arity and kind are read.
+        channels: Any numbers; NaN counts as 0, or as "absent" for heights.
+    """
     c = np.nan_to_num(channels[1:]).tolist()
     found: tuple[float, ...] = ()
     match record.node:
@@ -137,7 +142,14 @@ def values_of(record: Record, channels: Float[np.ndarray, " 19"]) -> tuple[float
 
 
 def share_logits(shares: Sequence[float]) -> list[float]:
-    """Return shares as numbers about zero; NaN for strips, which have none."""
+    """Return shares as numbers about zero.
+
+    Args:
+        shares: Shares of the parts of a side; 0 for strips, which have none.
+
+    Returns:
+        Logarithms less their mean; NaN for strips.
+    """
     logs = [_log(share) if share > 0 else math.nan for share in shares]
     known = [value for value in logs if not math.isnan(value)]
     middle = sum(known) / len(known) if known else 0.0

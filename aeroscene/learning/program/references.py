@@ -77,7 +77,12 @@ def _least(choices: Float[np.ndarray, "k 4 4"]) -> tuple[int, ...]:
 
 
 def with_references(encoded: EncodedProgram, references: References) -> Program:
-    """Return a scene's program whose numbers count from these references."""
+    """Return a scene's program whose numbers count from these references.
+
+    Args:
+        encoded: Program with the values from every reference.
+        references: Reference of each group of kinds.
+    """
     program = encoded.program
     table: Int[np.ndarray, "n 4"] = np.array([references.of(kind) for kind in program.kinds])
     chosen = np.take_along_axis(encoded.choices, table[:, :, None], axis=2)[:, :, 0]

@@ -108,6 +108,7 @@ def measure_programs(
     has = np.zeros(shape, dtype=bool)
     for group, numbers in groups.items():
         common = rows[np.isin(ids, numbers)]
+        # Atoms belong to groups, because single kinds are too rare to show them.
         atoms[group] = atoms_of(common, _with_atoms(vocabulary.kinds[numbers[0]].node))
         common_mean, common_var = _moments(common)
         for number in numbers:
@@ -121,6 +122,7 @@ def measure_programs(
             spread[number] = np.sqrt(var)
             has[number] = n > 0
             _let_turn(mean[number], spread[number])
+            # The range is the group's: a rare kind has too few tokens to limit itself.
             scaled = (common - mean[number]) / np.maximum(spread[number], _LEAST_SPREAD)
             scaled = np.nan_to_num(scaled)
             low[number], high[number] = scaled.min(axis=0), scaled.max(axis=0)
@@ -128,6 +130,7 @@ def measure_programs(
     statistics = ProgramStatistics(
         mean,
         np.maximum(spread, _LEAST_SPREAD),
+        # The mean, which is 0 after standardising, is always within the range.
         low.clip(-_LIMIT, 0.0),
         high.clip(0.0, _LIMIT),
         is_free,
@@ -213,7 +216,10 @@ def from_example(
 
 
 def on_atoms(program: Program, atoms: Atoms) -> Program:
-    """Put the numbers of a drawn program on atoms near them."""
+    """Put the numbers of a drawn program on atoms near them.
+
+    Only drawn programs need this: a program that was read off a scene has exact numbers.
+    """
     channels = program.channels.copy()
     for row, kind in zip(channels, program.kinds, strict=True):
         atoms.snap(group_of(kind), row)

@@ -49,6 +49,7 @@ _PADDING = {
     "seen": 0,
     "above": 0,
     "n_siblings": 0,
+    # -1 selects the vector of "no kind".
     "recent": -1,
     "depth": IGNORE,
     "kind": IGNORE,

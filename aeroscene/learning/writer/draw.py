@@ -119,7 +119,12 @@ class _Draw:
         self._pad: _Pad | None = None
 
     def step(self, growth: Growth, given: Furnishing | None = None) -> None:
-        """Draw the token after the latest element; given tokens come back in their turn."""
+        """Draw the token after the latest element.
+
+        Args:
+            growth: The program so far; it grows.
+            given: Given tokens, which come back in their turn.
+        """
         is_closed = given is not None and given.is_closed()
         depth, kind, local = _END if is_closed else self._next(growth)
         if depth < 2 and given is not None and given.comes_first(kind):

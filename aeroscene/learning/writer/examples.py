@@ -72,6 +72,7 @@ def written(encoded: EncodedProgram, wish: Wish, language: Language) -> Written:
         example = to_example(encoded, language.vocabulary, language.statistics)
     except KeyError as error:
         raise UnencodableError(f"kind {error.args[0]} is unknown") from None
+    # The lesson replays the growth that a draw would go through, with the right choices.
     growth, said = replay(language.syntax, encoded.program, wish)
     return Written(example, lesson_of(growth, said, wish), wish)
 

@@ -45,6 +45,7 @@ class Furnishing:
         self._kinds = syntax.vocabulary.kinds
         self._mark = -1
         self._waiting: list[int] = []
+        # A region that is redone keeps the pad that the scene has elsewhere.
         self.growth.has_start |= has_start
 
     @property

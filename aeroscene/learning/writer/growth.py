@@ -133,7 +133,14 @@ class Growth:
         self.n_coarse += not self.is_fine
 
     def add_below(self, token: int, choice: Choice) -> None:
-        """Add a token below an earlier one, after the end of the program."""
+        """Add a token below an earlier one, after the end of the program.
+
+        It is no element: nothing is drawn after it, so the network need not read it.
+
+        Args:
+            token: Place of the token that bears it.
+            choice: The token.
+        """
         self.kinds.append(choice.kind)
         self.parents.append(token)
         self.choices.append(choice)
@@ -173,6 +180,7 @@ class Growth:
         forbidden.
         """
         allowed = np.zeros(MAX_DEPTH, dtype=bool)
+        # The network may repeat children without end; this limit ends it.
         if len(self.kinds) >= MAX_TOKENS:
             allowed[0] = True
             return allowed

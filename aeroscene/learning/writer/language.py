@@ -90,6 +90,7 @@ class Language:
         statistics, syntax = self.statistics, self.syntax
         arrays = {name: getattr(statistics, name).astype(np.float32) for name in _MEASURED}
         arrays |= {name: getattr(statistics, name) for name in _FLAGS}
+        # Kinds of one group repeat the same row, which costs little and needs no table of groups.
         references = [statistics.references.of(kind) for kind in self.vocabulary.kinds]
         return arrays | {
             "references": np.array(references, dtype=np.int8),

@@ -55,7 +55,15 @@ def wish_numbers(wish: Wish) -> Float[np.ndarray, " 6"]:
 
 
 def seen_of(growth: Growth, element: Element) -> list[int]:
-    """Return the numbers by which the network reads an element."""
+    """Return the numbers by which the network reads an element.
+
+    Args:
+        growth: The program.
+        element: One of its elements.
+
+    Returns:
+        Twelve numbers, as `Lesson.seen`; counts are not in classes yet.
+    """
     coarse, fine = element.left
     return [
         element.kind,
@@ -76,7 +84,15 @@ def seen_of(growth: Growth, element: Element) -> list[int]:
 
 
 def recent_of(growth: Growth, above: int) -> tuple[list[int], int]:
-    """Return the kinds of the latest children of an element, and their number."""
+    """Return the latest children of an element.
+
+    Args:
+        growth: The program.
+        above: Number of the element.
+
+    Returns:
+        Kinds of the latest children, the last one first, -1 for none; and the number of all.
+    """
     children = growth.elements[above].children
     recent = children[-N_RECENT:][::-1]
     return recent + [-1] * (N_RECENT - len(recent)), len(children)

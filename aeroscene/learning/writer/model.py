@@ -162,7 +162,12 @@ class Writer(nn.Module):
     def kind_logits(
         self, local: Float[Tensor, "n l"], table: Float[Tensor, "kinds_and_none k"]
     ) -> Float[Tensor, "n kinds"]:
-        """Return the logits of all kinds."""
+        """Return the logits of all kinds.
+
+        Args:
+            local: Features of the choice.
+            table: Vectors of all kinds; the last row, "no kind", is left out.
+        """
         # Scores are products with the kinds' own vectors, so that rare kinds profit from shared
         # traits.
         return self.kind(local) @ table[:-1].T + self.bias
@@ -173,7 +178,13 @@ class Writer(nn.Module):
         kind: Int[Tensor, " n"],
         table: Float[Tensor, "kinds_and_none k"],
     ) -> tuple[Tensor, Tensor, Tensor]:
-        """Return the logits of member, host and array of tokens of some kinds."""
+        """Return the logits of member, host and array of tokens of some kinds.
+
+        Args:
+            local: Features of the choice.
+            kind: Kinds that were chosen.
+            table: Vectors of all kinds.
+        """
         found = self.rest(torch.cat([local, table[kind]], dim=-1))
         member, host, shape = found.split([N_MEMBERS, N_HOSTS, self.n_shapes], dim=-1)
         return member, host, shape
@@ -186,7 +197,10 @@ def _mlp(inward: int, hidden: int, outward: int, dropout: float) -> nn.Sequentia
 
 
 def new_writer(cfg: WriterCfg, language: Language) -> Writer:
-    """Return a writer of a language, with its first weights."""
+    """Return a writer of a language, with its first weights.
+
+    They come from PyTorch's global generator, which the caller seeds.
+    """
     vocabulary = language.vocabulary
     return Writer(cfg, program_traits(vocabulary), len(vocabulary.shapes))
 
@@ -200,7 +214,10 @@ def surprise(writer: Writer, lesson: LessonBatch) -> dict[str, Float[Tensor, ""]
 
 
 def shares_of_likeliest(writer: Writer, lesson: LessonBatch) -> Float[Tensor, " n"]:
-    """Return the probability of each kind in a batch, over the likeliest one's in its place."""
+    """Return how likely each kind in a batch was, over the likeliest one in its place.
+
+    The threshold of the draws, `WriterCfg.least_share`, is compared with these shares.
+    """
     logits, said = _choices(writer, lesson)["kind"]
     return torch.exp(logits.gather(1, said.unsqueeze(1))[:, 0] - logits.amax(1))
 

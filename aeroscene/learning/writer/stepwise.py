@@ -56,7 +56,12 @@ class StepwiseWriter:
         return Reading(self, self.of_wish(wish))
 
     def element(self, seen: Sequence[int], of_wish: Vector) -> Vector:
-        """Return an element as input of the first block."""
+        """Return an element as input of the first block.
+
+        Args:
+            seen: Its numbers, as `Lesson.seen`.
+            of_wish: The wish, as the network embeds it.
+        """
         x = self._kind[seen[0]] + self._parent[seen[1]] + of_wish
         for numbers, value in zip(self._numbers, seen[2:], strict=True):
             x += numbers[value]
@@ -83,7 +88,14 @@ class StepwiseWriter:
         return np.concatenate([known, above, self.table[above_kind], latest, mean, *numbers])
 
     def kind_logits(self, local: Vector, kinds: Int[np.ndarray, " k"]) -> Float[np.ndarray, " k"]:
-        """Return the logits of some kinds."""
+        """Return the logits of some kinds.
+
+        Only allowed kinds are computed, of which there are few among thousands.
+
+        Args:
+            local: Features of the choice.
+            kinds: Numbers of the kinds.
+        """
         # Not by BLAS, whose threads wait for each other actively at so tall a matrix.
         found = np.einsum("kd,d->k", self.table[kinds], self._choose_kind(local))
         return found + self._bias[kinds]

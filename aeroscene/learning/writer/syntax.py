@@ -28,7 +28,10 @@ _MANY = np.iinfo(np.int16).max
 
 
 def required_children(kind: Kind) -> list[frozenset[str]]:
-    """Return the nodes of a record's children, in order; empty for tokens without requirements."""
+    """Return the nodes of a record's children, in order.
+
+    A slice of three parts needs three nodes, for example. Tokens without requirements have none.
+    """
     part, segment, item = (frozenset({name}) for name in ("part", "segment", "item"))
     match kind:
         case SplitKind(node="slice"):
@@ -48,7 +51,14 @@ def required_children(kind: Kind) -> list[frozenset[str]]:
 
 
 def count_objects(kind: Kind, shape: Shape) -> int:
-    """Return the number of objects that a token stands for, as the writer counts them."""
+    """Return the number of objects that a token stands for.
+
+    The writer counts down how many objects are still wished for by it.
+
+    Args:
+        kind: Kind of the token.
+        shape: Its array, which only a group has.
+    """
     if isinstance(kind, UnitKind):
         return len(shape.array().cells(kind.to_relation(0).kind)) if kind.is_group else 1
     return int(kind.node in {"leaf", "lane", "segment"} and bool(kind.category))
@@ -121,12 +131,14 @@ class Syntax:
     @cached_property
     def cap(self) -> Int[np.ndarray, "classes kinds"]:
         """Greatest number of children of a kind's class that a token of a class may have."""
+        # More than FEW in the corpus means: as many as you like.
         many = np.where(self.most <= FEW, self.most, _MANY)
         return many[:, self.class_of]
 
     def fits(self, nodes: frozenset[str]) -> Bool[np.ndarray, " kinds"]:
         """Return the kinds of some nodes."""
         if nodes not in self._fits:
+            # Asked for at every token of a draw, so the answer is kept.
             self._fits[nodes] = np.isin(np.array(self.node), sorted(nodes))
         return self._fits[nodes]
 
@@ -159,6 +171,7 @@ def learn_syntax(vocabulary: ProgramVocabulary, programs: Iterable[Program]) -> 
     for program in programs:
         kinds = [vocabulary.nearest(kind) for kind in program.kinds]
         own = class_of[kinds]
+        # Every array that a family had somewhere may be drawn for it again.
         has_shape[family_of[kinds], [vocabulary.nearest_shape(s) for s in program.shapes]] = True
         children = program.children()
         for place, below in enumerate(children):
@@ -189,7 +202,11 @@ def classes_of(vocabulary: ProgramVocabulary) -> Int[np.ndarray, " kinds"]:
 
 
 def families_of(vocabulary: ProgramVocabulary) -> Int[np.ndarray, " kinds"]:
-    """Return the family of each kind: equal objects in the same relation, alone or in a group."""
+    """Return the family of each kind.
+
+    Kinds of a family are equal objects in the same relation, alone or in a group; they share
+    arrays.
+    """
     return _numbered([(k.node, *k.what, k.relation, k.is_group) for k in vocabulary.kinds])
 
 

@@ -48,6 +48,7 @@ class ProgramSet:
     @cached_property
     def digest(self) -> str:
         """Sixteen hexadecimal digits that differ between corpora."""
+        # Rounded below, so that the last bits of another machine do not change the digest.
         digest = hashlib.sha256(self.kinds_json.encode())
         for each in self.examples:
             digest.update(each.example.skeleton.kind_id.astype("<i4").tobytes())
@@ -64,7 +65,12 @@ class ProgramSet:
         return replace(self, examples=tuple(examples))
 
     def sample_batch(self, size: int, rng: np.random.Generator) -> TokenBatch:
-        """Draw programs of similar size, from a random window of four batches."""
+        """Draw programs of similar size, from a random window of four batches.
+
+        Args:
+            size: Number of programs.
+            rng: Source of the draw.
+        """
         return self._batch([self.examples[i] for i in _window(self._by_size, size, rng)])
 
     def in_order(self, start: int, size: int) -> TokenBatch:
@@ -91,7 +97,10 @@ class LessonSet:
         return LessonSet(tuple(examples))
 
     def sample_batch(self, size: int, rng: np.random.Generator) -> LessonBatch:
-        """Draw programs of similar size, from a random window of four batches."""
+        """Draw programs of similar size, from a random window of four batches.
+
+        Programs in a batch are padded to the longest one, so similar sizes save time.
+        """
         picked = _window(self._by_size, size, rng)
         return lesson_batch([self.examples[i].lesson for i in picked])
 
@@ -106,6 +115,7 @@ class LessonSet:
 
 def _windowed(sizes: Sequence[int]) -> Int[np.ndarray, " scenes"]:
     """Order programs by size, rising and then falling, so that no window spans a jump."""
+    # Every second program rises, the others fall: the ends meet at similar sizes.
     order = np.argsort(sizes, kind="stable")
     return np.concatenate([order[::2], order[1::2][::-1]])
 

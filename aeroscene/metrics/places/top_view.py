@@ -83,6 +83,7 @@ class TopView:
         """Outlines of the objects as polygons, seen from above."""
         arrays = self.arrays
         corners = box_corners(arrays.centre_enu_m, arrays.quat_wxyz, arrays.size_m)[..., :2]
+        # A box seen from above is the hull of its eight corners, tilted or not.
         return np.asarray(shapely.convex_hull(shapely.linestrings(corners)))
 
     @cached_property
@@ -104,7 +105,12 @@ class TopView:
     def shared_height_m(
         self, first: Int[np.ndarray, "*k"], second: Int[np.ndarray, "*k"]
     ) -> Float[np.ndarray, "*k"]:
-        """Height that pairs of objects have in common, m; negative for a gap between them."""
+        """Height that pairs of objects have in common, m; negative for a gap between them.
+
+        Args:
+            first: Rows of the first objects.
+            second: Rows of the second objects.
+        """
         top_m = np.minimum(self.top_m[first], self.top_m[second])
         return top_m - np.maximum(self.base_m[first], self.base_m[second])
 
@@ -136,6 +142,7 @@ def near_pairs(
     Returns:
         Indices into the first and into the second list, pair by pair.
     """
+    # `query` gives indices of its argument first, then those of the tree.
     index, other = shapely.STRtree(np.asarray(second)).query(
         first, predicate="dwithin", distance=apart_m
     )
@@ -145,5 +152,6 @@ def near_pairs(
 def union(outlines: np.ndarray) -> shapely.Geometry:
     """Join outlines to one geometry, which is prepared for many queries."""
     whole = shapely.union_all(outlines)
+    # Prepared geometries keep an index of their edges.
     shapely.prepare(whole)
     return whole

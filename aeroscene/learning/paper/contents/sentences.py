@@ -106,7 +106,12 @@ def places_of(coarse: Sequence[int], statistics: FlatStatistics) -> list[int]:
 
 
 def sentence_of(layout: FlatLayout, statistics: FlatStatistics) -> Sentence:
-    """Write the contents of a layout as tokens."""
+    """Write the contents of a layout as tokens.
+
+    Args:
+        layout: The layout, coarse objects first.
+        statistics: Statistics that say which categories have a list of their own.
+    """
     _, turn = measured_channels(layout, frames_of(layout, statistics))
     item = 4 * (layout.category - 1) + turn
     n = layout.n_coarse

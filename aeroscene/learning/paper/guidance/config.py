@@ -7,6 +7,7 @@ from typing import Literal
 
 from aeroscene.learning.diffusion.config import DiffusionError, require_choice
 
+# A file that names larger numbers is refused before any memory is taken.
 _MOST = {
     "n_categories": 4086,
     "width": 4096,

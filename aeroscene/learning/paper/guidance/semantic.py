@@ -76,7 +76,12 @@ class SemanticPrior(nn.Module):
 
 
 def neighbour_pairs(layout: Layout, n_neighbours: int) -> NeighbourPairs:
-    """Pair each object with its nearest others, at most `n_neighbours`."""
+    """Pair each object with its nearest others.
+
+    Args:
+        layout: Objects of a batch.
+        n_neighbours: Greatest number of neighbours of an object.
+    """
     center = layout.center_enu_m
     n = layout.mask.shape[1]
     # Choosing neighbours has no slope; the displacement below has one.

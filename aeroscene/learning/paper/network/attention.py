@@ -119,7 +119,13 @@ class ScaleAttention(nn.Module):
         is_member: Bool[Tensor, "batch n"],
         parent: Int[Tensor, "batch n"],
     ) -> Float[Tensor, "batch n d"]:
-        """Return features of all tokens, which see the members of the scale."""
+        """Return features of all tokens, which see the members of the scale.
+
+        Args:
+            token: Features of all tokens.
+            is_member: True for tokens of the scale, which may be keys.
+            parent: Slot of each token's parent.
+        """
         is_allowed = is_member.unsqueeze(1)
         if self.of_siblings:
             is_allowed = is_allowed & (parent.unsqueeze(1) == parent.unsqueeze(2))

@@ -86,7 +86,13 @@ class CoarseCnn(nn.Module):
         is_coarse: Bool[Tensor, "batch n"],
         position: Float[Tensor, "batch n 3"],
     ) -> Float[Tensor, "batch n d"]:
-        """Return features of all tokens; the grid holds the coarse ones."""
+        """Return features of all tokens; the grid holds the coarse ones.
+
+        Args:
+            token: Features of all tokens.
+            is_coarse: True for tokens that are splatted to the grid.
+            position: Positions in channel units.
+        """
         shares = trilinear_weights(position, self.shape, self.reach)
         mean, amount = splat_mean(self.inward(token), is_coarse, shares)
         grid = torch.cat([mean, amount], -1).transpose(1, 2).unflatten(2, self.shape)

@@ -55,7 +55,13 @@ class FineGnn(nn.Module):
         is_fine: Bool[Tensor, "batch n"],
         position: Float[Tensor, "batch n 3"],
     ) -> Float[Tensor, "batch n d"]:
-        """Return features of all tokens; the fine ones are the graph's nodes."""
+        """Return features of all tokens; the fine ones are the graph's nodes.
+
+        Args:
+            token: Features of all tokens.
+            is_fine: True for the nodes of the graph.
+            position: Positions in the unit of the radius.
+        """
         adjacency = radius_graph(position, is_fine, self.radius).to(token.dtype)
         for layer in self.layers:
             token = layer(token, adjacency)

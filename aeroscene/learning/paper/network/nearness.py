@@ -29,7 +29,12 @@ class NearnessBias(nn.Module):
         )
 
     def forward(self, boxes: Layout, batch: TokenBatch) -> Float[Tensor, "batch heads n n"]:
-        """Return the bias of queries (rows) for keys (columns)."""
+        """Return the bias of queries (rows) for keys (columns).
+
+        Args:
+            boxes: Boxes of the formula's clean layout.
+            batch: Its parents give the regions.
+        """
         center, extent = boxes.center_enu_m, level_extent_m(boxes)
         apart = (center.unsqueeze(2) - center.unsqueeze(1)).abs()
         gap = apart - (extent.unsqueeze(2) + extent.unsqueeze(1)) / 2

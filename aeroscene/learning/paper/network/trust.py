@@ -131,7 +131,14 @@ def formula(
     variance: Float[Tensor, "batch n c"],
     schedule: Schedule,
 ) -> Float[Tensor, "batch n c"]:
-    """Best guess of the noise of each channel by itself, eps = sigma x_t / V."""
+    """Best guess of the noise of each channel by itself, eps = sigma x_t / V.
+
+    Args:
+        x_t: Noisy channels.
+        time: Time of all scenes.
+        variance: Variance v of the clean channels; V = alpha_bar v + sigma^2.
+        schedule: Noise schedule.
+    """
     alpha, sigma = schedule.signal_and_noise(time)
     return sigma / (alpha**2 * variance + sigma**2) * x_t
 
@@ -147,7 +154,17 @@ def time_of(schedule: Schedule, noise_to_signal: float) -> Float[Tensor, ""]:
 def noisy(
     batch: TokenBatch, schedule: Schedule, time: Float[Tensor, ""], generator: torch.Generator
 ) -> tuple[Tensor, Tensor, Tensor]:
-    """Return a noisy batch, its noise, and 1 for channels that are free."""
+    """Noise a batch at one time.
+
+    Args:
+        batch: Layouts with `x0` and `weight`.
+        schedule: Noise schedule.
+        time: Time of all scenes.
+        generator: Source of the noise, on the processor.
+
+    Returns:
+        The noisy channels, their noise, and 1 for channels that are free.
+    """
     assert batch.x0 is not None
     assert batch.weight is not None
     is_free = (batch.weight > 0).to(batch.x0)

@@ -37,6 +37,7 @@ def covers_under(scene: Scene, given: Sequence[int]) -> Bearers:
     """
     objects = scene.object_by_id
     covers = [objects[i] for i in given if objects[i].category in GROUND]
+    # Floors in buildings are covers, too, but stand in their own hierarchy.
     covers = [cover for cover in covers if cover.domain == "outdoor"]
     known = frozenset(given)
     found: dict[int, int] = {}

@@ -142,6 +142,7 @@ def _put_place(
     """Write the channels of the unit's residual and pitch."""
     relation, residual, array = unit.relation, unit.residual, unit.array
     host = site if unit.host_id is None else footprint(objects[unit.host_id].bbox)
+    # Seats go around the table, so their group has no extent of its own.
     half_m = halves_m[0] if relation.kind == RelationKind.SEAT else array_half_m(array, halves_m)
     reach_m = reach_of(relation, residual.yaw_rad, half_m)
     (u0, u1), (v0, v1) = scales(relation, host, reach_m)
@@ -169,7 +170,11 @@ def pitch_base_m(kind: RelationKind, halves_m: Sequence[Half]) -> Half:
 
 
 def unit_yaw_rad(unit: Unit, objects: Mapping[int, SceneObject]) -> float:
-    """Return the heading along which sizes are read: the first member's, without its own noise."""
+    """Return the heading along which sizes are read.
+
+    It is the heading of the first member without its own noise, so that all members of a group
+    agree.
+    """
     host_rad = 0.0 if unit.host_id is None else objects[unit.host_id].bbox.yaw_rad
     turn = 0 if unit.relation.quadrant == ANY_TURN else unit.relation.quadrant
     return host_rad + (unit.relation.side + turn) * QUARTER + unit.residual.yaw_rad
@@ -188,6 +193,7 @@ def _members(
     for member, obj in zip(unit.members, members, strict=True):
         node = Node(MemberKind("member", kind.category, kind.domain, relation=kind.relation))
         c, residual = node.channels, member.residual
+        # Members state their difference from the first member.
         rise_m = underside_m(obj.bbox) - base_m
         c[[U, V, RISE]] = residual.u_m, residual.v_m, rise_m
         c[COS], c[SIN] = math.cos(residual.yaw_rad), math.sin(residual.yaw_rad)

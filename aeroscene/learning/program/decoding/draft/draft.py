@@ -53,6 +53,7 @@ class Draft:
         """Pitches between rows and between columns of each token that stands for an array."""
         heads = ((self.program.kinds[i], self.program.channels[i]) for i in self.children[0])
         sites = (site_rectangle(kind, c) for kind, c in heads if isinstance(kind, SiteKind))
+        # A program without covers has no site; a bare square stands for it.
         self._site = next(sites, BARE_SITE)
 
     def begin_with(self, given: Given) -> None:
@@ -108,6 +109,7 @@ class Draft:
         place, number = (0, 0) if bearer is None else self._place_of[bearer]
         if place is None:
             return []
+        # A draw may name a member that was not made: its objects go to the last one.
         is_last = place == 0 or number == len(self.made[place]) - 1
         found = (i for i in self.children[place] if self.program.kinds[i].node == node)
         members = ((i, int(self.program.member[i])) for i in found)
@@ -149,14 +151,21 @@ class Draft:
         return [footprint(self.objects[number].bbox) for number in self._tiles(room)]
 
     def extent(self, bearer: int | None) -> Rectangle | None:
-        """Return the outline that a bearer's objects keep to; of a tile, its whole room's."""
+        """Return the outline that a bearer's objects keep to.
+
+        For a tile of a room it is the hull of all tiles of that room. The ground has no limit:
+        None.
+        """
         if bearer is None:
             return None
         tiles = self.tiles(bearer)
         return tiles[0] if len(tiles) == 1 else hull(tiles)
 
     def is_borne(self, bearer: int | None, boxes: Sequence[OrientedBox]) -> bool:
-        """True if the middles of boxes are on tiles, for a room that has several."""
+        """True if the middles of boxes are on tiles of the bearer's room.
+
+        A room of one tile needs no test, because its outline limits the shift already.
+        """
         tiles = [] if bearer is None else self.tiles(bearer)
         return len(tiles) < 2 or all(is_on_any(box, tiles) for box in boxes)
 
@@ -169,7 +178,13 @@ class Draft:
     def taken(
         self, bearer: int | None, without: Sequence[int] = (), *, has_air: bool = True
     ) -> Blocks:
-        """Return the obstacles of an object on a bearer; other tiles of its room are none."""
+        """Return the obstacles of an object on a bearer.
+
+        Args:
+            bearer: Id of the bearer, which is no obstacle, and neither are other tiles of its room.
+            without: Ids of further objects that are none, such as those that move along.
+            has_air: False leaves out the air before doors.
+        """
         tiles = [] if bearer is None else self._tiles(bearer)
         return self.neighbours.taken(bearer, [*without, *tiles], has_air=has_air)
 
@@ -208,6 +223,7 @@ class Draft:
         looks: dict[str, AttributeValue] = {}
         if place is not None:
             drawn = self.program.looks[place] if self.program.looks else ()
+            # A group with one drawn look repeats it for all members.
             looks = drawn[min(len(self.made[place]), len(drawn) - 1)] if drawn else {}
             self.made[place].append(number)
         self._place_of.append((place, 0 if place is None else len(self.made[place]) - 1))

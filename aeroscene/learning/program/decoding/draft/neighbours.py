@@ -125,6 +125,7 @@ def free_shift(
     onto = np.zeros(2) if within is None else _way_onto(rows, within)
     rows["x_m"] += onto[0]
     rows["y_m"] += onto[1]
+    # Obstacles that no shift can reach are removed before the search.
     taken = _near(rows, taken)
     if _is_free(rows, taken):
         return (float(onto[0]), float(onto[1]))
@@ -184,7 +185,11 @@ def open_ways(unit: Unit, host: Rectangle) -> Iterator[tuple[int, Ways]]:
 
 
 def turned(unit: Unit, turns: int) -> Unit:
-    """Turn a unit by quarter turns about its host; a unit with its host's heading keeps it."""
+    """Turn a unit by quarter turns about its host.
+
+    A unit with its host's heading keeps it: a shelf in a row of shelves must not turn its back to
+    the aisle on the other side.
+    """
     if turns == 0:
         return unit
     relation = unit.relation
@@ -201,7 +206,12 @@ def _is_in_line(relation: Relation) -> bool:
 
 
 def way_onto(group: Sequence[OrientedBox], outline: Rectangle) -> Shift:
-    """Return the least shift of boxes onto an outline, along each axis that they fit on."""
+    """Return the least shift of boxes onto an outline.
+
+    Args:
+        group: The boxes, which move as one.
+        outline: Where they should be. Along an axis for which they are too long, they stay.
+    """
     x_m, y_m = _way_onto(np.array([_row(box) for box in group], dtype=BLOCK), outline).tolist()
     return x_m, y_m
 
@@ -245,6 +255,7 @@ def _is_free(rows: Blocks, taken: Blocks) -> bool:
     """True if a group overlaps nothing by more than a touch."""
     less = rows.copy()
     for half_m in ("half_x_m", "half_y_m"):
+        # Boxes thinner than a touch keep a least extent.
         less[half_m] = np.maximum(less[half_m] - _DEEP_M, _DEEP_M)
     less["base_m"] += _DEEP_M
     less["top_m"] -= _DEEP_M

@@ -60,6 +60,7 @@ def drawn_in(boxes: Sequence[OrientedBox], tiles: Sequence[Rectangle]) -> list[O
         return list(boxes)
     if len(boxes) == 1:
         return [_moved_in(boxes[0], tiles)]
+    # The tile with the least shift, of a room that consists of several.
     shift = min((way_onto(boxes, tile) for tile in tiles), key=lambda way: math.hypot(*way))
     inside = [box for each in boxes if is_on_any(box := moved(each, shift), tiles)]
     return inside or [_moved_in(boxes[0], tiles)]
@@ -96,6 +97,7 @@ def _polygon(outline: Rectangle) -> shapely.Polygon:
 def _share_on(box: OrientedBox, outlines: Sequence[Rectangle]) -> float:
     """Return the share of a box, seen from above, that lies on any of some outlines."""
     own = _polygon(footprint(box))
+    # Joined first: covers overlap, and shared ground must not count twice.
     whole = shapely.union_all([_polygon(each) for each in outlines])
     return float(shapely.area(shapely.intersection(own, whole)) / own.area)
 
@@ -168,6 +170,7 @@ def _in_lane(box: OrientedBox, roads: Sequence[Rectangle]) -> OrientedBox:
         u_m, v_m, turn_rad = road.place.local(at)
         if abs(u_m) <= road.half_m[0] and abs(v_m) < _MIDDLE_M:
             lane_m = 2 * road.half_m[1] * LANE_RATIOS[1]
+            # Right-hand traffic: along the road's axis the lane lies at negative v.
             if math.cos(turn_rad) >= 0:
                 return _put(box, road.place.moved(u_m, -lane_m))
             return _put(box, road.place.moved(u_m, lane_m, math.pi))

@@ -92,6 +92,7 @@ def _with_lines(
     cuts = list(_cuts(node, whole))
     found: list[tuple[Cut, float]] = []
     places: dict[_Owner, float] = {}
+    # From low to high, so that a line can only join one that has its place already.
     for owner, cut in sorted(cuts, key=lambda each: (each[1].is_across_x, each[1].at)):
         places[owner] = place(cut, found)
         found.append((cut, places[owner]))
@@ -107,6 +108,7 @@ def _cuts(node: Node, bounds: Bounds) -> Iterator[tuple[_Owner, Cut]]:
     edges = _edges(node, bounds)
     if edges is None:
         return
+    # Cuts across y come first, as `is_x` counts from False.
     for is_x, along in enumerate(reversed(edges)):
         low, high = (y0, y1) if is_x else (x0, x1)
         for number, at in enumerate(along[1:-1]):

@@ -61,7 +61,10 @@ class DecodedBuilding:
         return bool(self.levels[1:]) and top_m - self.levels[0].base_m > _STOREY_M
 
     def under_rooms(self, slab: OrientedBox) -> OrientedBox:
-        """Return a slab at the level of the first storey's rooms, if it is near that level."""
+        """Return a slab at the level of the first storey's rooms.
+
+        A slab that lies a storey or more off is another one's and stays.
+        """
         z_m = self.levels[0].base_m - slab.s[2] / 2
         if not _SAME_M < abs(z_m - slab.p[2]) < _STOREY_M:
             return slab

@@ -26,7 +26,14 @@ _SAME_M = 1e-4
 
 
 def settled(node: Node, length_m: float, width_m: float, least_m: float) -> Node:
-    """Return a tree whose parts fill a frame, each at least `least_m` wide if there is room."""
+    """Return a tree whose parts fill a frame, each wide enough if there is room.
+
+    Args:
+        node: The tree.
+        length_m: Length of the frame.
+        width_m: Width of the frame.
+        least_m: Least width of a part with a share.
+    """
     match node:
         case Slice():
             is_x = node.axis == "x"

@@ -35,6 +35,7 @@ def moved_with(
     Returns:
         None if there is no room, or an object is given. Nothing has moved then.
     """
+    # Given objects have the lowest ids.
     if min(others) < n_given:
         return None
     bearer = draft.standing.bearer(others[0])
@@ -52,7 +53,14 @@ def moved_with(
 def drawn_up(
     draft: Draft, chairs: Sequence[OrientedBox], table: int, n_given: int
 ) -> list[OrientedBox]:
-    """Return the chairs that have room, after their table has moved with them if that helps."""
+    """Return the chairs that have room, after their table has moved with them if that helps.
+
+    Args:
+        draft: Objects so far; the table may be moved in it.
+        chairs: Boxes of the chairs.
+        table: Id of their table.
+        n_given: Number of given objects, which do not move.
+    """
     boxes = moved_with(draft, chairs, [table], n_given)
     if boxes is not None:
         return boxes
@@ -79,6 +87,7 @@ def back_to_back(
     that is too small for both are left out.
     """
     drawn = member_boxes(_as_even_as(unit, draft.pitch_m(others[0])), draft.box)
+    # Both groups move as one, so an overlap between them would stay.
     if len(free_of(draft.neighbours.rows(others), drawn)) < len(drawn):
         return None
     boxes = moved_with(draft, drawn, others, n_given)

@@ -89,6 +89,7 @@ def read_unit(draft: Draft, token: int, bearer: int | None, last_m: Vector3 | No
             as_last.discard(2)
         x_m, y_m, z_m = (last_m[i] if i in as_last else size_m[i] for i in range(3))
         size_m = x_m, y_m, z_m
+    # A group whose array has only holes would have no members.
     shape = _shape(program, token, relation.kind)
     n_members = len(shape.array().cells(relation.kind)) if kind.is_group else 1
     own_m = base_m - _low_m(around.bearer)
@@ -142,7 +143,16 @@ def member_boxes(unit: Unit, box_of: BoxOf) -> list[OrientedBox]:
 
 
 def openings_of(program: Program, place: int, box: OrientedBox) -> dict[str, AttributeValue]:
-    """Return the openings of a unit's object, limited to the wall that they are in."""
+    """Return the openings of a unit's object, limited to the wall that they are in.
+
+    Args:
+        program: The program.
+        place: Place of the unit's token.
+        box: Box of the object.
+
+    Returns:
+        Attributes of the object, in m.
+    """
     values = dict(zip(OPENINGS, program.channels[place, OPENING].tolist(), strict=True))
     half_m = box.s[1] / 2
     found: dict[str, AttributeValue] = {}
