@@ -1,1 +1,1 @@
-"""Parts of finding where a drone may land or perch; `aeroscene.areas.landing` joins them."""
+"""Search for places where a drone may land or perch; `aeroscene.areas.landing` joins the parts."""

@@ -1,4 +1,4 @@
-"""Faces that look upwards, level or sloping: the candidates for standing on."""
+"""Upward faces, level or sloping: the surfaces on which a drone might stand."""
 
 from __future__ import annotations
 
@@ -20,36 +20,37 @@ _LEVEL = 1e-4
 _ROUND = 16
 """Corners of a circle's outline."""
 _MERGE_M = 0.002
-"""Faces of one object whose heights differ by less, in gradients too, are one face."""
+"""Faces of one object are one face if their heights differ by less; gradients likewise."""
+# A face of exactly the greatest slope must not fail by rounding.
 _SLACK_RAD = 1e-6
 _RECTANGLE = np.array([(1, 1), (-1, 1), (-1, -1), (1, -1)])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Face:
-    """A plane upward face of an object or of the ground, of slope `MAX_SLOPE_RAD` at most."""
+    """A plane upward face of an object or of the ground, with at most `MAX_SLOPE_RAD` of slope."""
 
     object_id: int | None
-    """The object; None is the bare ground of a relief."""
+    """Id of the object; None for the bare ground of a relief."""
     outline: BaseGeometry
-    """Seen from above, ENU, m."""
+    """Outline from above, ENU, m."""
     gradient: tuple[float, float]
-    """Rise towards east and north."""
+    """Rise towards east and towards north."""
     height_at_origin_m: float
     """Height of the face's plane over the origin."""
 
     @property
     def slope_rad(self) -> float:
-        """Angle to the horizontal; exactly 0 where level."""
+        """Angle to the horizontal; exactly 0 for a level face."""
         return atan(hypot(*self.gradient))
 
     @property
     def is_level(self) -> bool:
-        """Whether one height holds for all of it."""
+        """True if one height holds for all of it."""
         return self.gradient == (0.0, 0.0)
 
     def height_m(self, x: float, y: float) -> float:
-        """Height of the plane at a place."""
+        """Return the height of the plane at a place."""
         return self.height_at_origin_m + self.gradient[0] * x + self.gradient[1] * y
 
 
@@ -58,11 +59,14 @@ _Piece = tuple[int, Float[np.ndarray, " 3"], Float[np.ndarray, "k 3"]]
 
 
 def upward_faces(solids: Solids, is_wanted: Callable[[int], bool]) -> list[Face]:
-    """Upper faces of boxes, cylinders and hulls, those of one object and plane united.
+    """Return the upper faces of boxes, cylinders and hulls.
+
+    Faces of one object in one plane are united, because a landing area may span the boards of a
+    deck. Faces that are too small even for a perch are left out.
 
     Args:
-        solids: The solids of a scene.
-        is_wanted: Whether an object, given by its id, matters.
+        solids: Solids of a scene.
+        is_wanted: True for an object, given by its id, that may bear an area.
     """
     groups: dict[tuple[int, ...], list[tuple[_Piece, tuple[float, float, float]]]] = {}
     for piece in _pieces(solids, is_wanted):
@@ -73,22 +77,25 @@ def upward_faces(solids: Solids, is_wanted: Callable[[int], bool]) -> list[Face]
         x, y, z = corners[0].tolist()
         height = z - gx * x - gy * y
         object_id = int(solids.object_id[index])
+        # Planes are compared by rounded numbers, which a dictionary can look up.
         key = (object_id, *(round(value / _MERGE_M) for value in (gx, gy, height)))
         groups.setdefault(key, []).append((piece, (gx, gy, height)))
     least_m2 = np.pi * PERCH_NEEDS.surface_radius_m**2
+    # A cheap bound first: uniting outlines takes longer.
     wide = [(key[0], group) for key, group in groups.items() if _about_m2(group) > least_m2]
     faces = [_united(object_id, group) for object_id, group in wide]
     return [face for face in faces if face.outline.area > least_m2]
 
 
 def _about_m2(group: list[tuple[_Piece, tuple[float, float, float]]]) -> float:
-    """Upper bound of the pieces' area: that of the rectangles about them."""
+    """Return an upper bound of the pieces' area: that of the rectangles around them."""
     return sum(float(np.ptp(piece[2][:, :2], axis=0).prod()) for piece, _ in group)
 
 
 def _united(object_id: int, group: list[tuple[_Piece, tuple[float, float, float]]]) -> Face:
     outlines = [outline_of(piece[2]) for piece, _ in group]
     outline = outlines[0] if len(outlines) == 1 else shapely.union_all(outlines)
+    # The highest plane counts, so that no piece stands above the face.
     gx, gy, height = max((plane for _, plane in group), key=lambda plane: plane[2])
     return Face(object_id, outline, (gx, gy), height)
 
@@ -96,6 +103,7 @@ def _united(object_id: int, group: list[tuple[_Piece, tuple[float, float, float]
 def _pieces(solids: Solids, is_wanted: Callable[[int], bool]) -> Iterator[_Piece]:
     steepest = cos(MAX_SLOPE_RAD + _SLACK_RAD)
     upness = np.abs(solids.rotation[:, 2, :])
+    # A cylinder has flat faces at its ends alone; a box takes the axis that points most upwards.
     axis = np.where(solids.is_cylinder, 2, upness.argmax(axis=1))
     is_flat = np.take_along_axis(upness, axis[:, None], axis=1)[:, 0] >= steepest
     for i in np.flatnonzero(solids.is_mesh | (is_flat & (solids.is_box | solids.is_cylinder))):
@@ -108,7 +116,7 @@ def _pieces(solids: Solids, is_wanted: Callable[[int], bool]) -> Iterator[_Piece
 
 
 def _flat_piece(solids: Solids, index: int, axis: int) -> _Piece:
-    """The upper face of a box or the upper cap of a cylinder, circles by a polygon inside them."""
+    """Return the upper face of a box, or the upper cap of a cylinder as a polygon inside it."""
     rotation, half = solids.rotation[index], solids.half_m[index]
     normal = rotation[:, axis] * np.sign(rotation[2, axis])
     first, second = (i for i in range(3) if i != axis)

@@ -1,4 +1,4 @@
-"""Finds the places on single faces: clear, wide enough, reached from the start."""
+"""Search for places on single faces: clear, wide enough, reached from the start."""
 
 from __future__ import annotations
 
@@ -22,20 +22,21 @@ from aeroscene.solids.freespace import VoxelField
 SPACING_M = 2.5
 """Gap between the circles of one face."""
 BORDER_M = 1.5
-"""Distance from the border of the flight volume."""
+"""Least distance from the border of the flight volume."""
 SHARE_M2: dict[DroneClass, float] = {"large": 300.0, "medium": 100.0, "small": 30.0}
-"""One area of a class for each of these that a face began."""
+"""A face has one area of a class for each such area, also for a part of one."""
+# Greatest number of areas of each class on one face.
 MAX_OF_A_FACE: dict[DroneClass, int] = {"large": 2, "medium": 3, "small": 5}
 CUT_M: dict[DroneClass, float] = {"large": 3.0, "medium": 2.0, "small": 1.0}
-"""Radius of an area of a class on a face that has all it may have of the larger ones."""
+"""Radius of an area of a class, on a face that has all its areas of larger classes already."""
 PERCH_CUT_M = 0.5
-"""Largest radius of a perching area."""
+"""Greatest radius of a perching area."""
 LEDGE_M = 0.7
-"""A face of something large is a place to perch where its widest circle is smaller than this."""
+"""A face of a coarse object is a perch if its widest circle is smaller than this."""
 LEDGE_GAP_M = 0.35
-"""Gap between a perch on something large and its walls: a drone comes down beside them."""
+"""Gap between a perch on a coarse object and its walls, beside which a drone comes down."""
 GROUND_SURFACE = "grass"
-"""What landing gear meets on bare ground."""
+"""Surface that landing gear meets on bare ground."""
 _INNER_M = 5e-4
 """Taken off a radius, so that rounding never takes it beyond its face."""
 
@@ -51,19 +52,25 @@ class Candidate:
 
     @property
     def place_enu_m(self) -> Vector3:
-        """Its middle, on the face."""
+        """Middle of the place, on the face."""
         return _place(self.face, self.spot)
 
 
 class AreaFinder:
-    """Looks at one face at a time."""
+    """Finds places on one face at a time.
+
+    Args:
+        scene: The scene.
+        obstacles: Outlines of its solids.
+        field: Distance field of its free space.
+    """
 
     def __init__(self, scene: Scene, obstacles: Obstacles, field: VoxelField) -> None:
         self._scene = scene
         self._obstacles = obstacles
         self._field = field
         low, high = scene.extent_min_enu_m, scene.extent_max_enu_m
-        # Indoors the border is the outer walls, which are obstacles like any other.
+        # Indoors the border consists of the outer walls, which are obstacles already.
         border_m = 0.0 if scene.domain == "indoor" else BORDER_M
         self._bounds = (
             low[0] + border_m,
@@ -73,14 +80,16 @@ class AreaFinder:
         )
 
     def landing(self, face: Face) -> Iterator[Candidate]:
-        """Places under open sky, or where the face has none, under a ceiling high enough.
+        """Yield places to land on a face, the widest first.
 
-        The widest comes first, and none is looked for before it is asked for.
+        They are under open sky, or, if the face has none there, under a ceiling that is high
+        enough. The search is lazy: a place is not looked for before the caller asks for it.
         """
         outline = self._within_volume(face.outline)
         if outline.is_empty:
             return
         near = self._near(face, outline, NEEDS["large"])
+        # Obstacles that begin higher than a drone needs are ceilings.
         lower = near.below(NEEDS["small"].clearance_m)
         is_bare = True
         for candidate in self._landing(face, outline, near):
@@ -90,7 +99,7 @@ class AreaFinder:
             yield from self._landing(face, outline, lower)
 
     def perching(self, face: Face) -> Candidate | None:
-        """The best place to perch on a face, if there is one."""
+        """Return the best place to perch on a face, or None."""
         needs = PERCH_NEEDS
         outline = self._within_volume(face.outline)
         if outline.is_empty:
@@ -115,12 +124,18 @@ class AreaFinder:
         return Candidate(face, spot, "perching", "small")
 
     def area(self, candidate: Candidate, number: int) -> InteractionArea:
-        """The area that a candidate makes."""
+        """Build the area of a candidate.
+
+        Args:
+            candidate: The place.
+            number: Id of the area.
+        """
         face, spot = candidate.face, candidate.spot
         needs = needs_of(candidate.kind, candidate.drone_class)
         disc = spot.centre.buffer(max(spot.radius_m, needs.body_radius_m))
         x, y, z = candidate.place_enu_m
         ceiling_m = self._obstacles.lowest_above(face, disc, LEGS_M)
+        # Under open sky the flight volume is the ceiling.
         clearance_m = min(ceiling_m, self._scene.extent_max_enu_m[2] - z)
         return InteractionArea(
             id=number,
@@ -153,7 +168,7 @@ class AreaFinder:
             if allowed:
                 drone_class = allowed[0]
                 if drone_class != fitting[0]:
-                    # A place wider than its class keeps no more than the class has use for.
+                    # A place that is wider than its class leaves the rest to other areas.
                     spot = widest.cut(CUT_M[drone_class])
                 left[drone_class] -= 1
                 yield Candidate(face, spot, "landing", drone_class)
@@ -174,7 +189,7 @@ class AreaFinder:
         return shapely.intersection(outline, shapely.box(low_x, low_y, high_x, high_y))
 
     def _classes(self, face: Face, spot: Spot, near: Obstructions) -> list[DroneClass]:
-        """Classes for which a spot is wide enough and reached, largest first."""
+        """Return the classes for which a spot is wide enough and reached, largest first."""
         room_m = near.distance_m(spot.centre, LEGS_M)
         place = _place(face, spot)
         return [
@@ -192,7 +207,7 @@ class AreaFinder:
     def _is_buried(
         self, face: Face, centre: shapely.Point, radius_m: float, needs: AreaNeeds
     ) -> bool:
-        """Whether the ground of a relief rises above a place, or above the legs beside it."""
+        """True if the ground rises above a place, or above the legs beside it."""
         if self._scene.relief is None:
             return False
         reach_m = max(radius_m, needs.body_radius_m)
@@ -218,5 +233,5 @@ def _place(face: Face, spot: Spot) -> Vector3:
 
 
 def is_wide(face: Face) -> bool:
-    """Whether a face may bear more than a perch."""
+    """True if a face may bear more than a perch."""
     return face.outline.area > pi * NEEDS["small"].surface_radius_m ** 2

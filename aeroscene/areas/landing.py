@@ -1,10 +1,11 @@
 """Landing and perching areas derived from geometry: even, clear, and reachable from the start.
 
-A candidate is an upward face of at most 10 degrees, of an object or of the ground of a relief. What
-stands on it or hangs low over it is taken away; in what is left the largest circles are found one
-after another, and each becomes an area if a drone of some class can fly there from the start. Faces
-of categories that may carry a drone bear landing areas; what is too narrow for that, and ledges,
-benches and wall tops, bears perching areas.
+A candidate is an upward face with a slope of at most 10 degrees, of an object or of the ground of a
+relief. Objects that stand on it or hang low over it are subtracted. In the rest the largest circles
+are found one after another. Each becomes an area if a drone of some class can fly there from the
+start. Faces of categories that may carry a drone bear landing areas. Faces that are too narrow for
+that, and ledges, benches and wall tops, bear perching areas. Areas come from geometry and not from
+labels, so that the same rule holds for every scene, whoever made it.
 """
 
 from __future__ import annotations
@@ -40,13 +41,13 @@ def derive_interaction_areas(
     field: VoxelField | None = None,
     limits: AreaLimits | None = None,
 ) -> tuple[InteractionArea, ...]:
-    """Landing and perching areas of a scene, from its geometry alone.
+    """Derive the landing and perching areas of a scene from its geometry alone.
 
     Args:
         scene: The scene; areas that it has already are ignored.
-        primitives: Its primitives, where the caller has them already.
+        primitives: Its primitives, if the caller has them already.
         field: Its distance field, likewise.
-        limits: At most how many areas of each kind and class; all of them where None.
+        limits: Greatest number of areas of each kind and class; None sets no limit.
 
     Returns:
         Landing areas, then perching areas, each in the order of their bearers.
@@ -57,10 +58,12 @@ def derive_interaction_areas(
     solids = colliding(primitives)
     finder = AreaFinder(scene, Obstacles(solids), field)
     faces = upward_faces(solids, lambda object_id: _may_bear(scene, object_id))
+    # Outlines that the ground buries wholly are empty.
     faces = [shown for face in faces if not (shown := _unburied(scene, face)).outline.is_empty]
     bearers = [face for face in faces if is_wide(face) and _is_landable(scene, face)]
     bearers += ground_faces(scene)
     landing = _landing(scene, finder, bearers, limits)
+    # After the landing areas, because a place to land is no perch.
     perches = _perch_faces(scene, faces, {candidate.face for candidate in landing})
     chosen = [*_limited(scene, landing, limits), *_perching(scene, finder, perches, limits)]
     return tuple(finder.area(candidate, number) for number, candidate in enumerate(chosen))
@@ -76,7 +79,7 @@ def _is_landable(scene: Scene, face: Face) -> bool:
 
 
 def _unburied(scene: Scene, face: Face) -> Face:
-    """A level face where the ground of a relief does not cover it."""
+    """Return a level face without the parts that the ground of a relief covers."""
     if scene.relief is None or not face.is_level:
         return face
     outline = above_ground(scene, face.outline, face.height_at_origin_m)
@@ -84,7 +87,7 @@ def _unburied(scene: Scene, face: Face) -> Face:
 
 
 def _bearer(scene: Scene, face: Face) -> SceneObject:
-    """The object that has a face."""
+    """Return the object that has a face."""
     assert face.object_id is not None
     return scene.object_by_id[face.object_id]
 
@@ -92,10 +95,11 @@ def _bearer(scene: Scene, face: Face) -> SceneObject:
 def _landing(
     scene: Scene, finder: AreaFinder, faces: Sequence[Face], limits: AreaLimits | None
 ) -> list[Candidate]:
-    """The best place of each face, then the next best of each, until there are enough."""
+    """Return the best place of each face, then the next best of each, until there are enough."""
     growing = [(number, finder.landing(face)) for number, face in enumerate(faces)]
     found: list[tuple[int, Candidate]] = []
     candidates: list[Candidate] = []
+    # Round by round, so that limits do not leave the last faces without any place.
     while growing and not _is_enough(candidates, limits):
         step = [(number, places, next(places, None)) for number, places in growing]
         growing = [(number, places) for number, places, place in step if place is not None]
@@ -113,7 +117,7 @@ def _is_enough(candidates: Sequence[Candidate], limits: AreaLimits | None) -> bo
 
 
 def _one_per_fine_object(scene: Scene, candidates: Sequence[Candidate]) -> list[Candidate]:
-    """Keep only the highest of the places on one fine object, such as a car's bonnet and roof."""
+    """Keep only the highest of the places on one fine object, such as a car's roof."""
     highest: dict[int | None, Candidate] = {}
     for candidate in candidates:
         best = highest.setdefault(candidate.face.object_id, candidate)
@@ -131,7 +135,7 @@ def _one_per_fine_object(scene: Scene, candidates: Sequence[Candidate]) -> list[
 def _limited(
     scene: Scene, candidates: Sequence[Candidate], limits: AreaLimits | None
 ) -> list[Candidate]:
-    """The places that the limits leave, pads among them, in their own order."""
+    """Return the places that the limits leave, pads among them, in their own order."""
     if limits is None:
         return list(candidates)
     kept: list[int] = []
@@ -145,15 +149,16 @@ def _limited(
 
 
 def _is_pad(scene: Scene, candidate: Candidate) -> bool:
-    """Whether a place was made to land on."""
+    """True if a place was made for landing."""
     face = candidate.face
     return face.object_id is not None and _bearer(scene, face).category in PADS
 
 
 def _perch_faces(scene: Scene, faces: Sequence[Face], landed: AbstractSet[Face]) -> list[Face]:
-    """Faces that are no place to land and high enough: all of something coarse, else the highest.
+    """Return faces that are high enough and bear no landing area.
 
-    A fine object that bears a landing area bears no perch beside it.
+    These are all such faces of a coarse object, and the highest of a fine one. A fine object with a
+    landing area bears no perch beside it.
     """
     landed_ids = {face.object_id for face in landed}
     ledges: list[Face] = []

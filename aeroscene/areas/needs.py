@@ -1,4 +1,4 @@
-"""What a drone of each class needs of a place to stand, and how many places a scene keeps."""
+"""Requirements of each class of drones on a place, and the number of places that a scene keeps."""
 
 from __future__ import annotations
 
@@ -13,28 +13,36 @@ from aeroscene.scene import AreaKind, DroneClass, InteractionArea
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AreaNeeds:
-    """What a place must offer, m."""
+    """Requirements on a place, m."""
 
     surface_radius_m: float
-    """Even surface about the touchdown point: the feet and the scatter of a landing."""
+    """Radius of even surface around the touchdown point, for the feet and the scatter of a
+    landing."""
     body_radius_m: float
-    """Radius that is free of what stands higher than the legs."""
+    """Radius free of objects that are higher than the legs."""
     flight_radius_m: float
     """Radius of a ball that is free all the way from the start."""
     clearance_m: float
     """Free height above the surface."""
 
     def is_entered(self, reached: np.ndarray, cell: tuple[int, int, int], edge_m: float) -> bool:
-        """Whether a flood of cells of an edge enters the clear column above a cell."""
+        """True if a flood of free cells enters the clear column above a cell.
+
+        Args:
+            reached: Cells that the flood has reached.
+            cell: Cell of the place.
+            edge_m: Edge of the cells.
+        """
         i, j, k = cell
         return bool(reached[i, j, k : k + int(self.rise_m(edge_m) / edge_m) + 1].any())
 
     def rise_m(self, edge_m: float) -> float:
-        """Height of the lowest ball above the surface, rounding to cells of an edge included."""
+        """Return the height of the lowest ball above the surface, for cells of some edge."""
+        # Rounding to cells takes up to two of them.
         return max(self.clearance_m, self.flight_radius_m + 2 * edge_m)
 
 
-# A Hummingbird reaches 0.4 m from its centre and an Iris 0.45 m.
+# For comparison: a Hummingbird reaches 0.4 m from its centre, and an Iris 0.45 m.
 NEEDS: Mapping[DroneClass, AreaNeeds] = {
     "large": AreaNeeds(
         surface_radius_m=2.6, body_radius_m=2.6, flight_radius_m=1.0, clearance_m=1.5
@@ -46,24 +54,24 @@ NEEDS: Mapping[DroneClass, AreaNeeds] = {
         surface_radius_m=0.4, body_radius_m=0.6, flight_radius_m=0.45, clearance_m=1.5
     ),
 }
-"""For landing, largest class first."""
+"""Requirements for landing, largest class first."""
 
 PERCH_NEEDS = AreaNeeds(
     surface_radius_m=0.22, body_radius_m=0.45, flight_radius_m=0.45, clearance_m=1.0
 )
-"""For perching: the feet of a Hummingbird stand on a circle of 0.17 m."""
+"""Requirements for perching. The feet of a Hummingbird stand on a circle of 0.17 m."""
 
 MAX_SLOPE_RAD = radians(10.0)
-"""Steepest surface: the limit of the pilot's eyes, `autonomy.perception.LandingNeeds`."""
+"""Steepest surface: the limit of the pilot's perception, `autonomy.perception.LandingNeeds`."""
 STEP_M = 0.008
-"""What rises less than this above a surface is no obstacle: it tips an Iris by under 2 degrees."""
+"""A lower step above a surface is no obstacle: it tips an Iris by under 2 degrees."""
 LEGS_M = 0.1
-"""What rises less than this beside a landed drone stays below its body."""
+"""Objects lower than this beside a landed drone stay below its body."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AreaLimits:
-    """Most areas that a scene keeps; of more, well spread ones stay."""
+    """Greatest numbers of areas that a scene keeps; if there are more, well spread ones stay."""
 
     small: int
     medium: int
@@ -72,10 +80,10 @@ class AreaLimits:
 
 
 def needs_of(kind: AreaKind, drone_class: DroneClass) -> AreaNeeds:
-    """The needs that an area of a kind and class claims to meet."""
+    """Return the requirements that an area of a kind and class claims to meet."""
     return PERCH_NEEDS if kind == "perching" else NEEDS[drone_class]
 
 
 def area_needs(area: InteractionArea) -> AreaNeeds:
-    """The needs that an area claims to meet."""
+    """Return the requirements that an area claims to meet."""
     return needs_of(area.kind, area.drone_class)

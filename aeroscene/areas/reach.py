@@ -1,4 +1,9 @@
-"""Whether a drone of a class can fly from the start to the air above a place."""
+"""Reachability: a drone of a class can fly from the start to the air above a place.
+
+Free space is divided into cells, and cells with enough distance from every solid are flooded from
+the start. A flood answers the question for all places at once; a path search would answer it for
+one.
+"""
 
 from __future__ import annotations
 
@@ -11,16 +16,16 @@ from aeroscene.solids.shapes import Primitive
 from aeroscene.solids.wide_field import is_wide
 
 FIELD_CAP_M = 0.1 + max(needs.flight_radius_m for needs in (*NEEDS.values(), PERCH_NEEDS))
-"""Distances beyond this do not matter to any flood."""
+"""Greatest distance in the field; no flood needs a greater one."""
 
 
 _CELL_M = 0.25
-"""Edge of the cells in which free space is flooded; twice as long in large scenes, whose narrow
-passages then count as closed."""
+"""Edge of the cells in which free space is flooded. It is twice as long in large scenes, whose
+narrow passages then count as closed."""
 
 
 def access_field(scene: Scene, primitives: Sequence[Primitive]) -> VoxelField:
-    """Distance field of a scene for floods of its free space."""
+    """Build the distance field of a scene, for floods of its free space."""
     cell_m = 2 * _CELL_M if is_wide(scene, _CELL_M) else _CELL_M
     return build_distance_field(scene, cell_m, primitives, FIELD_CAP_M)
 
@@ -28,7 +33,14 @@ def access_field(scene: Scene, primitives: Sequence[Primitive]) -> VoxelField:
 def is_reached(
     field: VoxelField, start_enu_m: Vector3, place_enu_m: Vector3, needs: AreaNeeds
 ) -> bool:
-    """Whether a drone can get from the start into the clear column above a place."""
+    """True if a drone can fly from the start into the clear column above a place.
+
+    Args:
+        field: Distance field of the scene.
+        start_enu_m: Start of the flight. If it is not free, nothing is reached.
+        place_enu_m: The place.
+        needs: Requirements of the drone.
+    """
     cell = field.cell(place_enu_m)
     try:
         reached = reachable(field, start_enu_m, needs.flight_radius_m)

@@ -1,4 +1,8 @@
-"""Well spread choices among many places: farthest point first."""
+"""Well spread choices among many places: farthest point first.
+
+Limits leave out many places of a scene. Taking the first ones would leave parts of the scene
+without any area.
+"""
 
 from __future__ import annotations
 
@@ -19,16 +23,16 @@ def spread(
     develop: Callable[[int], T | None],
     first: Sequence[int] = (),
 ) -> list[T]:
-    """Choose places so that each is as far as can be from those before it.
+    """Choose places so that each is as far as possible from those before it.
 
-    Places are developed only when their turn comes, and one that comes to nothing makes room for
-    the next, so that what a limit leaves out is never computed.
+    A place is developed only when its turn comes, and one that comes to nothing makes room for the
+    next. Places that a limit leaves out are therefore never computed.
 
     Args:
-        places_enu_m: Where the candidates are.
-        origin_enu_m: Where none is chosen yet, the one farthest from here comes first.
-        limit: How many to choose at most; all in their own order where None.
-        develop: Makes what is wanted from the number of a place, or None.
+        places_enu_m: Places of the candidates.
+        origin_enu_m: The first choice is the place farthest from here.
+        limit: Greatest number of choices; None takes all in their own order.
+        develop: Makes the result from the number of a place, or None.
         first: Numbers of places that come before all others.
     """
     if limit is None:
@@ -46,6 +50,7 @@ def spread(
         is_left[index] = False
         item = develop(index)
         if item is not None:
+            # Places that came to nothing keep nobody away.
             chosen.append(item)
             from_this_m = np.linalg.norm(places - places[index], axis=1)
             from_chosen_m = np.minimum(from_chosen_m, from_this_m)

@@ -1,7 +1,7 @@
-"""Start of a flight in a scene that has no pad for it: from geometry alone.
+"""Start of a flight in a scene without a pad, from geometry alone.
 
-A start is the middle of a wide free disc of ground, the first from which there is somewhere to fly
-to; where there is no such, the one with the most.
+A start is the middle of a wide free disc of ground. The first one counts from which there are
+enough areas to fly to. If no such one exists, the one with the most areas counts.
 """
 
 from __future__ import annotations
@@ -26,21 +26,22 @@ from aeroscene.solids.shapes import Primitive, scene_primitives
 from aeroscene.solids.shapes.shell import FINISH_M
 
 LEAST_RADIUS_M = 0.5
-"""A Hummingbird stands in this disc, without a hand's breadth to spare."""
+"""Least radius of the disc; a Hummingbird just fits into it."""
 FREE_HEIGHT_M = 2.5
-"""Nothing may hang lower than this over the disc."""
+"""Least free height over the disc."""
 MAX_PLACES = 3
-"""Places tried upon grounds of one rank."""
+"""Places that are tried on grounds of one rank."""
 AWAY_M = 2.0
-"""Landing nearer to the start than this is no flight."""
+"""Landing areas nearer to the start than this make no flight."""
 ENOUGH_AREAS = 3
 """Landing areas away from a start, for more than a small drone, that make it a good one."""
 NO_START = "no free place to start from; valid: a disc of 0.5 m radius with nothing on or above it"
-"""What a scene has that `with_start` finds no start in."""
+"""Message about a scene in which `with_start` finds no start."""
 _FLAT_M = 0.06
 """Height above the ground up to which an object is part of it."""
 _LOWEST_M = 0.3
-"""A floor is the lowest one where it is at most this high above the bottom of the flight volume."""
+"""A floor is a lowest one if it is at most this high above the bottom of the flight volume."""
+# Tolerance of the largest circle's radius.
 _TOLERANCE_M = 0.05
 
 
@@ -52,7 +53,7 @@ class Ground:
     height_m: float
     """Height of its upper face."""
     within: frozenset[int] = frozenset()
-    """Numbers of the objects that it is inside of, such as the building about a floor."""
+    """Ids of the objects that contain it, such as the building around a floor."""
 
 
 def with_start(
@@ -62,17 +63,17 @@ def with_start(
     primitives: Sequence[Primitive] | None = None,
     field: VoxelField | None = None,
 ) -> Scene | None:
-    """A scene with a start, and with the interaction areas that can be reached from there.
+    """Return a scene with a start, and with the interaction areas that can be reached from there.
 
     Args:
         scene: The scene; the start and the areas that it has are ignored.
-        ranks: Grounds, those where a flight should rather start first.
-        limits: At most how many areas; all of them where None.
-        primitives: The scene's primitives, where the caller has them already.
+        ranks: Grounds, the preferred ones first.
+        limits: Greatest numbers of areas; None sets no limit.
+        primitives: The scene's primitives, if the caller has them already.
         field: Its distance field, likewise.
 
     Returns:
-        The scene, None where there is no free place to start from.
+        The scene; None if there is no free place to start from.
     """
     primitives = scene_primitives(scene) if primitives is None else primitives
     if field is None:
@@ -88,6 +89,7 @@ def with_start(
             n_away = _count_away(found)
             if best is None or n_away > best[0]:
                 best = n_away, found
+            # A good start ends the search, because each try derives all areas.
             if n_away >= ENOUGH_AREAS:
                 return found
     return None if best is None else best[1]
@@ -99,7 +101,7 @@ def _is_inside(scene: Scene, place: Vector3) -> bool:
 
 
 def _count_away(scene: Scene) -> int:
-    """Areas to land on away from the start with more than a small drone."""
+    """Return the number of areas away from the start for more than a small drone."""
     x, y, _ = scene.start_position_enu_m
     return sum(
         area.drone_class != "small"
@@ -109,7 +111,7 @@ def _count_away(scene: Scene) -> int:
 
 
 def grounds_of(scene: Scene) -> tuple[tuple[Ground, ...], ...]:
-    """The grounds of a scene by rank: indoors the lowest floors first, else what is open."""
+    """Return the grounds of a scene by rank: indoors the lowest floors first, else open ground."""
     floors = tuple(
         Ground(footprint(obj), _bottom_m(obj) + FINISH_M, frozenset(scene.ancestors(obj.id)))
         for obj in scene.objects
@@ -129,7 +131,7 @@ def grounds_of(scene: Scene) -> tuple[tuple[Ground, ...], ...]:
 
 
 def _cover(scene: Scene, obj: SceneObject) -> Ground:
-    """A cover as a ground, where the relief of the scene does not bury it."""
+    """Return a cover as a ground, without the parts that the relief of the scene buries."""
     top_m = obj.bbox.p[2] + obj.bbox.s[2] / 2
     return Ground(above_ground(scene, footprint(obj), top_m), top_m)
 
@@ -141,16 +143,19 @@ def _bottom_m(obj: SceneObject) -> float:
 def start_places(
     objects: Sequence[SceneObject], grounds: Sequence[Ground]
 ) -> Iterator[tuple[Vector3, float]]:
-    """Places to start from with the heading there, the widest disc first.
+    """Yield places to start from with the heading there, the widest disc first.
+
+    The heading points to the middle of all grounds.
 
     Args:
-        objects: Everything in the scene.
-        grounds: Where to look.
+        objects: All objects of the scene.
+        grounds: Grounds on which to look.
     """
     if not grounds:
         return
     blocked = {
         key: shapely.union_all(_obstacles(objects, *key))
+        # Grounds of one height in one building share their obstacles.
         for key in dict.fromkeys((ground.height_m, ground.within) for ground in grounds)
     }
     free = [shapely.difference(g.outline, blocked[g.height_m, g.within]) for g in grounds]
@@ -171,7 +176,7 @@ def start_places(
 def _obstacles(
     objects: Sequence[SceneObject], ground_m: float, within: frozenset[int]
 ) -> list[BaseGeometry]:
-    """Outlines of the boxes that are in the way of a drone that stands on the ground."""
+    """Return the outlines of boxes in the way of a drone that stands on the ground."""
     outlines: list[BaseGeometry] = []
     for obj in objects:
         corners = obj.bbox.corners()
@@ -183,11 +188,12 @@ def _obstacles(
 
 
 def _widest(regions: Sequence[BaseGeometry]) -> tuple[int, shapely.LineString] | None:
-    """The largest inscribed circle of any part: its region's number, its radius from the middle."""
+    """Return the number of a region and the largest circle in any region, as its radius."""
     parts = [
         (number, part)
         for number, region in enumerate(regions)
         for part in shapely.get_parts(region)
+        # Smaller parts cannot contain the least disc.
         if part.area > LEAST_RADIUS_M**2
     ]
     if not parts:

@@ -1,4 +1,8 @@
-"""The AeroScene model: programs, writer, diffusion, training, generation."""
+"""The AeroScene scene model: programs, writer, diffusion, training, generation.
+
+Importing this package loads no PyTorch, so that commands can check their arguments and files first.
+Call `require_torch` before you import a submodule that computes.
+"""
 
 import os
 from importlib.util import find_spec
@@ -6,7 +10,8 @@ from importlib.util import find_spec
 from aeroscene.scene.errors import SceneError
 
 # PyTorch's threads wait for each other asleep. Awake, where other processes want the cores too, a
-# scene took 11.6 s of them instead of 2.5; no effect once PyTorch is loaded.
+# scene took 11.6 s of CPU time instead of 2.5. The variable is read when PyTorch loads, so it has
+# no effect later. A value that the user has set stays.
 os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")
 
 
@@ -15,9 +20,10 @@ class MissingTorchError(SceneError):
 
 
 def require_torch() -> None:
-    """Refuse in one line where the scene model cannot be used, before anything loads it.
+    """Refuse in one line if the scene model cannot be used.
 
-    PyTorch itself is looked for and not loaded, so that files can be refused without it.
+    The function looks for PyTorch without loading it. A command can therefore refuse a missing
+    extra at once, before it spends seconds on imports.
 
     Raises:
         MissingTorchError: If the extra `model` is not installed.
@@ -33,5 +39,5 @@ def require_torch() -> None:
 def _is_there(name: str) -> bool:
     try:
         return find_spec(name) is not None
-    except ImportError:  # Whoever looks for modules may answer with this instead.
+    except ImportError:  # An import hook may raise this instead of returning None.
         return False

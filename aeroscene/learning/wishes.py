@@ -1,4 +1,4 @@
-"""What may be asked of the scene model, and within which ranges; loads no PyTorch."""
+"""Wishes that the scene model accepts, and their ranges; loads no PyTorch."""
 
 from __future__ import annotations
 
@@ -8,20 +8,25 @@ from aeroscene.ranges import Range
 from aeroscene.scene import Scene, SceneDomain, SceneError
 
 OBJECTS = Range(20, 250)
+"""Objects of a scene, coarse and fine together."""
 AREAS = Range(1, 200)
+"""Landing areas of a scene."""
 DENSITY = Range(0.2, 2.0)
+"""Factor on the usual number of fine objects."""
 CLUTTER = Range(1.0, 10.0)
+"""Factor on the usual number of loose objects; 1 adds none."""
 PASSAGE_M = Range(0.5, 3.0, "m")
 """Least clear width of doors and corridors."""
 OUTLINE_M = Range(15.0, 150.0, "m")
-"""A side of a site."""
+"""Length of a side of a site."""
+# A class may be empty, but a scene without any landing area cannot be flown.
 _AREAS_OF_CLASS = Range(0, AREAS.high)
 _AREAS_OF_CLASSES = Range(AREAS.low, 3 * AREAS.high)
 
 
 @dataclass(frozen=True, slots=True)
 class Wish:
-    """Demands on the content of a scene."""
+    """Numbers and place that a scene should have, as the networks are conditioned on them."""
 
     domain: SceneDomain
     n_coarse: int
@@ -29,11 +34,11 @@ class Wish:
     n_areas: int
     """Landing areas of all sizes."""
     theme: str = ""
-    """What the place is, empty where nobody has said it."""
+    """Theme of the place, such as `waterfront`; empty if it is left open."""
 
     @staticmethod
     def of(scene: Scene) -> Wish:
-        """Wish that a scene fulfils."""
+        """Return the wish that a scene fulfils exactly."""
         n_coarse = sum(obj.is_coarse for obj in scene.objects)
         n_fine = len(scene.objects) - n_coarse
         return Wish(scene.domain, n_coarse, n_fine, len(scene.landing_areas), scene.theme)
@@ -45,7 +50,11 @@ class RequestError(SceneError):
 
 @dataclass(frozen=True, kw_only=True)
 class AreaCounts:
-    """Landing areas of each class, at most; what is None is drawn."""
+    """Upper bounds of landing areas of each class; the model draws those that are None.
+
+    Raises:
+        RequestError: If a count is out of its range, or all three together are.
+    """
 
     small: int | None = None
     medium: int | None = None
@@ -59,5 +68,5 @@ class AreaCounts:
 
     @property
     def named(self) -> dict[str, int]:
-        """Counts that are not left open."""
+        """Bounds that are set, by the name of their class."""
         return {name: count for name, count in asdict(self).items() if count is not None}

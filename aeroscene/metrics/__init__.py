@@ -1,1 +1,1 @@
-"""Figures about scenes: what a corpus holds, how much its scenes differ."""
+"""Figures about scenes: collisions, plausibility, diversity, memorisation, and places."""

@@ -1,4 +1,4 @@
-"""A scene as arrays: what every figure reads, unpacked once."""
+"""A scene as arrays, unpacked once, so that every figure can compute on all objects at once."""
 
 from __future__ import annotations
 
@@ -19,12 +19,15 @@ N_CATEGORIES = len(CATALOGUE)
 IS_COARSE: Bool[np.ndarray, " categories"] = np.array(
     [CATALOGUE[number].level == "coarse" for number in sorted(CATALOGUE)]
 )
-"""Whether a category is coarse, by its id less one."""
+"""True for coarse categories, by the category's id less one."""
 
 
 @dataclass(frozen=True, eq=False)
 class SceneArrays:
-    """The objects of a scene, one row each, in the scene's order: parents before children."""
+    """The objects of a scene, one row each, in the scene's order: parents before children.
+
+    Figures rely on that order: one pass over the rows meets every parent before its children.
+    """
 
     scene_id: str
     category: Int[np.ndarray, " n"]
@@ -34,6 +37,7 @@ class SceneArrays:
     centre_enu_m: Float[np.ndarray, "n 3"]
     quat_wxyz: Float[np.ndarray, "n 4"]
     size_m: Float[np.ndarray, "n 3"]
+    """Full extents along the box's own axes."""
     extent_enu_m: Float[np.ndarray, "2 3"]
     """Lower and upper corner of the flight volume."""
 
@@ -44,7 +48,7 @@ class SceneArrays:
 
     @cached_property
     def is_coarse(self) -> Bool[np.ndarray, " n"]:
-        """Whether the category is coarse."""
+        """True for objects of coarse categories."""
         return IS_COARSE[self.category]
 
     @cached_property
@@ -55,17 +59,18 @@ class SceneArrays:
 
     @cached_property
     def is_ancestor(self) -> Bool[np.ndarray, "n n"]:
-        """Whether the row's object is the column's parent, or the parent's parent, and so on."""
+        """True if the row's object is the column's parent, the parent's parent, and so on."""
         result = np.zeros((self.n_objects, self.n_objects), dtype=bool)
         for row, parent in enumerate(self.parent.tolist()):
             if parent != NO_PARENT:
+                # The parent's column is complete already: its ancestors are the child's, too.
                 result[:, row] = result[:, parent]
                 result[parent, row] = True
         return result
 
     @cached_property
     def region(self) -> Int[np.ndarray, " n"]:
-        """Row of the nearest coarse ancestor; `NO_PARENT` where there is none."""
+        """Row of the nearest coarse ancestor; `NO_PARENT` if there is none."""
         result = np.full(self.n_objects, NO_PARENT)
         for row, parent in enumerate(self.parent.tolist()):
             if parent != NO_PARENT:
@@ -74,7 +79,11 @@ class SceneArrays:
 
 
 def scene_arrays(scene: Scene) -> SceneArrays:
-    """Unpack a scene as it lies on flat ground: its relief is no part of its layout."""
+    """Unpack a scene as it lies on flat ground.
+
+    The relief of the ground is removed first, because it is no part of the layout: otherwise equal
+    layouts on different hills would differ.
+    """
     objects = level(scene).objects
     row_of = {obj.id: row for row, obj in enumerate(objects)}
     parents = (obj.parent_id for obj in objects)

@@ -1,8 +1,9 @@
-"""Real or generated: how well a classifier tells a set of scenes from another.
+"""Real or generated: the accuracy of a classifier that tells a set of scenes from another.
 
-Logistic regression with a ridge penalty on `aeroscene.metrics.features`, fitted by Newton steps on
-four fifths of the scenes and asked about the rest, in turn. The accuracy is the mean of both sets'
-own, so that 0.5 is a guess even where they are unequally large; 1 is a set that gives itself away.
+Logistic regression with a ridge penalty on `aeroscene.metrics.features` is fitted by Newton steps
+on four fifths of the scenes and tested on the rest, in turn. The accuracy is the mean of both sets'
+own accuracies, so that 0.5 is a guess even if the sets differ in size. An accuracy of 1 means
+that a set gives itself away.
 """
 
 from __future__ import annotations
@@ -15,7 +16,8 @@ from aeroscene.metrics.intervals import Figure, normal_figure
 
 N_FOLDS = 5
 _PENALTY = 0.001
-"""Per scene; features are of norm two or so."""
+"""Ridge penalty of each scene; features have a norm of about two."""
+# Newton steps.
 _N_STEPS = 12
 
 
@@ -24,7 +26,10 @@ def classifier_accuracy(
 ) -> float:
     """Balanced accuracy, cross-validated, of telling the set's scenes from the reference's.
 
-    Points are features; `rng` draws the folds.
+    Args:
+        scenes: Features of the set.
+        reference: Features of the reference.
+        rng: Draws the folds.
 
     Raises:
         TooFewScenesError: If a set has fewer scenes than there are folds.
@@ -45,7 +50,9 @@ def classifier_accuracy(
 def accuracy_figure(
     scenes: Float[np.ndarray, "n f"], reference: Float[np.ndarray, "m f"], rng: np.random.Generator
 ) -> Figure:
-    """The accuracy in percent with its interval: it is the mean of two shares, one over each set.
+    """Return the accuracy in percent with its interval.
+
+    The accuracy is the mean of two shares, one over each set, which gives its standard error.
 
     Raises:
         TooFewScenesError: If a set has fewer scenes than there are folds.
@@ -63,17 +70,21 @@ def _folds(count: int, rng: np.random.Generator) -> np.ndarray:
 def _predict(
     points: np.ndarray, is_set: Bool[np.ndarray, " n"], asked: np.ndarray
 ) -> Bool[np.ndarray, " k"]:
-    """Fit on some scenes, answer for others."""
+    """Fit on some scenes and answer for others: True for the set."""
     middle = points.mean(axis=0)
-    # As many unknowns as scenes: the weights lie in the span of the points.
+    # The weights lie in the span of the points, so an SVD reduces the unknowns to the number of
+    # scenes.
     left, scale, right = np.linalg.svd(points - middle, full_matrices=False)
     inputs = np.column_stack([left * scale, np.ones(len(points))])
+    # Both sets weigh half, whatever their sizes.
     share = np.where(is_set, 0.5 / is_set.sum(), 0.5 / (~is_set).sum())
+    # The last weight is the offset, which is not penalised.
     penalty = np.append(np.full(inputs.shape[1] - 1, _PENALTY), 0.0)
     weights = np.zeros(inputs.shape[1])
     for _ in range(_N_STEPS):
         probability = 1.0 / (1.0 + np.exp(-inputs @ weights))
         slope = inputs.T @ (share * (probability - is_set)) + penalty * weights
+        # A lower bound keeps the Hessian invertible for scenes that are classified with certainty.
         spread = share * np.maximum(probability * (1.0 - probability), 1e-6)
         weights -= np.linalg.solve((inputs.T * spread) @ inputs + np.diag(penalty), slope)
     return np.column_stack([(asked - middle) @ right.T, np.ones(len(asked))]) @ weights > 0

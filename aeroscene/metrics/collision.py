@@ -1,11 +1,12 @@
-"""Collision rate: how much boxes run into each other.
+"""Collision rate: the share of boxes that run into each other.
 
 The paper's collision rate is the share of ALL pairs of objects with an IoU above 0.01. It shrinks
-as objects grow in number, and it counts what belongs together: a room's box fills its building's.
-So beside it stand the share of objects in collision, the share of scenes with any, and the mean
-depth, each among all pairs, among those that are not parent and child, and among strangers, neither
-of which is the other's ancestor. And IoU is blind to a cup in a wall: the share of objects that
-reach more than a centimetre into a stranger is counted by depth.
+as the number of objects grows, and it counts objects that belong together: a room's box fills its
+building's. Three more figures stand beside it: the share of objects in collision, the share of
+scenes with any, and the mean depth. Each is measured among all pairs, among pairs that are not
+parent and child, and among strangers, neither of which is the other's ancestor. IoU also misses a
+cup in a wall, because the cup is small. Therefore objects that reach more than a centimetre into a
+stranger are counted by depth.
 
 Source: AeroScene, "Evaluation Metrics", CR.
 """
@@ -25,12 +26,12 @@ from aeroscene.scene.geometry import penetration_depth
 from aeroscene.scene.overlap import near_pairs, pair_iou
 
 MAX_IOU = 0.01
-"""The paper's: above it two boxes collide."""
+"""The paper's threshold, above which two boxes collide."""
 MAX_DEPTH_M = 0.01
-"""Deeper than this a box reaches into a stranger."""
+"""Depth above which a box reaches into a stranger."""
 
 Among = Literal["all", "not parent and child", "strangers"]
-"""Which pairs are looked at."""
+"""Pairs that are counted."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,13 +40,15 @@ class Overlaps:
 
     n_objects: int
     n_pairs: dict[Among, int]
+    """Number of pairs of each kind, overlapping or not."""
     first: Int[np.ndarray, " k"]
-    """Row of the pair's first object, below that of its second."""
+    """Row of the pair's first object, which is below that of its second."""
     second: Int[np.ndarray, " k"]
     iou: Float[np.ndarray, " k"]
     depth_m: Float[np.ndarray, " k"]
     """Least translation that parts the two, by separating axes."""
     is_among: dict[Among, Bool[np.ndarray, " k"]]
+    """Overlapping pairs that belong to each kind."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -62,11 +65,15 @@ class Collisions:
     """Objects that reach deeper than `MAX_DEPTH_M` into another."""
     n_collisions: int
     depth_sum_m: float
-    """Sum over the pairs that collide."""
+    """Sum of the depths of the pairs that collide."""
 
     @property
     def rate(self) -> float:
-        """Share of pairs with an IoU above 0.01; the mean over scenes, as the paper averages."""
+        """Share of pairs with an IoU above 0.01.
+
+        It is the mean over scenes, as in the paper, so that a large scene counts as much as a small
+        one.
+        """
         return self.rate_sum / max(self.n_scenes, 1)
 
     @property
@@ -81,22 +88,26 @@ class Collisions:
 
     @property
     def scene_share(self) -> float:
-        """Share of scenes in which any pair collides."""
+        """Share of scenes with any colliding pair."""
         return self.n_colliding_scenes / max(self.n_scenes, 1)
 
     @property
     def mean_depth_m(self) -> float:
-        """Mean penetration depth of the pairs that collide; 0 where none does."""
+        """Mean penetration depth of the pairs that collide; 0 if none does."""
         return self.depth_sum_m / max(self.n_collisions, 1)
 
 
 def collision_rate(scene: Scene) -> float:
-    """The paper's: share of all pairs of objects whose boxes have an IoU above 0.01."""
+    """Share of all pairs of objects whose boxes have an IoU above 0.01, as in the paper."""
     return collisions(overlaps(scene_arrays(scene)), "all").rate
 
 
 def overlaps(arrays: SceneArrays) -> Overlaps:
-    """Find the pairs of boxes that share volume, with their exact IoU and penetration depth."""
+    """Find the pairs of boxes that share volume, with their exact IoU and penetration depth.
+
+    Depth is computed first, because it is cheap and leaves out all pairs that only lie near each
+    other.
+    """
     p, q, s = arrays.centre_enu_m, arrays.quat_wxyz, arrays.size_m
     first, second = near_pairs(p, q, s)
     depth_m = penetration_depth(p[first], q[first], s[first], p[second], q[second], s[second])
@@ -109,6 +120,7 @@ def overlaps(arrays: SceneArrays) -> Overlaps:
         n_objects=arrays.n_objects,
         n_pairs={
             "all": n_all,
+            # Every object but a root has exactly one parent.
             "not parent and child": n_all - (arrays.n_objects - n_roots),
             "strangers": n_all - int(arrays.is_ancestor.sum()),
         },
@@ -118,7 +130,7 @@ def overlaps(arrays: SceneArrays) -> Overlaps:
         depth_m=depth_m,
         is_among={
             "all": np.ones(len(first), dtype=bool),
-            # Parents come before their children.
+            # Parents come before their children, so the second of a pair can only be the child.
             "not parent and child": arrays.parent[second] != first,
             "strangers": ~arrays.is_ancestor[first, second],
         },
@@ -126,7 +138,12 @@ def overlaps(arrays: SceneArrays) -> Overlaps:
 
 
 def collisions(found: Overlaps, among: Among) -> Collisions:
-    """Count what collides among the pairs of a kind."""
+    """Count the collisions among the pairs of a kind.
+
+    Args:
+        found: Overlapping pairs of a scene.
+        among: Kind of pairs to count.
+    """
     looked_at = found.is_among[among]
     is_colliding = looked_at & (found.iou > MAX_IOU)
     is_deep = looked_at & (found.depth_m > MAX_DEPTH_M)
@@ -148,6 +165,9 @@ def _n_objects(found: Overlaps, is_pair: np.ndarray) -> int:
 
 
 def total(parts: Sequence[Collisions]) -> Collisions:
-    """Sums over several scenes."""
+    """Add up the counts of several scenes.
+
+    Shares of the sum weigh scenes by their objects, except `rate`, which is a mean over scenes.
+    """
     names = [field.name for field in fields(Collisions)]
     return Collisions(**{name: sum(getattr(part, name) for part in parts) for name in names})

@@ -1,11 +1,11 @@
-"""Groups of scenes side by side: every figure of this package, one column a group.
+"""Groups of scenes side by side: every figure of this package, one column for each group.
 
     reference = Reference.of(train, test)
     for row in comparison_table({"test": test, "generated": scenes}, reference, rng):
         print(row.title, row.values)
 
-Real scenes belong in every such table, as many as are judged: the test split, and a part of the
-training split, which shows what a figure says of scenes that could not be better.
+Real scenes belong in every such table, as many as there are judged scenes: the test split, and a
+part of the training split. They show the value of each figure for scenes that could not be better.
 """
 
 from __future__ import annotations
@@ -39,11 +39,12 @@ from aeroscene.scene import Scene
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Reference:
-    """Reference that scenes are judged by, made once: four seconds for 812 and 204 scenes."""
+    """Reference by which scenes are judged, made once: four seconds for 812 and 204 scenes."""
 
     neighbours: NeighbourFrequencies
-    """Neighbours in training."""
+    """Frequencies of neighbours in training."""
     training: Sketches
+    """Layouts of training, for distances to them."""
     known: KnownSkeletons
     """Skeletons of training."""
     features: Float[np.ndarray, "n f"]
@@ -60,7 +61,13 @@ class Reference:
         test: Sequence[Scene],
         neighbours: NeighbourFrequencies | None = None,
     ) -> Reference:
-        """Look at both splits of the corpus; `neighbours` are of training, if known already."""
+        """Measure both splits of the corpus.
+
+        Args:
+            train: Training split, against which copies and neighbours are judged.
+            test: Test split, against which distributions are judged.
+            neighbours: Frequencies of training, if they are known already.
+        """
         trained = [scene_arrays(scene) for scene in train]
         tested = [scene_arrays(scene) for scene in test]
         training = sketches_of([layout_of(scene) for scene in train])
@@ -90,11 +97,16 @@ class Figures:
     nearness: Nearness
     recurrence: Recurrence
     places: Mapping[str, float]
-    """Figures of the checks of places under their keys; nan where a check judges nothing."""
+    """Figures of the checks of places under their keys; nan if a check judges nothing."""
 
 
 def figures_of(scenes: Sequence[Scene], reference: Reference, rng: np.random.Generator) -> Figures:
-    """Measure a group of five or more scenes; `rng` draws bootstraps, permutations and folds.
+    """Measure a group of scenes.
+
+    Args:
+        scenes: Five scenes or more.
+        reference: Reference by which they are judged.
+        rng: Draws bootstraps, permutations and folds.
 
     Raises:
         TooFewScenesError: If there are fewer.
@@ -136,12 +148,12 @@ class ComparisonRow:
     title: str
     unit: str
     better: Better | None
-    """None where it is best when it is as with real scenes."""
+    """Direction of better values; None if the value of real scenes is best."""
     values: Mapping[str, float]
-    """Figures under the names of the groups; nan where a check of places judges nothing."""
+    """Figures under the names of the groups; nan if a check of places judges nothing."""
 
 
-# key, title, unit, which is better, the figure
+# Key, title, unit, direction of better values, and the figure.
 _ROWS: tuple[tuple[str, str, str, Better | None, Callable[[Figures], float]], ...] = (
     ("collision_rate", "collision rate, all pairs", "%", "lower",
      lambda f: 100 * f.collisions["all"].rate),
@@ -207,10 +219,13 @@ def comparison_table(
     rng: np.random.Generator,
     on_group: Callable[[str], object] = lambda _: None,
 ) -> tuple[ComparisonRow, ...]:
-    """The rows for these groups of scenes, of five or more each; a second for 64 scenes.
+    """Return the rows for groups of scenes; 64 scenes take a second.
 
-    Groups are under the names of their columns, with which `on_group` is called before each; `rng`
-    draws bootstraps, permutations and folds.
+    Args:
+        groups: Groups of five scenes or more, under the names of their columns.
+        reference: Reference by which they are judged.
+        rng: Draws bootstraps, permutations and folds.
+        on_group: Called with the name of each group before it is measured.
 
     Raises:
         TooFewScenesError: If a group is too small.
@@ -223,7 +238,7 @@ def comparison_table(
 
 
 def comparison_rows(figures: Mapping[str, Figures]) -> tuple[ComparisonRow, ...]:
-    """The rows for groups that are measured already."""
+    """Return the rows for groups that are measured already."""
     return tuple(
         ComparisonRow(
             key=key,

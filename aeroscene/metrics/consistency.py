@@ -1,14 +1,14 @@
-"""Coarse-to-fine consistency: whether fine objects are where their coarse regions are.
+"""Coarse-to-fine consistency: the distance of fine objects from their coarse regions.
 
 The paper averages "the normalized distance between fine placements and their assigned coarse
-regions", and leaves open what is normalised and how. Two readings:
+regions", and leaves open the region and the norm. There are two readings:
 
-- `centroid`, after the paper's guidance: the region is the coarse object whose centre is nearest,
-  the distance is to its centroid, in units of the region's half diagonal. It is least when all
-  fine objects sit in the middle of things, so it says little alone.
-- `border`, ours: the region is the nearest coarse ancestor (as above, where there is none), the
-  distance is how far the object's centre lies beyond the region's outline seen from above, in
-  units of the outline's half diagonal. It is 0 where everything is where it belongs.
+- `centroid`, after the paper's guidance. The region is the coarse object whose centre is nearest.
+  The distance is to its centroid, in units of the region's half diagonal. It is least if all fine
+  objects sit in the middle of their regions, so it says little alone.
+- `border`, ours. The region is the nearest coarse ancestor (if there is none, as above). The
+  distance is how far the object's centre lies beyond the region's outline seen from above, in units
+  of the outline's half diagonal. It is 0 if everything is where it belongs.
 
 `astray_share` counts the fine objects whose centres are more than a centimetre outside.
 
@@ -27,6 +27,7 @@ from jaxtyping import Float
 from aeroscene.metrics.arrays import NO_PARENT, SceneArrays, scene_arrays
 from aeroscene.scene import Scene
 
+# Objects on the border, and rounding, do not count as outside.
 _ASTRAY_M = 0.01
 
 
@@ -43,18 +44,21 @@ class Consistency:
 
 
 def coarse_to_fine_consistency(scene: Scene) -> Consistency:
-    """Consistency of one scene; zeros where there is no fine object."""
+    """Return the consistency of one scene.
+
+    A scene without fine objects has zeros; a scene without coarse ones is one region as a whole.
+    """
     return consistency(scene_arrays(scene))
 
 
 def consistency(arrays: SceneArrays) -> Consistency:
-    """Consistency of a scene's arrays, see `coarse_to_fine_consistency`."""
+    """Return the consistency of a scene's arrays, see `coarse_to_fine_consistency`."""
     fine = np.flatnonzero(~arrays.is_coarse)
     if not len(fine):
         return Consistency(centroid=0.0, border=0.0, astray_share=0.0)
     centres, sizes, yaws_rad = _regions(arrays)
     nearest, apart_m = _nearest(arrays, fine, centres)
-    # Row of each fine object's region among the coarse ones.
+    # Row of each fine object's region, counted among the coarse objects alone.
     own = np.cumsum(arrays.is_coarse)[arrays.region[fine]] - 1
     own = np.where(arrays.region[fine] == NO_PARENT, nearest, own)
     outside_m = _outside(arrays, fine, centres[own], sizes[own], yaws_rad[own])
@@ -66,7 +70,7 @@ def consistency(arrays: SceneArrays) -> Consistency:
 
 
 def mean_consistency(parts: Sequence[Consistency]) -> Consistency:
-    """Means over scenes."""
+    """Average consistencies over scenes, each scene alike."""
     return Consistency(
         centroid=fmean(part.centroid for part in parts),
         border=fmean(part.border for part in parts),
@@ -75,7 +79,7 @@ def mean_consistency(parts: Sequence[Consistency]) -> Consistency:
 
 
 def _regions(arrays: SceneArrays) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Centre, size and yaw of the coarse objects; a scene without any is one region."""
+    """Return centre, size and yaw of the coarse objects; a scene without any is one region."""
     low, high = arrays.extent_enu_m
     coarse = np.flatnonzero(arrays.is_coarse)
     if not len(coarse):
@@ -86,7 +90,7 @@ def _regions(arrays: SceneArrays) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 def _nearest(
     arrays: SceneArrays, fine: np.ndarray, centres: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Which region's centre is nearest to each fine object, and how far."""
+    """Return the region with the nearest centre for each fine object, and its distance."""
     apart = np.linalg.norm(arrays.centre_enu_m[fine, None] - centres, axis=-1)
     return apart.argmin(axis=1), apart.min(axis=1)
 
@@ -94,7 +98,7 @@ def _nearest(
 def _outside(
     arrays: SceneArrays, fine: np.ndarray, centre: np.ndarray, size: np.ndarray, yaw_rad: np.ndarray
 ) -> Float[np.ndarray, " f"]:
-    """Distance in the plane of objects' centres beyond their regions' outlines, m."""
+    """Horizontal distance of objects' centres beyond their regions' outlines, m."""
     east, north = (arrays.centre_enu_m[fine] - centre)[:, :2].T
     cos, sin = np.cos(yaw_rad), np.sin(yaw_rad)
     local = np.stack([cos * east + sin * north, cos * north - sin * east], axis=1)

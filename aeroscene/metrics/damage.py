@@ -1,9 +1,9 @@
-"""Scenes damaged on purpose, in known order: what a figure is worth is whether it sees it.
+"""Scenes damaged on purpose, in known order, to test the figures themselves.
 
     damaged = DAMAGES["jitter_0.3"](scene, rng)
 
-A figure that does not rise from a milder to a worse damage of one kind does not measure what it is
-called after; docs/metrics.md has the table.
+A figure that does not rise from a milder to a worse damage of one kind does not measure what its
+name says. docs/metrics.md has the table.
 """
 
 from __future__ import annotations
@@ -21,16 +21,22 @@ from aeroscene.scene.box import quat_from_yaw
 from aeroscene.scene.catalogue import CATALOGUE, SEATS
 
 Damage = Callable[[Scene, np.random.Generator], Scene]
-"""From a scene to the same with some of its objects changed, without areas."""
+"""Function from a scene to the same scene with some objects changed, without areas."""
 
+# Share of the chairs that are turned, and the least angle: a quarter turn is plainly wrong.
 _CHAIRS_TURNED = 0.5
 _LEAST_TURN_RAD = math.pi / 2
 
 
 def jittered(scene: Scene, rng: np.random.Generator, *, spread_m: float) -> Scene:
-    """Every object off its place relative to its parent by a Gaussian along each axis.
+    """Displace every object relative to its parent by a Gaussian along each axis.
 
-    Children move along.
+    Children move along with their parents.
+
+    Args:
+        scene: The scene.
+        rng: Source of the displacements.
+        spread_m: Standard deviation along each axis.
     """
     scene = level(scene)
     shift_m: dict[int | None, np.ndarray] = {None: np.zeros(3)}
@@ -40,7 +46,12 @@ def jittered(scene: Scene, rng: np.random.Generator, *, spread_m: float) -> Scen
 
 
 def relabelled(scene: Scene, rng: np.random.Generator) -> Scene:
-    """Categories exchanged at random among the objects of a level, boxes as they were."""
+    """Exchange categories at random among the objects of a level; boxes stay.
+
+    Args:
+        scene: The scene.
+        rng: Source of the exchange.
+    """
     scene = level(scene)
     category = np.array([obj.category_id for obj in scene.objects])
     is_coarse = np.array([CATALOGUE[number].level == "coarse" for number in category.tolist()])
@@ -48,12 +59,12 @@ def relabelled(scene: Scene, rng: np.random.Generator) -> Scene:
         rows = np.flatnonzero(is_coarse == is_first)
         category[rows] = category[rng.permutation(rows)]
     pairs = zip(scene.objects, category.tolist(), strict=True)
-    # Attributes say what shape a category has, so they go with it.
+    # Attributes belong to the shape of a category, so they are removed.
     return _with(scene, [replace(obj, category_id=number, attributes={}) for obj, number in pairs])
 
 
 def spun(scene: Scene, rng: np.random.Generator) -> Scene:
-    """Every object turned about its own vertical by any angle."""
+    """Turn every object about its own vertical by any angle."""
     scene = level(scene)
     angles = rng.uniform(-math.pi, math.pi, len(scene.objects)).tolist()
     pairs = zip(scene.objects, angles, strict=True)
@@ -63,10 +74,17 @@ def spun(scene: Scene, rng: np.random.Generator) -> Scene:
 def with_chairs_turned(
     scene: Scene, rng: np.random.Generator, *, share: float = _CHAIRS_TURNED
 ) -> Scene:
-    """A share of the chairs turned about their own vertical by a quarter or more."""
+    """Turn a share of the chairs about their own vertical by a quarter turn or more.
+
+    Args:
+        scene: The scene.
+        rng: Chooses the chairs and their angles.
+        share: Share of the chairs that are turned.
+    """
     scene = level(scene)
     chairs = [row for row, obj in enumerate(scene.objects) if obj.category in SEATS]
     rows = set(rng.permutation(chairs)[: round(share * len(chairs))].tolist())
+    # From a quarter turn to one before the full turn: never nearly as before.
     angles = rng.uniform(_LEAST_TURN_RAD, 2 * math.pi - _LEAST_TURN_RAD, len(scene.objects))
     return _with(
         scene,
@@ -85,7 +103,7 @@ DAMAGES: Mapping[str, Damage] = {
     "random_yaw": spun,
     "shuffled_categories": relabelled,
 }
-"""By name; jitter in metres."""
+"""Damages by name; jitter in metres."""
 
 
 def _with(scene: Scene, objects: list[SceneObject]) -> Scene:

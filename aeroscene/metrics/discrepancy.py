@@ -3,9 +3,10 @@
     MMD^2 = mean k(x, x') + mean k(y, y') - 2 mean k(x, y)      over pairs of different scenes
 
 k is the mean of three Gaussian kernels whose widths are 1/2, 1 and 2 of the median distance within
-the reference. It is unbiased: 0 on average where both sets are drawn alike, and then below zero as
-often as above. Its noise comes from resampling the scenes (bootstrap), and is up to twice too wide
-where the sets are alike; its floor comes from exchanging scenes between the sets (permutations).
+the reference. The estimate is unbiased: if both sets are drawn alike it is 0 on average, and below
+zero as often as above. Its noise comes from resampling the scenes (bootstrap), and is up to twice
+too wide if the sets are alike. Its floor comes from exchanging scenes between the sets
+(permutations).
 
 Coverage is the share of reference scenes that have a scene of the set among their nearest: within
 the distance of their fifth nearest reference scene.
@@ -23,12 +24,13 @@ from jaxtyping import Float
 
 _WIDTHS = (0.5, 1.0, 2.0)
 N_NEAREST = 5
+# Draws of the bootstrap and of the permutations.
 _N_DRAWS = 200
 _FLOOR_QUANTILE = 0.95
 
 
 class TooFewScenesError(ValueError):
-    """A set too small for a figure about its distribution."""
+    """A set is too small for a figure about its distribution."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -36,6 +38,7 @@ class Discrepancy:
     """Squared maximum mean discrepancy of two sets."""
 
     mmd: float
+    """Unbiased estimate, which may be negative."""
     noise: float
     """Standard error of `mmd`, rather too wide near zero."""
     floor: float
@@ -45,15 +48,21 @@ class Discrepancy:
 def squared_distances(
     first: Float[np.ndarray, "n f"], second: Float[np.ndarray, "m f"]
 ) -> Float[np.ndarray, "n m"]:
-    """Squared distance of every row of one from every row of the other."""
+    """Return the squared distance of every row of one array from every row of another."""
     square = (first**2).sum(axis=1)[:, None] + (second**2).sum(axis=1)
+    # Rounding can make the difference of large squares negative.
     return np.maximum(square - 2.0 * first @ second.T, 0.0)
 
 
 def discrepancy(
     scenes: Float[np.ndarray, "n f"], reference: Float[np.ndarray, "m f"], rng: np.random.Generator
 ) -> Discrepancy:
-    """MMD of two sets of `aeroscene.metrics.features`, with its noise and its floor.
+    """Return the MMD of two sets of `aeroscene.metrics.features`, with its noise and its floor.
+
+    Args:
+        scenes: Features of the set.
+        reference: Features of the reference.
+        rng: Draws bootstraps and permutations.
 
     Raises:
         TooFewScenesError: If a set has fewer than two scenes.
@@ -77,15 +86,17 @@ def _enough(points: np.ndarray) -> int:
 
 
 def _resampled(count: int, rng: np.random.Generator) -> Float[np.ndarray, "draws n"]:
-    """Number of times each scene is drawn, with replacement; two different ones at least."""
+    """Number of times each scene is drawn with replacement, at least two different ones."""
     times = rng.multinomial(count, np.full(count, 1 / count), _N_DRAWS).astype(float)
-    # One scene many times over has no distance within: it gives way to all of them.
+    # One scene many times over has no pairs of different scenes; such a draw takes every scene
+    # once.
     return np.where((times > 0).sum(axis=1, keepdims=True) > 1, times, 1.0)
 
 
 def layout_kernel(points: np.ndarray, reference: np.ndarray) -> Float[np.ndarray, "k k"]:
-    """Kernel of all points with each other, its widths told by the reference."""
+    """Return the kernel of all points with each other; the reference decides its widths."""
     within = squared_distances(reference, reference)[np.triu_indices(len(reference), 1)]
+    # Equal reference scenes would give a width of 0.
     median = max(float(np.median(within)), 1e-12)
     apart = squared_distances(points, points)
     return np.mean([np.exp(-apart / (2.0 * width**2 * median)) for width in _WIDTHS], axis=0)
@@ -112,7 +123,7 @@ def squared_mmd(
 
 
 def _mean_within(kernel: np.ndarray, weight: np.ndarray) -> np.ndarray:
-    """Mean over pairs of different scenes: one that is drawn twice is no pair with itself."""
+    """Mean over pairs of different scenes; a scene that is drawn twice is no pair with itself."""
     of_itself = (weight**2) @ kernel.diagonal()
     total = ((weight @ kernel) * weight).sum(axis=1) - of_itself
     return total / (weight.sum(axis=1) ** 2 - (weight**2).sum(axis=1))
@@ -120,6 +131,10 @@ def _mean_within(kernel: np.ndarray, weight: np.ndarray) -> np.ndarray:
 
 def coverage(scenes: Float[np.ndarray, "n f"], reference: Float[np.ndarray, "m f"]) -> float:
     """Share of reference scenes with a scene of the set as near as their fifth nearest.
+
+    Args:
+        scenes: Features of the set.
+        reference: Features of the reference.
 
     Raises:
         TooFewScenesError: If a set has fewer than two scenes.

@@ -1,7 +1,7 @@
-"""Displacement of objects from raw to feasible scenes: how many were moved, dropped, resized.
+"""Displacement of objects from raw to feasible scenes: moved, dropped and resized objects.
 
-Objects are recognised by their ids. What is measured is the scenes themselves, not what the
-projection says of them.
+Objects are recognised by their ids. The scenes themselves are measured, and not the projection's
+own report, so that a fault of the report cannot hide.
 """
 
 from __future__ import annotations
@@ -15,11 +15,12 @@ from jaxtyping import Float
 from aeroscene.landform import level
 from aeroscene.scene import Scene
 
+# Smaller changes are rounding.
 _MOVED_M = 0.01
 
 
 class UnlikeScenesError(ValueError):
-    """A scene with objects that the scene it was made from has not."""
+    """A scene has objects that the scene it was made from does not have."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -27,7 +28,7 @@ class Displacement:
     """Figures over all objects of all scenes together."""
 
     median_m: float
-    """Median distance of an object's centres before and after; dropped ones do not count."""
+    """Median distance between an object's centres before and after; dropped ones do not count."""
     mean_m: float
     p95_m: float
     moved_share: float
@@ -35,14 +36,14 @@ class Displacement:
     resized_share: float
     """Share of objects whose extent changed by more than a centimetre."""
     dropped_share: float
-    """Share of objects that are there no more."""
+    """Share of objects that are gone."""
 
 
 def displacement(before: Sequence[Scene], after: Sequence[Scene]) -> Displacement:
-    """Compare scenes with what became of them on flat ground, in the same order.
+    """Compare raw scenes with their feasible results, both on flat ground, in the same order.
 
     Raises:
-        UnlikeScenesError: If an object appears from nowhere or changed its category.
+        UnlikeScenesError: If an object appears from nowhere or changes its category.
     """
     pairs = [_pairs(level(one), level(two)) for one, two in zip(before, after, strict=True)]
     none = np.zeros(0)
@@ -63,7 +64,7 @@ def displacement(before: Sequence[Scene], after: Sequence[Scene]) -> Displacemen
 def _pairs(
     before: Scene, after: Scene
 ) -> tuple[Float[np.ndarray, "2 n 3"], Float[np.ndarray, "2 n 3"]]:
-    """Centres and sizes, before and after, of the objects that are still there."""
+    """Return centres and sizes, before and after, of the objects that are still there."""
     known = before.object_by_id
     for obj in after.objects:
         if obj.id not in known or known[obj.id].category_id != obj.category_id:

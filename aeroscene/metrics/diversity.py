@@ -1,24 +1,23 @@
 """Diversity of layouts: distance between two of them, and entropy of their categories.
 
 The distance from layout A to layout B is the cost of turning one into the other. Each object of a
-layout of n has a share 1/n of it. Shares of a category that both have move from where A has them
-to where B does; what is left over is taken away on one side and put down on the other:
+layout of n has a share 1/n of it. Shares of a category that both have move from their places in A
+to those in B. The rest is taken away on one side and put down on the other:
 
     d(A, B) = 1 - sum over c of min(a_c, b_c) + min over g of sum over c of min(a_c, b_c) W_c(A, gB)
 
-| symbol | name | unit |
-|---|---|---|
-| a_c, b_c | share of category c among the objects of A, of B | - |
-| W_c | transport distance between the centres of category c | layout radii |
-| g | the eight symmetries of the square: quarter turns and mirror images | - |
+    symbol    name                                                                unit
+    a_c, b_c  share of category c among the objects of A, of B                    -
+    W_c       transport distance between the centres of category c                layout radii
+    g         the eight symmetries of the square: quarter turns and mirror images -
 
 Centres are taken relative to their mean in the plane and to their lowest, and divided by the
-layout's radius: the root mean square of their distance from the mean. So the unit is the radius;
-replacing everything costs 1, and a layout that is scaled, shifted, turned by a quarter or mirrored
-is the same layout. W_c is the sliced 1-Wasserstein distance: the mean over four directions in the
-plane of the distance between the quantiles of the projections, times pi/2 so that a mere shift
-costs about its length, plus that of the heights. Between sets, compare only figures of equally
-many layouts: neighbours are nearer where there are more.
+layout's radius: the root mean square of their distance from the mean. So the unit is the radius.
+Replacing everything costs 1, and a layout that is scaled, shifted, turned by a quarter or mirrored
+counts as the same layout. W_c is the sliced 1-Wasserstein distance: the mean over four directions
+in the plane of the distance between the quantiles of the projections, times pi/2 so that a mere
+shift costs about its length, plus that of the heights. Between sets, compare only figures of
+equally many layouts: neighbours are nearer where there are more.
 """
 
 from __future__ import annotations
@@ -34,12 +33,14 @@ from jaxtyping import Float, Int
 from aeroscene.landform import level
 from aeroscene.scene import Scene
 
+# Four directions are closed under the symmetries of the square.
 _ANGLES_RAD = np.pi * np.arange(4) / 4
 _DIRECTIONS = np.column_stack([np.cos(_ANGLES_RAD), np.sin(_ANGLES_RAD)])
+# Quantiles of a category's projections, midway in their bins.
 _N_QUANTILES = 8
 _SHARES = (np.arange(_N_QUANTILES) + 0.5) / _N_QUANTILES
 _LEAST_RADIUS_M = 1e-3
-"""A layout of one object has no radius."""
+"""Least radius, because a layout of one object has none."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -52,7 +53,7 @@ class Layout:
 
 
 def layout_of(scene: Scene) -> Layout:
-    """The layout of a scene of ours, on flat ground."""
+    """Return the layout of a scene of ours, on flat ground."""
     scene = level(scene)
     return Layout(
         scene.scene_id,
@@ -62,13 +63,13 @@ def layout_of(scene: Scene) -> Layout:
 
 
 def category_names(layouts: Sequence[Layout]) -> list[str]:
-    """Names of all categories that appear."""
+    """Return the names of all categories that appear, sorted."""
     return sorted({name for layout in layouts for name in layout.categories})
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sketches:
-    """All that the distance reads of some layouts, taken once and compared often."""
+    """All that the distance reads of some layouts, computed once and compared often."""
 
     shares: Mapping[str, Float[np.ndarray, " n"]]
     """Share of a category among the objects of each layout."""
@@ -88,7 +89,7 @@ class _Places:
 
 
 def sketches_of(layouts: Sequence[Layout]) -> Sketches:
-    """Take the sketches of layouts."""
+    """Compute the sketches of layouts."""
     names = category_names(layouts)
     shares = dict(zip(names, _category_shares(layouts, names).T, strict=True))
     frames = [_in_own_frame(layout.centres_m) for layout in layouts]
@@ -109,11 +110,15 @@ def layout_distances(
 ) -> Float[np.ndarray, "n n"]:
     """Distance of every layout from every other, in layout radii; symmetric, zero diagonal.
 
-    For 1,016 layouts of 150 objects it takes about ten seconds; `on_category` is called after each
-    of `category_names`.
+    For 1,016 layouts of 150 objects it takes about ten seconds.
+
+    Args:
+        layouts: The layouts.
+        on_category: Called after each of `category_names`, to show progress.
     """
     sketches = sketches_of(layouts)
     distances = distances_between(sketches, sketches, on_category)
+    # The symmetry is minimised for one layout of each pair, so rounding may differ by direction.
     distances = np.minimum(distances, distances.T)
     np.fill_diagonal(distances, 0.0)
     return distances
@@ -122,9 +127,14 @@ def layout_distances(
 def distances_between(
     first: Sketches, second: Sketches, on_category: Callable[[], object] = lambda: None
 ) -> Float[np.ndarray, "n m"]:
-    """Distance of every layout of one set from every one of another, in layout radii.
+    """Distance of every layout of one set from every layout of another, in layout radii.
 
-    For 64 against 812 it takes a second; `on_category` is called after each category of the first.
+    For 64 against 812 layouts it takes a second.
+
+    Args:
+        first: Sketches of the one set.
+        second: Sketches of the other.
+        on_category: Called after each category of the first, to show progress.
     """
     moved = np.zeros((8, first.count, second.count))
     kept = np.zeros((first.count, second.count))
@@ -136,6 +146,7 @@ def distances_between(
             corner = np.ix_(here.has, there.has)
             moved[:, *corner] += share[corner] * _transport(here, there)
         on_category()
+    # The symmetry is chosen for the layout as a whole, not for each category.
     return np.maximum(moved.min(axis=0) + 1.0 - kept, 0.0)
 
 
@@ -164,7 +175,7 @@ def _transport(first: _Places, second: _Places) -> Float[np.ndarray, "8 k l"]:
 
 
 def _quantiles(values: np.ndarray) -> np.ndarray:
-    """(quantiles, columns) of (n, columns), midway between ranks as Hazen has them."""
+    """Return (quantiles, columns) of (n, columns), midway between ranks (Hazen's rule)."""
     ranked = np.sort(values, axis=0)
     position = np.clip(_SHARES * len(values) - 0.5, 0.0, len(values) - 1.0)
     below = position.astype(int)
@@ -181,13 +192,13 @@ def _mean_difference(first: np.ndarray, second: np.ndarray) -> np.ndarray:
 
 
 def _symmetries() -> list[tuple[np.ndarray, np.ndarray]]:
-    """The square's: which direction each direction is seen as, and whether from behind."""
+    """Return the direction that each direction is seen as, and True if not from behind."""
     result = []
     for mirror in (1.0, -1.0):
         for quarter in range(4):
             c, s = round(math.cos(quarter * math.pi / 2)), round(math.sin(quarter * math.pi / 2))
             turn = np.array([[c, -s], [s, c]]) @ np.diag([mirror, 1.0])
-            # A point projects on u after the turn as it does on turn^T u before it.
+            # A point projects on u after the turn as it projects on turn^T u before it.
             alike = (_DIRECTIONS @ turn) @ _DIRECTIONS.T
             order = np.abs(alike).argmax(axis=1)
             result.append((order, alike[np.arange(4), order] > 0))
@@ -195,13 +206,21 @@ def _symmetries() -> list[tuple[np.ndarray, np.ndarray]]:
 
 
 def _under(quantiles: np.ndarray, order: np.ndarray, is_ahead: np.ndarray) -> np.ndarray:
-    """(n, quantiles, directions) of the same points turned."""
+    """Return (n, quantiles, directions) of the same points after a symmetry."""
     seen = quantiles[:, :, order]
+    # Seen from behind, quantiles change their sign and thereby their order.
     return np.where(is_ahead, seen, -seen[:, ::-1])
 
 
 def nearest(distances: Float[np.ndarray, "n n"]) -> tuple[np.ndarray, np.ndarray]:
-    """Distance of each layout to the nearest other one, and which that is."""
+    """Find the nearest other layout of each layout.
+
+    Args:
+        distances: Distances of all pairs.
+
+    Returns:
+        Distance to the nearest one, and its number.
+    """
     others = distances + np.diag(np.full(len(distances), np.inf))
     index = others.argmin(axis=1)
     return others[np.arange(len(others)), index], index
@@ -210,7 +229,10 @@ def nearest(distances: Float[np.ndarray, "n n"]) -> tuple[np.ndarray, np.ndarray
 def mean_nearest_among(
     distances: Float[np.ndarray, "n n"], count: int, rng: np.random.Generator, n_draws: int = 50
 ) -> float:
-    """Mean distance to the nearest other layout among `count` of them, averaged over draws."""
+    """Mean distance to the nearest other layout among `count` of them, averaged over draws.
+
+    Sets of different sizes can be compared by it, because neighbours are nearer in larger sets.
+    """
     means = []
     for _ in range(n_draws):
         chosen = rng.choice(len(distances), count, replace=False)
@@ -219,8 +241,9 @@ def mean_nearest_among(
 
 
 def category_entropy_bits(layouts: Sequence[Layout]) -> float:
-    """Shannon entropy of the category of an object drawn from all layouts together."""
+    """Shannon entropy of the category of an object drawn from all layouts together, bits."""
     counts = Counter(name for layout in layouts for name in layout.categories)
     share = np.array(list(counts.values()), dtype=float)
     share /= max(share.sum(), 1.0)
+    # Adding zero turns -0.0 into 0.0.
     return float(-(share * np.log2(share)).sum()) + 0.0

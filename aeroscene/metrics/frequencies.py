@@ -2,9 +2,10 @@
 
     KL(reference || scenes) = sum over x of p(x) log p(x) / q(x)      nats
 
-p is the share of x among the reference scenes, q among the judged ones, each with half a count more
-of every x (Jeffreys), so that what is absent costs much and not everything. Of few scenes the
-divergence is above zero even where nothing differs: read it beside that of as many real ones.
+p is the share of x among the reference scenes, q among the judged ones. Each x counts half an
+occurrence more in both (Jeffreys), so that an absent category costs much but not infinitely much.
+For few scenes the divergence is above zero even if nothing differs: read it beside that of equally
+many real ones.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from jaxtyping import Float
 
 from aeroscene.metrics.arrays import N_CATEGORIES, SceneArrays
 
+# Jeffreys' prior.
 _PRIOR_COUNT = 0.5
 
 
@@ -27,9 +29,10 @@ class Frequencies:
     category: Float[np.ndarray, " c"]
     """Objects of each category."""
     cooccurrence: Float[np.ndarray, " pairs"]
-    """Scenes in which both categories of a pair appear; a category with itself: at least twice."""
+    """Scenes in which both categories of a pair appear; a category with itself counts if it appears
+    at least twice."""
     hierarchy: Float[np.ndarray, " pairs"]
-    """Objects of a category by that of their parent; the last is none."""
+    """Objects of a category by the category of their parent; the last one is "no parent"."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -42,7 +45,7 @@ class Divergences:
 
 
 def frequencies(scenes: Sequence[SceneArrays]) -> Frequencies:
-    """Count what scenes hold, what they hold together, and what carries what."""
+    """Count categories, pairs of categories in a scene, and pairs of child and parent."""
     upper = np.triu_indices(N_CATEGORIES)
     category = np.zeros(N_CATEGORIES)
     together = np.zeros((N_CATEGORIES, N_CATEGORIES))
@@ -51,6 +54,7 @@ def frequencies(scenes: Sequence[SceneArrays]) -> Frequencies:
         counts = np.bincount(arrays.category, minlength=N_CATEGORIES)
         category += counts
         present = (counts > 0).astype(float)
+        # The diagonal asks for two objects of the category.
         together += np.outer(present, present) - np.diag(present) + np.diag(counts > 1)
         carriers = np.where(arrays.parent < 0, N_CATEGORIES, arrays.category[arrays.parent])
         np.add.at(carried, (arrays.category, carriers), 1.0)
@@ -58,7 +62,10 @@ def frequencies(scenes: Sequence[SceneArrays]) -> Frequencies:
 
 
 def divergences(scenes: Frequencies, reference: Frequencies) -> Divergences:
-    """KL(reference || scenes) of all three."""
+    """Return KL(reference || scenes) of all three counts.
+
+    The direction punishes what the reference has and the scenes lack.
+    """
     return Divergences(
         category=kl_divergence(reference.category, scenes.category),
         cooccurrence=kl_divergence(reference.cooccurrence, scenes.cooccurrence),
@@ -69,9 +76,9 @@ def divergences(scenes: Frequencies, reference: Frequencies) -> Divergences:
 def kl_divergence(
     reference_counts: Float[np.ndarray, " n"], counts: Float[np.ndarray, " n"]
 ) -> float:
-    """KL divergence of the shares of `counts` from those of the reference, nats; 0 where equal.
+    """KL divergence of the shares of `counts` from those of the reference, nats; 0 if equal.
 
-    What appears in neither is left out.
+    Entries that appear in neither are left out.
     """
     appears = (reference_counts > 0) | (counts > 0)
     if not appears.any():

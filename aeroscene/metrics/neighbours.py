@@ -1,12 +1,14 @@
 """Neighbours of objects and their relations: the displacement r_ij of the paper, in bins.
 
-Of every object the eight nearest others, by their centres. The displacement is seen from the first:
-how far in the plane, in which direction from its heading, how much higher. Bins are narrow near it,
-so that a chair in line with its desk and a cup level with its table are told from almost so.
+Each object has its eight nearest others, by their centres. The displacement is seen from the
+object: distance in the plane, direction from its heading, and height. Bins are narrow near it, so
+that a chair in line with its desk and a cup level with its table differ from those that are almost
+so.
 
-What nobody sees is left out. Of things that look the same after half a turn the data set says which
-of two headings is written: walls of the corpus face either way, those of 3D-FRONT outwards. Of
-centres on top of each other, as a room's and its roof's, rounding says the direction.
+Invisible differences are removed. An object that looks the same after half a turn has two
+equivalent headings, and the choice is the data set's: walls of the corpus face either way, those of
+3D-FRONT outwards. If one centre is on top of another, as a room's and its roof's, the direction is
+only rounding.
 """
 
 from __future__ import annotations
@@ -31,21 +33,23 @@ N_PLACES = N_DISTANCES * N_HEIGHTS * N_DIRECTIONS
 _IS_TWO_SIDED = np.array([CATALOGUE[i].name in TWO_SIDED for i in sorted(CATALOGUE)])
 _HALF = N_DIRECTIONS // 2
 _ON_TOP_M = 0.01
-"""Distance in the plane below which one centre is on top of the other: it counts as ahead."""
+"""Distance in the plane below which one centre is on top of the other; it then counts as ahead."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Neighbours:
-    """Ordered pairs of neighbours, of each object as many."""
+    """Ordered pairs of neighbours, equally many for each object."""
 
     first: Int[np.ndarray, " k"]
-    """Row of the object whose neighbour it is."""
+    """Row of the object that has the neighbour."""
     second: Int[np.ndarray, " k"]
+    """Row of the neighbour."""
     distance: Int[np.ndarray, " k"]
     """Bin of the displacement's length in the plane."""
     height: Int[np.ndarray, " k"]
+    """Bin of its height above the first."""
     direction: Int[np.ndarray, " k"]
-    """Sector as seen from the first: 0 is straight ahead, counter-clockwise."""
+    """Sector of the second as seen from the first: 0 is straight ahead, counter-clockwise."""
     heading: Int[np.ndarray, " k"]
     """Sector of the second's heading as seen from the first."""
 
@@ -56,7 +60,10 @@ class Neighbours:
 
 
 def neighbours_of(arrays: SceneArrays) -> Neighbours:
-    """The nearest neighbours of every object of a scene."""
+    """Find the nearest neighbours of every object of a scene.
+
+    Each object has `N_NEIGHBOURS` of them, or all others in a smaller scene.
+    """
     first, second = _nearest(arrays.centre_enu_m)
     displacement_m = arrays.centre_enu_m[second] - arrays.centre_enu_m[first]
     east, north, up = displacement_m.T
@@ -65,7 +72,7 @@ def neighbours_of(arrays: SceneArrays) -> Neighbours:
     direction = _sectors(np.arctan2(north, east) - arrays.yaw_rad[first])
     direction[is_on_top] = 0
     heading = _sectors(arrays.yaw_rad[second] - arrays.yaw_rad[first])
-    # The first's other side sees the same: of both views that in which the second is ahead.
+    # An object with two equal sides gives two views; the one with the neighbour ahead is taken.
     is_behind = _IS_TWO_SIDED[arrays.category[first]] & (direction >= _HALF)
     direction[is_behind] -= _HALF
     heading[is_behind] = (heading[is_behind] + _HALF) % N_DIRECTIONS
@@ -82,7 +89,7 @@ def neighbours_of(arrays: SceneArrays) -> Neighbours:
 
 
 def _sectors(angle_rad: np.ndarray) -> np.ndarray:
-    """Sectors of angles, of which the first lies about 0."""
+    """Return the sectors of angles; the first sector lies around 0."""
     return np.floor(angle_rad / (2.0 * np.pi) * N_DIRECTIONS + 0.5).astype(int) % N_DIRECTIONS
 
 
@@ -93,6 +100,6 @@ def _nearest(centres: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     square = (centres**2).sum(axis=1)
     apart = square[:, None] + square - 2.0 * centres @ centres.T
     np.fill_diagonal(apart, np.inf)
-    # The place in the scene breaks ties.
+    # Ties are broken by the place in the scene.
     second = np.argsort(apart, axis=1, kind="stable")[:, :count]
     return np.repeat(np.arange(len(centres)), count), second.ravel()

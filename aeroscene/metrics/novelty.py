@@ -1,12 +1,12 @@
-"""Whether scenes are copies: distance to the nearest training scene, and skeletons that recur.
+"""Copies of training scenes: distance to the nearest one, and skeletons that recur.
 
 The distance is that of `aeroscene.metrics.diversity`, the least under the eight symmetries of the
-square, so that a training scene that was turned or mirrored is found too. Scenes that were made
-without a look at training have a nearest training scene as well: the test split's own distances are
+square, so that a turned or mirrored training scene is found too. Scenes that were made without a
+look at training have a nearest training scene as well. The test split's own distances are therefore
 the measure.
 
-A skeleton is who is whose child, by categories, whatever the order of siblings. Its content is how
-many there are of each category, whatever carries them.
+A skeleton is the tree of parents and children by category, whatever the order of siblings. Its
+content is the number of objects of each category, whatever bears them.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from aeroscene.metrics.arrays import SceneArrays
 from aeroscene.metrics.diversity import Sketches, distances_between
 
 _EXTENT = -1
-"""Category of the root that carries what has no parent."""
+"""Category of the root, which bears objects without a parent."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -30,10 +30,10 @@ class Nearness:
     """Distances of scenes to their nearest training scenes."""
 
     median: float
-    """Layout radii."""
+    """Median distance, in layout radii."""
     least: float
     copied_share: float
-    """Share of scenes nearer than any of the test split."""
+    """Share of scenes that are nearer than any of the test split."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,8 +43,9 @@ class Recurrence:
     content: float
     """Share of scenes whose multiset of categories occurs."""
     tree: float
+    """Share of scenes whose whole tree occurs."""
     coarse_tree: float
-    """The tree of the coarse objects alone."""
+    """Share of scenes whose tree of coarse objects occurs."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -57,7 +58,7 @@ class KnownSkeletons:
 
     @classmethod
     def of(cls, scenes: Sequence[SceneArrays]) -> KnownSkeletons:
-        """Remember those of scenes."""
+        """Collect the skeletons of scenes."""
         return cls(
             frozenset(map(_content, scenes)),
             frozenset(map(_tree, scenes)),
@@ -65,7 +66,7 @@ class KnownSkeletons:
         )
 
     def recurrence(self, scenes: Sequence[SceneArrays]) -> Recurrence:
-        """Shares of scenes whose contents, tree or coarse tree occur in these scenes."""
+        """Return the shares of scenes whose contents, tree or coarse tree are known."""
         count = max(len(scenes), 1)
         return Recurrence(
             content=sum(_content(arrays) in self.contents for arrays in scenes) / count,
@@ -75,14 +76,24 @@ class KnownSkeletons:
 
 
 def training_distances(scenes: Sketches, training: Sketches) -> Float[np.ndarray, " n"]:
-    """Distance of each scene from its nearest training scene, in layout radii."""
+    """Return the distance of each scene from its nearest training scene, in layout radii.
+
+    Args:
+        scenes: Sketches of the judged scenes.
+        training: Sketches of the training scenes.
+    """
     return distances_between(scenes, training).min(axis=1)
 
 
 def nearness(
     distances: Float[np.ndarray, " n"], test_distances: Float[np.ndarray, " m"]
 ) -> Nearness:
-    """Sum up distances from training beside those of the test split."""
+    """Summarise distances from training, beside those of the test split.
+
+    Args:
+        distances: Distances of the judged scenes.
+        test_distances: Distances of the test split, at least one.
+    """
     return Nearness(
         median=float(np.median(distances)),
         least=float(distances.min()),
@@ -103,9 +114,10 @@ def _coarse_tree(arrays: SceneArrays) -> Hashable:
 
 
 def _canonical(arrays: SceneArrays, is_kept: np.ndarray) -> Hashable:
-    """Nested pairs of a category and the sorted children; equal for equal trees only."""
+    """Return nested pairs of a category and its sorted children; equal for equal trees only."""
     children: dict[int, list] = {}
-    # Children come after their parents, so backwards every subtree is whole when it is hung up.
+    # Children come after their parents. Backwards, every subtree is complete before it joins its
+    # parent.
     for row in reversed(np.flatnonzero(is_kept).tolist()):
         parent, category = int(arrays.parent[row]), int(arrays.category[row])
         subtree = (category, tuple(sorted(children.pop(row, []))))

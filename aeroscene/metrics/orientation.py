@@ -1,21 +1,20 @@
-"""Orientation plausibility: how usual it is in training which way a thing faces.
+"""Orientation plausibility: how common an object's heading is in training.
 
     OP = - mean over objects i of log P(b_ih, t_ih | c_i, c_h, d_ih),    h = host of i
 
-| symbol | name | unit |
-|---|---|---|
-| c_i | category of object i | - |
-| d_ih | distance in the plane from i to h, in the bins of `aeroscene.metrics.neighbours` | - |
-| b_ih | bearing of h as seen from i: 0 is straight ahead, in eighths | - |
-| t_ih | heading of h relative to that of i, in eighths | - |
-| h | of the eight nearest neighbours the one that says most: with the least entropy of b, t | - |
-| OP | negative log-likelihood, less is more plausible | nats an object |
+    symbol  name                                                                      unit
+    c_i     category of object i                                                      -
+    d_ih    distance in the plane from i to h, bins of `aeroscene.metrics.neighbours` -
+    b_ih    bearing of h as seen from i: 0 is straight ahead, in eighths              -
+    t_ih    heading of h relative to that of i, in eighths                            -
+    h       the most informative of the eight nearest neighbours: least entropy of b, t
+    OP      negative log-likelihood, less is more plausible                           nats / object
 
-Semantic plausibility is the mean over all eight neighbours, of which seven do not care which way a
-chair is turned: with 22% of real chairs turned it rose by 0.07 nats. The host of an object is found
-by categories and distance alone, so turning an object does not change it: a chair's is its table,
-a car's the road. P are frequencies in the training split; what is rare there falls back on c_i and
-c_h at any distance, then on c_i alone, then on nothing.
+Semantic plausibility is the mean over all eight neighbours. Seven of them do not depend on the
+heading of a chair: with 22% of real chairs turned it rose by 0.07 nats. The host of an object is
+found by categories and distance alone, so turning an object does not change it: a chair's host is
+its table, a car's is the road. P are frequencies in the training split. Rare combinations fall back
+on c_i and c_h at any distance, then on c_i alone, then on a uniform distribution.
 
 It stands beside the paper's SP and is no part of it.
 """
@@ -36,12 +35,12 @@ _N_TURNS = N_DIRECTIONS**2
 """Bearing and relative heading in one number."""
 _SHAPE = (N_CATEGORIES, N_CATEGORIES, N_DISTANCES, _N_TURNS)
 _WEIGHT = 8.0
-"""Number of seen pairs that what is known in general is worth."""
+"""Number of observed pairs that the more general distribution is worth."""
 
 
 @dataclass(frozen=True, eq=False)
 class TurnFrequencies:
-    """How objects of training are turned to their neighbours."""
+    """Frequencies of headings of training objects relative to their neighbours."""
 
     counts: Int[np.ndarray, "c c distances turns"]
 
@@ -55,7 +54,7 @@ class TurnFrequencies:
         return cls(counts.reshape(_SHAPE))
 
     def plausibility(self, arrays: SceneArrays) -> float:
-        """OP of a scene; nan where it has fewer than two objects."""
+        """Return OP of a scene; nan if it has fewer than two objects."""
         surprise = self.surprise(arrays)
         return float(surprise.mean()) if len(surprise) else float("nan")
 
@@ -66,7 +65,7 @@ class TurnFrequencies:
             return np.zeros(0)
         per_object = min(N_NEIGHBOURS, arrays.n_objects - 1)
         entropy = self._entropy[first, second, distance].reshape(-1, per_object)
-        # Among neighbours that say as much the nearest, which comes first.
+        # `argmin` takes the first of equally informative neighbours, which is the nearest.
         host = np.arange(arrays.n_objects) * per_object + entropy.argmin(axis=1)
         return -self._log_share[first[host], second[host], distance[host], turn[host]]
 
@@ -75,6 +74,7 @@ class TurnFrequencies:
         """Logarithm of P(b, t | c_i, c_h, d)."""
         of_first = self.counts.sum(axis=(1, 2))
         share = np.full(_N_TURNS, 1.0 / _N_TURNS)
+        # From the most general to the most specific distribution; each is the prior of the next.
         for counts in (
             of_first[:, None, None],
             self.counts.sum(axis=2)[:, :, None],

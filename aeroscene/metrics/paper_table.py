@@ -1,4 +1,4 @@
-"""The paper's table of its dataset, and ours in the same rows.
+"""The paper's table of its dataset, with our corpus in the same rows.
 
 Source: AeroScene, table "Statistics of our dataset".
 """
@@ -16,7 +16,7 @@ from aeroscene.scene.catalogue import CATALOGUE, Level, by_name
 Column = Literal["train", "test", "total"]
 COLUMNS: tuple[Column, ...] = ("train", "test", "total")
 TOLERANCE = 0.05
-"""Relative deviation that an average of the corpus may have from the paper's."""
+"""Greatest relative deviation of an average of the corpus from the paper's."""
 
 INCONSISTENCIES = (
     "160,010 objects in 1,016 scenes are 157 a scene, not 149 (train 151, test 185, not 152)",
@@ -35,23 +35,23 @@ class Row:
     title: str
     paper: Mapping[Column, float]
     ours: Mapping[Column, float | None]
-    """None where the corpus has no scene of the split."""
+    """Our figures; None if the corpus has no scene of the split."""
     is_average: bool
-    """Whether it is an average that should be the paper's, within the tolerance."""
+    """True for an average that should agree with the paper's, within the tolerance."""
 
     @property
     def deviation(self) -> float | None:
-        """Deviation of the total from the paper's, as a share of it."""
+        """Relative deviation of the total from the paper's; None without scenes."""
         value = self.ours["total"]
         return None if value is None else value / self.paper["total"] - 1.0
 
     @property
     def is_met(self) -> bool:
-        """Whether the total is within the tolerance."""
+        """True if the total is within the tolerance."""
         return self.deviation is not None and abs(self.deviation) <= TOLERANCE
 
     def to_plain(self) -> dict[str, Any]:
-        """The row as plain data: total, deviation, then both splits."""
+        """Return the row as plain data: total, deviation, then both splits."""
         splits = {
             split: {"value": self.ours[split], "paper": self.paper[split]}
             for split in ("train", "test")
@@ -66,7 +66,7 @@ class Row:
 
 _Count = Callable[[SceneSummary], int]
 
-# key, title, the paper's train, test and total, what is counted in a scene
+# Key, title, the paper's train, test and total, and the count in a scene.
 _AVERAGES: tuple[tuple[str, str, tuple[float, float, float], _Count], ...] = (
     ("objects_per_scene", "Objects / scene", (149, 152, 149), lambda e: e.n_objects),
     ("coarse_per_scene", "  coarse", (35, 32, 34), lambda e: e.n_coarse),
@@ -85,7 +85,12 @@ _CATEGORIES: tuple[tuple[str, str, Level, int], ...] = (
 def paper_table(
     entries: Sequence[SceneSummary], categories: Mapping[int, Collection[str]]
 ) -> tuple[Row, ...]:
-    """The rows for these scenes of a manifest; categories are by the scene's number."""
+    """Return the rows for the scenes of a manifest.
+
+    Args:
+        entries: Scenes of the manifest.
+        categories: Names of the categories of each scene, by the scene's number.
+    """
     groups: dict[Column, list[SceneSummary]] = {
         "train": [entry for entry in entries if entry.split == "train"],
         "test": [entry for entry in entries if entry.split == "test"],
@@ -134,5 +139,5 @@ def _n_names(
 
 
 def missing_categories(names: Collection[str]) -> list[str]:
-    """Categories of the catalogue that are not among these names."""
+    """Return the categories of the catalogue that are not among these names."""
     return [category.name for category in CATALOGUE.values() if category.name not in names]

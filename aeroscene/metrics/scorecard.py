@@ -4,9 +4,9 @@
     for key, figure in layout_figures(scenes, yardstick, rng).items():
         print(METRICS[key].title, figure.value, figure.low, figure.high)
 
-Scenes are held against the training split: that is what a method was given. Real scenes to compare
-with are then the test split, which no method has seen; copying shows in the distance to the nearest
-training scene, which should be the test split's.
+Scenes are compared with the training split, because a method was given nothing else. The real
+scenes to compare with are then the test split, which no method has seen. Copying shows in the
+distance to the nearest training scene, which should be as large as the test split's.
 """
 
 from __future__ import annotations
@@ -48,18 +48,19 @@ from aeroscene.metrics.semantics import NeighbourFrequencies
 from aeroscene.scene import Scene
 
 LEAST_SCENES = N_FOLDS
-"""Fewer cannot be told from others by a classifier, nor resampled."""
+"""Least size of a group: a classifier needs a scene for each fold."""
+# Draws for figures about the group as a whole, which take longer than means.
 _N_DRAWS = 100
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Metric:
-    """What a figure is."""
+    """Title, unit and direction of a figure."""
 
     title: str
     unit: str
     better: Literal["lower", "higher"] | None = "lower"
-    """None where it is best when it is as with real scenes."""
+    """Direction of better values; None if the value of real scenes is best."""
 
 
 def _of_check(check: PlaceCheck) -> Metric:
@@ -87,12 +88,12 @@ METRICS: Mapping[str, Metric] = {
     "objects": Metric(title="objects a scene", unit="objects", better=None),
     **{check.key: _of_check(check) for check in CHECKS},
 }
-"""By key, in the order in which they are printed."""
+"""Figures by key, in the order in which they are printed."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Yardstick:
-    """Training scenes as figures hold others against them."""
+    """Training scenes in the forms with which figures compare other scenes."""
 
     neighbours: NeighbourFrequencies
     turns: TurnFrequencies
@@ -102,7 +103,7 @@ class Yardstick:
 
     @classmethod
     def of(cls, train: Sequence[Scene]) -> Yardstick:
-        """Look at training scenes; some seconds for a thousand.
+        """Measure training scenes; a thousand take some seconds.
 
         Raises:
             TooFewScenesError: If there are fewer than `LEAST_SCENES`.
@@ -121,11 +122,11 @@ class Yardstick:
 def layout_figures(
     scenes: Sequence[Scene], yardstick: Yardstick, rng: np.random.Generator
 ) -> dict[str, Figure]:
-    """All figures of `METRICS`; nan where there is nothing to judge.
+    """Return all figures of `METRICS`; nan if there is nothing to judge.
 
     Args:
         scenes: A group of scenes.
-        yardstick: What they are held against.
+        yardstick: Training scenes to compare with.
         rng: Draws resamplings and folds.
 
     Raises:
@@ -148,10 +149,11 @@ def _check_enough(scenes: Sequence[Scene], what: str) -> None:
 def _scene_figures(
     group: Sequence[SceneArrays], yardstick: Yardstick, rng: np.random.Generator
 ) -> dict[str, Figure]:
-    """Means over scenes."""
+    """Figures that are means over scenes."""
     found = [overlaps(arrays) for arrays in group]
 
-    # A scene of one object has no pair that collides or is implausible: it is not judged, not best.
+    # A scene of one object has no pair that collides or is implausible. It is not judged, or it
+    # would count as perfect.
     is_judged = np.array([arrays.n_objects > 1 for arrays in group])
 
     def of_collisions(among: Among, figure: str) -> Figure:
@@ -201,6 +203,8 @@ def _kl_figure(
     times: np.ndarray,
     what: Literal["category", "cooccurrence"],
 ) -> Figure:
+    # Counts of a resampled group are a product with the counts of each scene, so nothing is counted
+    # anew.
     per_scene = np.array([getattr(frequencies([arrays]), what) for arrays in group])
     reference = getattr(yardstick.frequencies, what)
     draws = np.array([kl_divergence(reference, each @ per_scene) for each in times])
@@ -210,7 +214,7 @@ def _kl_figure(
 def _mmd_figure(features: np.ndarray, reference: np.ndarray, times: np.ndarray) -> Figure:
     n, m = len(features), len(reference)
     kernel = layout_kernel(np.concatenate([features, reference]), reference)
-    # One scene many times over has no pair within.
+    # One scene many times over has no pairs of different scenes.
     times = times[(times > 0).sum(axis=1) > 1]
     rows = np.concatenate([np.ones((1, n)), times.astype(float)])
     first = np.hstack([rows, np.zeros((len(rows), m))])
@@ -220,19 +224,27 @@ def _mmd_figure(features: np.ndarray, reference: np.ndarray, times: np.ndarray) 
 
 
 def _coverage_figure(features: np.ndarray, reference: np.ndarray, times: np.ndarray) -> Figure:
-    """As `aeroscene.metrics.discrepancy.coverage`, in percent."""
+    """Coverage as `aeroscene.metrics.discrepancy.coverage`, in percent."""
     within = squared_distances(reference, reference)
     np.fill_diagonal(within, np.inf)
     radius = np.sort(within, axis=1)[:, min(N_NEAREST, len(reference) - 1) - 1]
     is_near = squared_distances(reference, features) <= radius[:, None]
     draws = [100.0 * float(is_near[:, each > 0].any(axis=1).mean()) for each in times]
-    # Fewer different scenes cover less, so the draws lie below.
+    # Resampled groups have fewer different scenes and cover less, so their mean is not the figure.
     value = 100.0 * float(is_near.any(axis=1).mean())
     return set_figure(value, np.array(draws), len(features))
 
 
 def place_figures(scenes: Sequence[Scene], rng: np.random.Generator) -> dict[str, Figure]:
-    """The checks of places, see `aeroscene.metrics.places.checks`."""
+    """Return the checks of places with their intervals.
+
+    Args:
+        scenes: Scenes to judge.
+        rng: Draws the bootstrap.
+
+    Returns:
+        A figure for each of `aeroscene.metrics.places.checks.CHECKS`, by key.
+    """
     views = [TopView(scene) for scene in scenes]
     return {check.key: _place_figure(check, views, rng) for check in CHECKS}
 
@@ -242,5 +254,6 @@ def _place_figure(check: PlaceCheck, views: Sequence[TopView], rng: np.random.Ge
     values = [scale * check.judge(view).astype(float) for view in views]
     if check.is_median:
         return median_figure(values, rng)
+    # Objects of one scene are not independent, so whole scenes are resampled.
     means = np.array([each.mean() if len(each) else np.nan for each in values])
     return ratio_figure(means, np.array([len(each) for each in values], dtype=float), rng)

@@ -1,21 +1,21 @@
-"""Semantic plausibility: how usual it is in training what stands beside what, and where.
+"""Semantic plausibility: how common in training each pair of neighbours is, and its displacement.
 
     SP = - mean over objects i and their neighbours j of log P(c_j, r_ij | c_i)
        = - mean log P(c_j | c_i)  -  mean log P(r_ij | c_i, c_j)
             category part               place part
 
-| symbol | name | unit |
-|---|---|---|
-| c_i | category of object i | - |
-| r_ij | displacement from i to j in bins, see `aeroscene.metrics.neighbours` | - |
-| SP | negative log-likelihood, less is more plausible | nats a pair |
+    symbol  name                                                                 unit
+    c_i     category of object i                                                 -
+    r_ij    displacement from i to j in bins, see `aeroscene.metrics.neighbours` -
+    SP      negative log-likelihood, less is more plausible                      nats a pair
 
-P are frequencies in the training split. Pairs and places that are rare or absent there fall back on
-what is usual in general: P(c_j), then P(r | c_j), then P(r).
+P are frequencies in the training split. Rare or absent pairs and places fall back on general
+frequencies: P(c_j), then P(r | c_j), then P(r).
 
 The paper says "the negative log-likelihood under empirical pairwise category distributions from the
-training set" and leaves the pairs open. All pairs of a scene are mostly far ones, which have no
-relation; so neighbours. Conditioned on c_i, so that a scene is not judged by what it is full of.
+training set" and leaves the pairs open. Most pairs of a scene are far from each other and have no
+relation, so only neighbours count. P is conditioned on c_i, so that a scene is not judged by its
+most frequent categories.
 
 Source: AeroScene, "Evaluation Metrics", SP, and "Semantic Constraint Guidance".
 """
@@ -38,55 +38,59 @@ from aeroscene.metrics.neighbours import N_PLACES, neighbours_of
 from aeroscene.scene import Scene, SceneError
 
 _VERSION = 2
-"""Raise it when the bins of `aeroscene.metrics.neighbours` move."""
+"""Format version; raise it if the bins of `aeroscene.metrics.neighbours` change."""
 _SHAPE = (N_CATEGORIES, N_CATEGORIES, N_PLACES)
 _CATEGORY_WEIGHT = 5.0
-"""Number of seen pairs that the general share of a category is worth."""
+"""Number of observed pairs that the general share of a category is worth."""
+# The same for a place among pairs of two categories, and among all pairs of the second one.
 _PLACE_WEIGHT = 5.0
 _GENERAL_WEIGHT = 20.0
 
 
 class NeighbourFrequenciesError(SceneError):
-    """A file that holds no neighbour frequencies; one line saying where, what and what is valid."""
+    """A file holds no neighbour frequencies; one line has place, fault and valid files."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Plausibility:
-    """Negative log-likelihood in nats a pair of neighbours; less is better."""
+    """Negative log-likelihood in nats for each pair of neighbours; less is better."""
 
     category: float
-    """Surprise at what stands there."""
+    """Surprise at the neighbour's category."""
     place: float
-    """Surprise at where it stands, for what it is."""
+    """Surprise at the neighbour's place, given its category."""
 
     @property
     def total(self) -> float:
-        """SP."""
+        """SP, the sum of both parts."""
         return self.category + self.place
 
 
 @dataclass(frozen=True, eq=False)
 class NeighbourFrequencies:
-    """Frequencies of categories and displacements of neighbours, by which scenes are judged."""
+    """Frequencies of categories and displacements of neighbours in training scenes."""
 
     counts: Int[np.ndarray, "c c places"]
     """Ordered pairs of neighbours by category, neighbour's category and place."""
 
     @classmethod
     def fit(cls, scenes: Iterable[Scene]) -> NeighbourFrequencies:
-        """Count the neighbours in scenes; one second for 812."""
+        """Count the neighbours in scenes; 812 scenes take a second."""
         return cls.of_arrays(map(scene_arrays, scenes))
 
     @classmethod
     def of_arrays(cls, scenes: Iterable[SceneArrays]) -> NeighbourFrequencies:
-        """Count the neighbours in scenes as arrays."""
+        """Count the neighbours in scenes that are arrays already."""
         counts = np.zeros(np.prod(_SHAPE), dtype=np.int32)
         for arrays in scenes:
             np.add.at(counts, np.ravel_multi_index(_cells(arrays), _SHAPE), 1)
         return cls(counts.reshape(_SHAPE))
 
     def plausibility(self, scene: Scene | SceneArrays) -> Plausibility:
-        """Plausibility of one scene; zeros where it has fewer than two objects."""
+        """Return the plausibility of one scene.
+
+        A scene with fewer than two objects has no neighbours and gets zeros.
+        """
         arrays = scene_arrays(scene) if isinstance(scene, Scene) else scene
         first, second, place = _cells(arrays)
         if not len(first):
@@ -100,6 +104,7 @@ class NeighbourFrequencies:
     def _log_category(self) -> Float[np.ndarray, "c c"]:
         """Logarithm of P(c_j | c_i)."""
         pairs = self.counts.sum(axis=2).astype(float)
+        # One pseudo-count of each category keeps every logarithm finite.
         general = (pairs.sum(axis=0) + 1.0) / (pairs.sum() + N_CATEGORIES)
         seen = pairs.sum(axis=1, keepdims=True)
         return np.log((pairs + _CATEGORY_WEIGHT * general) / (seen + _CATEGORY_WEIGHT))
@@ -110,12 +115,18 @@ class NeighbourFrequencies:
         of_second = self.counts.sum(axis=0)
         everywhere = (of_second.sum(axis=0) + 1.0) / (of_second.sum() + N_PLACES)
         seen = of_second.sum(axis=1, keepdims=True)
+        # Place of the second category at any neighbour, with the place of all pairs as its prior.
         general = (of_second + _GENERAL_WEIGHT * everywhere) / (seen + _GENERAL_WEIGHT)
         seen = self.counts.sum(axis=2, keepdims=True)
         return np.log((self.counts + _PLACE_WEIGHT * general) / (seen + _PLACE_WEIGHT))
 
     def save(self, path: str | Path) -> None:
-        """Write the counts, compressed, whole or not at all."""
+        """Write the counts, compressed, whole or not at all.
+
+        Raises:
+            OSError: If the file cannot be written.
+        """
+        # Most cells are 0, so the others are written with their numbers.
         cells = np.flatnonzero(self.counts)
         with replacing(Path(path)) as file:
             np.savez_compressed(
@@ -124,7 +135,7 @@ class NeighbourFrequencies:
 
     @classmethod
     def load(cls, path: str | Path) -> NeighbourFrequencies:
-        """Read what `save` wrote.
+        """Read a file of `save`.
 
         Raises:
             NeighbourFrequenciesError: If the file is missing, damaged, or of other bins or
@@ -150,7 +161,7 @@ class NeighbourFrequencies:
 
 
 def mean_plausibility(parts: Sequence[Plausibility]) -> Plausibility:
-    """Means over scenes."""
+    """Average plausibilities over scenes, each scene alike."""
     return Plausibility(
         category=fmean(part.category for part in parts), place=fmean(part.place for part in parts)
     )

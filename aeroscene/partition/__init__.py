@@ -1,7 +1,9 @@
-"""The coarse layout of sites and storeys as partition trees: read off scenes, and built again.
+"""The coarse layout of sites and storeys as partition trees, read off scenes and built again.
 
-`site_partition` and `building_partitions` read, `build_site` and `build_storeys` are their
-inverses, `to_sequence` and `from_sequence` are what a model embeds.
+A list of boxes can have gaps and overlaps. A tree that divides a rectangle cannot, because both
+sides of a cut share it. `site_partition` and `building_partitions` read trees off a scene, and
+`build_site` and `build_storeys` are their inverses. `to_sequence` and `from_sequence` turn trees
+into the records that a model learns.
 """
 
 from aeroscene.partition.sequences.read import from_sequence

@@ -1,4 +1,8 @@
-"""From a tree and a frame to its leaves' places: what fills the frame, without gap or overlap."""
+"""Places of a tree's leaves in a frame, which they fill without gap or overlap.
+
+A tree holds shares; metres appear only here. Frames are nested from the root downwards, so that
+rounding cannot open a gap: two neighbours take the same edge.
+"""
 
 from __future__ import annotations
 
@@ -22,6 +26,7 @@ from aeroscene.partition.tree import (
     part_lengths,
 )
 
+# Edges that are nearer than this are one.
 _MEET_M = 1e-6
 
 
@@ -41,7 +46,14 @@ class Cell:
 
 
 def cells_of(node: Node, frame: Frame, base_m: float = 0.0) -> Iterator[Cell]:
-    """The leaves below a node in pre-order; what lies on a leaf stands on its upper face.
+    """Yield the leaves below a node in pre-order.
+
+    The tree on a leaf stands on the leaf's upper face.
+
+    Args:
+        node: The tree.
+        frame: Its frame.
+        base_m: Height of the frame's ground.
 
     Raises:
         PartitionError: If strips are wider than their frame.
@@ -78,12 +90,14 @@ def cells_of(node: Node, frame: Frame, base_m: float = 0.0) -> Iterator[Cell]:
 def _edges(parts: tuple[Part, ...] | None, length_m: float) -> list[float]:
     if parts is None:
         return [0.0, length_m]
+    # The last edge is the side itself, not a sum with its rounding error.
     return [0.0, *list(accumulate(part_lengths(parts, length_m)))[:-1], length_m]
 
 
 def _grid(
     columns: tuple[Part, ...] | None, rows: tuple[Part, ...] | None, frame: Frame
 ) -> Iterator[Bounds]:
+    # Row by row, as `Cross.cells` lists them.
     for y0, y1 in pairwise(_edges(rows, frame.width_m)):
         for x0, x1 in pairwise(_edges(columns, frame.length_m)):
             yield (x0, y0, x1, y1)
@@ -101,7 +115,7 @@ def _pinwheel(node: Pinwheel, frame: Frame) -> list[Bounds]:
 
 
 def bend_pieces(bend: Bend, frame: Frame) -> list[Frame]:
-    """Frames over the pieces of a bend: as long as the middle line, as wide as the lanes."""
+    """Return frames over the pieces of a bend: as long as the middle line, as wide as the lanes."""
     x, y = frame.point(bend.start[0] * frame.length_m, bend.start[1] * frame.width_m)
     heading = frame.yaw_rad + bend.heading_rad
     pieces: list[Frame] = []
@@ -114,7 +128,10 @@ def bend_pieces(bend: Bend, frame: Frame) -> list[Frame]:
 
 
 def lane_reach(low: float, high: float, turn_rad: float) -> float:
-    """How far a lane reaches beyond its middle line's end at a bend, so that none is left bare.
+    """Length by which a lane reaches beyond its middle line's end at a bend, without a gap.
+
+    Lanes on the outside of a turn are longer than the middle line, and lanes on its inside are
+    shorter: their reach is negative.
 
     Args:
         low: Right edge of the lane, to the left of the middle line, m.
@@ -141,6 +158,7 @@ def _bend(bend: Bend, frame: Frame, base_m: float) -> Iterator[Cell]:
             yield Cell(leaf, piece.inner((-before, low, piece.length_m + after, high)), base_m)
         for side, bank in enumerate(bend.banks[2 * number : 2 * number + 2]):
             if bank is None:
+                # Bank 0 lies to the right of the lanes, bank 1 to their left.
                 continue
             u0, u1 = bank.low_share * piece.length_m, bank.high_share * piece.length_m
             v0, v1 = (-bank.depth_m, 0.0) if side == 0 else (2 * half, 2 * half + bank.depth_m)
@@ -148,16 +166,17 @@ def _bend(bend: Bend, frame: Frame, base_m: float) -> Iterator[Cell]:
 
 
 def merged(cells: Sequence[Cell]) -> list[Cell]:
-    """Cells of one merge number as few as possible; void ones are left out."""
+    """Join cells of one merge number to as few as possible; void cells are left out."""
     return [cell for _, cell in merged_from(cells)]
 
 
 def merged_from(cells: Sequence[Cell]) -> list[tuple[int, Cell]]:
-    """As `merged`, each with the number of the first of the cells that are joined to it."""
+    """Join cells as `merged` does, each with the number of the first cell that is joined to it."""
     groups: dict[tuple[int, int], list[int]] = defaultdict(list)
     for index, cell in enumerate(cells):
         if cell.leaf.kind != VOID:
             merge = cell.leaf.merge
+            # Merge number 0 means a cell by itself, so its index keeps it apart.
             groups[merge, 0 if merge else index].append(index)
     return [
         (group[0], cell) for group in groups.values() for cell in _joined([cells[i] for i in group])
@@ -165,12 +184,13 @@ def merged_from(cells: Sequence[Cell]) -> list[tuple[int, Cell]]:
 
 
 def _joined(group: list[Cell]) -> list[Cell]:
-    """One cell where a group fills a rectangle; else rows of it, equal ones joined."""
+    """Return one cell if a group fills a rectangle, else rows of it with equal ones joined."""
     frame = group[0].frame
     if len(group) == 1:
         return group
     bounds = [frame.bounds_of(cell.frame) for cell in group]
     hull = hull_of(bounds)
+    # The cells do not overlap, so equal areas mean that they fill their hull.
     if math.isclose(sum(map(_area, bounds)), _area(hull), abs_tol=_MEET_M * _area(hull)):
         found = [hull]
     else:
@@ -179,7 +199,7 @@ def _joined(group: list[Cell]) -> list[Cell]:
 
 
 def _join_along(all_bounds: list[Bounds], axis: int) -> list[Bounds]:
-    """Rectangles that meet end to end along an axis and are equally wide, as one."""
+    """Join rectangles that meet end to end along an axis and are equally wide."""
     found: list[Bounds] = []
     for bounds in sorted(all_bounds, key=lambda b: (b[1 - axis], b[axis])):
         last = found[-1] if found else None

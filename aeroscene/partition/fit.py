@@ -1,4 +1,10 @@
-"""From rectangles that do not overlap to the tree that divides their hull as they do."""
+"""Fitting: from rectangles that do not overlap to the tree that divides their hull as they do.
+
+All edges of the rectangles form a grid, and each grid cell has an owner. A line that crosses no
+owner is a cut. The window is divided by all its cuts at once, and its parts are fitted in turn.
+Windows without any cut are pinwheels. Anything else becomes a grid whose cells share merge numbers,
+so that every layout has a tree.
+"""
 
 from __future__ import annotations
 
@@ -30,13 +36,14 @@ from aeroscene.partition.tree import (
 )
 
 SAME_M = 0.004
-"""Edges this near to each other lie on one line."""
+"""Edges that are this near to each other lie on one line."""
+# Strips whose widths differ by less share one width, and -1 owns cells that no piece covers.
 _SAME_WIDTH_M = 0.002
 _VOID = -1
 
 _Owners = Int[np.ndarray, "columns rows"]
 _Window = tuple[int, int, int, int]
-"""First and behind the last column, then row."""
+"""First column and the one behind the last, then the same of rows."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,19 +53,20 @@ class Piece:
     bounds: Bounds
     node: Leaf | Overlay
     key: int
-    """Above 0; pieces of one key become leaves of one merge number."""
+    """Number above 0; pieces of one key become leaves of one merge number."""
 
 
 @dataclass(slots=True)
 class Widths:
-    """Widths in m that a site's strips share."""
+    """Widths in m that the strips of a site share."""
 
     kinds: frozenset[str] = frozenset()
-    """Kinds of leaves that are strips where they are longer than wide."""
+    """Kinds of leaves that are strips if they are longer than wide."""
     found_m: list[float] = field(default_factory=list)
+    """Widths found so far."""
 
     def shared(self, width_m: float) -> float:
-        """The width that was found before, if there is one like it."""
+        """Return a width that was found before if there is a similar one, else this one."""
         for known in self.found_m:
             if abs(known - width_m) <= _SAME_WIDTH_M:
                 return known
@@ -67,12 +75,14 @@ class Widths:
 
 
 def fit(pieces: Sequence[Piece], widths: Widths | None = None, hull: Bounds | None = None) -> Node:
-    """The tree of pieces over their hull, or a larger one; keys stay in `merge` of the leaves.
+    """Fit a tree to pieces over their hull, or over a larger one.
+
+    Leaves keep the keys of their pieces in `merge`, see `number_merges`.
 
     Args:
         pieces: They may leave gaps, which become void leaves.
-        widths: Which kinds are strips; takes their widths.
-        hull: The frame of the tree; the pieces' own hull by default.
+        widths: Kinds that are strips; their widths are added to it.
+        hull: Frame of the tree; the pieces' own hull by default.
 
     Raises:
         PartitionError: If pieces overlap by more than `SAME_M` or one is thinner than that.
@@ -81,7 +91,7 @@ def fit(pieces: Sequence[Piece], widths: Widths | None = None, hull: Bounds | No
 
 
 def number_merges(node: Node) -> Node:
-    """The same tree with keys as merge numbers from 1 in order; 0 for what is one leaf."""
+    """Number the keys of leaves from 1 in order; 0 for a key with one leaf alone."""
     found = [n.merge for n in walk(node) if isinstance(n, Leaf) and n.merge]
     counts = Counter(found)
     several = [key for key in dict.fromkeys(found) if counts[key] > 1]
@@ -96,7 +106,7 @@ def _renumbered(node: Node, numbers: dict[int, int]) -> Node:
 
 
 class _Fitter:
-    """Pieces as owners of the cells between all their edges."""
+    """Pieces as owners of the grid cells between all their edges."""
 
     def __init__(self, pieces: Sequence[Piece], widths: Widths, hull: Bounds) -> None:
         self.pieces, self.widths = pieces, widths
@@ -128,18 +138,20 @@ class _Fitter:
         if (owners == owners[0, 0]).all():
             return self._leaf(int(owners[0, 0]), window)
         cuts: dict[Axis, list[int]] = {"x": full_cuts(owners), "y": full_cuts(owners.T)}
-        # Rows that columns pass through come first: most streets run along their site's x.
+        # Rows first, with columns that pass through them: most streets run along their site's x.
         for axis in ("y", "x"):
             shared = self._shared_cuts(window, axis, cuts[axis])
             if shared:
                 across = {axis: cuts[axis], ("x" if axis == "y" else "y"): shared}
                 return self._cross(window, across["x"], across["y"])
+        # The axis with more cuts gives the flatter tree.
         axis: Axis = "x" if len(cuts["x"]) > len(cuts["y"]) else "y"
         if cuts[axis]:
             return self._slice(window, axis, cuts[axis])
         pinwheel = find_pinwheel(can_cut(owners), can_cut(owners.T).T)
         if pinwheel:
             return self._pinwheel(window, *pinwheel)
+        # Nothing fits: a grid of all lines, whose cells are joined by merge numbers.
         lines = [np.flatnonzero((o[1:] != o[:-1]).any(axis=1)) + 1 for o in (owners, owners.T)]
         return self._cross(window, lines[0].tolist(), lines[1].tolist(), is_fallback=True)
 
@@ -153,12 +165,17 @@ class _Fitter:
         piece = self.pieces[owner]
         if isinstance(piece.node, Leaf):
             return replace(piece.node, merge=piece.key)
+        # A cover with others on it must stay one cell, because they have places in its frame.
         if self.ranges[owner] != window:
             raise PartitionError(f"piece {piece.key} carries others; valid: one cell for it")
         return replace(piece.node, base=replace(piece.node.base, merge=piece.key))
 
     def _shared_cuts(self, window: _Window, axis: Axis, cuts: list[int]) -> list[int]:
-        """Cuts across all bands between cuts along an axis, but for bands of a single leaf."""
+        """Return cuts through all bands between the cuts of an axis.
+
+        Bands of a single leaf are ignored: a road across a site may be divided. A cover that
+        carries others may not, so there are no shared cuts then.
+        """
         owners = self._owners(window) if axis == "x" else self._owners(window).T
         shared: list[set[int]] = []
         for low, high in pairwise([0, *cuts, len(owners)]):
@@ -220,7 +237,7 @@ class _Fitter:
         return parts_of(fixed, strips)
 
     def _is_strip(self, window: _Window, axis: Axis) -> bool:
-        """Whether a strip of a kind that has its width in m runs through, as wide as the window."""
+        """True if a strip of a kind with a width in m runs through, as wide as the window."""
         at, across = (0, 2) if axis == "x" else (2, 0)
         for owner in np.unique(self._owners(window)):
             if (
@@ -237,23 +254,23 @@ class _Fitter:
 
 
 def can_cut(owners: _Owners) -> Bool[np.ndarray, "cuts rows"]:
-    """Whether a line before each column but the first crosses nothing, row by row."""
+    """True if a line before each column but the first crosses nothing, row by row."""
     return (owners[1:] != owners[:-1]) | (owners[1:] == _VOID)
 
 
 def full_cuts(owners: _Owners) -> list[int]:
-    """Columns before which a line crosses nothing in any row, and parts something."""
+    """Return the columns before which a line crosses nothing in any row, and parts something."""
     is_cut = can_cut(owners).all(axis=1) & (owners[1:] != owners[:-1]).any(axis=1)
     return (np.flatnonzero(is_cut) + 1).tolist()
 
 
 def _share(lines: np.ndarray, low: int, at: int, high: int) -> float:
-    """Where a line lies between two others."""
+    """Place of a line between two others, 0 to 1."""
     return float((lines[at] - lines[low]) / (lines[high] - lines[low]))
 
 
 def _lines(values: Sequence[float]) -> np.ndarray:
-    """Coordinates without those that stand for one line."""
+    """Return coordinates, with those that belong to one line averaged."""
     ordered = np.sort(np.asarray(values))
     groups = np.split(ordered, np.flatnonzero(np.diff(ordered) > SAME_M) + 1)
     return np.array([group.mean() for group in groups])

@@ -1,4 +1,8 @@
-"""Finds the four cuts of a pinwheel: each ends on the next, none crosses anything."""
+"""Search for the four cuts of a pinwheel: each ends on the next, and none crosses anything.
+
+A pinwheel has no cut from side to side, so slices and crosses miss it. Rooms around a central hall
+are an example.
+"""
 
 from __future__ import annotations
 
@@ -12,14 +16,17 @@ Cuts = tuple[int, int, int, int]
 def find_pinwheel(
     can_cut_x: Bool[np.ndarray, "cuts rows"], can_cut_y: Bool[np.ndarray, "columns cuts"]
 ) -> tuple[bool, Cuts] | None:
-    """The pinwheel with the largest middle, and whether it is mirrored; None if there is none.
+    """Find the pinwheel with the largest middle.
 
     Args:
-        can_cut_x: Whether the line before column i + 1 crosses nothing in row j.
-        can_cut_y: Whether the line before row j + 1 crosses nothing in column i.
+        can_cut_x: True if the line before column i + 1 crosses nothing in row j.
+        can_cut_y: True if the line before row j + 1 crosses nothing in column i.
+
+    Returns:
+        True if it is mirrored, and its cuts; None if there is none.
     """
     for is_mirrored in (False, True):
-        # The mirror image in x of a pinwheel is the other one.
+        # The mirror image in x of a pinwheel is a pinwheel of the other hand.
         x = can_cut_x[::-1] if is_mirrored else can_cut_x
         y = can_cut_y[::-1] if is_mirrored else can_cut_y
         cuts = _find(x, y)
@@ -31,8 +38,10 @@ def find_pinwheel(
 
 
 def _find(x: np.ndarray, y: np.ndarray) -> Cuts | None:
-    """The one whose eastern cut begins at the south; numbers of lines, from 1."""
+    """Find the one whose eastern cut begins at the south; lines are numbered from 1."""
     n_columns, n_rows = len(y), x.shape[1]
+    # How far the line before each column can run from the south and from the north, and likewise
+    # rows.
     north_of = [_run(x[i]) for i in range(n_columns - 1)]
     south_of = [n_rows - _run(x[i, ::-1]) for i in range(n_columns - 1)]
     east_of = [_run(y[:, j]) for j in range(n_rows - 1)]
@@ -42,6 +51,7 @@ def _find(x: np.ndarray, y: np.ndarray) -> Cuts | None:
         for north in range(2, min(n_rows - 1, north_of[east - 1]) + 1):
             for west in range(max(1, west_of[north - 1]), east):
                 for south in range(max(1, south_of[west - 1]), north):
+                    # Three cuts meet by the ranges of the loops; the southern one is checked here.
                     size = (east - west) * (north - south)
                     if east_of[south - 1] >= east and (best is None or size > best[0]):
                         best = (size, (west, east, south, north))
@@ -49,5 +59,5 @@ def _find(x: np.ndarray, y: np.ndarray) -> Cuts | None:
 
 
 def _run(row: np.ndarray) -> int:
-    """How many entries from the first on are true."""
+    """Return the number of entries from the first on that are true."""
     return len(row) if row.all() else int(row.argmin())

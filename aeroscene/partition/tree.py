@@ -1,8 +1,8 @@
-"""The partition tree: how a rectangle of ground, or of a storey, is divided without a rest.
+"""The partition tree: the division of a rectangle of ground, or of a storey, without a rest.
 
-Every node fills the frame that it is given: an upright rectangle with a heading of its own. What
-runs along a frame is measured in shares of it, but for strips such as carriageways, whose width is
-in metres. Lists along x or y begin at the low end.
+Every node fills the frame that it is given: an upright rectangle with a heading of its own. Lengths
+along a frame are shares of it, so that a tree fits a frame of any size. Strips such as carriageways
+are the exception, because their width is given in metres. Lists along x or y begin at the low end.
 """
 
 from __future__ import annotations
@@ -16,11 +16,12 @@ Axis = Literal["x", "y"]
 
 VOID = "void"
 """Kind of a leaf that nothing fills."""
+# Shares come from sums and quotients, whose rounding errors stay below this.
 SHARES_TOLERANCE = 1e-6
 
 
 class PartitionError(ValueError):
-    """A tree that does not divide its frame; one line that names node, field and value."""
+    """A tree does not divide its frame; one line names node, field and value."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,22 +29,24 @@ class Part:
     """One stretch of a frame's side."""
 
     value: float
-    """Width in m of a strip; else the share of what the strips beside it leave."""
+    """Width of a strip in m, or the share of the length that the strips of the side leave."""
     is_width: bool = False
 
 
 @dataclass(frozen=True, slots=True)
 class Leaf:
-    """What one kind of cover or room fills, or nothing."""
+    """An area that one kind of cover or room fills, or nothing."""
 
     kind: str
-    """Word for it, the category unless the parser was given another; `VOID` for nothing."""
+    """Word for its content: the category, unless the parser was given another word; `VOID` for
+    nothing."""
     height_m: float = 0.0
-    """From its underside to its upper face."""
+    """Distance from its underside to its upper face."""
     quarter: int = 0
     """Quarter turns of its own x axis, counter-clockwise from the frame's: 0 to 3."""
     merge: int = 0
-    """Leaves of one number above 0 are one room or one ground object; 0 is one by itself."""
+    """Leaves of one number above 0 are one room or one ground object; a leaf with 0 is one by
+    itself."""
 
     def __post_init__(self) -> None:
         if self.quarter not in range(4):
@@ -71,7 +74,7 @@ class Cross:
     rows: tuple[Part, ...]
     cells: tuple[Node, ...]
     is_fallback: bool = False
-    """Whether this is a grid for what nothing else fits."""
+    """True for a grid that holds a layout which no other node fits."""
 
     def __post_init__(self) -> None:
         _check_parts("cross.columns", self.columns)
@@ -81,10 +84,10 @@ class Cross:
 
 @dataclass(frozen=True, slots=True)
 class Pinwheel:
-    """Four arms about a middle, each ending on the next."""
+    """Four arms around a middle, each ending on the next."""
 
     is_mirrored: bool
-    """Whether the southern arm ends at the eastern side; else it begins at the western one."""
+    """True if the southern arm ends at the eastern side; otherwise it begins at the western one."""
     cuts: tuple[float, float, float, float]
     """Sides of the middle as shares of the frame: west, east, south, north."""
     arms: tuple[Node, Node, Node, Node]
@@ -105,22 +108,22 @@ class Place:
     """Middle, in shares of the frame from its south-western corner."""
     y_share: float
     yaw_rad: float
-    """Heading to the frame's."""
+    """Heading relative to the frame's."""
     size_m: tuple[float, float]
 
 
 @dataclass(frozen=True, slots=True)
 class Item:
-    """What lies on a leaf: a tree over all of it, or at a place."""
+    """A tree on a leaf: over all of it, or at a place."""
 
     tree: Node
     place: Place | None = None
-    """None where the tree fills the leaf."""
+    """None if the tree fills the leaf."""
 
 
 @dataclass(frozen=True, slots=True)
 class Overlay:
-    """A leaf and what lies on top of it."""
+    """A leaf and the trees on top of it."""
 
     base: Leaf
     items: tuple[Item, ...]
@@ -133,7 +136,7 @@ class Lane:
     kind: str
     width_m: float
     heights_m: tuple[float, ...]
-    """For each piece."""
+    """Height on each piece."""
     quarter: int = 0
 
 
@@ -142,23 +145,27 @@ class Bank:
     """A frame beside a piece of a bend, with a tree of its own."""
 
     low_share: float
+    """Begin along the piece, in shares of its middle line; may be negative."""
     high_share: float
-    """From where to where along the piece, in shares of its middle line; may reach beyond."""
+    """End along the piece, in shares of its middle line; may exceed 1."""
     depth_m: float
     tree: Node
 
 
 @dataclass(frozen=True, slots=True)
 class Bend:
-    """A chain of straight pieces with lanes; wedges in the bends beyond the lanes stay empty."""
+    """A chain of straight pieces with lanes.
+
+    Wedges in the bends beyond the lanes stay empty.
+    """
 
     start: tuple[float, float]
     """Begin of the middle line, in shares of the frame from its south-western corner."""
     heading_rad: float
-    """Of the first piece, to the frame."""
+    """Heading of the first piece relative to the frame's."""
     lengths_m: tuple[float, ...]
     turns_rad: tuple[float, ...]
-    """Left turns between pieces: one less than these."""
+    """Left turns between pieces, one fewer than pieces."""
     lanes: tuple[Lane, ...]
     """From the right edge to the left."""
     banks: tuple[Bank | None, ...]
@@ -173,7 +180,7 @@ class Bend:
 
     @property
     def width_m(self) -> float:
-        """Of all lanes together."""
+        """Width of all lanes together."""
         return sum(lane.width_m for lane in self.lanes)
 
 
@@ -181,7 +188,7 @@ Node = Leaf | Slice | Cross | Pinwheel | Overlay | Bend
 
 
 def children(node: Node) -> tuple[Node, ...]:
-    """The nodes right below a node, in order; an overlay's leaf is its first."""
+    """Return the nodes right below a node, in order; an overlay's leaf is its first."""
     match node:
         case Leaf():
             return ()
@@ -198,7 +205,11 @@ def children(node: Node) -> tuple[Node, ...]:
 
 
 def with_children(node: Node, nodes: tuple[Node, ...]) -> Node:
-    """A node with others in place of its `children`."""
+    """Return a node with others in place of its `children`.
+
+    Raises:
+        PartitionError: If the base of an overlay is no leaf.
+    """
     match node:
         case Leaf():
             return node
@@ -222,14 +233,14 @@ def with_children(node: Node, nodes: tuple[Node, ...]) -> Node:
 
 
 def walk(node: Node) -> Iterator[Node]:
-    """A node and everything below it, in pre-order."""
+    """Yield a node and everything below it, in pre-order."""
     yield node
     for child in children(node):
         yield from walk(child)
 
 
 def part_lengths(parts: tuple[Part, ...], length_m: float) -> list[float]:
-    """Lengths in m that fill a side.
+    """Return the lengths in m of the parts that fill a side.
 
     Raises:
         PartitionError: If the strips alone are as long as the side.
@@ -241,8 +252,14 @@ def part_lengths(parts: tuple[Part, ...], length_m: float) -> list[float]:
 
 
 def parts_of(lengths_m: Sequence[float], is_width: Sequence[bool]) -> tuple[Part, ...]:
-    """Parts of a side; the longest is a share where all would be widths."""
+    """Return the parts of a side; if all would be widths, the longest becomes a share.
+
+    Args:
+        lengths_m: Lengths of the parts.
+        is_width: True for parts that are strips.
+    """
     widths = list(is_width)
+    # Without any share, a side of another length could not be filled.
     if all(widths):
         widths[max(range(len(lengths_m)), key=lengths_m.__getitem__)] = False
     pairs = list(zip(lengths_m, widths, strict=True))

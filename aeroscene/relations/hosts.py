@@ -1,7 +1,7 @@
-"""What an object may refer to: what stands already, ranked by what is known before any place is.
+"""Possible hosts of an object, ranked by facts that are known before any place is.
 
-The ranks follow from categories, parents and the order of drawing alone, so that a model that has
-drawn no place yet reads the same host from a rank as the parser that gave it.
+The ranks follow from categories, parents and the order of drawing alone. A model that has not drawn
+any place yet therefore reads the same host from a rank as the parser that gave it.
 """
 
 from __future__ import annotations
@@ -13,17 +13,21 @@ from aeroscene.scene import OrientedBox, SceneObject
 from aeroscene.scene.catalogue import BRIDGES, CATALOGUE, LEVELS, ROADS, SIGNALS, STAIRS, TABLETOPS
 from aeroscene.solids.shapes.structures import RAIL_M
 
+# Coarse objects, then stairs, then all others.
 N_TURNS = 3
 _INSIDE = frozenset({Kind.EDGE, Kind.CENTRE, Kind.ON, Kind.SCATTER})
 
 
 def is_furniture(category_id: int) -> bool:
-    """Whether what it bears lies on a top, and not within a ground, a room or a shell."""
+    """True if objects on this category lie on its top, not within a ground, room or shell."""
     return CATALOGUE[category_id].level == "fine"
 
 
 def turn_of(category_id: int) -> int:
-    """When something is drawn: coarse things first, then what leads up to them, then the rest."""
+    """Return the turn in which an object is drawn, 0 to 2.
+
+    Coarse objects come first, then the stairs that lead up to them, then all others.
+    """
     category = CATALOGUE[category_id]
     if category.name in STAIRS:
         return 1
@@ -31,15 +35,18 @@ def turn_of(category_id: int) -> int:
 
 
 def level_m(category: str, box: OrientedBox) -> float:
-    """Height of what one walks on, on something: its top, of a bridge its deck between rails."""
+    """Return the height of the level on which people walk.
+
+    It is the top of an object; on a bridge it is the deck between the rails.
+    """
     return box.p[2] + box.s[2] / 2 - (RAIL_M if category in BRIDGES else 0.0)
 
 
 class Standing:
-    """What is drawn so far, in order."""
+    """Objects that are drawn so far, in order."""
 
     def __init__(self, coarse: tuple[SceneObject, ...] = ()) -> None:
-        """Begin with what needs no relation."""
+        """Begin with objects that need no relation."""
         self._category: dict[int | None, str] = {}
         self._children: defaultdict[int | None, list[int]] = defaultdict(list)
         self._seats: defaultdict[int, list[int]] = defaultdict(list)
@@ -52,7 +59,14 @@ class Standing:
     def add(
         self, object_id: int, category_id: int, parent_id: int | None, seat_of: int | None = None
     ) -> None:
-        """Let an object stand; a chair says at which table."""
+        """Add an object.
+
+        Args:
+            object_id: Its id.
+            category_id: Number of its category.
+            parent_id: Id of its bearer; None for the ground.
+            seat_of: Id of the table at which a chair stands.
+        """
         category = CATALOGUE[category_id]
         self._category[object_id] = category.name
         self._parent[object_id] = parent_id
@@ -65,26 +79,36 @@ class Standing:
             self._levels.append(object_id)
 
     def category(self, object_id: int | None) -> str:
-        """The category of something; nothing for the bare world."""
+        """Return the category of an object; empty for the ground."""
         return self._category.get(object_id, "")
 
     def bearer(self, object_id: int) -> int | None:
-        """What bears an object."""
+        """Return the id of an object's bearer; None for the ground."""
         return self._parent[object_id]
 
     def possible_hosts(
         self, kind: Kind, category_id: int, parent_id: int | None
     ) -> list[int | None]:
-        """What an object may have such a relation to, at most `MAX_HOSTS`, the likeliest first.
+        """Return the possible hosts of an object in a relation, the likeliest first.
 
-        Inside it is the parent. At tables, beside, over and facing it is what has the same parent,
-        the last one first, and before it what the category is for: the road of a traffic light, the
-        chair of a plate, the level of stairs.
+        Objects inside of something have their parent as host. At tables, beside, over and facing,
+        hosts are the objects with the same parent, the last one first. Some categories have hosts
+        of their own before these: a traffic light the roads, a plate the chairs, stairs the levels.
+
+        Args:
+            kind: Kind of the relation.
+            category_id: Number of the object's category.
+            parent_id: Id of its bearer; None for the ground.
+
+        Returns:
+            At most `MAX_HOSTS` ids; None stands for the ground.
         """
         if kind in _INSIDE:
             return [parent_id]
+        # The object that was drawn last has rank 0.
         beside: list[int | None] = list(reversed(self._children[parent_id]))
         if kind == Kind.LANE:
+            # `sorted` is stable: the road that bears the vehicle first, then the others in order.
             return sorted(self._roads, key=lambda road: road != parent_id)[:MAX_HOSTS]
         if kind == Kind.SEAT:
             return [host for host in beside if self.category(host) in TABLETOPS][:MAX_HOSTS]
@@ -96,7 +120,7 @@ class Standing:
         return [*seats, *beside][:MAX_HOSTS]
 
     def _levels_from(self, parent_id: int | None) -> list[int | None]:
-        """Levels: those on the same parent, those on what bears it, then all others."""
+        """Return the levels: those on the same parent, those on its bearer, then all others."""
 
         def far(level: int | None) -> int:
             above = self._parent[level]

@@ -1,4 +1,4 @@
-"""Rectangles in the plane: places, the sides of a host, how far a turned rectangle reaches."""
+"""Rectangles in the plane: places, sides of a host, reach of a turned rectangle."""
 
 from __future__ import annotations
 
@@ -22,14 +22,20 @@ class Place:
     yaw_rad: float
 
     def moved(self, u_m: float, v_m: float, turn_rad: float = 0.0) -> Place:
-        """The place at coordinates of this one's frame."""
+        """Return the place at coordinates of this one's frame.
+
+        Args:
+            u_m: Coordinate along its heading.
+            v_m: Coordinate to its left.
+            turn_rad: Heading relative to its own.
+        """
         cos, sin = math.cos(self.yaw_rad), math.sin(self.yaw_rad)
         x_m = self.x_m + cos * u_m - sin * v_m
         y_m = self.y_m + sin * u_m + cos * v_m
         return Place(x_m, y_m, self.yaw_rad + turn_rad)
 
     def local(self, other: Place) -> tuple[float, float, float]:
-        """Coordinates of another place in this one's frame: m, m, and rad within a half turn."""
+        """Return u and v in m and the turn in rad, within half a turn, of another place."""
         cos, sin = math.cos(self.yaw_rad), math.sin(self.yaw_rad)
         x_m, y_m = other.x_m - self.x_m, other.y_m - self.y_m
         turn_rad = math.remainder(other.yaw_rad - self.yaw_rad, 2.0 * math.pi)
@@ -38,37 +44,40 @@ class Place:
 
 @dataclass(frozen=True, slots=True)
 class Rectangle:
-    """A footprint."""
+    """Footprint of an object."""
 
     place: Place
     half_m: Half
 
     def from_side(self, side: int) -> Place:
-        """The middle, headed along the outward normal of a side."""
+        """Return the middle, headed along the outward normal of a side.
+
+        Sides 0 to 3 are those towards +x, +y, -x and -y.
+        """
         return Place(self.place.x_m, self.place.y_m, self.place.yaw_rad + side * QUARTER)
 
     def reach_m(self, side: int) -> Half:
-        """Half extents along a side's normal and along the side."""
+        """Return the half extents along a side's normal and along the side."""
         return self.half_m if side % 2 == 0 else (self.half_m[1], self.half_m[0])
 
 
 WORLD = Rectangle(Place(0.0, 0.0, 0.0), (0.0, 0.0))
-"""The host of what has no parent."""
+"""Host of objects without a parent."""
 
 
 def footprint(box: OrientedBox) -> Rectangle:
-    """A box seen from above; of a tilted one its own extents, not their shadow."""
+    """Return a box as seen from above; a tilted one has its own extents, not its shadow's."""
     return Rectangle(Place(box.p[0], box.p[1], box.yaw_rad), (box.s[0] / 2, box.s[1] / 2))
 
 
 def turned_reach_m(half_m: Half, turn_rad: float) -> Half:
-    """How far a turned rectangle reaches along the axes it is turned against."""
+    """Return the half extents of a turned rectangle along the axes before the turn."""
     cos, sin = abs(math.cos(turn_rad)), abs(math.sin(turn_rad))
     return cos * half_m[0] + sin * half_m[1], sin * half_m[0] + cos * half_m[1]
 
 
 def hull(rectangles: Sequence[Rectangle]) -> Rectangle:
-    """The least rectangle about some, along the axes of the first."""
+    """Return the smallest rectangle around others, along the axes of the first."""
     place = rectangles[0].place
     low, high = [math.inf, math.inf], [-math.inf, -math.inf]
     for each in rectangles:
@@ -82,6 +91,6 @@ def hull(rectangles: Sequence[Rectangle]) -> Rectangle:
 
 
 def nearest_quadrant(turn_rad: float) -> tuple[int, float]:
-    """Quarter turns nearest to a turn, 0 to 3, and what is left."""
+    """Return the nearest number of quarter turns, 0 to 3, and the remainder, rad."""
     count = round(turn_rad / QUARTER)
     return count % 4, turn_rad - count * QUARTER

@@ -1,5 +1,5 @@
-"""Other projects' methods of making scenes, re-implemented from their papers to compare ours with.
+"""Other projects' methods of making scenes, re-implemented from their papers for comparison.
 
-None of these is its authors' code. Each learns from the same scenes as ours, in one interface:
-`named.fit` trains a method within a budget, and what it returns draws scenes by seed.
+None of these is its authors' code. Each learns from the same scenes as our model, through one
+interface: `named.fit` trains a method within a budget, and the result draws scenes by seed.
 """

@@ -1,16 +1,16 @@
-"""ATISS: one object after the other, each told by the unordered set of those that are there.
+"""ATISS: draws one object after the other, given the unordered set of earlier objects.
 
-A re-implementation from the paper.
+This is a re-implementation from the paper.
 
-| choice | paper | here |
-|---|---|---|
-| network | transformer encoder without positions, a query token beside them | narrower |
-| an object | category, then place, then angle, then size, each told by those before | the same |
-| attributes | mixtures of ten logistic distributions | the same |
-| context | features of the floor plan | the domain, since no floor plan is given |
-| training | random order, cut at random; the next object is the target | all that follow are |
+    choice      paper                                                    here
+    network     transformer encoder without positions, a query token     narrower
+    an object   category, place, angle, size, each given those before    the same
+    attributes  mixtures of ten logistic distributions                   the same
+    context     features of the floor plan                               the domain alone
+    training    random order, cut at random; next one is the target      all later objects are
 
-All that follow a cut as targets have the same expectation as one of them, and less variance.
+Taking all objects after a cut as targets has the same expectation as taking one of them, and less
+variance.
 
 Source: Paschalidou, Kar, Shugrina, Kreis, Geiger and Fidler 2021, "ATISS: Autoregressive
 Transformers for Indoor Scene Synthesis", NeurIPS, sections 3.1 to 3.3.
@@ -49,15 +49,21 @@ from aeroscene.metrics.arrays import N_CATEGORIES
 from aeroscene.scene import DOMAINS
 
 _END = N_CATEGORIES
-"""The class that ends a scene."""
+"""Class that ends a scene, after those of the categories."""
+# Frequencies of the Fourier features of each number.
 _BANDS = 6
+# Weight, mean and log scale of each component of a mixture.
 _PER_NUMBER = 3 * N_COMPONENTS
 _REACH = 2.0
-"""Of most standardised values."""
+"""Standardised places and sizes mostly lie within this distance of 0."""
 
 
 class Atiss(BaselineModel):
-    """The encoder, and a head for each attribute."""
+    """Encoder of the objects so far, and one head for each attribute of the next object.
+
+    The heads form a chain: class, place, angle, size. Each reads the values that the earlier ones
+    gave.
+    """
 
     def __init__(self, code: LayoutCode, cfg: BaselineCfg) -> None:
         super().__init__(code)
@@ -72,6 +78,7 @@ class Atiss(BaselineModel):
         self.encoder = nn.TransformerEncoder(layer, cfg.levels, enable_nested_tensor=False)
         self.kind = nn.Embedding(N_CATEGORIES, width)
         self.class_head = _head(width, N_CATEGORIES + 1)
+        # Each head reads the query's token, the category and all earlier attributes.
         known = 2 * width
         self.place_head = _mixture_head(known, 3, _REACH)
         known += 3 * (1 + 2 * _BANDS)
@@ -80,19 +87,27 @@ class Atiss(BaselineModel):
         self.size_head = _mixture_head(known, 3, _REACH)
 
     def forward(self, batch: TokenBatch, generator: torch.Generator) -> LossTerms:
-        """Negative log-likelihood of an object that follows a random part of a scene, nats."""
+        """Negative log-likelihood of the objects that follow a random part of a scene, in nats.
+
+        Args:
+            batch: Layouts with `x0`, as `LayoutCode.encode` writes them.
+            generator: Source of the order of the objects and of the cut.
+
+        Returns:
+            `total`, and its detached parts `category` and `geometry`.
+        """
         x, mask = _shuffled(batch, generator)
         count = mask.sum(dim=1)
         share = torch.rand(len(x), generator=generator, device=generator.device).to(x)
         n_known = (share * (count + 1)).floor().long().clamp(max=x.shape[1])
         place = torch.arange(x.shape[1], device=x.device)
         is_known = place < n_known[:, None]
-        # Nobody looks beyond the most that is known.
+        # The encoder reads no slots beyond the longest known part of the batch: saves time.
         most = int(n_known.max())
         told = self._told(x[:, :most], is_known[:, :most], batch.domain)
         follows = mask & ~is_known
         is_whole = ~follows.any(dim=1)
-        # One term a scene: the mean over all that may follow, or the end.
+        # Each scene contributes one term: the mean over all objects that may follow, or the end.
         weight = follows / follows.sum(dim=1, keepdim=True).clamp(min=1)
         log_class = torch.log_softmax(self.class_head(told), dim=-1)
         category = x[..., CATEGORY].argmax(dim=-1)
@@ -114,7 +129,7 @@ class Atiss(BaselineModel):
         x: Float[Tensor, "m c"],
         category: Int[Tensor, " m"],
     ) -> Float[Tensor, " m"]:
-        """Negative log-likelihood of objects, each told by what its scene has already."""
+        """Negative log-likelihood of objects, each given what its scene has already."""
         known = torch.cat([told, self.kind(category)], dim=-1)
         angle = _angle(x)
         total = mixture_loss(_mixtures(self.place_head(known)), x[..., CENTRE])
@@ -125,7 +140,7 @@ class Atiss(BaselineModel):
 
     @torch.no_grad()
     def draw(self, domain: int, generator: torch.Generator) -> FlatBoxes:
-        """A layout, object by object, until the end is drawn or there are no more slots."""
+        """Draw a layout object by object, until the end is drawn or all slots are full."""
         device = next(self.parameters()).device
         x = torch.zeros((1, self.code.n_slots, N_CHANNELS), device=device)
         where = torch.tensor([domain], device=device)
@@ -135,6 +150,7 @@ class Atiss(BaselineModel):
             told = self._told(x[:, :n], is_known, where)[0]
             logits = self.class_head(told)
             if n == 0:
+                # An empty scene cannot be decoded.
                 logits[_END] = -math.inf
             category = int(torch.multinomial(logits.softmax(-1), 1, generator=generator))
             if category == _END:
@@ -152,6 +168,7 @@ class Atiss(BaselineModel):
         )
         known = torch.cat([told, self.kind.weight[category]])
         place = draw_mixture(_mixtures(self.place_head(known)), generator)
+        # The tails of a logistic distribution reach beyond every value of training.
         place = torch.minimum(torch.maximum(place, low[CENTRE]), high[CENTRE])
         known = torch.cat([known, _encoded(place)])
         angle = draw_mixture(_mixtures(self.angle_head(known)), generator).clamp(-1, 1)
@@ -172,8 +189,9 @@ class Atiss(BaselineModel):
         is_known: Bool[Tensor, "batch n"],
         domain: Tensor,
     ) -> Float[Tensor, "batch d"]:
-        """What the query token makes of the objects that are known."""
+        """Encode the known objects and return the query's token."""
         category = (x[..., CATEGORY] + 1) / 2
+        # Categories are stored as -1 and 1; here 0 and 1 select a column of the layer.
         objects = self.inward(torch.cat([_encoded(x[..., :N_GEOMETRY]), category], dim=-1))
         context = self.domain(domain)[:, None]
         query = self.query.expand(len(x), 1, -1)
@@ -205,15 +223,16 @@ def _encoded(values: Float[Tensor, "*n c"]) -> Float[Tensor, "*n f"]:
 
 
 def _angle(x: Float[Tensor, "batch n c"]) -> Float[Tensor, "batch n 1"]:
-    """Yaw over pi, -1 to 1."""
+    """Yaw divided by pi, -1 to 1."""
     cos, sin = x[..., HEADING].chunk(2, dim=-1)
     return torch.atan2(sin, cos) / math.pi
 
 
 def _shuffled(batch: TokenBatch, generator: torch.Generator) -> tuple[Tensor, Tensor]:
-    """Layouts in random order, real objects first."""
+    """Shuffle the objects of each layout, padding last."""
     assert batch.x0 is not None
     chance = torch.rand(batch.mask.shape, generator=generator, device=generator.device)
+    # Chance is below 1, so that adding 1 to padding sorts it behind all objects.
     order = (chance.to(batch.x0) + ~batch.mask).argsort(dim=1)
     x = batch.x0.gather(1, order[..., None].expand_as(batch.x0))
     return x, batch.mask.gather(1, order)

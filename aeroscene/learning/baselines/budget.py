@@ -1,4 +1,7 @@
-"""Operations of a training step, counted beside the training: looking on changes no weights."""
+"""FLOP of a training step, counted beside the training, so that methods can be compared by work.
+
+The count leaves weights and the state of the optimiser as they were.
+"""
 
 from __future__ import annotations
 
@@ -12,9 +15,15 @@ from aeroscene.learning.training.loop import TOTAL, LossFunction, PartTraining, 
 
 
 def flop_per_step(training: PartTraining, batches: Sequence[Batch], loss: LossFunction) -> float:
-    """Mean FLOP of a step forwards and backwards: of matrix products, convolutions, attention.
+    """Mean FLOP of a step forwards and backwards.
 
-    Attention counts by its definition, whatever kernel computes it.
+    Matrix products, convolutions and attention count. Attention counts by its definition, whatever
+    kernel computes it.
+
+    Args:
+        training: The training whose model and device are used.
+        batches: Batches to average over; at least one.
+        loss: Loss of a batch; its term `total` is differentiated.
     """
     model, device = training.model, training.device
     was_training = model.training

@@ -1,16 +1,15 @@
 """DiffuScene: denoising diffusion over the flat set of all objects with all their attributes.
 
-A re-implementation from the paper, without its shape codes: our objects have none.
+This is a re-implementation from the paper, without its shape codes, because our objects have none.
 
-| choice | paper | here |
-|---|---|---|
-| network | 1-D UNet with attention over the set | the same, narrower |
-| slots | told apart by an embedding that is learnt | the same |
-| predicts | noise of place, size, angle and category together | the same |
-| categories | one-hot with "empty" | the same, -1 and 1 |
-| loss | L_sce + 0.1 L_iou, the latter on the clean layout, weighted by alpha_bar | the same |
-| L_sce | a mean for geometry and one for categories | the same |
-| steps | 1,000 | `BaselineCfg.steps` |
+    choice      paper                                                    here
+    network     1-D UNet with attention over the set                     the same, narrower
+    slots       told apart by a learned embedding                        the same
+    predicts    noise of place, size, angle and category together        the same
+    categories  one-hot with "empty"                                     the same, -1 and 1
+    loss        L_sce + 0.1 L_iou of the clean layout, by alpha_bar      the same
+    L_sce       a mean for geometry and one for categories               the same
+    steps       1,000                                                    `BaselineCfg.steps`
 
 Source: Tang, Nie, Markhasin, Dai, Thies and Niessner 2024, "DiffuScene: Denoising Diffusion Models
 for Generative Indoor Scene Synthesis", CVPR, sections 3.1 to 3.3.
@@ -48,7 +47,9 @@ from aeroscene.learning.training.loop import LossTerms
 from aeroscene.metrics.arrays import IS_COARSE
 
 _LOSS = LossCfg(parameterisation="eps", is_stratified=False, guide_weight=0.1, guide_scenes=4)
-"""The overlap of `guide_scenes` scenes of a batch is looked at: it takes longer than the rest."""
+"""The overlap is computed for `guide_scenes` scenes of a batch only: it takes longer than the
+rest."""
+# Every overlap counts, and its edge is softened over 0.1 m so that it has a gradient.
 _IOU_TOLERANCE = 0.0
 _SOFTNESS_M = 0.1
 
@@ -64,9 +65,10 @@ class DiffuScene(BaselineModel):
         self.read = LayoutReader(code)
 
     def forward(self, batch: TokenBatch, generator: torch.Generator) -> LossTerms:
-        """L_sce + 0.1 L_iou."""
+        """L_sce + 0.1 L_iou of a batch at random times."""
         assert batch.weight is not None
-        # The mean of the geometry counts as much as that of the categories, which are many more.
+        # Geometry and categories count alike, although there are ten times as many category
+        # channels.
         weight = batch.weight.clone()
         weight[..., N_GEOMETRY:] *= N_GEOMETRY / (N_CHANNELS - N_GEOMETRY)
         batch = replace(batch, weight=weight)
@@ -75,7 +77,7 @@ class DiffuScene(BaselineModel):
         )
 
     def draw(self, domain: int, generator: torch.Generator) -> FlatBoxes:
-        """A layout by ancestral sampling."""
+        """Draw a layout by ancestral sampling with `BaselineCfg.steps` steps."""
         device = next(self.parameters()).device
         bounds = [torch.as_tensor(b, dtype=torch.float32) for b in (self.code.low, self.code.high)]
         x0 = sample(
@@ -91,7 +93,7 @@ class DiffuScene(BaselineModel):
 
     @property
     def guidance(self) -> Guidance | None:
-        """What pulls at a layout while it is drawn: nothing."""
+        """Guidance of the sampling; None here, and the point in which PhyScene differs."""
         return None
 
     def _overlap(self, x0: Tensor, batch: TokenBatch) -> Tensor:
@@ -100,7 +102,10 @@ class DiffuScene(BaselineModel):
 
 
 class LayoutReader:
-    """Reads channels as objects in the world, differentiably."""
+    """Reads channels as objects in the world, differentiably.
+
+    The result is a `Layout`, on which the paper's collision loss is evaluated.
+    """
 
     def __init__(self, code: LayoutCode) -> None:
         self._mean = torch.as_tensor(code.mean, dtype=torch.float32)
@@ -108,12 +113,12 @@ class LayoutReader:
         self._low = torch.as_tensor(code.low[:6], dtype=torch.float32)
         self._high = torch.as_tensor(code.high[:6], dtype=torch.float32)
         self.spread_m = float(code.spread[:2].max())
-        """What a standardised place is divided by."""
+        """Length of one unit of a standardised place."""
 
     def __call__(self, x: Tensor, batch: TokenBatch) -> Layout:
-        """The layout; slots that say that they hold nothing are masked out."""
+        """Return the layout; empty slots are masked out."""
         del batch
-        # Out of the range of training an exponential has no end.
+        # Sizes are exponentials: without this limit an early, noisy x0 would have endless boxes.
         kept = torch.minimum(torch.maximum(x[..., :6], self._low.to(x)), self._high.to(x))
         rows = kept * self._spread.to(x) + self._mean.to(x)
         heading = x[..., HEADING]
@@ -121,10 +126,12 @@ class LayoutReader:
         likely = category.argmax(dim=-1)
         return Layout(
             rows[..., CENTRE],
+            # The norm may be 0 in noise.
             heading / heading.norm(dim=-1, keepdim=True).clamp(min=1e-6),
             rows[..., LOG_SIZE].exp(),
             1 + likely,
             category.amax(dim=-1) > x[..., EMPTY].detach(),
-            # Of one scene: where there are more, nobody asks what is coarse.
+            # The levels are those of the first scene. Nothing reads them where there are several
+            # scenes.
             torch.from_numpy(IS_COARSE).to(x.device)[likely[0]],
         )

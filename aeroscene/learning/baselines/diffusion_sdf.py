@@ -1,17 +1,18 @@
-"""Diffusion-SDF for layouts: a code from which signed distances are read, and diffusion of codes.
+"""Diffusion-SDF for layouts: a code that signed distances are read from, and diffusion of codes.
 
-A re-implementation from the paper, adapted as the AeroScene paper says ("uses a diffusion model
-with signed distance fields to model object placements"). Diffusion-SDF codes one shape; here the
-shape is the layout: the distance from a point to the nearest coarse object, and to the nearest fine
-one. Since boxes are wanted and no surface, a second decoder reads the objects off the same code.
+This is a re-implementation from the paper, adapted as the AeroScene paper says ("uses a diffusion
+model with signed distance fields to model object placements"). Diffusion-SDF codes one shape. Here
+the shape is the layout: the distance from a point to the nearest coarse object, and to the nearest
+fine one. We need boxes and no surface, so a second decoder reads the objects off the same code.
 
-| choice | paper | here |
-|---|---|---|
-| encoder | PointNet over surface points, variational | attention over the objects, variational |
-| code | one vector, by a linear layer | the same, of all slots |
-| modulation | the code conditions an MLP of point to signed distance | the same, of two distances |
-| objects | none | slots read off the code by a linear layer, then attention |
-| diffusion | of codes, predicts the clean code, trained jointly | the same |
+    choice      paper                                              here
+    encoder     PointNet over surface points, variational          attention over objects
+    code        one vector, by a linear layer                      the same, of all slots
+    modulation  the code conditions an MLP of a point              the same, two distances
+    objects     none                                               slots, then attention
+    diffusion   of codes, predicts the clean one, trained jointly  the same
+
+Our encoder is variational as well; a linear layer gives the slots from the code.
 
 Source: Chou, Bahat and Heide 2023, "Diffusion-SDF: Conditional Generative Modeling of Signed
 Distance Functions", ICCV, sections 3.1 to 3.3.
@@ -48,14 +49,15 @@ from aeroscene.learning.training.loop import LossTerms
 from aeroscene.metrics.arrays import IS_COARSE
 
 _N_CODES, _CODE_WIDTH = 16, 32
-"""A layout's code: so many vectors of so many numbers; the paper has one of 768."""
+"""Number and width of the vectors of a layout's code; the paper has one vector of 768."""
 _SHARE_WIDTH = 16
-"""What a slot tells the code, and is told by it."""
+"""Numbers of each slot that go into the code, and that come out of it again."""
 _N_POINTS = 64
 _NEAR_M = 1.0
-"""Half of the points lie about objects, at this standard deviation."""
+"""Half of the points lie about objects, with this standard deviation."""
 _MOST_M = 4.0
-"""Distances count up to here."""
+"""Distances are clipped to this value."""
+# Weight of the Kullback-Leibler divergence of codes from the standard normal.
 _KL_WEIGHT = 1e-3
 _FIRST_LOG_VARIANCE = -4.0
 _LOSS = LossCfg(parameterisation="x0", is_stratified=True)
@@ -63,23 +65,25 @@ _BANDS = 6
 
 
 class DiffusionSdf(BaselineModel):
-    """Encoder, both decoders, and the denoiser of codes."""
+    """Encoder, both decoders, and the denoiser of codes, trained together."""
 
     def __init__(self, code: LayoutCode, cfg: BaselineCfg) -> None:
         super().__init__(code)
         width, heads = cfg.width, cfg.heads
         half = max(1, cfg.levels // 2)
         self.inward = nn.Linear(N_CHANNELS, width)
-        # Beside seventy categories a coordinate would hardly be heard.
+        # Geometry gets a layer of its own with large weights: beside seventy categories a
+        # coordinate would hardly change the sum.
         self.geometry = nn.Linear(N_GEOMETRY, width)
         nn.init.normal_(self.geometry.weight)
         self.among = nn.ModuleList(_Layer(width, heads) for _ in range(half))
-        # All slots into one code and back: attention would have to learn first which is which.
+        # One linear layer joins all slots to the code and back. Attention would first have to learn
+        # which slot is which.
         n_shares = code.n_slots * _SHARE_WIDTH
         self.to_share = nn.Linear(width, _SHARE_WIDTH)
         self.to_code = nn.Linear(n_shares, 2 * _N_CODES * _CODE_WIDTH)
         with torch.no_grad():
-            # At a variance of 1 nothing gets through before it has learnt to shrink.
+            # A code that starts with variance 1 carries no signal until training has shrunk it.
             self.to_code.bias.unflatten(0, (2, -1))[1].fill_(_FIRST_LOG_VARIANCE)
         self.of_code = nn.Linear(_N_CODES * _CODE_WIDTH, n_shares)
         self.of_share = nn.Linear(_SHARE_WIDTH, width)
@@ -99,7 +103,11 @@ class DiffusionSdf(BaselineModel):
         self._sampler = SamplerCfg(kind="ddpm", n_steps=cfg.steps, parameterisation="x0")
 
     def forward(self, batch: TokenBatch, generator: torch.Generator) -> LossTerms:
-        """Distances, objects, the code's prior, and the denoising of codes."""
+        """Sum of the losses of distances, objects, the code's prior, and the denoising of codes.
+
+        Returns:
+            `total`, and its four detached parts by name.
+        """
         assert batch.x0 is not None
         mean, log_variance = self._encode(batch.x0)
         noise = torch.randn(mean.shape, generator=generator, device=generator.device).to(mean)
@@ -107,6 +115,7 @@ class DiffusionSdf(BaselineModel):
         prior = 0.5 * (mean**2 + log_variance.exp() - 1 - log_variance).mean()
         objects = _object_loss(self._decode(code), batch.x0, batch)
         distances = self._distance_loss(code, batch, generator)
+        # Detached: the denoiser learns the codes and does not change the encoder.
         latent = _code_batch(code.detach(), batch.domain)
         codes = diffusion_loss(self.denoiser, latent, self._schedule, _LOSS, generator).total
         total = objects + distances + _KL_WEIGHT * prior + codes
@@ -115,7 +124,7 @@ class DiffusionSdf(BaselineModel):
 
     @torch.no_grad()
     def draw(self, domain: int, generator: torch.Generator) -> FlatBoxes:
-        """A layout read off a code that is drawn."""
+        """Denoise a code and read a layout off it."""
         device = next(self.parameters()).device
         blank = torch.zeros((1, _N_CODES, _CODE_WIDTH), device=device)
         batch = _code_batch(blank, torch.tensor([domain], device=device))
@@ -123,12 +132,14 @@ class DiffusionSdf(BaselineModel):
         return self.code.decode(self._decode(code)[0].double().cpu().numpy())
 
     def _encode(self, x: Float[Tensor, "batch n c"]) -> tuple[Tensor, Tensor]:
-        # Objects are read off in their order, so that a code has to hold it.
+        # The objects are decoded in their order, so the code has to hold the order: slots have
+        # vectors.
         place = self.inward(x) + self.geometry(x[..., :N_GEOMETRY]) + self.slots
         for layer in self.among:
             place = layer(place)
         found = self.to_code(self.to_share(place).flatten(1))
         mean, log_variance = found.unflatten(1, (2, _N_CODES, _CODE_WIDTH)).unbind(1)
+        # These limits keep the exponential finite.
         return mean, log_variance.clamp(-8.0, 4.0)
 
     def _decode(self, code: Float[Tensor, "batch k w"]) -> Float[Tensor, "batch n c"]:
@@ -149,7 +160,7 @@ class DiffusionSdf(BaselineModel):
         return functional.l1_loss(found_m.clamp(-_MOST_M, _MOST_M), true_m) / _MOST_M
 
     def _points(self, batch: TokenBatch, generator: torch.Generator) -> Float[Tensor, "batch p 3"]:
-        """Points about objects and anywhere between the outermost ones."""
+        """Draw points for the distances: half about objects, half between the outermost ones."""
         assert batch.x0 is not None
         layout = self._read(batch.x0, batch)
         device, n = generator.device, len(batch.mask)
@@ -168,7 +179,7 @@ class DiffusionSdf(BaselineModel):
 
 
 class _Layer(nn.Module):
-    """Attention among places, then a network on each."""
+    """Attention among places, then a network on each place."""
 
     def __init__(self, width: int, heads: int) -> None:
         super().__init__()
@@ -187,7 +198,7 @@ def _all(place: Tensor) -> Tensor:
 
 
 def _object_loss(found: Tensor, x0: Tensor, batch: TokenBatch) -> Tensor:
-    """Squared error of the geometry of real objects, cross-entropy of all categories."""
+    """Squared error of the geometry of real objects, and cross-entropy of all categories."""
     is_real = batch.mask[..., None]
     squared = ((found - x0)[..., :N_GEOMETRY] ** 2 * is_real).sum()
     geometry = squared / (N_GEOMETRY * is_real.sum()).clamp(min=1)
@@ -207,10 +218,12 @@ def _signed_distances_m(
     x, y, z = away.unbind(-1)
     local = torch.stack([cos * x + sin * y, cos * y - sin * x, z], dim=-1)
     beyond = local.abs() - layout.size_m[:, None] / 2
+    # Outside, the distance to the box; inside, the negative distance to its nearest face.
     outside = beyond.clamp(min=0).norm(dim=-1)
     distance = outside + beyond.amax(dim=-1).clamp(max=0)
     is_coarse = torch.from_numpy(IS_COARSE).to(away.device)[batch.x0[..., CATEGORY].argmax(-1)]
     of_level = [
+        # A level without objects is as far away as distances count.
         distance.masked_fill(~(batch.mask & level)[:, None], _MOST_M).amin(dim=-1)
         for level in (is_coarse, ~is_coarse)
     ]
@@ -218,7 +231,7 @@ def _signed_distances_m(
 
 
 def _code_batch(code: Float[Tensor, "batch k w"], domain: Tensor) -> TokenBatch:
-    """Codes as tokens, which the diffusion reads."""
+    """Wrap codes as tokens, so that the diffusion can read them."""
     batch = empty_batch(domain.tolist(), code.shape[1]).to(code.device)
     return replace(
         batch,

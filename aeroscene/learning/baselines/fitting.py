@@ -1,4 +1,8 @@
-"""The training of a baseline: within a budget, logged, kept and resumed as our own is."""
+"""Training of a baseline within a budget, logged, saved and resumed like our own training.
+
+Baselines share the loop, the batches, the checkpoints and the learning curves of
+`aeroscene.learning.training`, so that a comparison of methods is not one of training code.
+"""
 
 from __future__ import annotations
 
@@ -32,52 +36,60 @@ from aeroscene.scene import DOMAINS, Scene, SceneDomain
 BASELINE_TRAINING = TrainCfg(
     batch_size=16, learning_rate=1e-3, second_decay=0.99, look_steps=100, warmup_steps=50
 )
-"""As our own is trained: the papers' rates (1e-4, 2e-4) are made for days of a GPU."""
+"""Settings as in our own training: the papers' rates (1e-4, 2e-4) are made for days of a GPU."""
 _LOG_STEPS = 10
+# A whole state is written at most this often.
 _SAVE_S = 60.0
+# Bits of a noise seed: they fit into PyTorch's signed 64-bit seeds.
 _NOISE_BITS = 62
 
 
 @dataclass(frozen=True, kw_only=True)
 class Lessons:
-    """What a method is trained on, how long, and where it is kept."""
+    """Scenes, budget and folder of a training."""
 
     folder: Path
     name: str
-    """Name of the data."""
+    """Name of the data, as it is written into the checkpoint."""
     train: Sequence[Scene]
     held_out: Sequence[Scene]
     budget: Budget
-    """Its seconds are CPU seconds of the process."""
+    """Steps or seconds; seconds are CPU seconds of the process."""
     seed: int = 0
     is_corpus: bool = True
-    """Whether the scenes are our grammar's."""
+    """True if our grammar made the scenes."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Spent:
-    """What a training took."""
+    """Cost of a training, and the size of its network."""
 
     parameters: int
     steps: int
     cpu_s: float
     flop: float
-    """Steps times the operations of one."""
+    """Number of steps times the operations of one step."""
     is_done: bool
-    """Whether the budget was spent, and nobody stopped it."""
+    """True if the training used its whole budget, False if somebody stopped it."""
 
 
 @dataclass(frozen=True, eq=False)
 class FittedBaseline:
-    """A baseline that draws scenes."""
+    """A trained baseline that draws scenes."""
 
     model: BaselineModel
     spent: Spent
     domains: frozenset[SceneDomain] = field(default_factory=frozenset)
-    """Domains that it was trained on."""
+    """Domains of its training scenes; it draws no others."""
 
     def sample(self, seed: int, domain: SceneDomain) -> Scene:
-        """The scene of a seed, as it is drawn: without areas, projected by nobody.
+        """Draw the scene of a seed.
+
+        The scene is as the method draws it: it has no landing areas and has not been projected.
+
+        Args:
+            seed: Seed of all random numbers; equal seeds give equal scenes.
+            domain: One of `domains`.
 
         Raises:
             TrainingError: If there was no training scene of the domain.
@@ -86,6 +98,7 @@ class FittedBaseline:
             valid = ", ".join(sorted(self.domains))
             raise TrainingError(f"domain is {domain!r}; valid: {valid}; no other was trained on")
         device = next(self.model.parameters()).device
+        # Neighbouring seeds would give related noise, so a hash of the seed is used.
         number = int(np.random.SeedSequence(seed).generate_state(1, np.uint64)[0])
         generator = torch.Generator(device).manual_seed(number >> (64 - _NOISE_BITS))
         boxes = self.model.draw(DOMAINS.index(domain), generator)
@@ -101,14 +114,26 @@ def fit_baseline(
     *,
     training_cfg: TrainCfg = BASELINE_TRAINING,
 ) -> FittedBaseline:
-    """Train a baseline from where it was stopped, or take it as it is where its budget is spent.
+    """Train a baseline from where it was stopped, or load it if its budget is spent.
+
+    Args:
+        method: Name of the method, written into its checkpoint.
+        make: Builds the untrained network for a layout code.
+        lessons: Scenes, budget and folder.
+        cfg: Size and sampling of the network.
+        watcher: Reports progress, and may stop the training.
+        training_cfg: Batch size, learning rate and the like.
+
+    Returns:
+        The baseline with its averaged weights.
 
     Raises:
-        TrainingError: If the folder holds a training of other data, or of another configuration.
+        TrainingError: If the folder holds a training of other data or of another configuration.
         OSError: If a file cannot be written.
     """
     code = LayoutCode.of(lessons.train)
     train, held_out = LayoutSet.of(lessons.train, code), LayoutSet.of(lessons.held_out, code)
+    # The caller's own random state stays as it was.
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(lessons.seed)
         model = make(code, cfg)
@@ -132,6 +157,7 @@ def fit_baseline(
     is_done = lessons.budget.share(training.step, training.seconds) >= 1.0 or run.train(
         train, held_out
     )
+    # One batch is enough: all batches of a layout code have the same shape.
     counted = [train.sample_batch(training_cfg.batch_size, batch_generator(lessons.seed, 0))]
     flop = training.step * flop_per_step(training, counted, _loss)
     model.load_state_dict(dict(training.kept))
@@ -158,11 +184,12 @@ def _restore(
             "configuration; valid: the one that it was begun with, or another folder"
         )
     state.restore("denoiser", training)
+    # Rows of the log that are newer than the saved state would appear twice.
     forget_after(folder, "denoiser", training.step)
 
 
 class _Run:
-    """A training under way."""
+    """A training in progress."""
 
     def __init__(
         self, lessons: Lessons, facts: CheckpointFacts, training: PartTraining, watcher: Watcher
@@ -173,7 +200,7 @@ class _Run:
         self._figures: dict[str, Any] = {}
 
     def train(self, train: LayoutSet, held_out: LayoutSet) -> bool:
-        """Whether the budget was spent, and nobody stopped it."""
+        """Train until the budget is spent or the watcher stops; True if the budget was spent."""
         training, budget = self._training, self._lessons.budget
         course = Course(
             part="denoiser",
@@ -188,6 +215,7 @@ class _Run:
             save=self._save_now_and_then,
         )
         batches = drawn_from(train, training.cfg.batch_size, training.cfg.seed + self._lessons.seed)
+        # CPU time: other processes on the machine do not shorten the training.
         train_steps(training, batches, _loss, budget, course.after_step, time.process_time)
         course.log()
         self._save()
@@ -198,6 +226,7 @@ class _Run:
             self._save()
 
     def _save(self) -> None:
+        # A state with numbers that are not finite must never replace a good one.
         check_finite(self._training)
         facts = msgspec.structs.replace(self._facts, training=self._figures)
         write_state(self._lessons.folder / STATE, facts, {"denoiser": self._training}, {})

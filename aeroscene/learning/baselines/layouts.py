@@ -1,20 +1,19 @@
-"""Scenes as flat layouts, as all baselines have them: a set of boxes with categories.
+"""Scenes as flat layouts, the form that all baselines learn: a set of boxes with categories.
 
-| channels | name | unit |
-|---|---|---|
-| 0, 1, 2 | centre, along the axes of the site and up | standardised |
-| 3, 4, 5 | logarithms of full extents | standardised |
-| 6, 7 | cosine and sine of the yaw | - |
-| 8 to 77 | category, one-hot, -1 or 1 | - |
-| 78 | no object, -1 or 1 | - |
+    channels  name                                      unit
+    0, 1, 2   centre, along the axes of the site and up standardised
+    3, 4, 5   logarithms of full extents                standardised
+    6, 7      cosine and sine of the yaw                -
+    8 to 77   category, one-hot                         -1 or 1
+    78        no object                                 -1 or 1
 
-A layout has as many slots as the largest scene of training has objects; the rest say that they hold
-none. Tilts are left out: 13 of 24,563 objects of 3D-FRONT tilt. Objects are in the order, and in
-the frame, that the paper's presets have them in (`aeroscene.learning.paper.layouts`): what helped
-our own method helps those that it is compared with.
+A layout has as many slots as the largest training scene has objects; the other slots say that they
+are empty. Tilts are left out: 13 of 24,563 objects of 3D-FRONT tilt. Order and frame of the objects
+are those of the paper's presets (`aeroscene.learning.paper.layouts`), so that a choice that helped
+our own method also helps the methods that it is compared with.
 
-Source: Tang et al. 2024, "DiffuScene", section 3.1, the object attributes, with sizes as
-logarithms, since ours go from a cup to a building.
+Source: Tang et al. 2024, "DiffuScene", section 3.1, the object attributes. Sizes are logarithms
+here, because ours go from a cup to a building.
 """
 
 from __future__ import annotations
@@ -43,35 +42,45 @@ N_GEOMETRY = 8
 CATEGORY = slice(N_GEOMETRY, N_GEOMETRY + N_CATEGORIES)
 EMPTY = N_GEOMETRY + N_CATEGORIES
 N_CHANNELS = EMPTY + 1
+# A channel that never varies in training would otherwise be divided by zero.
 _LEAST_SPREAD = 1e-3
+# The number of slots is rounded up to a multiple of this.
 _SLOT_STEP = 8
 
 
 def layouts_of(scenes: Sequence[Scene]) -> tuple[FlatLayout, ...]:
-    """Scenes in the axes of their sites, as lists in the one order."""
+    """Turn scenes into the axes of their sites, as lists in one fixed order."""
     return tuple(flat_layout(scene, Wish.of(scene), has_regions=True) for scene in scenes)
 
 
 @dataclass(frozen=True, eq=False)
 class LayoutCode:
-    """From boxes to channels and back, as training scenes have it."""
+    """Conversion between boxes and channels, with scales measured on training scenes."""
 
     n_slots: int
     mean: Float[np.ndarray, " 6"]
+    """Mean of channels 0 to 5 before standardising; m, and logarithms of m."""
     spread: Float[np.ndarray, " 6"]
+    """Standard deviation of channels 0 to 5; x and y share one."""
     low: Float[np.ndarray, " 79"]
-    """Least value of each channel in training."""
+    """Least value of each channel in training, after standardising."""
     high: Float[np.ndarray, " 79"]
+    """Greatest value of each channel in training, after standardising."""
     looks: Looks
     site_yaw_rad: Float[np.ndarray, "domains quantiles"]
-    """How sites of each domain are turned: what new ones are turned by is drawn among these."""
+    """Quantiles of the yaw of training sites; a new site draws its yaw among these."""
 
     @classmethod
     def of(cls, scenes: Sequence[Scene]) -> Self:
-        """Measure training scenes, under the symmetries of the square."""
+        """Measure training scenes, as if every quarter turn and mirror image of them were there.
+
+        Args:
+            scenes: At least one scene.
+        """
         layouts = layouts_of(scenes)
         rows = np.concatenate([_measures(layout) for layout in layouts])
         mean, spread = rows.mean(axis=0), np.maximum(rows.std(axis=0), _LEAST_SPREAD)
+        # Under quarter turns east and north have mean 0 and one common spread.
         mean[:2] = 0.0
         spread[:2] = max(float(np.sqrt((rows[:, :2] ** 2).mean())), _LEAST_SPREAD)
         coded = (rows - mean) / spread
@@ -87,16 +96,21 @@ class LayoutCode:
         return cls(n_slots, mean, spread, low, high, Looks.of(scenes), site_yaw_rad)
 
     def encode(self, boxes: FlatBoxes | FlatLayout) -> Float[np.ndarray, "n 79"]:
-        """Channels of the objects alone, without empty slots."""
+        """Return the channels of the objects, without empty slots."""
         n = len(boxes.category)
         x = np.full((n, N_CHANNELS), -1.0)
         x[:, :6] = (_measures(boxes) - self.mean) / self.spread
         x[:, 6], x[:, 7] = np.cos(boxes.yaw_rad), np.sin(boxes.yaw_rad)
+        # Categories count from 1 in a layout; 0 is the empty category.
         x[np.arange(n), N_GEOMETRY - 1 + boxes.category] = 1.0
         return x
 
     def decode(self, x: Float[np.ndarray, "n 79"]) -> FlatBoxes:
-        """Boxes of those slots that hold an object; the likeliest one where none does."""
+        """Return the boxes of those slots that hold an object.
+
+        If every slot says that it is empty, the likeliest one counts, because a scene needs an
+        object. Places and sizes are clipped to the range of training.
+        """
         is_there = x[:, CATEGORY].max(axis=1) > x[:, EMPTY]
         if not is_there.any():
             is_there[(x[:, CATEGORY].max(axis=1) - x[:, EMPTY]).argmax()] = True
@@ -112,10 +126,15 @@ class LayoutCode:
     def scene(
         self, boxes: FlatBoxes, domain: SceneDomain, seed: int, rng: np.random.Generator
     ) -> Scene:
-        """The scene that boxes are, without areas, as the paper's flat layouts are read.
+        """Build a scene from boxes, without landing areas, as the paper's flat layouts are read.
 
-        A fine object belongs to the coarse one whose centre is nearest; `rng` draws how the site is
-        turned, kinds within categories, and looks.
+        A fine object becomes a child of the nearest coarse object.
+
+        Args:
+            boxes: Boxes in the axes of the site.
+            domain: Domain of the scene.
+            seed: Seed that the scene is named after.
+            rng: Draws the yaw of the site, the kinds within categories, and the looks.
 
         Raises:
             SceneError: If a number is not finite.
@@ -131,7 +150,7 @@ def _measures(boxes: FlatBoxes | FlatLayout) -> Float[np.ndarray, "n 6"]:
 
 @dataclass(frozen=True, eq=False)
 class LayoutSet:
-    """Scenes as flat layouts, as batches for training."""
+    """Training scenes as flat layouts, which it serves in batches."""
 
     code: LayoutCode
     examples: tuple[FlatLayout, ...]
@@ -146,16 +165,18 @@ class LayoutSet:
         """Sixteen hexadecimal digits that differ between sets of scenes."""
         digest = hashlib.sha256()
         for example in self.examples:
+            # Rounded, so that the last bits of another machine's arithmetic do not change the
+            # digest.
             digest.update(np.round(self.code.encode(example), 4).astype("<f4").tobytes())
         return digest.hexdigest()[:16]
 
     def sample_batch(self, size: int, rng: np.random.Generator) -> TokenBatch:
-        """Scenes drawn with replacement, each turned at random, indoors mirrored too."""
+        """Draw scenes with replacement, each turned at random, and mirrored at random indoors."""
         picked = rng.integers(len(self.examples), size=size)
         return self._batch([random_symmetry(self.examples[i], rng) for i in picked])
 
     def in_order(self, start: int, size: int) -> TokenBatch:
-        """Scenes as they are, for measuring."""
+        """Return scenes as they are, for measuring."""
         return self._batch(self.examples[start : start + size])
 
     def _batch(self, examples: Sequence[FlatLayout]) -> TokenBatch:
@@ -170,7 +191,16 @@ class LayoutSet:
 
 
 def empty_batch(domains: Sequence[int], n_slots: int) -> TokenBatch:
-    """Slots without objects, of scenes of some domains (places among `DOMAINS`)."""
+    """Return slots without objects for some scenes.
+
+    Args:
+        domains: Domain of each scene, as its place among `DOMAINS`.
+        n_slots: Slots of each scene.
+
+    Returns:
+        A batch whose `x0` says "empty" everywhere and whose `mask` is False. Sequence fields are 0:
+        flat layouts have no tree.
+    """
     shape = (len(domains), n_slots)
     zeros = torch.zeros(shape, dtype=torch.int64)
     x0 = torch.zeros((*shape, N_CHANNELS))
@@ -186,5 +216,6 @@ def empty_batch(domains: Sequence[int], n_slots: int) -> TokenBatch:
         wish=torch.zeros((len(domains), 3)),
         n_coarse_slots=0,
         x0=x0,
+        # Empty slots are learned as well, so they have a weight.
         weight=torch.ones((*shape, N_CHANNELS)),
     )

@@ -1,8 +1,9 @@
-"""Random layouts from the marginals of training: what a method that learns nothing else draws.
+"""Random layouts from the marginals of training: the result of a method that learns nothing else.
 
-Every object is drawn on its own: its category as often as the domain's scenes have it; its size,
-its place along each axis of the site and its heading each from another training object of that
-category and domain. How many objects there are is drawn from the domain's scenes.
+Each object is drawn independently. Its category comes as often as in the domain's scenes. Its size,
+its place along each axis of the site and its heading each come from another training object of that
+category and domain. The number of objects is that of a random scene of the domain. Every learned
+method should beat this one.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from aeroscene.scene import Scene, SceneDomain
 
 
 class Marginals:
-    """Objects of training, by domain."""
+    """Objects of the training scenes, by domain."""
 
     def __init__(self, scenes: Sequence[Scene]) -> None:
         self._code = LayoutCode.of(scenes)
@@ -28,7 +29,7 @@ class Marginals:
             self._layouts.setdefault(layout.wish.domain, []).append(layout)
 
     def sample(self, seed: int, domain: SceneDomain) -> Scene:
-        """A scene of a seed, without areas.
+        """Draw a scene of a seed, without areas.
 
         Raises:
             TrainingError: If there was no training scene of the domain.

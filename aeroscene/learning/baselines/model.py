@@ -1,4 +1,4 @@
-"""What every learned baseline is to the training and to whoever draws scenes from it."""
+"""The interface of a learned baseline, for its training and for drawing scenes."""
 
 from __future__ import annotations
 
@@ -27,11 +27,12 @@ class BaselineCfg:
     """Levels of a UNet on each side, or layers of a transformer."""
     heads: Annotated[int, Range(1, 64)] = 8
     steps: Annotated[int, Range(1, 1000)] = 100
-    """Denoising steps, where a method diffuses. DiffuScene takes 1,000; the AeroScene paper takes
+    """Denoising steps of methods that diffuse. DiffuScene takes 1,000; the AeroScene paper takes
     100 and says that it is comparable to its baselines."""
 
     def __post_init__(self) -> None:
         require_ranges(self, TrainingError)
+        # Each head needs an even width: sine and cosine features come in pairs.
         ok = self.width % (2 * self.heads) == 0
         require(ok=ok, name="width", value=self.width, valid=f"a multiple of {2 * self.heads}")
 
@@ -45,8 +46,13 @@ class BaselineModel(nn.Module, ABC):
 
     @abstractmethod
     def forward(self, batch: TokenBatch, generator: torch.Generator) -> LossTerms:
-        """Loss of a batch; its term `total` is what is minimised."""
+        """Return the loss of a batch; the training minimises its term `total`."""
 
     @abstractmethod
     def draw(self, domain: int, generator: torch.Generator) -> FlatBoxes:
-        """A layout of a domain, by its place among `DOMAINS`; the generator draws everything."""
+        """Draw a layout of a domain.
+
+        Args:
+            domain: Place of the domain among `DOMAINS`.
+            generator: Source of every random number of the draw.
+        """

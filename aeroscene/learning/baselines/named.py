@@ -1,14 +1,14 @@
-"""The methods by name, and their common interface: fit on scenes, then sample scenes.
+"""All methods by name, with one interface: fit on scenes, then sample scenes.
 
     fitted = fit("atiss", lessons, watcher)
     scene = fitted.sample(seed=7, domain="outdoor")
 
-| name | what |
-|---|---|
-| `random` | objects drawn from the marginals of training, each on its own |
-| `atiss`, `diffusion_sdf`, `diffuscene`, `physcene` | re-implementations from their papers |
-| `paper`, `progressive` | the AeroScene paper's method, our presets of that name |
-| `ours` | our default preset |
+The methods, by name:
+
+- `random`: objects drawn from the marginals of training, each on its own
+- `atiss`, `diffusion_sdf`, `diffuscene`, `physcene`: re-implementations from their papers
+- `paper`, `progressive`: the AeroScene paper's method, our presets of that name
+- `ours`: our default preset
 """
 
 from __future__ import annotations
@@ -37,15 +37,15 @@ from aeroscene.scene import Scene, SceneDomain
 
 
 class Fitted(Protocol):
-    """A method that has learned."""
+    """A trained method."""
 
     @property
     def spent(self) -> Spent | None:
-        """What its training took; None where it has none, or somebody else's."""
+        """Cost of its training; None if it has none, or if somebody else trained it."""
         ...
 
     def sample(self, seed: int, domain: SceneDomain) -> Scene:
-        """The scene of a seed as it is drawn, without areas; the same on every call.
+        """Draw the scene of a seed, without areas; every call gives the same scene.
 
         Raises:
             SceneError: If the domain was not trained on, or a number is not finite.
@@ -61,7 +61,7 @@ class Method:
     title: str
     source: str
     training: str
-    """The method whose training it shares: its own name, for most."""
+    """Name of the method whose training it shares; for most, its own name."""
     fit: Callable[[Lessons, BaselineCfg, Watcher], Fitted]
 
 
@@ -95,7 +95,7 @@ def _baseline(
 
 
 _SMALL_BATCHES = replace(BASELINE_TRAINING, batch_size=8)
-"""Of a diffusion over all slots: twice the steps within the same time."""
+"""Settings of a diffusion over all slots: half the batch gives twice the steps in the same time."""
 _ALL = (
     Method(
         name="random",
@@ -109,7 +109,7 @@ _ALL = (
     _baseline(
         "diffuscene", "DiffuScene", "Tang et al. 2024", DiffuScene, training_cfg=_SMALL_BATCHES
     ),
-    # It differs in its sampling alone.
+    # PhyScene differs from DiffuScene in its sampler only, so both share one training.
     _baseline(
         "physcene",
         "PhyScene",
@@ -141,11 +141,17 @@ _ALL = (
     ),
 )
 METHODS: Mapping[str, Method] = {method.name: method for method in _ALL}
-"""By name, in the order of the table."""
+"""Methods by name, in the order of the table."""
 
 
 def fit(name: str, lessons: Lessons, watcher: Watcher, cfg: BaselineCfg | None = None) -> Fitted:
     """Train a method within its budget, from where it was stopped.
+
+    Args:
+        name: One of `METHODS`.
+        lessons: Scenes, budget and folder.
+        watcher: Reports progress, and may stop the training.
+        cfg: Size and sampling of a baseline; our own presets ignore it.
 
     Raises:
         TrainingError: If there is no such method, or its folder holds another training.

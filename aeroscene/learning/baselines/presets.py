@@ -36,26 +36,27 @@ from aeroscene.scene import Scene, SceneDomain
 
 _SAVE_S = 60.0
 _N_COUNTED = 2
-"""Batches in which operations are counted: those of the writer differ in length."""
+"""Batches in which operations are counted. The writer's batches differ in length."""
 _LOOK_STEPS = 100
 _STEP_LOSSES: Mapping[Part, LossFunction] = {"writer": writer_loss, "contents": contents_loss}
-"""Losses of parts that need nothing but a batch."""
+"""Losses of the parts that need nothing but a batch."""
+# Share of the budget for the semantic prior, and the time that one of its steps is taken to last.
 _PRIOR_SHARE = 0.1
 _PRIOR_STEP_S = 0.15
 _PRIOR_STEPS = (10, 400)
-"""At least and at most so many; the semantic prior takes a tenth of a short budget."""
+"""Least and greatest number of steps of the semantic prior."""
 
 
 @dataclass(frozen=True, eq=False)
 class FittedPreset:
-    """A preset that draws scenes."""
+    """A trained preset that draws scenes."""
 
     generator: Generator
     spent: Spent | None
-    """None where it is a checkpoint that somebody else has trained."""
+    """Cost of its training; None for a checkpoint that somebody else has trained."""
 
     def sample(self, seed: int, domain: SceneDomain) -> Scene:
-        """The scene of a seed as sampled: before feasibility, without areas.
+        """Draw the scene of a seed as sampled: before the projection, without areas.
 
         Raises:
             RequestError: If there was no training scene of the domain.
@@ -71,14 +72,14 @@ def fit_preset(
     encoding: EncodingCfg = WHOLE,
     changes: Mapping[str, Mapping[str, Any]] = MappingProxyType({}),
 ) -> FittedPreset:
-    """Train a preset as `aeroscene train` does, its budget told in CPU seconds.
+    """Train a preset as `aeroscene train` does, with a budget in CPU seconds.
 
     Args:
-        preset: Which preset.
-        lessons: What it learns, how long, and where it is kept.
-        watcher: What is told how far it is.
-        encoding: What programs say of scenes; the paper's preset has none.
-        changes: Fields of the preset's configuration by section, set anew.
+        preset: Name of the preset.
+        lessons: Scenes, budget and folder.
+        watcher: Reports progress, and may stop the training.
+        encoding: Details of scenes that programs keep; the paper's presets have no programs.
+        changes: New values of fields of the preset's configuration, by section.
 
     Raises:
         TrainingError: If the folder holds a training of other data, or too few scenes can be read.
@@ -121,7 +122,7 @@ def fit_preset(
 
 
 def shipped_preset(preset: Preset) -> FittedPreset:
-    """A preset with the weights that ship, whose training was another.
+    """Load a preset with the weights that ship; its training was another one.
 
     Raises:
         CheckpointError: If the checkpoint is missing.
@@ -142,10 +143,10 @@ def _sections(preset: Preset, seconds: float | None, seed: int) -> dict[str, Any
 
 
 def _spent(training: Training, spent_s: float, *, is_done: bool) -> Spent:
-    """Steps, seconds and operations of all parts that are trained step by step.
+    """Add up steps, seconds and operations of all parts that are trained step by step.
 
-    The semantic prior, which is trained anew where it was stopped, is among the CPU seconds of an
-    unbroken training alone.
+    The semantic prior is trained anew when a training is resumed, so its CPU seconds count in an
+    unbroken training only.
     """
     trainings = training.trainings
     parameters = [
@@ -155,6 +156,8 @@ def _spent(training: Training, spent_s: float, *, is_done: bool) -> Spent:
     return Spent(
         parameters=sum(value.numel() for value in parameters),
         steps=sum(each.step for each in trainings.values()),
+        # The greater one: seconds of the parts survive an interruption, and the whole also has the
+        # prior.
         cpu_s=max(sum(each.seconds for each in trainings.values()), spent_s),
         flop=sum(each.step * _flop(training, part) for part, each in trainings.items()),
         is_done=is_done,
@@ -183,14 +186,14 @@ def without(
     decoding: DecodingCfg,
     spent: Spent | None,
 ) -> FittedPreset:
-    """A preset sampled otherwise than it was trained: an ablation.
+    """Load a preset that samples otherwise than it was trained: an ablation.
 
     Args:
         folder: Folder of its training; None for the weights that ship.
-        preset: Which preset.
-        changes: Fields of its configuration that sampling reads, by section.
-        decoding: What is done with programs beyond reading them.
-        spent: What its training took.
+        preset: Name of the preset.
+        changes: New values of fields of its configuration that sampling reads, by section.
+        decoding: Corrections of drawn programs.
+        spent: Cost of its training, which is passed on.
 
     Raises:
         CheckpointError: If there is no checkpoint.

@@ -1,4 +1,4 @@
-"""Settings of the diffusion, which no PyTorch is needed to read and to check."""
+"""Settings of the diffusion; you can read and check them without PyTorch."""
 
 from __future__ import annotations
 
@@ -11,11 +11,20 @@ ScheduleKind = Literal["linear", "cosine", "log_snr"]
 
 
 class DiffusionError(ValueError):
-    """A setting of the diffusion out of range; one line with field, value and what is valid."""
+    """A setting of the diffusion is out of range; one line has field, value and valid values."""
 
 
 def require_choice(section: str, cfg: object, **choices: Any) -> None:
-    """Raise a `DiffusionError` unless fields are among the members of their `Literal` types."""
+    """Require that fields hold members of their `Literal` types.
+
+    Args:
+        section: Name of the section in messages.
+        cfg: Configuration whose fields are checked.
+        **choices: `Literal` type of each field, by the name of the field.
+
+    Raises:
+        DiffusionError: If a field has another value.
+    """
     for name, choice in choices.items():
         if getattr(cfg, name) not in get_args(choice):
             valid = ", ".join(get_args(choice))
@@ -70,7 +79,7 @@ class LossCfg:
     1 / alpha_bar, at most 50, as if the velocity were predicted. With even weights, what is decided
     where there is much noise, such as which wall stands on which side, counts next to nothing."""
     is_stratified: bool = True
-    """Whether a batch's times are spread evenly; the paper draws each on its own."""
+    """True spreads a batch's times evenly; the paper draws each on its own."""
     small_noise_share: Annotated[float, Range(0.0, 1.0)] = 0.0
     """Share of the times at which log sigma is uniform, see `Schedule.draw_time`: a place is
     learned to centimetres where there is little noise, of which uniform times have little; the

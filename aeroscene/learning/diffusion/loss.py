@@ -1,4 +1,12 @@
-"""The training loss: reconstruction, guidance and supervision of the gate."""
+"""The training loss: reconstruction, guidance and supervision of the gate.
+
+A random time is drawn for each scene, its layout is noised to that time, and the network's
+prediction is compared with the known truth. The reconstruction is the paper's L_rec, the guidance
+its L_guide. The third term is ours: the paper's hard threshold gives the gate no gradient, so the
+gate learns from the known level of each token.
+
+Source: the paper's algorithm 1.
+"""
 
 from __future__ import annotations
 
@@ -21,28 +29,29 @@ from aeroscene.learning.diffusion.parameterisation import (
 from aeroscene.learning.diffusion.schedule import Schedule, normal_like
 
 _MOST_WEIGHT = 50.0
+"""Cap of 1 / alpha_bar, which grows without bound as the layout vanishes in noise."""
 _GATE_MARGIN = 1e-6
-"""Keeps the logarithm of a saturated score finite."""
+"""Distance of a score from 0 and 1 that keeps its logarithm finite."""
 
 
 class Prediction(NamedTuple):
     """Prediction of a denoiser for a noisy layout."""
 
     output: Float[Tensor, "batch n channels"]
-    """Noise, velocity or clean layout, as the parameterisation has it; zero at padding."""
+    """Noise, velocity or clean layout, as the parameterisation says; zero at padding."""
     tokenizability: Float[Tensor, "batch n"] | None = None
-    """The paper's tau in [0, 1] of each token, 0 at padding; None where the routing is given."""
+    """The paper's tau of each token, 0 to 1, and 0 at padding; None if the routing is given."""
 
 
 Denoiser = Callable[[Tensor, Tensor, TokenBatch], Prediction]
-"""`model(x_t, t, batch)`; t in [0, 1], 0 clean."""
+"""Network as `model(x_t, t, batch)`; t is the time of each scene, 0 clean to 1 noise."""
 GuidanceLoss = Callable[[Tensor, TokenBatch], Float[Tensor, " batch"]]
-"""The paper's L_guide of layouts, one value a scene."""
+"""The paper's L_guide of layouts, one value for each scene."""
 
 
 @dataclass(frozen=True)
 class LossTerms:
-    """The loss and its parts, scalars; the parts before their weights."""
+    """The loss and its parts, all scalars. The parts are not yet weighted."""
 
     total: Float[Tensor, ""]
     reconstruction: Float[Tensor, ""]
@@ -58,7 +67,7 @@ def diffusion_loss(
     generator: torch.Generator,
     guide: GuidanceLoss | None = None,
 ) -> LossTerms:
-    """Loss of a batch at random times.
+    """Compute the loss of a batch at random times.
 
     Args:
         model: The network.
@@ -66,9 +75,10 @@ def diffusion_loss(
         schedule: Noise schedule.
         cfg: Settings of the loss.
         generator: Source of times and noise.
-        guide: L_guide, evaluated on the predicted x0; the paper leaves open on which layout. It
-            is weighted by alpha_bar, because at large t that prediction is a blur of all layouts,
-            and divided by the number of channels, as L_rec is here, a sum in the paper.
+        guide: L_guide, evaluated on the predicted x0; the paper leaves open on which layout. It is
+            weighted by alpha_bar, because at large t that prediction is a blur of all layouts. It
+            is divided by the number of channels, because L_rec is a mean here and a sum in the
+            paper.
 
     Raises:
         ValueError: If the batch has no `x0` or no `weight`.
@@ -78,6 +88,8 @@ def diffusion_loss(
     if batch.x0 is None:
         raise ValueError("batch.x0 is None; valid: the clean layouts to be learned")
     weight = channel_weight(batch)
+    # Channels without a weight get neither signal nor noise, so the network sees 0 there at every
+    # time, as in sampling.
     is_free = weight > 0
     x0 = batch.x0 * is_free
     time = schedule.draw_time(
@@ -100,6 +112,7 @@ def diffusion_loss(
     guide_loss, gate_loss = zero, zero
     if guide is not None and cfg.guide_weight > 0:
         x0_hat = predicted_x0(cfg.parameterisation, prediction.output, x_t, alpha, sigma)
+        # Times are random, so the first scenes of a batch are a fair sample of it.
         some = slice(cfg.guide_scenes)
         per_scene = guide((x0_hat * is_free)[some], batch.scenes(some))
         n_channels = weight[some].sum((1, 2)).clamp(min=1)
@@ -117,17 +130,18 @@ def _with_coarse_weight(weight: Tensor, n_coarse: int, factor: float) -> Tensor:
 def _weighted_error(
     error: Tensor, weight: Tensor, alpha: Tensor, sigma: Tensor, cfg: LossCfg
 ) -> Float[Tensor, ""]:
-    """Mean squared error over what has a weight."""
+    """Weighted mean of the squared errors, over channels of all scenes together."""
     squared = (error.float() ** 2 * weight).sum((1, 2))
     if cfg.min_snr_gamma is not None:
         squared = squared * min_snr_weight(cfg.parameterisation, alpha, sigma, cfg.min_snr_gamma)
     if cfg.weighting == "velocity":
         squared = squared * (alpha**-2).clamp(max=_MOST_WEIGHT)
+    # Divided by the weight of the whole batch: large scenes count more than small ones.
     return squared.sum() / weight.sum().clamp(min=1)
 
 
 def channel_weight(batch: TokenBatch) -> Float[Tensor, "batch n channels"]:
-    """The weights of a batch's channels.
+    """Return the weights of a batch's channels.
 
     Raises:
         ValueError: If it has none.
@@ -140,9 +154,9 @@ def channel_weight(batch: TokenBatch) -> Float[Tensor, "batch n channels"]:
 def gate_cross_entropy(
     tokenizability: Float[Tensor, "batch n"], batch: TokenBatch
 ) -> Float[Tensor, ""]:
-    """How far tau is from 0 at coarse tokens and from 1 at fine ones.
+    """Cross-entropy of tau with the known level: 0 for coarse tokens, 1 for fine ones.
 
-    The paper routes tau below gamma to the coarse branch (its eq. coarseFineCheck).
+    The paper sends tokens with tau below gamma to the coarse branch (its eq. coarseFineCheck).
     """
     slot = torch.arange(batch.mask.shape[1], device=batch.mask.device)
     is_fine = (slot >= batch.n_coarse_slots).expand_as(batch.mask)

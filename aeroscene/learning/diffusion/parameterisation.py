@@ -1,4 +1,8 @@
-"""Quantity that the network predicts: the noise (the paper), the velocity or the clean layout."""
+"""Quantities that a network may predict: the noise (the paper), the velocity or the clean layout.
+
+All three carry the same information; they differ in which errors the training weighs. Near t = 1
+dividing by sqrt(alpha_bar) magnifies an error of the noise, which the velocity avoids.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +13,7 @@ from aeroscene.learning.diffusion.config import Parameterisation
 from aeroscene.learning.diffusion.schedule import over_tokens
 
 _LEAST_ALPHA = 1e-4
-"""Below it, dividing by sqrt(alpha_bar) says nothing about x0."""
+"""Below this value, dividing by sqrt(alpha_bar) gives no information about x0."""
 
 
 def prediction_target(
@@ -19,9 +23,14 @@ def prediction_target(
     alpha: Float[Tensor, " batch"],
     sigma: Float[Tensor, " batch"],
 ) -> Float[Tensor, "batch n channels"]:
-    """What the network should say of a clean layout and the noise in x_t.
+    """Return the quantity that the network should predict.
 
-    `alpha` and `sigma` are sqrt(alpha_bar) and sqrt(1 - alpha_bar) of each scene.
+    Args:
+        kind: Which quantity.
+        x0: Clean layout.
+        eps: The noise in x_t.
+        alpha: sqrt(alpha_bar) of each scene.
+        sigma: sqrt(1 - alpha_bar) of each scene.
 
     Source: eps as in the paper's L_rec; v from Salimans and Ho 2022.
     """
@@ -39,7 +48,15 @@ def predicted_x0(
     alpha: Float[Tensor, " batch"],
     sigma: Float[Tensor, " batch"],
 ) -> Float[Tensor, "batch n channels"]:
-    """The clean layout that a network's output stands for; arguments as `prediction_target`."""
+    """Return the clean layout that a network's output stands for.
+
+    Args:
+        kind: Which quantity the output is.
+        output: The network's output.
+        x_t: The noisy layout that it read.
+        alpha: sqrt(alpha_bar) of each scene.
+        sigma: sqrt(1 - alpha_bar) of each scene.
+    """
     if kind == "x0":
         return output
     if kind == "v":
@@ -61,4 +78,5 @@ def min_snr_weight(
     of_x0 = snr.clamp(max=gamma)
     if kind == "x0":
         return of_x0
+    # An error of eps is SNR times as large in x0, one of v SNR + 1 times.
     return of_x0 / (snr if kind == "eps" else snr + 1)

@@ -1,6 +1,10 @@
-"""Sampling: from noise to a layout, guided on the way.
+"""Sampling: from noise to a layout in a few steps, guided on the way.
 
-Source: the paper's algorithm 2. DDIM and DPM-Solver++ stand beside its DDPM.
+Each step predicts the clean layout, lets guidance and given channels correct it, and moves to the
+next noise level. The paper samples by DDPM. DDIM and DPM-Solver++ stand beside it, because they
+need fewer calls of the network.
+
+Source: the paper's algorithm 2.
 """
 
 from __future__ import annotations
@@ -24,14 +28,20 @@ from aeroscene.learning.diffusion.steps import Level, ddim_step, ddpm_step, dpm_
 
 @dataclass(frozen=True)
 class Fixed:
-    """Channels that are given and come out as they are: the coarse part in scene completion."""
+    """Channels that are given and come out unchanged: the coarse part in scene completion."""
 
     mask: Bool[Tensor, "batch n channels"]
+    """True for channels that are given."""
     x0: Float[Tensor, "batch n channels"]
-    """Read where `mask` is true."""
+    """Values of given channels; the others are not read."""
 
     def impose(self, x: Tensor, truth: Tensor) -> Tensor:
-        """A layout with the given channels in their places."""
+        """Return a layout with the given channels in their places.
+
+        Args:
+            x: The layout.
+            truth: Values of the given channels at x's noise level.
+        """
         return torch.where(self.mask, truth, x)
 
 
@@ -42,6 +52,7 @@ class Moment:
     index: int
     """Number of the step, from 0."""
     n_steps: int
+    """Number of steps of the sampler."""
     time: float
     """Time of x_t: 1 is noise."""
     alpha_bar: float
@@ -51,7 +62,7 @@ class Moment:
 
     @property
     def is_last(self) -> bool:
-        """Whether the x0 of this step is the result."""
+        """True if the x0 of this step is the result."""
         return self.index == self.n_steps - 1
 
 
@@ -59,16 +70,16 @@ class Guidance(Protocol):
     """Guidance that pulls a layout towards plausibility while it is sampled."""
 
     def on_x0(self, x0: Tensor, batch: TokenBatch, at: Moment) -> Tensor:
-        """The predicted clean layout, corrected."""
+        """Correct the predicted clean layout."""
         ...
 
     def on_mean(self, mean: Tensor, x0: Tensor, batch: TokenBatch, at: Moment) -> Tensor:
-        """The next state before its noise, corrected; `x0` is the predicted clean layout."""
+        """Correct the next state before its noise is added; `x0` is the predicted clean layout."""
         ...
 
 
 OnStep = Callable[[Moment, Tensor, Tensor], None]
-"""`on_step(moment, x_t, x0)`, after every step's prediction and guidance."""
+"""Callback `on_step(moment, x_t, x0)` after every step's prediction and guidance."""
 
 
 @torch.no_grad()
@@ -84,14 +95,14 @@ def sample(
     x0_range: tuple[Tensor, Tensor] | None = None,
     on_step: OnStep | None = None,
 ) -> Float[Tensor, "batch n channels"]:
-    """Layouts for a batch of scenes.
+    """Draw layouts for a batch of scenes.
 
     Args:
         model: The network.
-        batch: The scenes' tokens; `x0` is not read. `weight` says by its shape how many channels
-            there are, and where it is 0 the layout is held at 0, as in training.
+        batch: The scenes' tokens; `x0` is not read. The shape of `weight` gives the number of
+            channels. Where it is 0 the layout is held at 0, as in training.
         schedule: Noise schedule of the training.
-        cfg: Which sampler.
+        cfg: Settings of the sampler.
         generator: Source of all noise; same seed, same device: same layouts.
         guidance: Applied at every step.
         fixed: Given channels. They are in x_t as noised truth and come out exactly.
@@ -108,7 +119,8 @@ def sample(
     x, before = first_noise, None
     for index, (at, to) in enumerate(pairwise(path)):
         if fixed is not None:
-            # One draw of noise throughout: they follow a path as deterministic samplers do.
+            # One draw of noise serves all steps, so given channels follow the path of a
+            # deterministic sampler.
             x = fixed.impose(x, (at.alpha * fixed.x0 + at.sigma * first_noise) * is_free)
         moment = Moment(
             index, cfg.n_steps, at.time, at.alpha**2, None if fixed is None else fixed.mask
@@ -117,6 +129,7 @@ def sample(
         x0 = x0 if fixed is None else fixed.impose(x0, fixed.x0)
         if guidance is not None:
             x0 = guidance.on_x0(x0, batch, moment)
+            # Guidance may have moved given channels; put them back.
             x0 = x0 if fixed is None else fixed.impose(x0, fixed.x0)
         if on_step is not None:
             on_step(moment, x, x0)
@@ -125,11 +138,16 @@ def sample(
             mean = guidance.on_mean(mean, x0, batch, moment)
         x = mean + std * normal_like(mean, generator) * is_free if std > 0 else mean
         before = (x0, at)
+    # The last mean of DPM-Solver++ is not exactly x0.
     return x if fixed is None else fixed.impose(x, fixed.x0)
 
 
 def sampling_times(schedule: Schedule, cfg: SamplerCfg) -> Float[Tensor, " n_steps_and_1"]:
-    """Times from 1 down to 0 between which the sampler steps."""
+    """Return the times between which the sampler steps, from 1 down to 0.
+
+    With `log_snr` spacing the times are even in log SNR, and a last step leads to 0, where the log
+    SNR is infinite.
+    """
     if cfg.spacing == "time":
         return torch.linspace(1, 0, cfg.n_steps + 1, dtype=torch.float64)
     log = schedule.log_alpha_bar[1:]
@@ -137,11 +155,12 @@ def sampling_times(schedule: Schedule, cfg: SamplerCfg) -> Float[Tensor, " n_ste
     wanted = torch.linspace(
         float(half_log_snr[-1]), float(half_log_snr[0]), cfg.n_steps, dtype=torch.float64
     )
-    # Rising in both, as a search wants it.
+    # Negated, both rise, as searchsorted requires.
     above = torch.searchsorted(-half_log_snr, -wanted).clamp(1, len(log) - 1)
     left, right = half_log_snr[above - 1], half_log_snr[above]
     share = ((wanted - left) / (right - left)).clamp(0, 1)
     times = (above + share) / schedule.cfg.n_steps
+    # Interpolation may end a rounding error below 1.
     times[0] = 1.0
     return torch.cat([times, times.new_zeros(1)])
 

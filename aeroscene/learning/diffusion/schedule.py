@@ -1,4 +1,9 @@
-"""The noise schedule: how much of a layout is left at which time, and the forward process."""
+"""The noise schedule: the share of a layout that is left at each time, and the forward process.
+
+Training knows T discrete steps, while samplers ask for any time. The schedule is therefore a
+function of continuous time that is exact at the T steps and interpolates log alpha_bar between
+them. Logarithms keep precision where alpha_bar is close to 1 or 0.
+"""
 
 from __future__ import annotations
 
@@ -12,13 +17,13 @@ from torch import Tensor
 from aeroscene.learning.diffusion.config import ScheduleCfg
 
 _LEAST_ALPHA_BAR = 1e-5
-"""The cosine schedule's at t = 1, where 0 would let the noise hide the layout wholly."""
+"""The cosine schedule's alpha_bar at t = 1; at 0 the noise would hide the layout wholly."""
 _COSINE_OFFSET = 0.008
 """Nichol and Dhariwal 2021, eq. (17): keeps the first steps' noise from vanishing."""
 
 
 class Schedule:
-    """alpha_bar as a function of continuous time, exact at the T steps of training."""
+    """Noise schedule: alpha_bar as a function of continuous time, exact at the T training steps."""
 
     def __init__(self, cfg: ScheduleCfg | None = None) -> None:
         self.cfg = cfg or ScheduleCfg()
@@ -28,6 +33,7 @@ class Schedule:
         """Logarithm of alpha_bar at t = 0, 1/T, ..., 1."""
         cfg = self.cfg
         if cfg.kind == "linear":
+            # Ho et al. state their variances for T = 1000.
             scale = 1000 / cfg.n_steps
             beta = torch.linspace(
                 cfg.beta_first * scale, cfg.beta_last * scale, cfg.n_steps, dtype=torch.float64
@@ -42,7 +48,7 @@ class Schedule:
         time = torch.arange(cfg.n_steps + 1, dtype=torch.float64) / cfg.n_steps
         angle = (time + _COSINE_OFFSET) / (1 + _COSINE_OFFSET) * (pi / 2)
         power = torch.cos(angle) ** 2
-        # Raised by a trace, not cut off: log alpha_bar has to fall everywhere.
+        # Raised by a trace, not cut off, because log alpha_bar has to fall at every step.
         return torch.lerp(power / power[0], torch.ones_like(power), _LEAST_ALPHA_BAR).log()
 
     def alpha_bar(self, time: Float[Tensor, "*batch"]) -> Float[Tensor, "*batch"]:
@@ -66,21 +72,22 @@ class Schedule:
         small_noise_share: float = 0.0,
         log_snr: tuple[float, float, float] | None = None,
     ) -> Tensor:
-        """Times of training among the T steps, 1/T, ..., 1, on the generator's device.
+        """Draw times of training among the T steps, 1/T, ..., 1, on the generator's device.
 
         Args:
-            n: How many.
+            n: Number of times.
             generator: Source of chance.
-            stratified: Whether one is drawn from each of n equal parts, which takes variance off
-                the loss (Kingma et al. 2021, "Variational Diffusion Models").
+            stratified: True draws one time from each of n equal parts, which takes variance off the
+                loss (Kingma et al. 2021, "Variational Diffusion Models").
             small_noise_share: Share of the times at which log sigma is uniform; at the others the
                 time is. Uniform times of the cosine schedule have sigma below 0.1 at 6% and below
                 0.025 at 1%; times of the first kind at 61% and 37%.
-            log_snr: Mean and spread of a normal distribution of the log signal-to-noise ratio that
-                times are drawn by instead, and the share of them that is drawn evenly over it.
+            log_snr: Draws times by their log signal-to-noise ratio instead: mean and spread of a
+                normal distribution, and the share of the times that is drawn evenly over the ratio.
         """
         device = generator.device
         if stratified:
+            # Shuffled, so that a scene's place in the batch does not fix its part.
             part = torch.randperm(n, generator=generator, device=device)
             share = (part + torch.rand(n, generator=generator, device=device)) / n
         else:
@@ -93,15 +100,16 @@ class Schedule:
                 else self._shares_by_log_snr(*log_snr)
             )
             below = shares.to(device)
+            # Inverse of the cumulative distribution: step whose share reaches the uniform number.
             step = torch.searchsorted(below, share.double(), right=True)
             return (step.clamp(max=n_steps - 1) + 1).to(share) / n_steps
         return ((share * n_steps).floor().clamp(max=n_steps - 1) + 1) / n_steps
 
     def _shares_below(self, small_noise_share: float) -> Float64[Tensor, " n_steps"]:
-        """Shares of the times at 1/T, ..., 1 and before.
+        """Cumulative shares of the times 1/T, ..., 1 that mix uniform log sigma with uniform time.
 
-        A step from sigma_a to sigma_b has a weight of (sigma_b - sigma_a) / sigma_b: what log
-        sigma grows by, and one at the first, where log sigma begins at minus infinity.
+        A step from sigma_a to sigma_b has the weight (sigma_b - sigma_a) / sigma_b, the growth of
+        log sigma. The first step has the weight one, because log sigma begins at minus infinity.
         """
         sigma = (-torch.expm1(self.log_alpha_bar)).sqrt()
         weight = sigma.diff() / sigma[1:]
@@ -112,12 +120,14 @@ class Schedule:
     def _shares_by_log_snr(
         self, mean: float, spread: float, even_share: float
     ) -> Float64[Tensor, " n_steps"]:
-        """Shares of the times at 1/T, ..., 1 and before, by a normal density over log SNR.
+        """Cumulative shares of the times 1/T, ..., 1, by a normal density over log SNR.
 
-        At `even_share` the density is even.
+        A share `even_share` of the density is uniform over log SNR.
         """
         log = self.log_alpha_bar[1:]
         ratio = log - torch.log(-torch.expm1(log))
+        # The first step has no width of its own, since log SNR at t = 0 is infinite; it takes the
+        # next one's.
         width = -torch.cat([ratio[1:2] - ratio[:1], ratio.diff()])
         density = torch.exp(-(((ratio - mean) / spread) ** 2) / 2) * width
         return torch.lerp(density / density.sum(), width / width.sum(), even_share).cumsum(0)
@@ -128,7 +138,12 @@ class Schedule:
         time: Float[Tensor, " batch"],
         eps: Float[Tensor, "batch n channels"],
     ) -> Float[Tensor, "batch n channels"]:
-        """x_t of the forward process in one step.
+        """Return x_t of the forward process in one step.
+
+        Args:
+            x0: Clean layout.
+            time: Time of each scene, 0 to 1.
+            eps: Standard normal noise.
 
         Source: the paper's q(x_t | x_(t-1)), T times; its algorithm 1, "Generate x_t".
         """
@@ -136,17 +151,19 @@ class Schedule:
         return over_tokens(alpha) * x0 + over_tokens(sigma) * eps
 
     def signal_and_noise(self, time: Float[Tensor, "*batch"]) -> tuple[Tensor, Tensor]:
-        """sqrt(alpha_bar) and sqrt(1 - alpha_bar)."""
+        """Return sqrt(alpha_bar) and sqrt(1 - alpha_bar) at some times."""
+        # In double precision: 1 - alpha_bar cancels near t = 0.
         alpha_bar = self.alpha_bar(time.double())
         return alpha_bar.sqrt().to(time.dtype), (1 - alpha_bar).sqrt().to(time.dtype)
 
 
 def over_tokens(per_scene: Float[Tensor, " batch"]) -> Float[Tensor, "batch 1 1"]:
-    """A value for each scene, to be multiplied with its tokens."""
+    """Reshape a value for each scene, so that it multiplies all of its tokens."""
     return per_scene[:, None, None]
 
 
 def normal_like(x: Tensor, generator: torch.Generator) -> Tensor:
-    """Standard normal noise of a tensor's shape, from any device's generator."""
+    """Draw standard normal noise of a tensor's shape, from any device's generator."""
+    # Drawn where the generator is, so that a CPU generator gives equal noise for every device.
     noise = torch.randn(x.shape, generator=generator, device=generator.device, dtype=x.dtype)
     return noise.to(x.device)

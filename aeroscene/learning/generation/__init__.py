@@ -1,7 +1,7 @@
-"""Generation of a scene from a seed: a program, its diffusion, feasibility.
+"""Generation of scenes from seeds: program, diffusion, projection.
 
-The names load what they stand for when they are first used: a request can be checked without the
-seconds that PyTorch takes.
+The names load their modules on first use. A request can therefore be checked at once, without the
+seconds that PyTorch takes to load.
 """
 
 from typing import TYPE_CHECKING

@@ -1,4 +1,4 @@
-"""Landing areas that are asked for, by their sizes."""
+"""Greatest numbers of landing areas of a scene, by class."""
 
 from __future__ import annotations
 
@@ -9,12 +9,18 @@ from aeroscene.corpus.curation.curate import Budget
 from aeroscene.learning.wishes import AreaCounts
 
 _MORE_SMALL, _MORE_LARGE = 2, 1
-"""Areas asked for beyond those of the corpus: generated scenes, of which the indoor ones have less
-floor, cannot always offer as many. With it averages are within 5% of the paper's."""
+"""Small and large areas beyond those of the corpus. Generated scenes cannot always offer as many,
+because indoor ones have less floor. With these, averages are within 5% of the paper's."""
 
 
 def area_limits(n_areas: int | AreaCounts | None, budget: Budget) -> AreaLimits:
-    """Areas by size that are asked for, in the proportions of the budget."""
+    """Return the greatest number of areas of each class.
+
+    Args:
+        n_areas: Wish of the user. A number is split in the proportions of the budget; counts of
+            classes replace the budget's; None takes the budget's.
+        budget: Budget of the corpus for this seed.
+    """
     drawn = replace(
         budget.areas,
         small=budget.areas.small + _MORE_SMALL,
@@ -26,6 +32,7 @@ def area_limits(n_areas: int | AreaCounts | None, budget: Budget) -> AreaLimits:
         return replace(drawn, **n_areas.named)
     share = n_areas / (drawn.small + drawn.medium + drawn.large)
     medium, large = round(share * drawn.medium), round(share * drawn.large)
+    # Small areas take the rounding errors, so that the sum is exactly as wished for.
     return AreaLimits(
         small=n_areas - medium - large,
         medium=medium,
@@ -35,5 +42,5 @@ def area_limits(n_areas: int | AreaCounts | None, budget: Budget) -> AreaLimits:
 
 
 def in_all(limits: AreaLimits) -> int:
-    """Landing areas of all classes."""
+    """Sum of the landing areas of all classes; perching areas do not count."""
     return limits.small + limits.medium + limits.large

@@ -1,4 +1,9 @@
-"""The channels of programs, by diffusion, with those given that are."""
+"""Diffusion of the channels of drawn programs; given channels stay as they are.
+
+The writer has drawn the tokens before. This module draws all their numbers at once, for several
+programs in one batch. A scene to complete, or an outline that the user gives, fixes some channels:
+the sampler holds them, and the finished program gets the exact given values once more.
+"""
 
 from __future__ import annotations
 
@@ -28,19 +33,19 @@ from aeroscene.scene import Scene
 
 _SITE_FRAME: tuple[int, ...] = (1, 2, 3, 4, 5, 6)
 _UNIT_FRAME: tuple[int, ...] = (U, V, COS, SIN, SIZE.start, SIZE.start + 1)
-"""Channels of middle, heading and log sides: of a site's record, and of a unit."""
+"""Channels of middle, heading and log sides, of a site's record and of a unit."""
 
 
 @dataclass(frozen=True, eq=False)
 class Draft:
-    """A program that is to be placed."""
+    """A program whose channels are not drawn yet."""
 
     example: ProgramExample
     wish: Wish
     given: PlacedPart | None = None
-    """Those of its tokens that are given."""
+    """Tokens of it that are given."""
     outline_m: tuple[float, float] | None = None
-    """Sides of its site, where they are given."""
+    """Sides of its site, if they are given, m."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,9 +59,13 @@ class ProgramProposal:
 
     @property
     def program(self) -> Program:
-        """The program, what is given as it was given, in or out of the range of training."""
+        """Program in metres and radians, with given tokens exactly as given.
+
+        Given values count even if they are out of the range of training.
+        """
         known, draft = self.language, self.draft
         program = from_example(self.example, known.vocabulary, known.statistics)
+        # Before given values are put in: those must stay as they are.
         program = on_atoms(program, known.statistics.atoms)
         if draft.given is not None:
             return draft.given.imposed_on(program)
@@ -68,7 +77,7 @@ class ProgramProposal:
         return program
 
     def scene(self, scene_id: str, seed: int, rng: np.random.Generator) -> Scene:
-        """The scene as decoded, without areas; `rng` draws the looks."""
+        """Decode the scene, without areas; `rng` draws the looks."""
         program = self.language.vocabulary.with_looks(self.program, rng)
         given = self.draft.given
         if given is not None:
@@ -77,7 +86,7 @@ class ProgramProposal:
 
 
 class Denoising:
-    """A trained denoiser with all that its channels are read by."""
+    """A trained denoiser, with everything that its channels are read by."""
 
     def __init__(
         self,
@@ -103,7 +112,16 @@ class Denoising:
     def denoise(
         self, drafts: Sequence[Draft], noise: torch.Generator, on_step: OnStep | None = None
     ) -> list[ProgramProposal]:
-        """The programs with channels, all at once, from the noise of a generator on the device."""
+        """Draw the channels of all programs at once.
+
+        Args:
+            drafts: Programs without channels.
+            noise: Source of all noise, on the model's device.
+            on_step: Called at every step with the noisy programs.
+
+        Returns:
+            The programs with channels, in the order of the drafts.
+        """
         examples = [draft.example for draft in drafts]
         wishes = [draft.wish for draft in drafts]
         batch = program_batch(examples, wishes, self._language.statistics).to(self.device)
@@ -121,6 +139,7 @@ class Denoising:
         watch: Callable[[Moment, Tensor, Tensor], None] | None = None
         if on_step is not None:
             watch = lambda at, x_t, _: on_step(at, proposed(x_t))  # noqa: E731
+        # Clipped to the range of training, kind by kind.
         low, high = (each[batch.kind] for each in self._range)
         x0 = sample(
             self._denoiser,
@@ -135,7 +154,7 @@ class Denoising:
         return proposed(x0)
 
     def _fixed(self, drafts: Sequence[Draft], batch: TokenBatch) -> Fixed | None:
-        """Channels of given parts, and those that outlines decide."""
+        """Collect channels of given parts and of outlines; None if there are none."""
         mask = np.zeros((*batch.mask.shape, N_CHANNELS), dtype=bool)
         x0 = np.zeros(mask.shape, dtype=np.float32)
         for row, draft in enumerate(drafts):
@@ -149,6 +168,7 @@ class Denoising:
                 statistics = known.statistics
                 kind = known.vocabulary.kinds[number]
                 values = frame_values(draft.outline_m, kind) - statistics.mean[number, channels]
+                # A channel that never varied in training has no spread and stays at its mean.
                 mask[row, slots[place], channels] = statistics.is_free[number, channels]
                 x0[row, slots[place], channels] = values / statistics.spread[number, channels]
         if not mask.any():
@@ -157,7 +177,10 @@ class Denoising:
 
 
 def frame_of(example: ProgramExample, language: Language) -> tuple[int, list[int]]:
-    """Token and channels that have an outline: of the site, or of the building without one."""
+    """Find the token that has the outline, and its six channels of the outline.
+
+    The token is the site's; without a site it is the building's.
+    """
     kinds = language.vocabulary.kinds
     nodes = [kinds[number].node for number in example.skeleton.kind_id.tolist()]
     if "site" in nodes:
@@ -167,9 +190,16 @@ def frame_of(example: ProgramExample, language: Language) -> tuple[int, list[int
 
 
 def frame_values(outline_m: tuple[float, float], kind: Kind) -> Float[np.ndarray, " 6"]:
-    """Channels of an outline about the origin, along the axes of the world.
+    """Return the channels of an outline about the origin, along the axes of the world.
 
-    A site or a building may lie across them, by as many quarter turns as its kind has.
+    A site or a building may lie across these axes, by as many quarter turns as its kind has.
+
+    Args:
+        outline_m: Sides along east and north, m.
+        kind: Kind of the token.
+
+    Returns:
+        Middle (2), cosine and sine of the heading, and logarithms of the sides.
     """
     sides_m = outline_m[::-1] if kind.turn % 2 else outline_m
     return np.array([0.0, 0.0, 1.0, 0.0, *np.log(sides_m)])

@@ -1,6 +1,8 @@
-"""The trained model at work: what it proposes, made feasible.
+"""The trained model at work: a request becomes a proposal, and the proposal a feasible scene.
 
-The same request gives the same scene on the same device with the same batch size.
+The same request gives the same scene on the same device with the same batch size. Therefore every
+seed has three independent streams of random numbers: for what the request leaves open, for the
+model, and for looks. A rejected draw takes the next number of `attempt` and new streams.
 """
 
 # ruff: noqa: E402 - a missing torch is reported in our words before an import below fails on it.
@@ -32,48 +34,49 @@ from aeroscene.learning.wishes import Wish
 from aeroscene.scene import Scene
 
 MOST_ATTEMPTS = 8
-"""Draws until one is feasible."""
+"""Draws of a seed before it is given up."""
 
 
 class NoFeasibleSceneError(RuntimeError):
-    """Every draw was rejected; one line with the last reason."""
+    """Every draw was rejected; one line has the last reason."""
 
 
 @dataclass(frozen=True)
 class Generated:
-    """A scene as it came about."""
+    """A generated scene with the stages that led to it."""
 
     request: Request
     attempt: int
-    """Draws before this one that were rejected, when asked for by `sound_scene`."""
+    """Number of this draw, from 0. `sound_scene` rejected all draws before it."""
     proposal: Proposal
+    """The model's proposal."""
     raw: Scene
     """The scene as sampled, without areas."""
     projected: Scene
-    """After the projection, with areas."""
+    """The scene after the projection, with areas."""
     report: FeasibilityReport
     wish: Wish
-    """Contents that the model was told: what was asked for, and the rest as it was drawn."""
+    """Contents on which the model was conditioned: wishes of the request, and the rest as drawn."""
 
     @property
     def scene(self) -> Scene | None:
-        """The finished scene, None where it was rejected: infeasible, or no place (`senseless`)."""
+        """The finished scene; None if it was rejected as infeasible or by `senseless`."""
         return None if self.report.rejection else self.projected
 
 
 class _Drawn(NamedTuple):
-    """A request with nothing left open, and what the model proposes for it."""
+    """A request with nothing left open, and the model's proposal for it."""
 
     proposal: Proposal
     wish: Wish
     limits: AreaLimits | None
     """Greatest numbers of areas."""
     rng: np.random.Generator
-    """Draws what is strewn, and the looks."""
+    """Source of strewn objects and looks."""
 
 
 class Generator:
-    """Scenes from seeds."""
+    """Makes scenes from seeds."""
 
     def __init__(
         self, proposer: Proposer, device: str, seen: Sequence[Wish] = (), *, is_corpus: bool = True
@@ -82,13 +85,14 @@ class Generator:
 
         Args:
             proposer: The model.
-            device: Where it computes.
+            device: Device on which it computes.
             seen: Contents of its training scenes, from which requests are drawn.
-            is_corpus: Whether scenes have at most as many areas as the corpus draws for each.
+            is_corpus: True if scenes get at most as many areas as the corpus draws for each.
         """
         self._proposer = proposer
         self._seen, self._is_corpus = tuple(seen), is_corpus
-        # What learnt from others may well have lots that nothing leads to, as the paper's has.
+        # Other data may have lots that no road leads to, and so has the paper's model, which has no
+        # themes: their scenes are not rejected for it.
         self._makes_places = is_corpus and bool(proposer.themes)
         self.device = device
 
@@ -106,11 +110,11 @@ class Generator:
 
         Args:
             checkpoint: File that `aeroscene train` has written; None is the one that ships.
-            preset: Which of those that ship.
+            preset: Preset of the checkpoint that ships; not read if `checkpoint` is given.
             device: As `aeroscene.learning.training.devices.choose_device` takes it.
             n_steps: Denoising steps; None are the preset's.
-            changes: Fields of its configuration that sampling reads, by section, set anew.
-            decoding: What is done with programs beyond reading them; None does all.
+            changes: New values of fields of its configuration that sampling reads, by section.
+            decoding: Corrections of drawn programs; None makes all of them.
 
         Raises:
             SceneError: If checkpoint or device cannot be used.
@@ -127,7 +131,7 @@ class Generator:
         return self._proposer.themes
 
     def check(self, request: Request) -> None:
-        """Refuse what the model cannot be asked for, before anything is made.
+        """Refuse a request that the model cannot follow, before anything is made.
 
         Raises:
             RequestError: If it was trained on no scene of this domain or theme.
@@ -142,12 +146,12 @@ class Generator:
         attempt: int = 0,
         on_step: OnStep | None = None,
     ) -> Iterator[Generated]:
-        """One scene for each request, rejected ones among them, as they are finished.
+        """Make one scene for each request, and yield each as it is finished, rejected ones too.
 
         Args:
             requests: Scenes to make.
             batch_size: Scenes that are denoised at once. On a processor one by one is as fast.
-            attempt: Another draw of the same requests.
+            attempt: Number of the draw; another number gives another scene of the same request.
             on_step: Sees every step of the denoising.
 
         Raises:
@@ -160,7 +164,9 @@ class Generator:
                 yield self._finish(request, attempt, drawn)
 
     def sampled(self, request: Request, *, attempt: int = 0) -> Scene:
-        """The scene of a request as sampled, before feasibility: `Generated.raw`, in less time.
+        """Return the scene of a request as sampled, before feasibility.
+
+        This is `Generated.raw`, but the projection, which takes longer, is not done.
 
         Raises:
             DeviceError: If memory runs out.
@@ -173,7 +179,7 @@ class Generator:
     def _proposed(
         self, requests: Sequence[Request], attempt: int, on_step: OnStep | None
     ) -> list[_Drawn]:
-        """What is proposed for each request."""
+        """Fill in what the requests leave open, and let the model propose their scenes together."""
         streams = [_streams(request.seed, attempt) for request in requests]
         themes = self._proposer.themes
         drawn = [
@@ -192,8 +198,14 @@ class Generator:
     def sound_scene(self, request: Request, on_step: OnStep | None = None) -> Generated:
         """Draw until a scene is feasible.
 
+        Args:
+            request: Scene to make.
+            on_step: Sees every step of the denoising, of rejected draws too.
+
         Raises:
             NoFeasibleSceneError: If `MOST_ATTEMPTS` draws were rejected.
+            DeviceError: If memory runs out.
+            RequestError: If the request cannot be met.
         """
         reason: str | None = None
         for attempt in range(MOST_ATTEMPTS):
@@ -210,6 +222,8 @@ class Generator:
         raw = _raw(drawn.proposal, request, drawn.rng)
         feasible = request.projected(raw, drawn.rng, drawn.limits)
         report = feasible.report
+        # A scene to complete has its lots and bridges from its owner: those are no reason to reject
+        # it.
         if report.rejection is None and request.kept is None and self._makes_places:
             report = replace(report, rejection=senseless(feasible.scene))
         return Generated(request, attempt, drawn.proposal, raw, feasible.scene, report, drawn.wish)
@@ -220,7 +234,9 @@ def _raw(proposal: Proposal, request: Request, rng: np.random.Generator) -> Scen
 
 
 def generate_scene(seed: int) -> Scene:
-    """The scene of a seed by the model that ships, on the processor; in turn of all domains.
+    """Make the scene of a seed by the model that ships, on the processor.
+
+    Successive seeds take the domains in turn.
 
     Raises:
         SceneError: If the checkpoint is missing.
@@ -237,6 +253,6 @@ def _shipped() -> Generator:
 
 
 def _streams(seed: int, attempt: int) -> list[np.random.Generator]:
-    """Randomness for the wish, for the model and for the looks."""
+    """Three sources of randomness: for the wish, for the model and for the looks."""
     streams = np.random.SeedSequence((seed, attempt)).spawn(3)
     return [np.random.default_rng(stream) for stream in streams]

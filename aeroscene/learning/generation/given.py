@@ -1,4 +1,10 @@
-"""Objects of a scene that stay as they are, as the given part of a program."""
+"""Objects of a scene that stay as they are, as the given part of a program.
+
+Completing and redoing scenes needs the model to draw beside objects that it did not draw. These
+objects are encoded as tokens of a program, so that the writer can go on from them and the denoiser
+sees them. Afterwards the exact program of the objects replaces the model's view of it, because that
+view rounds kinds and ranges to what training has seen.
+"""
 
 from __future__ import annotations
 
@@ -25,26 +31,32 @@ from aeroscene.scene.catalogue import ROOMS
 class GivenPart:
     """Objects that stay, as tokens.
 
-    Kinds that the model never saw are drawn on as the nearest that it knows, and stay as they are.
+    Kinds that the model never saw are shown to it as the nearest kind that it knows. The objects
+    themselves stay as they are.
     """
 
     kept: Scene
-    """All objects that stay, those without a token among them."""
+    """All objects that stay, also those without a token."""
     program: Program
-    """As the objects are."""
+    """Program of the objects exactly as they are."""
     object_ids: tuple[tuple[int, ...], ...]
-    """Objects of each token."""
+    """Ids of the objects of each token."""
     example: ProgramExample
-    """As the model sees it."""
+    """The program as the model sees it."""
     first_id: int = 0
     """Least id of new objects."""
 
     @staticmethod
     def of(kept: Scene, language: Language, unread: Collection[int] = ()) -> GivenPart:
-        """The part that objects are, but for some that no program has.
+        """Encode objects that stay.
+
+        Args:
+            kept: Scene of the objects.
+            language: Vocabulary and statistics of the model.
+            unread: Ids of objects that stay without a token, see `unread_in`.
 
         Raises:
-            RequestError: If it has objects of categories that the model never saw.
+            RequestError: If an object has a category that the model never saw.
         """
         encoded = encode(_without(kept, unread), language.encoding)
         try:
@@ -62,7 +74,13 @@ class GivenPart:
     def furnishing(
         self, language: Language, wish: Wish, region: Region | None = None
     ) -> Furnishing:
-        """The given tokens, for the writer to furnish: all, or where they reach into a region."""
+        """Let the writer furnish the given tokens.
+
+        Args:
+            language: Vocabulary and statistics of the model.
+            wish: Contents of the whole scene.
+            region: Opens only those tokens that can bear something in it; None opens all.
+        """
         syntax = language.syntax
         if region is None:
             return Furnishing(syntax, self.program, wish)
@@ -70,6 +88,7 @@ class GivenPart:
         is_open = [
             token
             for token, ids in enumerate(self.object_ids[: self.program.n_coarse])
+            # Token 0 is the site, which may always get children.
             if not token or any(_bears_in(region, objects[each]) for each in ids)
         ]
         return Furnishing(syntax, self.program, wish, is_open, has_start=True)
@@ -77,11 +96,11 @@ class GivenPart:
 
 @dataclass(frozen=True, eq=False)
 class PlacedPart:
-    """A given part, and where in a program its tokens are."""
+    """A given part, and the places of its tokens in a program."""
 
     part: GivenPart
     place_of: Mapping[int, int]
-    """For each of the part's tokens that are in the program its place there."""
+    """Place in the program of each token of the part that is in it."""
 
     @property
     def own(self) -> list[int]:
@@ -90,11 +109,11 @@ class PlacedPart:
 
     @property
     def places(self) -> list[int]:
-        """Where they are."""
+        """Places of these tokens in the program, in the same order."""
         return list(self.place_of.values())
 
     def imposed_on(self, program: Program) -> Program:
-        """A program in which the given tokens are as they are."""
+        """Return the program with the given tokens exactly as given."""
         given, own, places = self.part.program, self.own, self.places
         kinds, shapes = list(program.kinds), list(program.shapes)
         for token, place in self.place_of.items():
@@ -106,17 +125,23 @@ class PlacedPart:
         return replace(program, kinds=tuple(kinds), shapes=tuple(shapes), **arrays)
 
     def furnished(self, program: Program, scene_id: str, seed: int) -> Scene:
-        """The objects that stay with what else a program has."""
+        """Return the objects that stay, together with the other objects of a program."""
         part = self.part
         ids = {place: part.object_ids[token] for token, place in self.place_of.items()}
         return furnish(program, Given(part.kept, ids, part.first_id), scene_id, seed)
 
 
 def unread_in(scene: Scene) -> frozenset[int]:
-    """Coarse objects of a scene without which it has a program, and all that they bear.
+    """Return the objects that keep a scene from having a program, with all that they bear.
 
-    Most scenes have one with all of them. In some a few lie across each other by more than a
-    partition may have: of such the later ones are left out.
+    Most scenes have a program with all of their objects. In some, a few coarse objects overlap each
+    other by more than a partition may have; the later ones of these are left out.
+
+    Args:
+        scene: Any scene.
+
+    Returns:
+        Ids of the objects to leave out; empty for most scenes.
     """
     coarse = [obj for obj in scene.objects if obj.is_coarse]
     kept: set[int] = set()
@@ -124,6 +149,7 @@ def unread_in(scene: Scene) -> frozenset[int]:
     def add(objects: Sequence[SceneObject]) -> None:
         """Keep as many more as have a program with those that are kept, by halves."""
         tried = kept | {obj.id for obj in objects}
+        # Halving needs few encodings if few objects are at fault.
         if _has_program(_without(scene, [o.id for o in scene.objects if o.id not in tried])):
             kept.update(tried)
         elif len(objects) > 1:
@@ -145,12 +171,13 @@ def _has_program(scene: Scene) -> bool:
 
 
 def _without(scene: Scene, ids: Collection[int]) -> Scene:
-    """A scene without some objects, and without all that belongs to them."""
+    """Return a scene without some objects and all of their descendants, and without areas."""
     gone = set(ids)
     if not gone:
         return scene
     left: list[SceneObject] = []
     for obj in scene.objects:
+        # Parents come before their children in a scene, so one pass finds all descendants.
         if obj.id in gone or obj.parent_id in gone:
             gone.add(obj.id)
         else:
@@ -159,7 +186,7 @@ def _without(scene: Scene, ids: Collection[int]) -> Scene:
 
 
 def _bears_in(region: Region, obj: SceneObject) -> bool:
-    """Whether what an object bears may lie in a region: above it, of a room within it."""
+    """True if the objects on this one may lie in a region: above it, or inside of a room."""
     base_m = obj.bbox.p[2] - obj.bbox.s[2] / 2
     top_m = base_m + obj.bbox.s[2] if obj.category in ROOMS else np.inf
     is_level = base_m <= region.high_enu_m[2] and top_m >= region.low_enu_m[2]

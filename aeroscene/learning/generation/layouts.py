@@ -1,4 +1,9 @@
-"""The paper's algorithm 2: from a wish to a layout of boxes."""
+"""The paper's algorithm 2: from a wish to a layout of boxes.
+
+The list of objects comes first, from the contents model. Diffusion then draws their boxes. The
+`progressive` preset has two passes: coarse objects, then fine ones given the coarse ones. The
+`paper` preset has one pass for all.
+"""
 
 from __future__ import annotations
 
@@ -28,19 +33,19 @@ from aeroscene.learning.wishes import Wish
 from aeroscene.scene import DOMAINS, Scene, SceneDomain
 
 _MOST = 8.0
-"""A prediction is cut off at so many spreads: one object of 300 km spoils a scene."""
+"""A prediction is clipped at so many spreads: one object of 300 km spoils a scene."""
 
 
 @dataclass(frozen=True)
 class FlatProposal:
-    """Objects beside each other, as yet without looks."""
+    """Boxes of a flat layout, not yet with looks."""
 
     boxes: FlatBoxes
     domain: SceneDomain
     looks: Looks
 
     def scene(self, scene_id: str, seed: int, rng: np.random.Generator) -> Scene:
-        """The scene as sampled, without areas; `rng` draws the looks.
+        """Build the scene as sampled, without areas; `rng` draws the looks.
 
         Raises:
             SceneError: If a number is not finite.
@@ -50,7 +55,7 @@ class FlatProposal:
 
 @dataclass(frozen=True, kw_only=True)
 class FlatModel:
-    """What draws layouts: the parts of a checkpoint."""
+    """Parts of a checkpoint that draw flat layouts."""
 
     contents: ContentsModel
     denoiser: Denoiser
@@ -63,7 +68,7 @@ class FlatModel:
 
 
 class FlatProposer:
-    """Contents from their prior, then geometry by diffusion: at once, or coarse objects first."""
+    """Draws contents from their prior, then geometry by diffusion, in one pass or two."""
 
     def __init__(self, model: FlatModel) -> None:
         self._model = model
@@ -74,7 +79,7 @@ class FlatProposer:
 
     @property
     def themes(self) -> Themes:
-        """None: the paper's layouts say nothing of what the place is."""
+        """No themes: the paper's layouts do not name the kind of place."""
         return NO_THEMES
 
     def propose(
@@ -84,7 +89,13 @@ class FlatProposer:
         rngs: Sequence[np.random.Generator],
         on_step: OnStep | None = None,
     ) -> list[FlatProposal]:
-        """Layouts of about as many objects as wished for.
+        """Draw layouts of about as many objects as wished for.
+
+        Args:
+            requests: Requests, without outlines and without given scenes.
+            wishes: Contents of each layout.
+            rngs: Source of each layout's contents; the first one also seeds the noise.
+            on_step: Called at every step with the noisy layouts.
 
         Raises:
             RequestError: If an outline or a scene is given: the paper has neither.
@@ -108,6 +119,8 @@ class FlatProposer:
                 _row(layout, turn, model.statistics, is_second=is_second)
                 for layout, turn in zip(layouts, turns, strict=True)
             ]
+            # A pass in which every object is given has nothing to draw: a scene without fine
+            # objects.
             if all(row.n == row.is_given * row.layout.n_coarse for row in rows):
                 continue
             layouts = self._sampled(rows, noise, on_step)
@@ -125,7 +138,7 @@ class FlatProposer:
     def _sampled(
         self, rows: Sequence[Row], noise: torch.Generator, on_step: OnStep | None
     ) -> list[FlatLayout]:
-        """The layouts of the rows with the geometry that diffusion gives to what is not given."""
+        """Draw the geometry of all objects of the rows that are not given."""
         model = self._model
         batch = batch_of(rows, model.statistics).to(model.device)
 
@@ -177,7 +190,7 @@ class FlatProposer:
 
 
 def _blank(contents: Contents, wish: Wish, site_yaw_rad: float) -> tuple[FlatLayout, np.ndarray]:
-    """Contents as a layout without geometry, and their quarter turns."""
+    """Return contents as a layout without geometry, and their quarter turns."""
     n = len(contents.category)
     layout = FlatLayout(
         category=contents.category,
@@ -196,7 +209,7 @@ def _blank(contents: Contents, wish: Wish, site_yaw_rad: float) -> tuple[FlatLay
 def _row(
     layout: FlatLayout, turn: np.ndarray, statistics: FlatStatistics, *, is_second: bool
 ) -> Row:
-    """A row of which the geometry is still to be made but for what is given."""
+    """Return a row without geometry, but for the objects that are given."""
     row = row_of(layout, statistics, is_second=is_second)
     n_known = layout.n_coarse if row.is_given else 0
     x0, turns = np.zeros((len(layout), N_GEOMETRY)), turn.copy()
@@ -205,7 +218,7 @@ def _row(
 
 
 def _cut(layout: FlatLayout, row: Row) -> FlatLayout:
-    """Only the objects that a row shows."""
+    """Return only the objects that a row shows."""
     return replace(
         layout,
         category=layout.category[: row.n],

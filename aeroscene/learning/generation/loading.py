@@ -39,6 +39,7 @@ _SHIPPED = Path(__file__).parents[1] / "checkpoints"
 SHIPPED = {name: _SHIPPED / f"{name}.safetensors" for name in ("default", "paper", "progressive")}
 """Checkpoints that come with the package, by preset."""
 DEFAULT_SAMPLER = SamplerCfg(kind="dpm-solver++", n_steps=14)
+"""Sampler of the default preset."""
 
 
 def load_proposer(
@@ -50,30 +51,31 @@ def load_proposer(
     changes: Mapping[str, Mapping[str, Any]] = MappingProxyType({}),
     decoding: DecodingCfg | None = None,
 ) -> tuple[Proposer, DataSource]:
-    """The model in a checkpoint, or the one that ships with a preset.
+    """Load the model in a checkpoint, or the one that ships with a preset.
 
     Args:
         checkpoint: File of the checkpoint; None for the one that ships.
-        preset: Which ships.
-        device: Where the model computes.
+        preset: Preset of the one that ships; not read if `checkpoint` is given.
+        device: Device on which the model computes.
         n_steps: Denoising steps; None are the preset's.
-        changes: Fields of its configuration that sampling reads, by section, set anew; the section
-            `sampler` is `SamplerCfg`.
-        decoding: What is done with programs beyond reading them.
+        changes: New values of fields of its configuration that sampling reads, by section; the
+            section `sampler` is `SamplerCfg`.
+        decoding: Corrections of drawn programs.
 
     Returns:
-        The model, and what it was trained on.
+        The model, and its training data.
 
     Raises:
         CheckpointError: If it cannot be used.
         DiffusionError: If the number of steps is out of range.
-        TrainingError: If a section or field of `changes` is not there.
+        TrainingError: If a section or field of `changes` does not exist.
     """
     if checkpoint is None:
         if preset not in SHIPPED:
             raise CheckpointError(f"preset is {preset!r}; valid: {', '.join(SHIPPED)}")
         checkpoint = SHIPPED[preset]
     checkpoint = Path(checkpoint)
+    # Sections first: they are cheap to read, and a wrong file is refused before its weights load.
     sections = read_sections(checkpoint)
     found = read_checkpoint(checkpoint)
     sections = changed({**sections, "sampler": _usual_sampler(found.known)}, changes)
@@ -105,7 +107,7 @@ class _Loader:
         self._n_steps = n_steps
 
     def proposer(self) -> Proposer:
-        """Proposer of scenes with this checkpoint."""
+        """Return the proposer of scenes with this checkpoint."""
         known = self._checkpoint.known
         return self._flat(known) if isinstance(known, FlatStatistics) else self._ours(known)
 
@@ -151,5 +153,6 @@ class _Loader:
     def _sampler(self) -> SamplerCfg:
         cfg: SamplerCfg = self._sections["sampler"]
         n_steps = cfg.n_steps if self._n_steps is None else self._n_steps
+        # The network predicts the quantity that it was trained for, whatever `changes` says.
         kind = self._sections["loss"].parameterisation
         return replace(cfg, n_steps=n_steps, parameterisation=kind)

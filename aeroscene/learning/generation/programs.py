@@ -1,4 +1,4 @@
-"""Ours: the tokens of a program first, then its channels by diffusion, then geometry alone."""
+"""Our method: tokens of a program first, then its channels by diffusion; geometry does the rest."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from aeroscene.learning.writer.stepwise import StepwiseWriter
 
 
 class ProgramProposer:
-    """A writer, and the denoising of what it writes."""
+    """A writer, and a denoiser for the programs that it writes."""
 
     def __init__(self, language: Language, writer: Writer, denoising: Denoising) -> None:
         self._language = language
@@ -34,7 +34,7 @@ class ProgramProposer:
 
     @property
     def themes(self) -> Themes:
-        """Themes of the scenes that it was trained on."""
+        """Themes of its training scenes, by domain."""
         return self._language.themes
 
     def propose(
@@ -44,14 +44,19 @@ class ProgramProposer:
         rngs: Sequence[np.random.Generator],
         on_step: OnStep | None = None,
     ) -> list[Proposal]:
-        """Programs by wish, then the diffusion of all their channels at once.
+        """Write programs by wish, then denoise all their channels at once.
 
-        Regions that are drawn anew are drawn one by one.
+        Requests that redo a region are drawn one by one, because each needs several draws.
+
+        Args:
+            requests: Scenes to make.
+            wishes: Contents of each scene, with nothing left open.
+            rngs: Source of each program; the first one also seeds the noise.
+            on_step: Called at every step with the noisy programs.
 
         Raises:
-            RequestError: If a scene that is given has objects of categories that the model never
-                saw.
-            WriterError: If the model never saw a scene of the domain, or of the theme.
+            RequestError: If a given scene has objects of categories that the model never saw.
+            WriterError: If the model never saw a scene of the domain or of the theme.
         """
         redone = {
             row: self._redone(request.redo, wishes[row], rngs[row], on_step)
@@ -82,7 +87,7 @@ class ProgramProposer:
         rng: np.random.Generator,
         region: Region | None = None,
     ) -> Draft:
-        """A program that goes on from what is given; in a region alone, where there is one."""
+        """Continue a program from given tokens, in a region only on tokens that reach into it."""
         begun = part.furnishing(self._language, wish, region)
         growth = draw_program(self._writer, self._language.syntax, wish, rng, begun)
         return Draft(_example(growth, wish), wish, PlacedPart(part, begun.place_of))
@@ -90,10 +95,10 @@ class ProgramProposer:
     def _redone(
         self, redo: Redo, wish: Wish, rng: np.random.Generator, on_step: OnStep | None
     ) -> RedoneProposal:
-        """Draw on in a region until it has about as much as is wished for.
+        """Draw on in a region until it has about as many objects as wished for.
 
-        The model knows no regions: of what it draws all that lies in this one stays, and it draws
-        again beside that.
+        The model knows no regions. Objects of a draw that lie in the region stay, and the next draw
+        goes on beside them.
         """
         scene, unread = redo.kept, unread_in(redo.kept)
         n_wanted = len(redo.kept.objects) + wish.n_fine - redo.n_kept_fine
@@ -101,6 +106,7 @@ class ProgramProposer:
         for number in range(MOST_ROUNDS):
             part = replace(GivenPart.of(scene, self._language, unread), first_id=redo.first_id)
             draft = self._furnished(part, wish, rng, redo.region)
+            # Only the first draw is shown; the others would repeat the same steps.
             seen = on_step if number == 0 else None
             (proposal,) = self._denoising.denoise([draft], noise, seen)
             scene = redo.kept_in(scene, proposal.scene(scene.scene_id, scene.seed, rng))
@@ -111,7 +117,7 @@ class ProgramProposer:
 
 
 def _example(growth: Growth, wish: Wish) -> ProgramExample:
-    """A drawn program, as yet without channels."""
+    """Return a drawn program, without channels as yet."""
     choices = growth.choices
     return ProgramExample(
         skeleton=Skeleton(

@@ -1,4 +1,4 @@
-"""What a trained model proposes before feasibility: one way for each preset."""
+"""The interface between a trained model and the projection, which every preset implements."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from aeroscene.scene import Scene
 
 
 class Proposal(Protocol):
-    """Scene as the model proposes it."""
+    """A scene as the model proposes it."""
 
     def scene(self, scene_id: str, seed: int, rng: np.random.Generator) -> Scene:
-        """The raw scene, without interaction areas; `rng` draws the looks.
+        """Build the raw scene, without interaction areas; `rng` draws the looks.
 
         Raises:
             SceneError: If a number is not finite.
@@ -27,7 +27,7 @@ class Proposal(Protocol):
 
 
 OnStep = Callable[[Moment, Sequence[Proposal]], None]
-"""Called at every step of the denoising with the noisy layouts as they are."""
+"""Callback at every step of the denoising, with the noisy layouts as they are."""
 
 
 class Proposer(Protocol):
@@ -35,7 +35,7 @@ class Proposer(Protocol):
 
     @property
     def themes(self) -> Themes:
-        """Themes that may be asked for."""
+        """Themes that a request may name, by domain."""
         ...
 
     def propose(
@@ -45,10 +45,21 @@ class Proposer(Protocol):
         rngs: Sequence[np.random.Generator],
         on_step: OnStep | None = None,
     ) -> Sequence[Proposal]:
-        """One scene for each request; `rngs` draw what each needs."""
+        """Propose one scene for each request.
+
+        Args:
+            requests: Scenes to make.
+            wishes: Contents of each scene, with nothing left open.
+            rngs: Source of the random numbers of each scene.
+            on_step: Called at every step of the denoising.
+        """
         ...
 
 
 def noise_of(rngs: Sequence[np.random.Generator], device: torch.device) -> torch.Generator:
-    """The noise of scenes that are denoised together: the first one's generator seeds it."""
+    """Return the noise of scenes that are denoised together, seeded by the first one's generator.
+
+    A scene's noise therefore depends on its batch.
+    """
+    # A NumPy draw below 2**63 is a valid seed of a PyTorch generator.
     return torch.Generator(device).manual_seed(int(rngs[0].integers(2**63)))

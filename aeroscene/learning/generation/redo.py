@@ -1,4 +1,4 @@
-"""Objects in a region of a scene that are drawn anew; all else stays as it is."""
+"""Redoing a region of a scene: its fine objects are drawn anew, and everything else stays."""
 
 from __future__ import annotations
 
@@ -15,14 +15,18 @@ from aeroscene.solids.solids import colliding
 from aeroscene.validation.support import floating
 
 MOST_ROUNDS = 5
-"""Draws in a region, each beside what the ones before it brought."""
+"""Draws in a region, each beside the objects of those before it."""
 NEARLY = 0.15
-"""Share of what is wished for that may be short."""
+"""Share of the wished objects that may be missing."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Redo:
-    """A region of a scene whose fine objects are drawn anew."""
+    """A region of a scene whose fine objects are drawn anew.
+
+    Raises:
+        RequestError: If the region lies outside of the scene.
+    """
 
     scene: Scene
     region: Region
@@ -41,27 +45,31 @@ class Redo:
 
     @cached_property
     def gone(self) -> frozenset[int]:
-        """Ids of the objects that go: fine ones with their middles there, and what they bear.
+        """Ids of the objects that go: fine ones with their middles in the region, and their load.
 
-        The pad from which the flight starts stays, and so does what bears it or anything coarse.
+        The pad from which the flight starts stays, and so does every object that bears it or
+        anything coarse.
         """
         scene = self.scene
         stays = {obj.id for obj in scene.objects if _must_stay(obj)}
         stays |= {above for each in stays for above in scene.ancestors(each)}
         gone: set[int] = set()
         for obj in scene.objects:
+            # Parents come before children, so a child sees that its parent goes.
             is_in = obj.parent_id in gone or self.region.holds(obj.bbox.p)
             if is_in and obj.id not in stays:
                 gone.add(obj.id)
+        # Without their support further objects would float: they go too, until none is left.
         while lost := self._unborne(gone) - stays:
             gone |= lost
         return frozenset(gone)
 
     def _unborne(self, gone: set[int]) -> set[int]:
-        """Objects that nothing bears any more when some are gone, with their children."""
+        """Return the objects that float when some are gone, with their children."""
         left = _left(self.scene, gone)
         found = _floating(left)
         if found:
+            # Objects that floated before are not lost: the scene came so.
             found -= _floating(self.scene)
         for obj in left.objects:
             if obj.parent_id in found:
@@ -70,25 +78,34 @@ class Redo:
 
     @cached_property
     def kept(self) -> Scene:
-        """The scene without what goes, and without areas, wishes and measures."""
+        """The scene without the objects that go, and without areas, wishes and measures."""
         return replace(_left(self.scene, self.gone), wishes={}, measured={})
 
     @property
     def first_id(self) -> int:
-        """Least id of new objects: beyond all that the scene had."""
+        """Least id of new objects, beyond all ids of the scene."""
         return 1 + max((obj.id for obj in self.scene.objects), default=-1)
 
     @property
     def n_kept_fine(self) -> int:
-        """Fine objects that stay."""
+        """Number of fine objects that stay."""
         return sum(not obj.is_coarse for obj in self.kept.objects)
 
     def n_wanted(self, n_usual: int) -> int:
-        """Objects to draw: as many as go; the region's share of what is usual where none do."""
+        """Number of objects to draw.
+
+        It is the number of objects that go. If none does, it is the region's share of the usual
+        number.
+        """
         return len(self.gone) or max(1, round(n_usual * self.region.share_of(self.scene)))
 
     def kept_in(self, known: Scene, drawn: Scene) -> Scene:
-        """What was known of a scene, and of what was drawn beside it what lies in the region."""
+        """Add to a known scene those drawn objects that lie in the region and have a parent.
+
+        Args:
+            known: The scene so far.
+            drawn: The same objects, followed by new ones.
+        """
         ids = {obj.id for obj in known.objects}
         found: list[SceneObject] = []
         for obj in drawn.objects[len(known.objects) :]:
@@ -101,12 +118,12 @@ class Redo:
 
 @dataclass(frozen=True, eq=False)
 class RedoneProposal:
-    """What stays of a scene, with what was drawn in its region."""
+    """A scene that stays, with the objects that were drawn in its region."""
 
     found: Scene
 
     def scene(self, scene_id: str, seed: int, rng: np.random.Generator) -> Scene:
-        """The raw scene under another name; its looks are drawn already."""
+        """Return the raw scene under another name; its looks are drawn already."""
         del rng
         objects = tuple(replace(obj, scene_id=scene_id) for obj in self.found.objects)
         return replace(self.found, scene_id=scene_id, seed=seed, objects=objects)

@@ -1,4 +1,4 @@
-"""Request of a user for a scene."""
+"""Request of a user for a scene: checked fields, and the draw of everything left open."""
 
 from __future__ import annotations
 
@@ -31,40 +31,45 @@ from aeroscene.ranges import SEEDS
 from aeroscene.scene import DOMAINS, AttributeValue, Scene, SceneDomain
 
 _MORE_COARSE, _MORE_FINE = 2, 4
-"""Asked for beyond the budget of the corpus, whose structures bring some objects of their own."""
+"""Coarse and fine objects beyond the budget of the corpus, whose structures bring some objects of
+their own."""
 Themes = Mapping[SceneDomain, Collection[str]]
 """Themes that a model knows, by domain."""
 NO_THEMES: Themes = MappingProxyType({})
-"""Those of a model that knows of none."""
+"""Themes of a model that knows none."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Request:
-    """A scene to be generated; what is None is drawn from the seed."""
+    """A scene to be generated; fields that are None are drawn from the seed.
+
+    Raises:
+        RequestError: If a field is out of its range, or two fields contradict each other.
+    """
 
     seed: int
-    """Same seed, same device, same checkpoint: same scene."""
+    """The same seed on the same device with the same checkpoint gives the same scene."""
     domain: SceneDomain | None = None
     theme: str | None = None
-    """What the place is, such as park; with an open domain, of a domain that has such places."""
+    """Theme of the place, such as `park`. With an open domain, one that has this theme is drawn."""
     n_objects: int | None = None
-    """About so many, coarse and fine."""
+    """Approximate number of objects, coarse and fine."""
     n_areas: int | AreaCounts | None = None
-    """Landing areas, at most: in all, or of each class."""
+    """Greatest number of landing areas, in all or of each class."""
     outline_m: tuple[float, float] | None = None
     """Sides of the site along x and y, m."""
     complete: Scene | None = None
     """A scene whose coarse objects stay as they are; fine ones are made for them."""
     redo: Redo | None = None
-    """A scene that stays as it is but for the fine objects in a region, which are drawn anew."""
+    """A region of a scene whose fine objects are drawn anew; the rest stays as it is."""
     density: float | None = None
     """Factor on the number of fine objects that is drawn."""
     clutter: float | None = None
-    """Factor on the loose things that lie on ground and floors."""
+    """Factor on the number of loose objects on ground and floors."""
     min_passage_m: float | None = None
     """Least clear width of doors and corridors, m."""
     has_relief: bool = True
-    """Whether the land of an outdoor site rises gently; a scene that is given keeps its ground."""
+    """True lets the land of an outdoor site rise gently. A given scene keeps its ground."""
 
     def __post_init__(self) -> None:
         SEEDS.require("seed", self.seed, RequestError)
@@ -89,7 +94,7 @@ class Request:
         self._check_given()
 
     def _check_given(self) -> None:
-        """Refuse what a scene that is given has of its own."""
+        """Refuse fields that a given scene decides itself."""
         if self.given is None:
             return
         what = "to complete" if self.redo is None else "to redo"
@@ -115,12 +120,12 @@ class Request:
 
     @property
     def given(self) -> Scene | None:
-        """The scene that is to be completed, or redone in a region."""
+        """The scene that is to be completed, or redone in a region; None if none is given."""
         return self.complete if self.redo is None else self.redo.scene
 
     @property
     def kept(self) -> Scene | None:
-        """The coarse part of the scene that is to be completed."""
+        """The coarse part of the scene that is to be completed; None if none is."""
         if self.complete is None:
             return None
         coarse = tuple(obj for obj in self.complete.objects if obj.is_coarse)
@@ -128,7 +133,10 @@ class Request:
 
     @property
     def wishes(self) -> dict[str, AttributeValue]:
-        """What is asked for beside domain and seed, as the document of the scene names it."""
+        """Wishes beside domain and seed, under their names in the document of the scene.
+
+        Wishes that were left open are absent.
+        """
         asked: dict[str, AttributeValue | None] = {
             "theme": self.theme,
             "objects": self.n_objects,
@@ -148,7 +156,7 @@ class Request:
         return {name: value for name, value in asked.items() if value is not None}
 
     def prepared(self, raw: Scene, rng: np.random.Generator) -> Scene:
-        """The scene as sampled with doors widened and things strewn, as far as asked for."""
+        """Widen doors and strew objects in a sampled scene, as far as asked for."""
         scene = replace(raw, wishes=self.wishes)
         if self.min_passage_m is not None:
             scene = widened(scene, self.min_passage_m)
@@ -157,12 +165,13 @@ class Request:
     def projected(
         self, raw: Scene, rng: np.random.Generator, limits: AreaLimits | None
     ) -> Feasible:
-        """The scene as sampled made feasible, as far as it may be changed.
+        """Make a sampled scene feasible, as far as it may be changed.
 
         Args:
             raw: The scene as sampled.
-            rng: Draws what is strewn.
-            limits: Greatest numbers of areas; a region drawn anew has at most as many as it had.
+            rng: Source of strewn objects.
+            limits: Greatest numbers of areas. A region that is drawn anew has at most as many as it
+                had.
         """
         prepared = self.prepared(raw, rng)
         if self.redo is not None:
@@ -170,8 +179,12 @@ class Request:
         return make_feasible(prepared, self.demands(limits))
 
     def demands(self, limits: AreaLimits | None) -> FeasibilityCfg:
-        """What the projected scene has to meet; coarse objects that are given and sound stay."""
+        """Return the requirements on the projected scene.
+
+        Coarse objects that are given and sound do not move.
+        """
         pinned = frozenset[int]()
+        # Wider passages need walls that can move, and unsound objects need the projection.
         if self.kept is not None and self.min_passage_m is None and not unsound(self.kept):
             pinned = frozenset(obj.id for obj in self.kept.objects)
         least_m = self.min_passage_m or 0.0
@@ -188,16 +201,20 @@ class Request:
         *,
         is_corpus: bool = False,
     ) -> tuple[Wish, AreaLimits | None]:
-        """The wish with nothing left open, and how many areas of each size are kept at most.
+        """Draw everything that is open.
 
-        The same numbers are drawn whatever is open.
+        The same number of random numbers is drawn whatever is open, so that a further wish does not
+        change the other draws.
 
         Args:
-            rng: Draws what is open.
-            seen: Contents of the scenes that the model was trained on, from which to draw; the
-                budget of the corpus where there are none.
+            rng: Source of the draws.
+            seen: Contents of the model's training scenes, of which one is drawn. If there are none,
+                the budget of the corpus is drawn instead.
             themes: Themes that the model knows.
-            is_corpus: Whether those have as many areas at most as the corpus draws for each.
+            is_corpus: True if these scenes have at most as many areas as the corpus draws for each.
+
+        Returns:
+            The wish, and the greatest number of areas of each class; None sets no limit.
 
         Raises:
             RequestError: If the model has seen no scene of the domain or theme asked for.
@@ -205,6 +222,7 @@ class Request:
         if seen:
             return self._drawn_from(self.alike(seen, themes), rng, is_corpus=is_corpus)
         domains = self.domains(themes)
+        # One draw for every list of domains, so that later draws stay the same.
         domain = domains[int(rng.integers(len(DOMAINS))) % len(domains)]
         budget = draw_budget(rng)
         limits = area_limits(self.n_areas, budget)
@@ -213,9 +231,10 @@ class Request:
         return wish, limits
 
     def _with_objects(self, wish: Wish) -> Wish:
-        """The wish with as many objects, and as densely, as asked for, or coarse ones as given."""
+        """Put the number of objects, the density or the given objects into a wish."""
         n_coarse, n_fine = wish.n_coarse, wish.n_fine
         if self.n_objects is not None:
+            # Coarse and fine keep the proportion of the drawn wish.
             n_coarse = round(self.n_objects * n_coarse / max(1, n_coarse + n_fine))
             n_fine = self.n_objects - n_coarse
         if self.complete is not None:
@@ -227,17 +246,20 @@ class Request:
         return replace(wish, n_coarse=n_coarse, n_fine=n_fine, theme=self.theme or "")
 
     def _redone(self, wish: Wish, redo: Redo) -> Wish:
-        """What a scene has that stays, and as many objects more as are to be drawn."""
+        """Return the contents of the scene that stays, plus the objects that are to be drawn."""
         n_new = max(1, round((self.density or 1.0) * redo.n_wanted(wish.n_fine)))
         n_coarse = len(redo.kept.objects) - redo.n_kept_fine
         n_areas = len(redo.scene.landing_areas)
         return Wish(redo.scene.domain, n_coarse, redo.n_kept_fine + n_new, n_areas)
 
     def domains(self, themes: Themes) -> tuple[SceneDomain, ...]:
-        """Domains that the scene may have: what is asked for, as far as it has the theme.
+        """Return the domains that the scene may have: those asked for that have the theme.
+
+        Args:
+            themes: Themes that the model knows.
 
         Raises:
-            RequestError: If there is none, since the model knows no such theme there.
+            RequestError: If there is none, because the model knows no such theme there.
         """
         domain = self.domain if self.given is None else self.given.domain
         asked = DOMAINS if domain is None else (domain,)
@@ -254,13 +276,17 @@ class Request:
         return found
 
     def alike(self, seen: Sequence[Wish], themes: Themes = NO_THEMES) -> list[Wish]:
-        """Those of the scenes seen that are of the domain that is asked for.
+        """Return the training scenes' contents from which the wish may be drawn.
 
-        They are of the theme too, where any scene seen says that it is.
+        They are of the domain asked for, and of the theme too if any of them names it.
+
+        Args:
+            seen: Contents of all training scenes.
+            themes: Themes that the model knows.
 
         Raises:
-            RequestError: If some were seen, but none of this domain, or the model knows no such
-                theme.
+            RequestError: If there are training scenes but none of this domain, or the model knows
+                no such theme.
         """
         domains = self.domains(themes)
         found = [wish for wish in seen if wish.domain in domains]
@@ -275,7 +301,7 @@ class Request:
     def _drawn_from(
         self, alike: Sequence[Wish], rng: np.random.Generator, *, is_corpus: bool
     ) -> tuple[Wish, AreaLimits | None]:
-        """The contents of one of these scenes, with what is asked for in their place."""
+        """Draw the contents of one of these scenes, and put in what is asked for."""
         limits = area_limits(self.n_areas, draw_budget(rng))
         wish = self._with_objects(alike[int(rng.integers(len(alike)))])
         if self.n_areas is not None:

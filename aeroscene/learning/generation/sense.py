@@ -1,4 +1,8 @@
-"""What no place may be, though everything in it is sound: such a draw is drawn again."""
+"""Checks that no sound scene may fail, because a person would not take it for a place.
+
+The projection makes scenes that can be built and flown. It cannot see that a parking lot has no
+access. A scene that fails here is drawn again.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +13,10 @@ from aeroscene.scene import Scene
 
 
 def senseless(scene: Scene) -> str | None:
-    """Why a scene is no place, None where it is one: no car gets to a lot, or a bridge is idle."""
+    """Return the reason why a scene is no plausible place, or None.
+
+    Reasons are a parking lot off every road, and a bridge over nothing.
+    """
     view = TopView(scene)
     if remote_parking(view).any():
         return "a parking lot is off every road, sidewalk and plaza"

@@ -1,1 +1,1 @@
-"""The hierarchical denoiser: noisy layout in, prediction of noise, velocity or clean layout out."""
+"""The hierarchical denoiser of programs: noisy channels in, predicted noise, velocity or x0 out."""

@@ -1,4 +1,4 @@
-"""Configuration of the network, and the two presets."""
+"""Configuration of the denoiser's network, for all presets."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ TrustRow = tuple[float, float, float, float]
 
 
 class ModelCfgError(ValueError):
-    """A configuration of which no network can be made."""
+    """No network can be made of a configuration."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,8 +53,8 @@ class ModelCfg:
     n_kinds: Annotated[int, Range(1, 65536)] = 256
     """Kinds of the vocabulary; not read where the category is among the channels."""
     n_categories: Annotated[int, Range(0, 4086)] = 0
-    """Number C of categories that the paper's network is given; 0 is the default preset's, which is
-    given kinds."""
+    """Number C of categories that the paper's network is given. It is 0 for the default preset,
+    which is given kinds."""
     n_domains: Annotated[int, Range(1, 64)] = 3
     """Mixed, outdoor, indoor."""
     width: Annotated[int, Range(1, 4096)] = 128
@@ -64,7 +64,7 @@ class ModelCfg:
     heads: Annotated[int, Range(1, 64)] = 4
     """Attention heads, even."""
     has_narrow_heads: bool = True
-    """Whether half of the default's heads see close kin alone (`relations`)."""
+    """True lets half of the default's heads see close kin alone (`relations`)."""
     ffn_ratio: Annotated[int, Range(1, 16)] = 2
     """Hidden width of the default's FFN by `width`."""
     fourier_bands: Annotated[int, Range(0, 16)] = 6
@@ -73,7 +73,7 @@ class ModelCfg:
     place_width: Annotated[int, Range(2, 256)] = 16
     """Width of the encoding of a place among siblings."""
     max_depth: Annotated[int, Range(1, 64)] = 16
-    """Depths that the default tells apart."""
+    """Greatest depth that the default tells apart; deeper tokens count as this."""
     unet_widths: tuple[int, ...] = (128, 192, 256)
     """Width of each level of the UNet."""
     grid_shape: tuple[int, int, int] = (16, 16, 8)
@@ -85,8 +85,9 @@ class ModelCfg:
     graph_radius: Annotated[float, Range(0.0, is_above=True)] = 0.25
     """The paper's delta_f, which it leaves open, m."""
     trust: tuple[TrustRow, ...] = ()
-    """How far the paper's network is followed at each noise, from the most on; a training fits it
-    at its end (`aeroscene.learning.paper.network.trust`). Empty follows it everywhere."""
+    """Share of the paper's network that is followed at each noise, from the most noise on. A
+    training fits it at its end (`aeroscene.learning.paper.network.trust`). Empty follows it
+    everywhere."""
 
     def __post_init__(self) -> None:
         for name, choices in _CHOICES.items():
@@ -105,6 +106,7 @@ class ModelCfg:
             self._check_tokens()
 
     def _check_widths(self) -> None:
+        # Half of the heads are narrow, and encodings have sines and cosines.
         if self.heads % 2 or self.width % (2 * self.heads):
             raise ModelCfgError(
                 f"heads is {self.heads} with width {self.width}; valid: an even number of which "

@@ -12,16 +12,23 @@ from aeroscene.learning.model.encoding import TimeEmbedding, fourier_features, s
 from aeroscene.learning.program.program import N_HOSTS, N_MEMBERS
 
 VALUE_LIMIT = 8.0
-"""Channels in their own units are cut here: the noise of a wide channel may ask for anything."""
+"""Channels in their own units are clipped here, because the noise of a wide channel has no
+bound."""
 N_PLACES = 64
-"""Places among siblings that are told apart."""
+"""Number of places among siblings with a vector of their own; `MOST_SIBLINGS` is the last."""
 
 
 class ProgramEmbedding(nn.Module):
-    """A token's noisy channels and its parent's, standardised and in their own units, and its kind.
+    """Embeds each token: its noisy channels, its parent's, and its kind.
 
-    Kinds that are rare share what is known of their traits. Time, domain and wish modulate every
-    block instead.
+    Channels come both standardised and in their own units. Rare kinds share learned vectors of
+    their traits, so that few examples suffice. Time, domain and wish are no part of a token; they
+    modulate every block instead.
+
+    Args:
+        cfg: Shape of the network.
+        traits: Traits of each kind.
+        n_shapes: Number of arrays in the vocabulary.
     """
 
     place: Float[Tensor, "places w"]
@@ -32,6 +39,8 @@ class ProgramEmbedding(nn.Module):
     def __init__(self, cfg: ModelCfg, traits: Bool[Tensor, "kinds traits"], n_shapes: int) -> None:
         super().__init__()
         self.cfg = cfg
+        # Own and parent's channels, each in two forms; sines and cosines of three numbers; two
+        # places.
         features = 4 * cfg.channels + 6 * cfg.fourier_bands + 2 * cfg.place_width
         self.geometry = nn.Linear(features, cfg.width)
         self.own = nn.Parameter(0.1 * torch.randn(len(traits), cfg.width))
@@ -45,6 +54,8 @@ class ProgramEmbedding(nn.Module):
         self.domain = nn.Embedding(cfg.n_domains, cfg.width)
         self.wish = nn.Linear(3, cfg.width)
         place = sinusoid(torch.arange(N_PLACES), cfg.place_width)
+        # Buffers follow the module to its device. They are not saved: vocabulary and statistics
+        # restore them.
         self.register_buffer("place", place, persistent=False)
         self.register_buffer("traits", traits, persistent=False)
         zeros = torch.zeros(len(traits), cfg.channels)
@@ -56,14 +67,19 @@ class ProgramEmbedding(nn.Module):
         mean: Float[Tensor, "kinds channels"],
         spread: Float[Tensor, "kinds channels"],
     ) -> None:
-        """Tell how the channels of each kind are read."""
+        """Set mean and spread of the channels of each kind, which bring them to their own units."""
         self.channel_mean = mean.to(self.channel_mean)
         self.channel_spread = spread.to(self.channel_spread)
 
     def forward(
         self, x_t: Float[Tensor, "batch n channels"], batch: TokenBatch
     ) -> Float[Tensor, "batch n d"]:
-        """Tokens of noisy programs."""
+        """Embed noisy programs.
+
+        Args:
+            x_t: Noisy standardised channels.
+            batch: Tokens with `extra`; its parents, places and kinds are read.
+        """
         assert batch.extra is not None
         parent = batch.parent.unsqueeze(-1)
         kind = self.own[batch.kind] + self.traits[batch.kind].to(self.own.dtype) @ self.shared
@@ -75,6 +91,8 @@ class ProgramEmbedding(nn.Module):
                 x_t.gather(1, parent.expand_as(x_t)),
                 value,
                 value.gather(1, parent.expand_as(value)),
+                # Waves of the first three channels, which hold most of a token's place, resolve
+                # small differences.
                 fourier_features(value[..., :3], self.cfg.fourier_bands),
                 self.place[batch.ordinal],
                 self.place[batch.twin],
@@ -88,6 +106,6 @@ class ProgramEmbedding(nn.Module):
         return token + self.depth(batch.depth.clamp(max=self.cfg.max_depth))
 
     def condition(self, t: Float[Tensor, " batch"], batch: TokenBatch) -> Float[Tensor, "batch d"]:
-        """Condition that modulates the blocks: time, domain and wish of each scene."""
+        """Return the condition that modulates the blocks: time, domain and wish of each scene."""
         total = self.time(t) + self.domain(batch.domain) + self.wish(batch.wish)
         return nn.functional.silu(total)

@@ -1,10 +1,10 @@
 """Blocks of the default network: within-scale mixing, cross-scale attention and FFN side by side.
 
 The paper's cross-scale block is F' = FC(Attn(LN Q, LN K, LN V)) + F, after separate branches. Here
-each of the L alternating blocks also holds the within-scale mixing of both scales and an FFN, all
-reading the same normalised tokens: one matrix in and one matrix out for each scale (the parallel
-form of Wang and Komatsuzaki 2021), because on a CPU few large products cost least. Time, domain and
-wish modulate them by adaLN-zero (Peebles and Xie 2023).
+each of the L alternating blocks also holds the within-scale mixing of both scales and an FFN. All
+of these read the same normalised tokens, with one matrix in and one matrix out for each scale (the
+parallel form of Wang and Komatsuzaki 2021), because on a CPU few large products cost least. Time,
+domain and wish modulate them by adaLN-zero (Peebles and Xie 2023).
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from aeroscene.learning.model.relations import Relations
 
 
 class Reading(NamedTuple):
-    """What one scale takes out of its tokens at the start of a block."""
+    """Projections of one scale's tokens at the start of a block."""
 
     own: tuple[Tensor, Tensor, Tensor]
     """Queries, keys and values of the within-scale attention, each [B, H, n, d / H]."""
@@ -35,16 +35,24 @@ class Reading(NamedTuple):
 class Scale(nn.Module):
     """Matrices and modulation of one scale (coarse or fine) in one block.
 
-    Where it `asks`, its tokens are the queries of the cross-scale attention, else keys and values.
+    Args:
+        width: Width d of a token.
+        heads: Attention heads H; they divide `width`.
+        ffn_ratio: Hidden width of the FFN by `width`.
+        asks: True makes its tokens the queries of the cross-scale attention; otherwise they are
+            keys and values.
     """
 
     def __init__(self, width: int, heads: int, ffn_ratio: int, asks: bool) -> None:
         super().__init__()
         self.heads = heads
+        # Widths of the parts of one product: attention within, attention across, FFN.
         self.parts = [3 * width, width if asks else 2 * width, ffn_ratio * width]
         self.modulation = nn.Linear(width, 3 * width)
         self.inward = nn.Linear(width, sum(self.parts))
         self.outward = nn.Linear(width * (1 + int(asks) + ffn_ratio), width)
+        # At zero the gate is closed: an untrained block passes its tokens on unchanged
+        # (adaLN-zero).
         nn.init.zeros_(self.modulation.weight)
         nn.init.zeros_(self.modulation.bias)
 
@@ -59,7 +67,9 @@ class Scale(nn.Module):
         query, key, value = self._to_heads(own, 3)
         return Reading(
             (query, key, value),
+            # A share of 1/3 of the first part holds queries alone, 2/3 keys and values.
             self._to_heads(cross, self.parts[1] * 3 // self.parts[0]),
+            # Squared ReLU, the activation of Primer (So et al. 2021).
             functional.relu(hidden).square(),
             gate,
         )
@@ -70,7 +80,7 @@ class Scale(nn.Module):
         reading: Reading,
         *mixed: Float[Tensor, "batch n d"],
     ) -> Float[Tensor, "batch n d"]:
-        """Add what attention and FFN found to the tokens."""
+        """Add the results of attention and FFN to the tokens, through the block's gate."""
         found = self.outward(torch.cat([*mixed, reading.hidden], dim=-1))
         return torch.addcmul(token, reading.gate, found)
 
@@ -79,9 +89,9 @@ class Scale(nn.Module):
 
 
 class HierarchyBlock(nn.Module):
-    """One block: both scales mix within themselves, one asks the other.
+    """One block: both scales mix within themselves, and one asks the other.
 
-    Top-down, fine tokens ask coarse ones; else bottom-up.
+    Top-down, fine tokens ask coarse ones; bottom-up, coarse tokens ask fine ones.
     """
 
     def __init__(self, width: int, heads: int, ffn_ratio: int, is_top_down: bool) -> None:
@@ -97,7 +107,10 @@ class HierarchyBlock(nn.Module):
         condition: Float[Tensor, "batch d"],
         relations: Relations,
     ) -> tuple[Float[Tensor, "batch nc d"], Float[Tensor, "batch nf d"]]:
-        """Update the tokens of both scales."""
+        """Update the tokens of both scales.
+
+        Both scales are read before either is written, so neither sees the other's update.
+        """
         above, below = self.coarse.read(coarse, condition), self.fine.read(fine, condition)
         mixed_coarse = [attend(*above.own, relations.coarse_self)]
         mixed_fine = [attend(*below.own, relations.fine_self)]
@@ -107,6 +120,8 @@ class HierarchyBlock(nn.Module):
         else:
             (query,), (key, value) = above.cross, below.cross
             answer = attend(query, key, value, relations.bottom_up)
+            # A coarse token without fine tokens has nothing to attend to; its answer is noise and
+            # is removed.
             mixed_coarse.append(answer * relations.has_fine)
         return (
             self.coarse.write(coarse, above, *mixed_coarse),
@@ -120,7 +135,14 @@ def attend(
     value: Float[Tensor, "batch h k e"],
     mask: Float[Tensor, "batch h q k"],
 ) -> Float[Tensor, "batch q d"]:
-    """Masked multi-head attention with the heads laid side by side again."""
+    """Masked multi-head attention, with the heads laid side by side again.
+
+    Args:
+        query: Queries of each head.
+        key: Keys of each head.
+        value: Values of each head.
+        mask: Added to the logits: 0 allows attention, `MASKED` forbids it.
+    """
     mask = mask.to(query.dtype)
     if query.dtype == torch.bfloat16 and query.device.type == "cpu":
         mixed = _attend_by_products(query, key, value, mask)

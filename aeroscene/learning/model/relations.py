@@ -1,13 +1,12 @@
-"""Attention masks from the tree of a skeleton: which tokens may attend to which.
+"""Attention masks from the tree of a skeleton: the tokens that each token may attend to.
 
 Half of the heads of every attention see the wide relation, the other half the narrow one:
 
-| attention   | wide                          | narrow                                   |
-|-------------|-------------------------------|------------------------------------------|
-| coarse self | all coarse tokens             | parent, children, siblings, itself       |
-| fine self   | those under one coarse token  | siblings (same parent), itself           |
-| top-down    | all coarse tokens             | coarse ancestors, the site among them    |
-| bottom-up   | all fine tokens               | those whose nearest coarse token asks    |
+    attention    wide                          narrow
+    coarse self  all coarse tokens             parent, children, siblings, itself
+    fine self    those under one coarse token  siblings (same parent), itself
+    top-down     all coarse tokens             coarse ancestors, the site among them
+    bottom-up    all fine tokens               those whose nearest coarse token asks
 
 Masks are added to the logits: 0 where attention is allowed, `MASKED` elsewhere.
 """
@@ -23,11 +22,12 @@ from torch import Tensor
 from aeroscene.learning.batch import TokenBatch
 
 MASKED = -3.0e4
-"""Exp of it is zero in every float type, yet it is finite in half precision: a row in which nothing
-is allowed gives no NaN (and is multiplied by zero afterwards)."""
+"""Logit of a forbidden pair. Its exponential is zero in every float type, yet it is finite in half
+precision, so that a row in which nothing is allowed gives no NaN. Such a row is multiplied by zero
+afterwards."""
 
 MAX_DEPTH = 8
-"""Deepest tree that ancestors are followed through; the corpus has 5 levels, the skeleton 6."""
+"""Greatest number of ancestors that are followed; the corpus has 5 levels, the skeleton 6."""
 
 
 class Relations(NamedTuple):
@@ -38,13 +38,14 @@ class Relations(NamedTuple):
     top_down: Float[Tensor, "batch h nf nc"]
     bottom_up: Float[Tensor, "batch h nc nf"]
     has_fine: Float[Tensor, "batch nc d"]
-    """1 in the half of a token that heads with a key write, 0 elsewhere."""
+    """1 in the half of a token that heads with at least one key write, 0 elsewhere."""
 
 
 def nearest_coarse(parent: Int[Tensor, "batch n"], n_coarse_slots: int) -> Int[Tensor, "batch n"]:
-    """Slot of the nearest coarse ancestor of each token; a coarse token is its own."""
+    """Return the slot of the nearest coarse ancestor of each token; a coarse token is its own."""
     slot = torch.arange(parent.shape[1], device=parent.device).expand_as(parent)
     above = torch.where(slot < n_coarse_slots, slot, parent)
+    # Pointer doubling: each gather doubles the distance, so 3 of them reach 8 ancestors.
     for _ in range(MAX_DEPTH.bit_length() - 1):
         above = above.gather(1, above)
     return above
@@ -53,9 +54,16 @@ def nearest_coarse(parent: Int[Tensor, "batch n"], n_coarse_slots: int) -> Int[T
 def coarse_ancestors(
     parent: Int[Tensor, "batch n"], n_coarse_slots: int, nearest: Int[Tensor, "batch n"]
 ) -> Bool[Tensor, "batch nf nc"]:
-    """Whether a coarse token is above a fine token, at whatever distance."""
+    """Return which coarse tokens are above each fine token, at any distance.
+
+    Args:
+        parent: Slot of each token's parent.
+        n_coarse_slots: Slots from this one on are fine.
+        nearest: Result of `nearest_coarse`.
+    """
     above = nearest[:, n_coarse_slots:]
     chain = torch.zeros((*above.shape, n_coarse_slots), dtype=torch.bool, device=parent.device)
+    # The site is its own parent, so a chain that has arrived there stays there.
     for _ in range(MAX_DEPTH):
         chain.scatter_(2, above.unsqueeze(-1), True)
         above = parent.gather(1, above)
@@ -65,10 +73,16 @@ def coarse_ancestors(
 def relations_of(
     batch: TokenBatch, heads: int, width: int, has_narrow_heads: bool = True
 ) -> Relations:
-    """Attention masks of a batch of skeletons, whose slot 0 is the site and never padding.
+    """Return the attention masks of a batch of skeletons.
 
-    The first half of the heads sees the wide relation, the second half the narrow one, or the wide
-    one too. Padding is never a key, except of itself.
+    The first half of the heads sees the wide relation. The second half sees the narrow one, or the
+    wide one too. Padding is never a key, except of itself.
+
+    Args:
+        batch: Skeletons; slot 0 is the site and never padding.
+        heads: Number of heads, even.
+        width: Width of a token, even.
+        has_narrow_heads: False gives all heads the wide relation.
     """
     split, parent, real = batch.n_coarse_slots, batch.parent, batch.mask
     nearest = nearest_coarse(parent, split)
@@ -101,6 +115,7 @@ def _same(label: Int[Tensor, "batch n"]) -> Bool[Tensor, "batch n n"]:
 def _to_itself(
     allowed: Bool[Tensor, "batch n n"], real: Bool[Tensor, "batch n"]
 ) -> Bool[Tensor, "batch n n"]:
+    # Every token may attend to itself, padding too: a row without any key has no softmax.
     eye = torch.eye(real.shape[1], dtype=torch.bool, device=real.device)
     return (allowed & real.unsqueeze(1)) | eye
 

@@ -18,7 +18,7 @@ from aeroscene.learning.model.relations import Relations, relations_of
 class TokenDenoiser(nn.Module):
     """Embedding, alternating top-down and bottom-up `HierarchyBlock`s, a linear head.
 
-    The paper's UNet over a list of tokens is left out: a list has no neighbourhood that a
+    The paper's UNet over a list of tokens is left out. A list has no neighbourhood that a
     convolution could use, and the blocks already relate every token to its kin.
     """
 
@@ -40,8 +40,15 @@ class TokenDenoiser(nn.Module):
     def forward(
         self, x_t: Float[Tensor, "batch n channels"], t: Float[Tensor, " batch"], batch: TokenBatch
     ) -> Prediction:
-        """Predict for a batch of noisy layouts; zero before training."""
+        """Predict for a batch of noisy layouts; the result is zero before training.
+
+        Args:
+            x_t: Noisy standardised channels.
+            t: Time of each scene, 0 clean to 1 noise.
+            batch: Tokens with `extra`.
+        """
         real = batch.mask.unsqueeze(-1)
+        # Padding may hold noise, which the parents' channels would read.
         x_t = x_t * real
         relations = self._relations(batch)
         condition = self.embedding.condition(t, batch)
@@ -54,7 +61,7 @@ class TokenDenoiser(nn.Module):
         return Prediction(self._head(torch.cat([coarse, fine], 1), condition, x_t) * real)
 
     def _relations(self, batch: TokenBatch) -> Relations:
-        """Masks of a batch: sampling asks for those of one batch at every step."""
+        """Return the masks of a batch, kept because sampling asks for the same at every step."""
         known = self._known
         if known is None or known[0] is not batch:
             cfg = self.cfg
@@ -72,6 +79,6 @@ class TokenDenoiser(nn.Module):
         parts = self.modulation(condition).unsqueeze(1)
         shift, scale, gain = parts.split([width, width, x_t.shape[-1]], dim=-1)
         level = functional.layer_norm(token, (width,))
-        # What is unknown of a layout is predicted from x_t by time alone: its own term spares the
+        # Much of the target follows from x_t and the time alone. A term of its own spares the
         # blocks from carrying x_t through.
         return torch.addcmul(self.head(torch.addcmul(shift, level, 1.0 + scale)), gain, x_t)

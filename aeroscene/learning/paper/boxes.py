@@ -1,4 +1,8 @@
-"""Boxes with categories, and the scene document that they become."""
+"""Boxes with categories, and the scene document that they become.
+
+The paper's layouts are flat lists without a tree. A scene needs parents and looks as well, so this
+module finds a parent for each fine object and draws its look.
+"""
 
 from __future__ import annotations
 
@@ -22,27 +26,35 @@ class FlatBoxes:
     """Upright boxes in the world, in any order."""
 
     category: Int[np.ndarray, " n"]
-    """Numbers from 1."""
+    """Numbers of the catalogue, from 1."""
     center_enu_m: Float[np.ndarray, "n 3"]
     yaw_rad: Float[np.ndarray, " n"]
     size_m: Float[np.ndarray, "n 3"]
+    """Full extents."""
     region: Int[np.ndarray, " n"] | None = None
     """Row of the coarse object that each fine one belongs to, or `NO_REGION`; None if unknown."""
 
     def turned(self, yaw_rad: float) -> Self:
-        """The boxes turned about the origin, counter-clockwise from above."""
+        """Turn the boxes about the origin, counter-clockwise seen from above."""
         center_enu_m = turned(self.center_enu_m, yaw_rad)
         return replace(self, center_enu_m=center_enu_m, yaw_rad=self.yaw_rad + yaw_rad)
 
     def scene(
         self, domain: SceneDomain, looks: Looks, scene_id: str, seed: int, rng: np.random.Generator
     ) -> Scene:
-        """The scene of two levels that the boxes are, without interaction areas.
+        """Build a scene of two levels from the boxes, without interaction areas.
 
         A fine object without a region belongs to the smallest coarse one that it is in, seen from
-        above: a chair by a wall belongs to the room. One that is in none belongs to the coarse one
-        whose centre is nearest, as in the paper's coarse-to-fine guidance. `rng` draws the looks; a
-        category of which there is none becomes the first of which there is one.
+        above, so that a chair by a wall belongs to the room. An object that is in none belongs to
+        the coarse one with the nearest centre, as in the paper's coarse-to-fine guidance.
+
+        Args:
+            domain: Domain of the scene.
+            looks: Looks of the training scenes. A category without a look becomes the first one
+                with a look.
+            scene_id: Name of the scene.
+            seed: Seed that the scene states.
+            rng: Draws the looks.
 
         Raises:
             SceneError: If a number is not finite.
@@ -52,7 +64,7 @@ class FlatBoxes:
         objects: list[SceneObject] = []
         shared: dict[tuple[int, int], Look] = {}
         for i, (category, parent) in enumerate(zip(boxes.category, boxes.region, strict=True)):
-            # Chairs of one room are of one kind.
+            # Objects of one category in one room look alike, such as its chairs.
             key = int(category), int(parent)
             look = shared.get(key) or looks.draw(key[0], rng)
             if look.is_shared:
@@ -70,6 +82,7 @@ class FlatBoxes:
             )
         low, high = extent_of(objects, domain)
         pad = start_pad(objects)
+        # Without a pad the flight starts at the origin.
         start = np.clip((0.0, 0.0, 0.0) if pad is None else top_of(pad), low, high).tolist()
         return Scene(
             scene_id=scene_id,
@@ -86,7 +99,7 @@ class FlatBoxes:
         )
 
     def _coarse_first(self, looks: Looks) -> Self:
-        """The boxes in a scene's order, of categories that have looks, each with its region."""
+        """Sort the boxes into a scene's order, with known categories and a region each."""
         is_known = looks.is_known
         category = np.where(is_known[self.category], self.category, is_known.argmax())
         is_coarse = category <= COARSE_COUNT
@@ -94,6 +107,8 @@ class FlatBoxes:
         center, n_coarse = self.center_enu_m[order], int(is_coarse.sum())
         region = np.full(len(order), NO_REGION)
         if self.region is not None:
+            # Row that each old row moves to; the last entry keeps `NO_REGION`, which is -1, in its
+            # place.
             place = np.append(np.argsort(order), NO_REGION)
             region[n_coarse:] = place[self.region[order]][n_coarse:]
         elif n_coarse:
@@ -109,6 +124,7 @@ class FlatBoxes:
 
     def _box(self, row: int) -> OrientedBox:
         return OrientedBox(
+            # Tenths of a millimetre and millimetres: a scene's document stays short.
             tuple(np.round(self.center_enu_m[row], 4).tolist()),
             quat_from_yaw(float(self.yaw_rad[row])),
             tuple(np.maximum(np.round(self.size_m[row], 3), MIN_SIZE_M).tolist()),
@@ -121,13 +137,14 @@ def _regions(
     yaw_rad: Float[np.ndarray, " n"],
     n_coarse: int,
 ) -> Int[np.ndarray, " fine"]:
-    """The coarse object that each fine one belongs to, where layouts do not say it."""
+    """Find the coarse object that each fine one belongs to, if the layout does not state it."""
     offset = center_enu_m[n_coarse:, None] - center_enu_m[None, :n_coarse]
     cos, sin = np.cos(yaw_rad[:n_coarse]), np.sin(yaw_rad[:n_coarse])
     along = np.abs(cos * offset[..., 0] + sin * offset[..., 1])
     across = np.abs(cos * offset[..., 1] - sin * offset[..., 0])
     half_m = size_m[:n_coarse] / 2
     is_in = (along <= half_m[:, 0]) & (across <= half_m[:, 1])
+    # There is no upper limit: lamps and shelves above a table still belong to it.
     is_in &= offset[..., 2] >= -half_m[:, 2]
     area = np.where(is_in, half_m[:, 0] * half_m[:, 1], np.inf)
     nearest = np.linalg.norm(offset, axis=-1).argmin(axis=1)

@@ -1,15 +1,15 @@
 """Geometry of a layout as ten channels (p, q, s), given categories and quarter turns.
 
-| channels | name | frame and unit |
-|---|---|---|
-| 0, 1 | centre, east and north | the object's frame, in half extents of that frame by 0.5 |
-| 2 | height of the underside over the frame's | m; standardised |
-| 3 to 6 | quaternion wxyz of what the quarter turn leaves of the heading | -; standardised |
-| 7, 8, 9 | logarithms of the full extents | -; standardised |
+    channels  name                                        frame and unit
+    0, 1      centre, east and north                      object's frame; half extents by 0.5
+    2         height of the underside over the frame's    m; standardised
+    3 to 6    quaternion wxyz of the heading's remainder  -; standardised
+    7, 8, 9   logarithms of the full extents              -; standardised
 
-Standardised means: less the mean of the category, by the spread of the category. The paper leaves
-the units of its x_t open. These make the best guess from a category alone the zero vector, so that
-five centimetres are visible to the network and a chair is never drawn as large as a house.
+The remainder of a heading is what its quarter turn leaves. Standardised means less the mean of the
+category, divided by the spread of the category. The paper leaves the units of its x_t open. With
+these the best guess from a category alone is the zero vector, so that five centimetres are visible
+to the network and a chair is never drawn as large as a house.
 
 The frame is the site's. In the progressive preset a fine object has the frame of its region, which
 is known by then. The paper says that p is in R^3 and names no frame.
@@ -38,41 +38,43 @@ N_ROWS = 1 + max(CATALOGUE)
 """Rows of a table by category number; row 0 serves padding and categories that were never seen."""
 
 PLACE_SPREAD = 0.5
-"""Spread that east and north are standardised by, in half extents of the frame. It is one for all
-categories, so that noise moves all objects of a frame alike and leaves what is between them."""
+"""Spread that standardises east and north, in half extents of the frame. All categories share it,
+so that noise moves all objects of a frame alike and keeps the differences between them."""
 _LEAST_SPREAD = np.array([0.5, 0.5, 0.01, 0.02, 1.0, 1.0, 0.02, 0.05, 0.05, 0.05])
-"""Other spreads are at least so large: a hundredth of a metre in height, a twentieth in size."""
+"""Lower bounds of the spreads: a hundredth of a metre in height, a twentieth in log size."""
 _LEAST_VARIANCE = 1e-4
 """Channels that vary less are constants of their category."""
 _LEAST_SEEN = 4
-"""Categories with fewer objects have the spreads of all objects."""
+"""Categories with fewer objects take the spreads of all objects."""
+# Yaws of training sites are kept as so many quantiles of each domain.
 _N_QUANTILES = 64
 LEAST_HALF_M = 0.25
-"""Half extents of a frame are at least so large: a wall is a region, too."""
+"""Least half extent of a frame, because a thin wall may be a region too."""
 
 
 @dataclass(frozen=True, eq=False)
 class FlatStatistics:
-    """What standardises the channels, a row for each category."""
+    """Numbers that standardise the channels, one row for each category."""
 
     mean: Float[np.ndarray, "categories 10"]
     spread: Float[np.ndarray, "categories 10"]
     variance: Float[np.ndarray, "categories 10"]
-    """Variance of the standardised channels: 1, or less where the spread was raised, or other in
-    east and north; 0 where all objects of a category agree, whose channel is held at its mean."""
+    """Variance of the standardised channels. It is 1 in most; less where the spread was raised; any
+    value in east and north; and 0 where all objects of a category agree, whose channel is held at
+    its mean."""
     stands_on_top: Bool[np.ndarray, " categories"]
-    """Whether heights in a region of the category count from its top, not from its underside."""
+    """True if heights in a region of the category count from its top, not from its underside."""
     holds: Bool[np.ndarray, " categories"]
-    """Whether regions of the category hold fine objects."""
+    """True if regions of the category hold fine objects."""
     has_regions: Bool[np.ndarray, ""]
-    """Whether fine objects have the frames of their regions."""
+    """True if fine objects have the frames of their regions."""
     site_yaw_rad: Float[np.ndarray, "domains quantiles"]
-    """How sites of each domain are turned: what new ones are turned by is drawn among these."""
+    """Quantiles of the yaw of training sites; the yaw of a new site is drawn among these."""
 
 
 @dataclass(frozen=True, eq=False)
 class Frames:
-    """Frames of the objects of a layout."""
+    """Frames of the objects of a layout: origin, yaw and half extents."""
 
     origin_enu_m: Float[np.ndarray, "n 3"]
     yaw_rad: Float[np.ndarray, " n"]
@@ -80,13 +82,17 @@ class Frames:
 
     @property
     def packed(self) -> Float[np.ndarray, "n 7"]:
-        """Origin, cosine and sine of the yaw, half extents: as batches have them."""
+        """Origin, cosine and sine of the yaw, half extents: the form that batches have."""
         heading = np.column_stack([np.cos(self.yaw_rad), np.sin(self.yaw_rad)])
         return np.hstack([self.origin_enu_m, heading, self.half_m])
 
 
 def frames_of(layout: FlatLayout, statistics: FlatStatistics) -> Frames:
-    """The frame of each object: the site, or its region where the statistics have regions."""
+    """Return the frame of each object.
+
+    It is the site's. If the statistics have regions, a fine object has the frame of its region,
+    whose height is the region's top or underside.
+    """
     n = len(layout)
     origin, yaw, half = np.zeros((n, 3)), np.zeros(n), np.tile(layout.half_m, (n, 1))
     if statistics.has_regions:
@@ -95,6 +101,7 @@ def frames_of(layout: FlatLayout, statistics: FlatStatistics) -> Frames:
         origin[inside] = layout.center_enu_m[region]
         height = layout.size_m[region, 2]
         on_top = statistics.stands_on_top[layout.category[region]]
+        # Things on a table count from its top, things in a room from its floor.
         origin[inside, 2] += np.where(on_top, height, -height) / 2
         yaw[inside] = layout.yaw_rad[region]
         half[inside] = np.maximum(layout.size_m[region, :2] / 2, LEAST_HALF_M)
@@ -104,13 +111,19 @@ def frames_of(layout: FlatLayout, statistics: FlatStatistics) -> Frames:
 def measured_channels(
     layout: FlatLayout, frames: Frames
 ) -> tuple[Float[np.ndarray, "n 10"], Int[np.ndarray, " n"]]:
-    """The channels of a layout, not standardised, and its quarter turns."""
+    """Return the channels of a layout, not yet standardised, and its quarter turns.
+
+    Args:
+        layout: Layout of n objects.
+        frames: Frame of each object.
+    """
     offset = layout.center_enu_m - frames.origin_enu_m
     cos, sin = np.cos(frames.yaw_rad), np.sin(frames.yaw_rad)
     x, y = offset[:, 0], offset[:, 1]
     along = np.column_stack([cos * x + sin * y, cos * y - sin * x]) / frames.half_m
     turn, rest_rad = quarter_turns(layout.yaw_rad - frames.yaw_rad, IS_TWO_SIDED[layout.category])
     zero = np.zeros(len(layout))
+    # The remainder is about the vertical, so x and y of its quaternion are 0.
     quat = np.column_stack([np.cos(rest_rad / 2), zero, zero, np.sin(rest_rad / 2)])
     underside_m = offset[:, 2] - layout.size_m[:, 2] / 2
     return np.column_stack([along, underside_m, quat, np.log(layout.size_m)]), turn
@@ -119,12 +132,17 @@ def measured_channels(
 def standardised(
     rows: Float[np.ndarray, "n 10"], category: Int[np.ndarray, " n"], statistics: FlatStatistics
 ) -> Float[np.ndarray, "n 10"]:
-    """Channels less the mean of their category, by its spread."""
+    """Subtract the mean of each object's category and divide by its spread."""
     return (rows - statistics.mean[category]) / statistics.spread[category]
 
 
 def measure(layouts: Sequence[FlatLayout], *, has_regions: bool) -> FlatStatistics:
-    """Statistics of training layouts, under the symmetries of the square."""
+    """Measure the statistics of training layouts and, by symmetry, of their turns and mirrors.
+
+    Args:
+        layouts: Training layouts with their regions.
+        has_regions: True puts fine objects into the frames of their regions.
+    """
     empty = np.zeros(N_ROWS, dtype=bool)
     holds = empty.copy()
     for layout in layouts:
@@ -132,6 +150,7 @@ def measure(layouts: Sequence[FlatLayout], *, has_regions: bool) -> FlatStatisti
     ones = np.ones((N_ROWS, N_GEOMETRY))
     on_top = _stands_on_top(layouts) if has_regions else empty
     rest = on_top, holds, np.array(has_regions), site_yaw_quantiles_rad(layouts)
+    # Frames depend on `stands_on_top` alone, so the moments can be placeholders here.
     framed = FlatStatistics(0 * ones, ones, ones, *rest)
     rows = [measured_channels(layout, frames_of(layout, framed))[0] for layout in layouts]
     mean, spread, variance = _moments(
@@ -143,7 +162,10 @@ def measure(layouts: Sequence[FlatLayout], *, has_regions: bool) -> FlatStatisti
 def site_yaw_quantiles_rad(
     layouts: Sequence[FlatLayout],
 ) -> Float[np.ndarray, "domains quantiles"]:
-    """How the sites of each domain are turned; zeros where there are none."""
+    """Quantiles of the yaw of each domain's sites; zeros for a domain without sites.
+
+    They are existing values, never interpolated ones: most sites stand at a few angles.
+    """
     shares = (np.arange(_N_QUANTILES) + 0.5) / _N_QUANTILES
     own = [[each.site_yaw_rad for each in layouts if each.wish.domain == d] for d in DOMAINS]
     return np.stack([np.quantile(rad or [0.0], shares, method="nearest") for rad in own])
@@ -158,7 +180,8 @@ def _moments(
         own = rows[category == number]
         seen = own if len(own) >= _LEAST_SEEN else rows
         mean[number], deviation[number] = seen.mean(axis=0), seen.std(axis=0)
-        # Turned and mirrored, a layout is one, too: east and north are alike, left and right.
+        # A turned or mirrored layout is a layout too. Therefore east and north share one spread
+        # about 0, and left and right turns balance.
         mean[number, :2], mean[number, 6] = 0.0, 0.0
         deviation[number, :2] = np.sqrt((seen[:, :2] ** 2).mean())
         deviation[number, 6] = np.sqrt((seen[:, 6] ** 2).mean())
@@ -169,7 +192,7 @@ def _moments(
 
 
 def _stands_on_top(layouts: Sequence[FlatLayout]) -> Bool[np.ndarray, " categories"]:
-    """Categories over whose top, not underside, the undersides of what they hold are more alike."""
+    """Mark categories whose contents stand more alike over the top than over the underside."""
     over: list[list[np.ndarray]] = [[], []]
     categories = []
     for layout in layouts:

@@ -1,14 +1,14 @@
-"""Scenes as the paper has them: lists of objects (p, q, s, c), coarse ones first.
+"""Scenes in the paper's form: lists of objects (p, q, s, c), coarse ones first.
 
 The paper leaves the order of its list open. Here a list has one order, so that a model need not
-learn that orders do not matter: coarse objects by category, quarter turn and place from right to
-left, as someone sees them who looks where they face. Fine objects follow alike, grouped by the
-region that they belong to. The place matters most. It tells the network where all is noise which
-of two walls is the southern one, and that the third of thirty trees stands near the border.
+learn that orders do not matter. Coarse objects are sorted by category, quarter turn and place from
+right to left, as seen by someone who looks where they face. Fine objects follow alike, grouped by
+the region that they belong to. The place matters most. Where all is noise, it tells the network
+which of two walls is the southern one, and that the third of thirty trees stands near the border.
 
 The paper leaves the frame of p open, too. Most sites are built along two axes, which point
-anywhere. A layout is the site turned so that these are east and north: nothing is then left of most
-headings but their quarter turn, and a place by itself says whether it is at a border.
+anywhere. A layout is the site turned so that these axes are east and north. Most headings are then
+quarter turns exactly, and a place by itself says whether it is at a border.
 """
 
 from __future__ import annotations
@@ -27,12 +27,13 @@ from aeroscene.scene.catalogue import CATALOGUE, TWO_SIDED
 NO_REGION = -1
 """Region of an object that belongs to the site itself."""
 QUARTER_RAD = np.pi / 2
+# Least half extent of a site, so that an empty one has a frame.
 _LEAST_HALF_M = 0.5
 _ALIKE_RAD = np.radians(2.0)
-"""Headings that are as near to each other are of one axis."""
+"""Headings that differ by less belong to one axis."""
 
 IS_TWO_SIDED = np.array([False, *(CATALOGUE[c].name in TWO_SIDED for c in sorted(CATALOGUE))])
-"""Whether a category looks the same after half a turn, by its number from 1."""
+"""True for a category that looks the same after half a turn, by its number from 1."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,10 +41,10 @@ class FlatLayout:
     """One scene as a list of boxes with categories."""
 
     category: Int[np.ndarray, " n"]
-    """Numbers from 1."""
+    """Numbers of the catalogue, from 1."""
     center_enu_m: Float[np.ndarray, "n 3"]
     yaw_rad: Float[np.ndarray, " n"]
-    """Of what looks the same after half a turn, from -45 to below 135 degrees."""
+    """Yaw; from -45 to below 135 degrees for objects that look the same after half a turn."""
     size_m: Float[np.ndarray, "n 3"]
     region: Int[np.ndarray, " n"]
     """Row of the coarse object that a fine one stands in or on; `NO_REGION` for others."""
@@ -51,7 +52,7 @@ class FlatLayout:
     half_m: Float[np.ndarray, " 2"]
     """Half extents of the site along east and north, about the origin."""
     site_yaw_rad: float
-    """By how much the site is turned against this layout, -45 to 45 degrees about the origin."""
+    """Yaw of the real site against this layout about the origin, -45 to 45 degrees."""
     wish: Wish
 
     def __len__(self) -> int:
@@ -59,14 +60,21 @@ class FlatLayout:
 
     @property
     def is_coarse(self) -> Bool[np.ndarray, " n"]:
-        """Which rows are coarse objects."""
+        """True in rows of coarse objects."""
         return np.arange(len(self)) < self.n_coarse
 
 
 def flat_layout(scene: Scene, wish: Wish, *, has_regions: bool) -> FlatLayout:
-    """The list of a scene's objects, in the one order; the paper's own lists know no regions."""
+    """List a scene's objects in the one order.
+
+    Args:
+        scene: Scene whose objects are listed; tilts are lost.
+        wish: Contents that the layout is labelled with.
+        has_regions: True keeps the region of each fine object; the paper's own lists have none.
+    """
     arrays = scene_arrays(scene)
     fine_first = np.argsort(~arrays.is_coarse, kind="stable")
+    # The inverse of a sorting order is the new row of each old one.
     row_of = np.argsort(fine_first)
     region = arrays.region[fine_first]
     region = np.where(region == NO_PARENT, NO_REGION, row_of[region])
@@ -91,23 +99,24 @@ def flat_layout(scene: Scene, wish: Wish, *, has_regions: bool) -> FlatLayout:
 
 
 def turned(center_enu_m: Float[np.ndarray, "n 3"], yaw_rad: float) -> Float[np.ndarray, "n 3"]:
-    """Places turned about the vertical through the origin, counter-clockwise from above."""
+    """Turn places about the vertical through the origin, counter-clockwise seen from above."""
     cos, sin = np.cos(yaw_rad), np.sin(yaw_rad)
     x, y, z = center_enu_m.T
     return np.column_stack([cos * x - sin * y, sin * x + cos * y, z])
 
 
 def _site_yaw_rad(yaw_rad: Float[np.ndarray, " n"], size_m: Float[np.ndarray, "n 3"]) -> float:
-    """What is left of a quarter turn of the heading that the largest area of coarse objects has."""
+    """Return the remainder of the heading that the largest area of coarse objects shares."""
     if not len(yaw_rad):
         return 0.0
     rest_rad = _rest_rad(yaw_rad)
+    # Remainders wrap around: 44 and -44 degrees are alike.
     is_alike = np.abs(_rest_rad(rest_rad[:, None] - rest_rad)) < _ALIKE_RAD
     return float(rest_rad[np.argmax(is_alike @ (size_m[:, 0] * size_m[:, 1]))])
 
 
 def _rest_rad(yaw_rad: np.ndarray) -> np.ndarray:
-    """What is left of headings, or of differences of them, after their nearest quarter turns."""
+    """Remainder of headings, or of differences of headings, after their nearest quarter turns."""
     return yaw_rad - np.round(yaw_rad / QUARTER_RAD) * QUARTER_RAD
 
 
@@ -118,7 +127,7 @@ def _level_extents(layout: FlatLayout) -> Float[np.ndarray, "n 2"]:
 
 
 def random_symmetry(layout: FlatLayout, rng: np.random.Generator) -> FlatLayout:
-    """The layout turned by quarter turns at random, indoors mirrored too."""
+    """Turn a layout by quarter turns at random, and mirror it at random indoors."""
     turns, is_mirrored = draw_symmetry(layout.wish.domain, rng)
     if turns == 0 and not is_mirrored:
         return layout
@@ -128,6 +137,7 @@ def random_symmetry(layout: FlatLayout, rng: np.random.Generator) -> FlatLayout:
     if is_mirrored:
         center[:, 1] *= -1
         yaw, site_yaw_rad = -yaw, -site_yaw_rad
+    # The order depends on places and turns, so a turned layout is sorted anew.
     return _ordered(
         replace(layout, center_enu_m=center, yaw_rad=yaw, half_m=half, site_yaw_rad=site_yaw_rad)
     )
@@ -136,9 +146,14 @@ def random_symmetry(layout: FlatLayout, rng: np.random.Generator) -> FlatLayout:
 def quarter_turns(
     yaw_rad: Float[np.ndarray, " n"], is_two_sided: Bool[np.ndarray, " n"]
 ) -> tuple[Int[np.ndarray, " n"], Float[np.ndarray, " n"]]:
-    """The nearest quarter turn of each heading, and what is left of it, from -45 to 45 degrees.
+    """Split headings into their nearest quarter turn and a remainder of -45 to 45 degrees.
 
-    The turn is 0 or 1 for what looks the same after half a turn, else 0 to 3.
+    Args:
+        yaw_rad: Headings.
+        is_two_sided: True for objects that look the same after half a turn.
+
+    Returns:
+        The turns, 0 or 1 for two-sided objects and 0 to 3 for others, and the remainders.
     """
     quarters = np.round(yaw_rad / QUARTER_RAD)
     turn = quarters.astype(int) % np.where(is_two_sided, 2, 4)
@@ -151,9 +166,10 @@ def _ordered(layout: FlatLayout) -> FlatLayout:
     keys = np.vstack([*_places_seen(layout), layout.category])
     n = layout.n_coarse
     coarse = np.lexsort(keys[:, :n])
-    # Where each coarse row goes; the last place is that of `NO_REGION`.
+    # New place of each coarse row; the last entry serves `NO_REGION`, which is -1.
     place = np.append(np.argsort(coarse), NO_REGION)
     region = place[layout.region]
+    # Objects of the site itself form the last group.
     group = np.where(region < 0, n, region)
     fine = n + np.lexsort(np.vstack([keys[:, n:], group[n:]]))
     order = np.concatenate([coarse, fine])
@@ -168,12 +184,12 @@ def _ordered(layout: FlatLayout) -> FlatLayout:
 
 
 def _places_seen(layout: FlatLayout) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Place of each object ahead, and to the left, where it faces in its region; its turn there."""
+    """Place of each object ahead and to the left, as it faces in its region, and its turn there."""
     region_yaw_rad = np.where(layout.region < 0, 0.0, layout.yaw_rad[layout.region])
     facing_rad = layout.yaw_rad - region_yaw_rad
     turn, _ = quarter_turns(facing_rad, IS_TWO_SIDED[layout.category])
     axis_rad = turn * QUARTER_RAD + region_yaw_rad
     cos, sin = np.cos(axis_rad), np.sin(axis_rad)
     x, y, _ = layout.center_enu_m.T
-    # To a centimetre, so that what stands in one line across is told apart by what is ahead.
+    # Rounded to a centimetre, so that objects in one line across are ordered by their place ahead.
     return cos * x + sin * y, np.round(cos * y - sin * x, 2), turn

@@ -1,6 +1,6 @@
-"""What objects of a category are like beside their box: shape, colour, finish.
+"""Looks of objects beside their boxes: shape, colour, finish.
 
-The paper's objects are (p, q, s, c) and have no looks. Those of a drawn layout are drawn from the
+The paper's objects are (p, q, s, c) and have no looks. A drawn layout takes its looks from the
 training scenes, as often as objects of the category had them there.
 """
 
@@ -19,11 +19,12 @@ from aeroscene.scene import AttributeValue, ObjectDomain, Scene
 from aeroscene.scene.catalogue import CATALOGUE
 
 _OPENINGS = ("door_m", "window_m")
-"""What has one of these is left out: a flat layout has no channels for where an opening is."""
+"""Objects with one of these attributes are left out: a flat layout has no channels for the place of
+an opening."""
 
 
 class Look(msgspec.Struct, frozen=True):
-    """Attributes that objects of a category were found to have."""
+    """Attributes that objects of a category have in training scenes."""
 
     domain: ObjectDomain
     attributes: dict[str, AttributeValue]
@@ -31,13 +32,13 @@ class Look(msgspec.Struct, frozen=True):
 
     @property
     def is_shared(self) -> bool:
-        """Whether all of its category in one room look so."""
+        """True if all objects of the category in one room share the look."""
         return self.domain == "indoor"
 
 
 @dataclass(frozen=True)
 class Looks:
-    """The looks of a corpus by the name of the category, the commonest first."""
+    """Looks of a corpus by the name of the category, the commonest first."""
 
     by_category: Mapping[str, tuple[Look, ...]]
 
@@ -53,15 +54,15 @@ class Looks:
         return cls({name: _ranked(counts[name]) for name in sorted(counts)})
 
     def to_json(self) -> str:
-        """The looks as text."""
+        """Write the looks as text, which `from_json` reads."""
         return msgspec.json.encode(self.by_category).decode()
 
     @classmethod
     def from_json(cls, text: str) -> Looks:
-        """What `to_json` wrote.
+        """Read the text of `to_json`.
 
         Raises:
-            msgspec.DecodeError: If it is not that.
+            msgspec.DecodeError: If the text is malformed.
             ValueError: If no category has a look.
         """
         looks = cls(msgspec.json.decode(text, type=dict[str, tuple[Look, ...]]))
@@ -71,17 +72,23 @@ class Looks:
 
     @property
     def is_known(self) -> Bool[np.ndarray, " categories"]:
-        """Whether there is a look of each category, by its number; there is no category 0."""
+        """True for categories with at least one look, by number; there is no category 0."""
         known = [bool(self.by_category.get(CATALOGUE[c].name)) for c in sorted(CATALOGUE)]
         return np.array([False, *known])
 
     def draw(self, category: int, rng: np.random.Generator) -> Look:
-        """A look of a category of which there is one."""
+        """Draw a look of a category, in proportion to its count.
+
+        Args:
+            category: Number of a category that `is_known` marks.
+            rng: Source of the draw.
+        """
         looks = self.by_category[CATALOGUE[category].name]
         share = np.array([look.count for look in looks], dtype=float)
         return looks[rng.choice(len(looks), p=share / share.sum())]
 
 
 def _ranked(counts: Counter[tuple[ObjectDomain, bytes]]) -> tuple[Look, ...]:
+    # Ties are broken by text, so that the order of the scenes does not matter.
     ranked = sorted(counts.items(), key=lambda item: (-item[1], item[0]))
     return tuple(Look(domain, msgspec.json.decode(text), count) for (domain, text), count in ranked)

@@ -1,4 +1,10 @@
-"""Training scenes as flat layouts, and the batches that are made of them."""
+"""Training scenes as flat layouts, and the batches that are made of them.
+
+A batch pads its scenes to one length, so scenes of very different sizes waste most of it. Batches
+are therefore drawn from scenes with similar numbers of objects. In the progressive preset some
+batches teach the first pass (coarse objects alone), and the others the second (fine objects, given
+the coarse ones).
+"""
 
 from __future__ import annotations
 
@@ -27,16 +33,17 @@ from aeroscene.learning.wishes import Wish
 from aeroscene.scene import DOMAINS, Scene
 
 COARSE_PASS_SHARE = 0.4
-"""Share of the progressive batches that show the coarse objects of their scenes alone."""
+"""Share of the progressive batches that teach the first pass."""
 _POOL = 2
-"""A batch is drawn from so many times its size of scenes with about as many objects."""
+"""A batch is drawn from so many times its size of scenes with similar numbers of objects."""
 _WEIGHT = np.array([1.0, 1.0, *[0.5] * 8], dtype=np.float32)
-"""What an error of each channel counts: most depends on places."""
+"""Weight of an error of each channel: places count most, because everything else depends on
+them."""
 
 
 @dataclass(frozen=True, eq=False)
 class FlatTrainingSet:
-    """Scenes as the paper has them, as batches for training."""
+    """Training scenes as flat layouts, which it serves in batches."""
 
     looks: Looks
     statistics: FlatStatistics
@@ -44,12 +51,12 @@ class FlatTrainingSet:
 
     @property
     def known(self) -> FlatStatistics:
-        """What a checkpoint keeps of the scenes, beside their kinds."""
+        """Statistics of the scenes, which a checkpoint keeps beside their kinds."""
         return self.statistics
 
     @property
     def kinds_json(self) -> str:
-        """The looks of objects as text."""
+        """Looks of objects as text."""
         return self.looks.to_json()
 
     @cached_property
@@ -63,15 +70,21 @@ class FlatTrainingSet:
 
     @property
     def encoder(self) -> Callable[[Scene, Wish], FlatLayout]:
-        """From other scenes to examples like these, without these."""
+        """Function that turns another scene and its wish into an example.
+
+        It does not hold the examples, so it can be sent to another process cheaply.
+        """
         return partial(flat_layout, has_regions=bool(self.statistics.has_regions))
 
     def with_examples(self, examples: Sequence[FlatLayout]) -> FlatTrainingSet:
-        """Other scenes, standardised as these are."""
+        """Return a set of other scenes with the statistics of this one."""
         return replace(self, examples=tuple(examples))
 
     def sample_batch(self, size: int, rng: np.random.Generator) -> TokenBatch:
-        """Scenes of about as many objects, each turned at random, indoors mirrored too."""
+        """Draw scenes with similar numbers of objects.
+
+        Each is turned at random, and mirrored at random indoors.
+        """
         is_second = not self.statistics.has_regions or rng.random() >= COARSE_PASS_SHARE
         chosen = self.alike(size, rng, coarse_only=not is_second)
         layouts = [random_symmetry(each, rng) for each in chosen]
@@ -80,9 +93,15 @@ class FlatTrainingSet:
     def alike(
         self, size: int, rng: np.random.Generator, *, coarse_only: bool = False
     ) -> list[FlatLayout]:
-        """Scenes near one that is drawn evenly, by all their objects or the coarse ones alone."""
+        """Draw scenes near one that is drawn evenly, by their number of objects.
+
+        Args:
+            size: Number of scenes.
+            rng: Source of the draw.
+            coarse_only: True counts coarse objects alone.
+        """
         pool = _near(self._by_coarse if coarse_only else self._by_count, _POOL * size, rng)
-        # Both lists are padded, so both should be about as long as those of the other scenes.
+        # Coarse and fine slots are padded separately, so both numbers should be similar.
         pool = pool[np.argsort(self._n_coarse[pool], kind="stable")]
         window = _near(pool, size, rng)
         return [self.examples[row] for row in rng.choice(window, size)]
@@ -100,12 +119,15 @@ class FlatTrainingSet:
         return np.argsort([len(each) for each in self.examples], kind="stable")
 
     def in_order(self, start: int, size: int) -> TokenBatch:
-        """Scenes as they are, for measuring; of progressive ones every other its coarse objects."""
+        """Return scenes as they are, for measuring.
+
+        Progressive scenes take turns: one in the first pass, the next in the second.
+        """
         layouts = self.examples[start : start + size]
         return self._batch(layouts, [(start + i) % 2 == 0 for i in range(len(layouts))])
 
     def in_pass(self, *, is_second: bool) -> TokenBatch:
-        """All scenes as they are, in one of the two passes of the progressive preset."""
+        """Return all scenes as they are, in one of the two passes of the progressive preset."""
         return self._batch(self.examples, [is_second] * len(self.examples))
 
     def _batch(self, layouts: Sequence[FlatLayout], is_second: Sequence[bool]) -> TokenBatch:
@@ -119,7 +141,7 @@ class FlatTrainingSet:
 def _near(
     rows: Int[np.ndarray, " n"], most: int, rng: np.random.Generator
 ) -> Int[np.ndarray, " m"]:
-    """As many rows beside each other, about one that is drawn evenly."""
+    """Return up to `most` neighbouring rows about one that is drawn evenly."""
     n = len(rows)
     width = min(n, most)
     start = int(np.clip(rng.integers(n) - width // 2, 0, n - width))
@@ -127,7 +149,13 @@ def _near(
 
 
 def flat_training_set(scenes: Sequence[Scene], *, has_regions: bool = False) -> FlatTrainingSet:
-    """The scenes of a corpus and their statistics; `has_regions` is the progressive preset's."""
+    """Turn scenes into a training set and measure its statistics.
+
+    Args:
+        scenes: At least one scene.
+        has_regions: True for the progressive preset, which places fine objects in their regions.
+    """
+    # Statistics need regions for either preset: they record which categories hold fine objects.
     layouts = [flat_layout(scene, Wish.of(scene), has_regions=True) for scene in scenes]
     statistics = measure(layouts, has_regions=has_regions)
     if not has_regions:
@@ -140,21 +168,29 @@ class Row:
     """One scene of a batch."""
 
     layout: FlatLayout
-    """Its objects; only these are read: category, region, number of coarse ones, wish."""
+    """Objects of the scene. Only category, region, number of coarse objects and wish are read."""
     n: int
-    """Objects that are shown, from the first one on."""
+    """Number of objects that are shown, from the first on."""
     frame: Float[np.ndarray, "m 7"]
+    """Frame of each object, as `Frames.packed`."""
     x0: Float[np.ndarray, "m 10"]
+    """Standardised channels."""
     turn: Int[np.ndarray, " m"]
+    """Quarter turn of each object."""
     is_given: bool
-    """Whether the coarse objects are given."""
+    """True if the coarse objects are given."""
 
 
 def row_of(layout: FlatLayout, statistics: FlatStatistics, *, is_second: bool = True) -> Row:
-    """A layout with its channels.
+    """Return a layout with its channels.
 
-    Where the statistics have regions, a scene shows its coarse objects alone, or `is_second`: all,
-    with the coarse ones given. Without regions all objects are shown, and none is given.
+    If the statistics have regions, the first pass shows the coarse objects alone, and the second
+    all objects with the coarse ones given. Without regions all objects are shown and none is given.
+
+    Args:
+        layout: The layout.
+        statistics: Statistics of the training scenes.
+        is_second: True for the second pass.
     """
     has_regions = bool(statistics.has_regions)
     frames = frames_of(layout, statistics)
@@ -170,15 +206,16 @@ def row_of(layout: FlatLayout, statistics: FlatStatistics, *, is_second: bool = 
 
 
 def batch_of(rows: Sequence[Row], statistics: FlatStatistics) -> TokenBatch:
-    """Scenes as a batch: coarse slots first, then fine ones, each padded at its end.
+    """Pack scenes into a batch: coarse slots first, then fine ones, each padded at its end.
 
-    Channels in which all objects of a category agree have no weight: they stay as they are.
+    Channels in which all objects of a category agree have no weight: they stay at their mean.
     """
     variance = statistics.variance
     n_coarse = max(row.layout.n_coarse for row in rows)
     n_fine = max(row.n - row.layout.n_coarse for row in rows)
     shape = (len(rows), n_coarse + n_fine)
     x0 = np.zeros((*shape, N_GEOMETRY), dtype=np.float32)
+    # Padding has a unit frame at the origin: its half extents are divided by.
     frame = np.tile(np.array([0, 0, 0, 1, 0, 1, 1], dtype=np.float32), (*shape, 1))
     kind, turn = np.zeros(shape, dtype=np.int64), np.zeros(shape, dtype=np.int64)
     held = np.zeros((*shape, N_ROWS), dtype=np.float32)
@@ -191,6 +228,7 @@ def batch_of(rows: Sequence[Row], statistics: FlatStatistics) -> TokenBatch:
         x0[i, slots], frame[i, slots], turn[i, slots] = row.x0[:n], row.frame[:n], row.turn[:n]
         kind[i, slots], parent[i, slots] = layout.category[:n], layout.region[:n]
         mask[i, slots] = True
+        # All objects of the layout count here, shown or not: a room is made for its furniture.
         inside = layout.region != NO_REGION
         np.add.at(held[i], (layout.region[inside], layout.category[inside]), 1)
         given[i, :n_own] = row.is_given

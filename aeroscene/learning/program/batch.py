@@ -17,13 +17,19 @@ from aeroscene.learning.wishes import Wish
 from aeroscene.scene import DOMAINS
 
 _MOST = np.array([N_MEMBERS, N_HOSTS]) - 1
-"""Members and ranks of hosts are counted up to here."""
+"""Largest member and rank of a host; greater ones count as these."""
 
 
 def program_batch(
     examples: Sequence[ProgramExample], wishes: Sequence[Wish], statistics: ProgramStatistics
 ) -> TokenBatch:
-    """A batch of programs, with their channels."""
+    """Pack programs into a batch, with their channels.
+
+    Args:
+        examples: Standardised programs.
+        wishes: Contents that each scene is conditioned on.
+        statistics: Statistics of the training scenes, which weigh the channels.
+    """
     skeletons = [example.skeleton for example in examples]
     importance = statistics.importance
     n_coarse = max(skeleton.n_coarse for skeleton in skeletons)
@@ -38,6 +44,7 @@ def program_batch(
         whole[:, row, slot] = np.stack(
             [
                 skeleton.kind_id,
+                # Parents are places in the program; the batch has them as slots.
                 slot[skeleton.parent],
                 skeleton.depth,
                 skeleton.ordinal.clip(max=MOST_SIBLINGS),
@@ -48,6 +55,7 @@ def program_batch(
         extra[row, slot] = np.column_stack([numbers, example.shape])
         mask[row, slot] = True
         x0[row, slot] = example.x0
+        # Padding keeps the weight 0, so the loss ignores it.
         weight[row, slot] = importance[skeleton.kind_id]
     kind, parent, depth, ordinal, twin = torch.from_numpy(whole)
     wish = np.array([scaled_wish(wish) for wish in wishes], dtype=np.float32)
@@ -68,7 +76,12 @@ def program_batch(
 
 
 def slots_of(skeleton: Skeleton, n_coarse_slots: int) -> Int[np.ndarray, " n"]:
-    """Slots that the tokens of a program have in a batch."""
+    """Return the slots that the tokens of a program have in a batch.
+
+    Args:
+        skeleton: Tree of the program.
+        n_coarse_slots: Slots of coarse tokens in the batch, of which the program may fill a part.
+    """
     fine = n_coarse_slots + np.arange(len(skeleton) - skeleton.n_coarse)
     return np.concatenate([np.arange(skeleton.n_coarse), fine])
 
@@ -76,6 +89,13 @@ def slots_of(skeleton: Skeleton, n_coarse_slots: int) -> Int[np.ndarray, " n"]:
 def channels_in(
     batch_x0: torch.Tensor, example: ProgramExample, row: int, n_coarse_slots: int
 ) -> ProgramExample:
-    """An example with the channels of a row of a batch."""
+    """Return an example with the channels of a row of a batch.
+
+    Args:
+        batch_x0: Channels of the whole batch, on any device.
+        example: Program of the row.
+        row: Number of the row.
+        n_coarse_slots: Slots of coarse tokens in the batch.
+    """
     own = batch_x0[row].double().cpu().numpy()
     return replace(example, x0=own[slots_of(example.skeleton, n_coarse_slots)])

@@ -1,7 +1,8 @@
-"""How far units keep from others of their category, as in training.
+"""Distances that units keep from others of their category, as in training.
 
-No two boxes have to overlap for a pair to be absurd: two street lamps a hand apart, one fence
-beside another. What a category keeps free ahead and beside is read off scenes.
+Two boxes need not overlap to look absurd: two street lamps a hand apart, or one fence beside
+another. The free distance ahead of and beside a unit is therefore measured on scenes, and decoding
+keeps it where there is room.
 """
 
 from __future__ import annotations
@@ -16,22 +17,23 @@ from jaxtyping import Float
 from aeroscene.scene import OrientedBox
 
 _SHARE = 0.05
-"""Share of the units in training that stand nearer than what a category is said to keep."""
+"""Share of the training units that stand nearer than the clearance of their category."""
 _LEAST_COUNT = 20
-"""Categories with fewer units beside others keep nothing."""
+"""Categories with fewer units beside others have no clearance."""
+# Greatest clearance of a category.
 _MOST_M = 3.0
 _BESIDE_M = 0.01
-"""Boxes are ahead of each other where their widths share more than this."""
+"""Boxes are ahead of each other if their widths overlap by more than this."""
 
 
 @dataclass(frozen=True, slots=True)
 class Clearances:
-    """Metres between boxes of different units of a category: ahead of one, and beside it."""
+    """Distances between boxes of different units of a category: ahead of one, and beside it, m."""
 
     by_category: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     def of(self, category: str) -> tuple[float, float]:
-        """Those of a category; 0 of one that keeps nothing."""
+        """Return the distances of a category; 0 for one without clearance."""
         return self.by_category.get(category, (0.0, 0.0))
 
 
@@ -41,7 +43,7 @@ NO_CLEARANCES = Clearances()
 def measure_clearances(
     gaps_by_scene: Sequence[Mapping[str, Float[np.ndarray, "k 2"]]],
 ) -> Clearances:
-    """What categories keep, by what `gaps_between` finds in scenes."""
+    """Measure clearances from the results of `gaps_between` in many scenes."""
     rows: defaultdict[str, list[np.ndarray]] = defaultdict(list)
     for gaps in gaps_by_scene:
         for category, found in gaps.items():
@@ -53,13 +55,14 @@ def measure_clearances(
 
 
 def gaps_between(units: Sequence[Sequence[OrientedBox]]) -> Float[np.ndarray, "k 2"]:
-    """The gap from each box to the next of another unit ahead of or behind it, and beside it.
+    """Gap from each box to the next box of another unit ahead or behind, and beside it.
 
     Args:
-        units: The boxes of each unit of one category, (x, y, z) in metres, ENU.
+        units: Boxes of each unit of one category, (x, y, z) in metres, ENU.
 
     Returns:
-        Metres for each box in turn; NaN where there is nothing on its level.
+        Metres for each box in turn: ahead or behind, then beside. NaN if there is no other box at
+        its height.
     """
     boxes = [box for unit in units for box in unit]
     unit = np.repeat(np.arange(len(units)), [len(each) for each in units])
@@ -67,6 +70,7 @@ def gaps_between(units: Sequence[Sequence[OrientedBox]]) -> Float[np.ndarray, "k
     yaw_rad = np.array([box.yaw_rad for box in boxes])
     gaps = np.full((len(boxes), 2), np.nan)
     for row in range(len(boxes)):
+        # Boxes on other storeys and shelves do not count.
         is_level = np.abs(centre[:, 2] - centre[row, 2]) < half[:, 2] + half[row, 2]
         others = (unit != unit[row]) & is_level
         away = centre[others, :2] - centre[row, :2]
@@ -76,6 +80,7 @@ def gaps_between(units: Sequence[Sequence[OrientedBox]]) -> Float[np.ndarray, "k
             np.abs(np.sin(yaw_rad[others] - yaw_rad[row])),
         )
         x, y = half[others, 0], half[others, 1]
+        # Negative gaps are overlaps; the quantile is clipped to 0 later.
         ahead = np.abs(away @ (c, s)) - half[row, 0] - lean * x - slant * y
         beside = np.abs(away @ (-s, c)) - half[row, 1] - slant * x - lean * y
         for column, gap, other in ((0, ahead, beside), (1, beside, ahead)):

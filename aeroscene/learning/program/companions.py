@@ -1,7 +1,8 @@
-"""What things stand beside: a cup beside a laptop or a plate, a shelf by another along the wall.
+"""Hosts that units stand beside: a cup beside a laptop or a plate, a shelf beside another shelf.
 
-A writer says which of the things there a unit has its relation to, by rank, before any of them has
-a place. So what is at that rank in the end may be what no such unit ever stood beside.
+The writer names the host of a unit by rank, before any object has a place. After decoding, that
+rank may belong to an object that no such unit ever stands beside. The nearest rank with a suitable
+host then counts instead.
 """
 
 from __future__ import annotations
@@ -15,32 +16,41 @@ from aeroscene.learning.program.kinds import UnitKind
 _LEAST_COUNT = 20
 """Bonds that occur less often may have any host."""
 _LEAST_SHARE = 0.02
-"""Hosts that a bond has less often it is not given."""
+"""Hosts with a smaller share of a bond are not suitable."""
 
 Bond = str
-"""Category of a unit and how it is bound to its host."""
+"""Category of a unit and its relation to its host, as text."""
 HostKey = str
-"""Category of a host, and its own relation."""
+"""Category of a host and its own relation, as text."""
 
 
 def bond_of(kind: UnitKind) -> Bond:
-    """The bond that a unit's kind has."""
+    """Return the bond of a unit's kind."""
     return f"{kind.category} {kind.relation} {kind.gap} {kind.align} {kind.turn}"
 
 
 def host_key(category: str, relation: str) -> HostKey:
-    """What a host is, and how it stands itself; the relation is empty where it is no unit."""
+    """Return the key of a host; the relation is empty if the host is no unit."""
     return f"{category} {relation}"
 
 
 @dataclass(frozen=True, slots=True)
 class Companions:
-    """Hosts by the bond of the unit that stands at them."""
+    """Suitable hosts, by the bond of the unit that stands at them."""
 
     by_bond: Mapping[Bond, Collection[HostKey]] = field(default_factory=dict)
 
     def nearest(self, kind: UnitKind, rank: int, hosts: Sequence[HostKey]) -> int:
-        """The rank nearest to the one that was drawn whose host a unit of a kind may have."""
+        """Return the rank nearest to a drawn one whose host is suitable.
+
+        Args:
+            kind: Kind of the unit.
+            rank: Rank that was drawn.
+            hosts: Hosts by rank.
+
+        Returns:
+            A rank among the hosts, or the drawn one if no host is suitable.
+        """
         known = self.by_bond.get(bond_of(kind))
         fitting = [i for i, host in enumerate(hosts) if known is None or host in known]
         return min(fitting, key=lambda i: abs(i - rank), default=rank)
@@ -50,10 +60,10 @@ ANY_COMPANIONS = Companions()
 
 
 def measure_companions(pairs: Sequence[tuple[UnitKind, HostKey]]) -> Companions:
-    """The hosts of a corpus.
+    """Count the hosts of a corpus.
 
     Args:
-        pairs: Every unit's kind, and its host.
+        pairs: Kind of every unit, and its host.
     """
     counts: defaultdict[Bond, Counter[HostKey]] = defaultdict(Counter)
     for kind, host in pairs:
@@ -62,5 +72,6 @@ def measure_companions(pairs: Sequence[tuple[UnitKind, HostKey]]) -> Companions:
     for bond, hosts in sorted(counts.items()):
         n = hosts.total()
         if n >= _LEAST_COUNT:
+            # Sorted, so that equal corpora give equal checkpoints.
             found[bond] = tuple(sorted(h for h, k in hosts.items() if k >= _LEAST_SHARE * n))
     return Companions(found)

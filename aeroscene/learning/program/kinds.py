@@ -1,8 +1,9 @@
-"""Kinds of tokens: all that is discrete of a record of a partition, or of a unit, in one symbol.
+"""Kinds of tokens: everything discrete about a record of a partition or a unit, in one symbol.
 
-A unit's kind says what it is and what it is to its host, a record's what it divides and how. What
-is discrete beside it are three small numbers of `aeroscene.learning.program.program.Program`: the
-rank of the host, the array of a group, and which object of the parent's token bears the token.
+A unit's kind names its category and its relation to its host; a record's kind names its node and
+how it divides. One symbol for all of it means that one softmax draws combinations that occur, and
+never others. Three small numbers stay outside, in `aeroscene.learning.program.program.Program`: the
+rank of the host, the array of a group, and the object of the parent's token that bears the token.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from aeroscene.relations.relation import Kind as RelationKind
 from aeroscene.scene import AttributeValue, ObjectDomain, SceneObject
 from aeroscene.scene.catalogue import CATALOGUE
 
+# The order is that of the channels 10 to 16.
 OPENINGS: tuple[str, ...] = (
     "door_m",
     "door_offset_m",
@@ -27,12 +29,12 @@ OPENINGS: tuple[str, ...] = (
     "window_sill_m",
     "window_height_m",
 )
-"""Continuous attributes of what has a shell."""
+"""Continuous attributes of objects with a shell."""
 SHAPING = ("form", "is_enterable", "is_start", "rows", "storeys", "use", "zebra_end")
-"""Discrete attributes that decide what shape an object has; the others are its looks."""
+"""Discrete attributes that decide the shape of an object; the others are its looks."""
 Attributes = tuple[tuple[str, AttributeValue], ...]
 What = tuple[str, str, Attributes]
-"""Category, domain and the attributes that shape."""
+"""Category, domain and shaping attributes. Objects with an equal key look alike."""
 Flag = Literal[0, 1]
 FLAGS = {"is_inset", "is_mirrored", "is_placed"}
 """Flags of records, which are numbers in the JSON of kinds."""
@@ -45,37 +47,43 @@ AS_LAST_AXES: Mapping[AsLast, tuple[int, ...]] = {
     "height": (2,),
     "": (),
 }
-"""Axes of the extents that are those of the last one; what says most comes first."""
+"""Axes of the extents that copy the last ones. The name with the most axes comes first, because the
+first that holds is taken."""
 
 
 class Kind(msgspec.Struct, frozen=True, omit_defaults=True):
-    """Tokens that differ in numbers and looks only; scenes and widths have no more than all do."""
+    """Kind of a token: tokens of one kind differ in numbers and looks only.
+
+    This class serves scenes and widths; the other nodes have subclasses with further fields.
+    """
 
     node: str
-    """A node of `aeroscene.partition.sequences.record`, or scene, unit or member."""
+    """Node of `aeroscene.partition.sequences.record`, or `scene`, `unit` or `member`."""
     category: str = ""
-    """Of a unit, a leaf or a lane; of a width what has it first; of a segment what it is."""
+    """Category of a unit, leaf or lane. A width has that of its first user, a segment its own
+    kind."""
     domain: str = ""
-    """Of an object indoor or outdoor; of a scene its own."""
+    """Domain of an object, `indoor` or `outdoor`; a scene has its own."""
     attributes: Attributes = ()
-    """Attributes that decide the shape, sorted by name; of a scene its theme."""
+    """Attributes that decide the shape, sorted by name; a scene has its theme here."""
 
-    # What is asked of any kind: that of those without such a field.
+    # Defaults for every kind, so that a caller can read these from any kind. Subclasses make fields
+    # of some.
     strip, turn, relation = 0, 0, ""
     is_turned, is_even, is_root, is_group = False, False, False, False
 
     @property
     def what(self) -> What:
-        """What looks depend on, and what a size is the same as the last one's of."""
+        """Key under which objects share looks, and may copy the extents of the last one."""
         return self.category, self.domain, self.attributes
 
     @property
     def is_coarse(self) -> bool:
-        """Whether the token belongs to the coarse part of a skeleton."""
+        """True if the token belongs to the coarse part of a skeleton."""
         return self.node not in {"unit", "member"} or CATEGORY_IS_COARSE.get(self.category, False)
 
     def traits(self) -> set[str]:
-        """What kinds share: a word for each field that is not empty, and for each attribute."""
+        """Return a word for each field that is not empty, and for each attribute."""
         said = msgspec.to_builtins(self)
         names: set[str] = set(said.pop("openings", ()))
         said.pop("attributes", None)
@@ -89,7 +97,7 @@ class SiteKind(Kind, frozen=True):
     turn: int = 0
     """Quarter turns of the frame from east."""
     is_turned: bool = False
-    """Whether the heading is off these quarter turns; where it is not it has no numbers."""
+    """True if the heading is off these quarter turns; otherwise it has no numbers."""
 
 
 class StoreyKind(Kind, frozen=True):
@@ -98,24 +106,24 @@ class StoreyKind(Kind, frozen=True):
     node: Literal["storey"]
     is_inset: Flag = msgspec.field(default=0, name="arity")
     is_first: Flag = msgspec.field(default=0, name="rows")
-    """Whether it says where the frame is; the storeys above have the same."""
+    """1 if the storey states the frame; the storeys above have the same."""
 
 
 class SplitKind(Kind, frozen=True):
-    """Record with as many others below it as it says."""
+    """Record with a number of children that it states."""
 
     node: Literal["slice", "cross", "grid", "overlay", "bend", "border"]
     axis: str = ""
     arity: int = 0
     """Parts of a slice, columns, items of an overlay, pieces of a bend, segments of a border."""
     rows: int = 0
-    """Of a cross or a grid; lanes of a bend."""
+    """Rows of a cross or a grid, or lanes of a bend."""
     strip: int = 0
-    """Number of the width, from 1, that this has in its parent; 0 where it has a share."""
+    """Number of the width, from 1, that this has in its parent; 0 if it has a share."""
     side: int = 0
-    """Side of its leaf that a border is on."""
+    """Side of its leaf on which a border is."""
     is_even: bool = False
-    """Whether the share of a part is that of the last part before it that is the same."""
+    """True if the share of a part copies the last equal part before it."""
 
 
 class PinwheelKind(Kind, frozen=True):
@@ -128,14 +136,14 @@ class PinwheelKind(Kind, frozen=True):
 
 
 class PlacedKind(Kind, frozen=True):
-    """Where a tree is on an overlay, or beside a bend."""
+    """Place of a tree on an overlay, or beside a bend."""
 
     node: Literal["item", "bank"]
     is_placed: Flag = msgspec.field(default=0, name="arity")
 
 
 class LeafKind(Kind, frozen=True):
-    """Record with nothing of its partition below it; a part or a segment is no object."""
+    """Record without children of its partition; a part or a segment is no object."""
 
     node: Literal["leaf", "lane", "part", "segment"]
     merge: int = 0
@@ -143,7 +151,7 @@ class LeafKind(Kind, frozen=True):
     strip: int = 0
     is_even: bool = False
     is_root: bool = False
-    """Whether the object has no parent in the scene, though it stands on something."""
+    """True if the object has no parent in the scene, though it stands on something."""
 
 
 class MemberKind(Kind, frozen=True):
@@ -154,11 +162,11 @@ class MemberKind(Kind, frozen=True):
 
 
 class UnitKind(Kind, frozen=True):
-    """An object, or a group, in its relation to a host."""
+    """An object or a group, in its relation to a host."""
 
     node: Literal["unit"]
     openings: tuple[str, ...] = ()
-    """Which of `OPENINGS` it has."""
+    """Names from `OPENINGS` that it has."""
     relation: str = ""
     side: int = 0
     """Side of the host."""
@@ -169,15 +177,15 @@ class UnitKind(Kind, frozen=True):
     """Quarter turns of the heading from the host's side."""
     is_turned: bool = False
     as_last: AsLast = ""
-    """Extents that it has of the last one before it that is the same, see `what`."""
+    """Extents that it copies from the last unit with the same `what`."""
     is_group: bool = False
     is_on_top: bool = False
-    """Whether the height counts from its bearer's top, not from its underside."""
+    """True if the height counts from its bearer's top, not from its underside."""
     is_tilted: bool = False
     is_root: bool = False
 
     def to_relation(self, host: int) -> Relation:
-        """The relation to a host of some rank."""
+        """Return the relation to a host of some rank."""
         return Relation(
             kind=RelationKind[self.relation],
             host=host,
@@ -192,18 +200,18 @@ class UnitKind(Kind, frozen=True):
 KINDS: Mapping[str, type[Kind]] = {"scene": Kind, "width": Kind} | {
     node: each for each in Kind.__subclasses__() for node in get_args(get_type_hints(each)["node"])
 }
-"""Their types by node."""
+"""Types of kinds by node."""
 OF_RECORD = {n: set(Record.__slots__) & set(each.__struct_fields__) for n, each in KINDS.items()}
-"""Fields that they have as their records do, by node."""
+"""Fields that kinds share with their records, by node."""
 
 
 def scene_kind(domain: str, theme: str = "") -> Kind:
-    """The kind of a program's root; its theme is empty where a scene has none."""
+    """Return the kind of a program's root; `theme` is empty for a scene without one."""
     return Kind("scene", domain=domain, attributes=(("theme", theme),) if theme else ())
 
 
 def theme_of(kind: Kind) -> str:
-    """The theme of a program's root, empty where it has none."""
+    """Return the theme of a program's root; empty if it has none."""
     return str(dict(kind.attributes).get("theme", ""))
 
 
@@ -212,32 +220,32 @@ CATEGORY_IS_COARSE = {c.name: c.level == "coarse" for c in CATALOGUE.values()}
 
 
 def shaping(obj: SceneObject) -> Attributes:
-    """The attributes of an object that its kind has."""
+    """Return the attributes of an object that belong to its kind."""
     return tuple((name, obj.attributes[name]) for name in SHAPING if name in obj.attributes)
 
 
 def what_of(obj: SceneObject) -> What:
-    """What an object is, as its kind has it."""
+    """Return the key of an object, as `Kind.what` of its kind."""
     return obj.category, obj.domain, shaping(obj)
 
 
 def openings(obj: SceneObject) -> tuple[str, ...]:
-    """The openings that an object has."""
+    """Return the names of the openings that an object has."""
     return tuple(name for name in OPENINGS if name in obj.attributes)
 
 
 def looks(obj: SceneObject) -> dict[str, AttributeValue]:
-    """The attributes that are neither."""
+    """Return the attributes that neither shape an object nor are openings."""
     return {k: v for k, v in obj.attributes.items() if k not in SHAPING and k not in OPENINGS}
 
 
 def same_part(kind: Kind) -> tuple[str, str]:
-    """What parts have in common that may be equally wide."""
+    """Return the key of parts that may be equally wide."""
     return kind.node, kind.category
 
 
 class Word(msgspec.Struct, frozen=True, array_like=True):
-    """What a leaf's word says: what an object is beside its box."""
+    """Word of a leaf: everything about an object but its box, as partitions carry it."""
 
     category: str
     domain: ObjectDomain
@@ -245,10 +253,10 @@ class Word(msgspec.Struct, frozen=True, array_like=True):
 
     @staticmethod
     def of(obj: SceneObject) -> str:
-        """The word of an object, as text."""
+        """Write the word of an object as text."""
         return msgspec.json.encode(what_of(obj)).decode()
 
     @staticmethod
     def read(text: str) -> Word:
-        """The word that a text is."""
+        """Read the word from text."""
         return msgspec.json.decode(text, type=Word)

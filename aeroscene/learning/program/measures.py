@@ -1,19 +1,18 @@
-"""Numbers of a unit: how its place, height and sizes read as channels, in both directions.
+"""Numbers of a unit: how its place, height and sizes become channels, in both directions.
 
-| channels | name | unit |
-|---|---|---|
-| 0, 1 | u and v beside the relation's own place: m where the relation pins them | m |
-| | free ones inside the host: over the play there, +-1 touches its border | - |
-| | free v beside it: over the way from middle to middle along its side | - |
-| 2, 3 | cosine and sine of the heading beside the relation's own | - |
-| 4 | underside above the bearer's top or underside; host's top; host's underside | m |
-| 5, 6 | log extents; log ratio to the bearer's along them; less the bearer's | m |
-| 7 | log height; log ratio to the bearer's; top above the host's top; above the bearer's | m |
-| 8, 9 | way between neighbours of a row and of a column, over its own extent | m |
-| 10 to 16 | `OPENINGS`, offsets over half the length | m |
-| 17, 18 | tilt about the own axes | rad |
+    channels  name                                                                          unit
+    0, 1      u and v relative to the relation's own place: m where the relation pins them  m
+              free ones inside the host: by the play there, +-1 touches its border          -
+              free v beside it: by the distance from middle to middle along its side        -
+    2, 3      cosine and sine of the heading relative to the relation's own                 -
+    4         underside above the bearer's top or underside; host's top; host's underside   m
+    5, 6      log extents; log ratio to the bearer's along them; less the bearer's          m
+    7         log height; log ratio to bearer's; top above host's top; above the bearer's   m
+    8, 9      gap between neighbours of a row and of a column                               m
+    10 to 16  `OPENINGS`, offsets over half the length                                      m
+    17, 18    tilt about the own axes                                                       rad
 
-Heights and sizes have several readings; which of them counts is chosen kind by kind, see
+Heights and sizes have several readings. Which of them counts is chosen kind by kind, see
 `aeroscene.learning.program.references`.
 """
 
@@ -34,17 +33,28 @@ from aeroscene.scene import OrientedBox, Vector3
 from aeroscene.scene.box import MIN_SIZE_M
 
 Scale = tuple[float, float]
-"""What is added to a channel times what it is multiplied by, to give metres."""
+"""Offset and factor that turn a channel into metres: offset + factor times channel."""
+# Least play inside a host, as a share of its half extent: a wide object would else have none.
 LEAST_PLAY = 0.3
 BARE_M = 30.0
 """Sides of a site without ground."""
+# Least and greatest extents, so that any number decodes to a box.
 _LEAST_M = 0.05
 _MOST_M = 500.0
 _BESIDE = frozenset({Kind.SIDE, Kind.FACING})
 
 
 def scales(relation: Relation, host: Rectangle, reach_m: Half) -> tuple[Scale, Scale]:
-    """How channels 0 and 1 give the residual of a unit that reaches so far along u and v."""
+    """Return how channels 0 and 1 give the residual of a unit.
+
+    Args:
+        relation: Relation of the unit to its host.
+        host: The host seen from above.
+        reach_m: Half extents of the unit along u and v.
+
+    Returns:
+        Scales of u and of v.
+    """
     half_m = host.reach_m(relation.side)
     found: list[Scale] = []
     for axis in (0, 1):
@@ -61,41 +71,48 @@ def scales(relation: Relation, host: Rectangle, reach_m: Half) -> tuple[Scale, S
 
 
 BARE_SITE = Rectangle(Place(0.0, 0.0, 0.0), (BARE_M / 2, BARE_M / 2))
-"""What stands in for the host of what has none, where the ground has no covers."""
+"""Host of objects without one, if the ground has no covers."""
 
 
 def site_rectangle(kind: kinds.SiteKind, site: Float[np.ndarray, " 19"]) -> Rectangle:
-    """What stands in for the host of what has none: about the origin, as large as the ground.
+    """Return the host of objects without one: about the origin, as large as the ground.
 
     Args:
         kind: Kind of the `site` record.
         site: Its channels.
     """
+    # Clipped at exp(6.5), 665 m, as extents are.
     x_m, y_m = (math.exp(min(log, 6.5)) / 2 for log in site[5:7].tolist())
     yaw_rad = kind.turn * QUARTER + own_heading_rad(*site[3:5].tolist())
     return replace(BARE_SITE, half_m=turned_reach_m((x_m, y_m), yaw_rad))
 
 
 def own_heading_rad(cos: float, sin: float) -> float:
-    """A heading beside its quarter turns, from channels that are NaN where it is not turned."""
+    """Return the heading beyond its quarter turns; 0 if its channels are NaN."""
     return 0.0 if math.isnan(cos) or math.isnan(sin) else math.atan2(sin, cos)
 
 
 def reach_of(relation: Relation, yaw_rad: float, half_m: Half) -> Half:
-    """How far something with a residual heading reaches along u and v."""
+    """Return how far an object reaches along u and v.
+
+    Args:
+        relation: Relation that gives its quarter turns.
+        yaw_rad: Its heading beyond them.
+        half_m: Its half extents along its own axes.
+    """
     return turned_reach_m(half_m, yaw_rad + relation.quadrant % 4 * math.pi / 2)
 
 
 @dataclass(frozen=True, slots=True)
 class Surroundings:
-    """What heights and sizes count from."""
+    """Boxes from which heights and sizes count."""
 
     bearer: OrientedBox | None
-    """None on the bare world."""
+    """None on bare ground."""
     host: OrientedBox | None
 
     def along_m(self, yaw_rad: float) -> Half:
-        """Extents of the bearer along the axes of something with a heading; NaN without one."""
+        """Return the bearer's extents along the axes of an object; NaN without a bearer."""
         if self.bearer is None:
             return math.nan, math.nan
         half_m = self.bearer.s[0] / 2, self.bearer.s[1] / 2
@@ -108,7 +125,10 @@ def _levels(box: OrientedBox | None) -> tuple[float, float]:
 
 
 def up_to_level(category: str, box: OrientedBox | None) -> OrientedBox | None:
-    """A host's box without what is above the level that one walks on."""
+    """Return a host's box without the part above the level that people walk on.
+
+    Stairs beside a bridge lead to its deck, and not to its rails.
+    """
     if box is None:
         return None
     low_m, level = _levels(box)[0], level_m(category, box)
@@ -118,7 +138,18 @@ def up_to_level(category: str, box: OrientedBox | None) -> OrientedBox | None:
 def choices_of(
     around: Surroundings, size_m: Vector3, yaw_rad: float, base_m: float, *, is_on_top: bool
 ) -> Float[np.ndarray, "4 4"]:
-    """Height of an underside and the three extents, as each reference has them."""
+    """Return the height of an underside and the three extents, from each reference.
+
+    Args:
+        around: Bearer and host.
+        size_m: Extents of the unit.
+        yaw_rad: Heading of the unit.
+        base_m: Height of its underside.
+        is_on_top: True counts from the bearer's top, not from its underside.
+
+    Returns:
+        A row for each number, a column for each reference; NaN where a reference does not exist.
+    """
     low_m, top_m = _levels(around.bearer)
     host_low_m, host_top_m = _levels(around.host)
     upper_m = base_m + size_m[2]
@@ -142,7 +173,11 @@ def size_and_base(
     *,
     is_on_top: bool,
 ) -> tuple[Vector3, float]:
-    """Extents and the height of the underside, whatever the values; inverse of `choices_of`."""
+    """Return extents and the height of the underside; inverse of `choices_of`.
+
+    Any values give a box. Args are those of `choices_of`, with the values and the reference of
+    each.
+    """
     rise, *sizes = values
     low_m, top_m = _levels(around.bearer)
     host_low_m, host_top_m = _levels(around.host)
@@ -157,13 +192,13 @@ def size_and_base(
 
 
 def _extent(value: float, reference: int, along_m: float, less_m: float) -> float:
-    """An extent from its log, its log ratio to another, or what it is more than another."""
+    """Return an extent from its log, its log ratio to another, or its difference from another."""
     if math.isnan(along_m) or (reference == 1 and along_m <= 0):
         reference = 0
     if reference == 2:
         found_m = less_m + value
     else:
         found_m = math.exp(min(value, 6.5)) * (along_m if reference == 1 else 1.0)
-    # To a tenth of a millimetre: statistics in single precision know no more.
+    # To a tenth of a millimetre: single precision, in which statistics are kept, has no more.
     least_m = _LEAST_M if reference == 2 else MIN_SIZE_M
     return round(min(max(found_m, least_m), _MOST_M), 4)

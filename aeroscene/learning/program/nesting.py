@@ -1,4 +1,4 @@
-"""Records of a partition as a tree: each with those right below it, and the token that it is."""
+"""Records of a partition as a tree: each with its children, and the token that it belongs to."""
 
 from __future__ import annotations
 
@@ -14,27 +14,27 @@ Token = TypeVar("Token")
 
 @dataclass(slots=True, eq=False)
 class Nested(Generic[Token]):
-    """A record with its children; `token` is what it belongs to, if anything."""
+    """A record with its children, and the token that it belongs to, if any."""
 
     record: Record
     token: Token
     children: list[Nested[Token]] = field(default_factory=list)
 
     def flat(self) -> list[Record]:
-        """All records in pre-order."""
+        """Return all records in pre-order."""
         return [self.record, *(record for child in self.children for record in child.flat())]
 
 
 def nest(records: Iterator[Record]) -> Nested[None]:
-    """The next record of a sequence and what comes below it."""
+    """Read the next record of a sequence and everything below it."""
     record = next(records)
     return Nested(record, None, [nest(records) for _ in range(n_children(record))])
 
 
 def cells(node: Nested[Token]) -> list[tuple[Token, int]]:
-    """Tokens of the leaves in the order of `aeroscene.partition.cells.cells_of`.
+    """Return the tokens of the leaves in the order of `aeroscene.partition.cells.cells_of`.
 
-    With each comes the number of the piece where a lane has a leaf on each piece of a bend.
+    Each comes with the number of the piece, because a lane has a leaf on each piece of a bend.
     """
     return list(_cells(node))
 
@@ -47,10 +47,12 @@ def _cells(node: Nested[Token]) -> Iterator[tuple[Token, int]]:
         case "bend":
             lanes, banks = children[: record.rows], children[record.rows :]
             for piece in range(record.arity):
+                # Piece by piece: first all lanes, then the two banks, as the partition builds them.
                 yield from ((lane.token, piece) for lane in lanes)
                 for bank in banks[2 * piece : 2 * piece + 2]:
                     yield from _cells(bank)
         case "cross" | "grid":
+            # The first children of a grid hold its shares; cells come after them.
             yield from _all(children[record.arity + record.rows :])
         case _:
             yield from _all(children)

@@ -1,4 +1,4 @@
-"""What a program is: a tree of tokens, coarse ones first, in arrays."""
+"""The data structure of a program: a tree of tokens, coarse ones first, in arrays."""
 
 from __future__ import annotations
 
@@ -16,18 +16,20 @@ from aeroscene.scene import AttributeValue
 
 N_CHANNELS = 19
 U, V, COS, SIN, RISE = range(5)
+"""Channels of a unit."""
 SIZE, PITCH, OPENING, TILT = slice(5, 8), slice(8, 10), slice(10, 17), slice(17, 19)
 """Channels of a unit; a record has its share first and its numbers after it."""
 REFERENCED = (RISE, 5, 6, 7)
-"""Channels that may count from several things, see `aeroscene.learning.program.references`."""
+"""Channels that may count from several references, see `aeroscene.learning.program.references`."""
 N_MEMBERS, N_HOSTS = 16, 32
-"""Numbers of members and ranks of hosts that networks tell apart; greater ones read as the last."""
+"""Numbers of members and ranks of hosts that networks tell apart; greater ones count as the
+last."""
 
 Looks = dict[str, AttributeValue]
 
 
 class ProgramError(ValueError):
-    """A scene that has no program; one line that names object and reason."""
+    """A scene has no program; one line names the object and the reason."""
 
 
 class Shape(NamedTuple):
@@ -40,13 +42,13 @@ class Shape(NamedTuple):
 
     @staticmethod
     def of(array: Array | None) -> Shape:
-        """That of an array; of one object a single cell."""
+        """Return the shape of an array; a single cell for one object."""
         if array is None:
             return Shape()
         return Shape(array.rows, array.columns, array.holes, array.turned)
 
     def array(self, pitch_m: tuple[float, float] = (0.0, 0.0)) -> Array:
-        """The array of such a group with some pitch."""
+        """Return the array of such a group with some pitch."""
         return Array(
             rows=self.rows,
             columns=self.columns,
@@ -58,7 +60,7 @@ class Shape(NamedTuple):
 
 @dataclass(slots=True, eq=False)
 class Node:
-    """A token in a tree, as it is built."""
+    """A token in a tree, while the tree is built."""
 
     kind: Kind
     channels: Float[np.ndarray, " 19"] = field(default_factory=lambda: np.full(N_CHANNELS, np.nan))
@@ -66,16 +68,16 @@ class Node:
     host: int = 0
     shape: Shape = field(default_factory=Shape)
     choices: Float[np.ndarray, "4 4"] | None = None
-    """For each of `REFERENCED` its value from each reference."""
+    """Value of each of `REFERENCED` from each reference."""
     looks: list[Looks] = field(default_factory=list)
     beside: str = ""
-    """Of a unit what its host is, see `aeroscene.learning.program.companions`."""
+    """Key of a unit's host, see `aeroscene.learning.program.companions`."""
     ids: list[int] = field(default_factory=list)
-    """Objects that the token stands for."""
+    """Ids of the objects that the token stands for."""
     children: list[Node] = field(default_factory=list)
 
     def add(self, child: Node) -> Node:
-        """Let a node be the last child."""
+        """Append a child and return it."""
         self.children.append(child)
         return child
 
@@ -86,50 +88,61 @@ class Program:
 
     kinds: tuple[Kind, ...]
     parent: Int[np.ndarray, " n"]
-    """Places of the parents; the scene is its own."""
+    """Places of the parents; the scene is its own parent."""
     member: Int[np.ndarray, " n"]
-    """Which of the objects of the parent's token bears the token."""
+    """Number of the object of the parent's token that bears the token."""
     host: Int[np.ndarray, " n"]
-    """Rank of the host; of a border how many leaves on the room beyond it is."""
+    """Rank of the host. For a border, the number of leaves to the room beyond it."""
     shapes: tuple[Shape, ...]
     channels: Float[np.ndarray, "n channels"]
-    """NaN where a token has none."""
+    """Numbers of each token; NaN where it has none."""
     references: Int[np.ndarray, "n 4"]
-    """From what each of `REFERENCED` counts."""
+    """Reference from which each of `REFERENCED` counts."""
     n_coarse: int
     looks: tuple[tuple[Looks, ...], ...] = ()
-    """For each token of its objects in turn; empty until drawn."""
+    """Looks of the objects of each token in turn; empty until drawn."""
     clearances: Clearances = NO_CLEARANCES
-    """What units keep where they look for room; nothing of a program that was read off a scene."""
+    """Distances that units keep where they look for room; none in a program that was read off a
+    scene."""
     companions: Companions = ANY_COMPANIONS
-    """What units may stand beside; anything in a program that was read off a scene."""
+    """Hosts that units may stand beside; any in a program that was read off a scene."""
 
     def __len__(self) -> int:
         return len(self.kinds)
 
     def unit(self, place: int) -> UnitKind:
-        """The kind of a token that is a unit."""
+        """Return the kind of a token that is a unit; the caller knows that it is one."""
         kind = self.kinds[place]
         assert isinstance(kind, UnitKind)
         return kind
 
     def with_channels(self, channels: Float[np.ndarray, "n channels"]) -> Program:
-        """The same tokens with other numbers."""
+        """Return the same tokens with other numbers."""
         return replace(self, channels=channels)
 
     def children(self) -> list[list[int]]:
-        """Places of the children of each token, in order."""
+        """Return the places of the children of each token, in order."""
         found: list[list[int]] = [[] for _ in self.kinds]
         for place, parent in enumerate(self.parent.tolist()):
+            # Token 0 is its own parent, and nobody's child.
             if place:
                 found[parent].append(place)
         return found
 
 
 def in_order(root: Node) -> tuple[list[Node], list[int], int]:
-    """Nodes in a program's order, the places of their parents, and how many are coarse."""
+    """Sort the nodes of a tree into a program's order.
+
+    Args:
+        root: Node of the scene.
+
+    Returns:
+        The nodes, the places of their parents, and the number of coarse nodes, which come first.
+    """
+    # Two walks: the networks need all coarse tokens before the first fine one.
     coarse: list[tuple[Node, Node]] = []
     _descend(root, root, coarse, is_coarse=True)
+    # Fine nodes follow in the order of the coarse nodes that bear them.
     fine: list[tuple[Node, Node]] = []
     for node, _ in coarse:
         for child in node.children:
@@ -148,7 +161,7 @@ def _descend(node: Node, above: Node, found: list[tuple[Node, Node]], *, is_coar
 
 
 def to_program(root: Node) -> Program:
-    """The program of a tree whose numbers count from the first of their references."""
+    """Turn a tree into a program in which every number counts from its first reference."""
     nodes, parents, n_coarse = in_order(root)
     return Program(
         kinds=tuple(node.kind for node in nodes),

@@ -1,4 +1,4 @@
-"""Skeletons: which tokens a program has, of which kind, child of whom, before any geometry."""
+"""Skeletons: kind and parent of each token of a program, without any geometry."""
 
 from __future__ import annotations
 
@@ -16,23 +16,24 @@ from aeroscene.scene import SceneDomain
 class Skeleton:
     """A tree of kinds: the site first, then all coarse objects, then the fine ones.
 
-    Coarse objects stand depth first; fine ones in the order of the coarse objects that they belong
-    to, depth first again. Parents come before their children, coarse objects have coarse parents.
+    Coarse objects stand depth first. Fine ones follow in the order of the coarse objects that they
+    belong to, depth first again. Parents come before their children, and coarse objects have coarse
+    parents.
     """
 
     domain: SceneDomain
     kind_id: Int[np.ndarray, " n"]
     parent: Int[np.ndarray, " n"]
-    """Places of the parents; the site is its own."""
+    """Places of the parents; the site is its own parent."""
     n_coarse: int
-    """Site included: these come first."""
+    """Number of coarse tokens, the site included; they come first."""
 
     def __len__(self) -> int:
         return len(self.kind_id)
 
     @cached_property
     def depth(self) -> Int[np.ndarray, " n"]:
-        """Steps down from the site."""
+        """Number of ancestors of each token."""
         depth = np.zeros(len(self), dtype=np.int64)
         for i in range(1, len(self)):
             depth[i] = depth[self.parent[i]] + 1
@@ -45,7 +46,7 @@ class Skeleton:
 
     @cached_property
     def twin(self) -> Int[np.ndarray, " n"]:
-        """Place of each object among those children of its parent that are of its kind."""
+        """Place of each object among the children of its parent that have its kind."""
         return _counted(list(zip(self.parent.tolist(), self.kind_id.tolist(), strict=True)))
 
 

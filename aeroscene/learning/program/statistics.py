@@ -1,4 +1,9 @@
-"""Mean and spread of each channel by kind, and programs as standardised arrays."""
+"""Mean and spread of each channel by kind, and programs as standardised arrays.
+
+Kinds are many and often rare, so the moments of a kind are mixed with those of its group (kinds
+whose numbers mean the same). The mixture is that of a prior worth `_PRIOR` tokens: a rare kind
+takes the group's moments, a frequent one its own.
+"""
 
 from __future__ import annotations
 
@@ -30,31 +35,37 @@ from aeroscene.learning.program.vocabulary import ProgramVocabulary, count_progr
 from aeroscene.scene import SceneDomain
 
 _PRIOR = 4.0
-"""What is known of a kind's group counts as so many of its tokens."""
+"""The moments of a kind's group count as so many of its tokens."""
 _LEAST_SPREAD = 3e-4
 """Channels that vary by less are constant."""
 _PLAIN_SPREAD, _LEAST_WEIGHT = 0.1, 0.1
-"""Channels that vary by at least so much, in m or shares, count whole, others down to a tenth."""
+"""Channels that vary by this much or more, in m or shares, have full weight; others less, down to
+`_LEAST_WEIGHT`."""
 _HEADED = {"site", "storey", "item", "bend"}
 """Records with a heading in their channels 3 and 4."""
 _LIMIT = 5.0
-"""Values are cut at this many spreads."""
+"""Values are clipped at so many spreads."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ProgramStatistics:
-    """Standardisation of channels by kind. Pinned ones vary by centimetres, and are kept so."""
+    """Standardisation of channels by kind.
+
+    Pinned channels vary by centimetres and are standardised by that, so that they keep their
+    accuracy.
+    """
 
     mean: Float[np.ndarray, "kinds channels"]
     spread: Float[np.ndarray, "kinds channels"]
     low: Float[np.ndarray, "kinds channels"]
     """Least value in training of a kind's group, standardised."""
     high: Float[np.ndarray, "kinds channels"]
-    """Greatest value likewise: beyond it a boat would leave its water."""
+    """Greatest value in training of a kind's group, standardised; beyond it a boat would leave its
+    water."""
     is_free: Bool[np.ndarray, "kinds channels"]
-    """Which channels a kind has, and vary."""
+    """True for channels that a kind has and that vary."""
     has: Bool[np.ndarray, "kinds channels"]
-    """Which channels a kind has."""
+    """True for channels that a kind has."""
     references: References
     clearances: Clearances
     companions: Companions = ANY_COMPANIONS
@@ -62,27 +73,27 @@ class ProgramStatistics:
 
     @property
     def importance(self) -> Float[np.ndarray, "kinds channels"]:
-        """How much an error counts in training: little where all that varies is millimetres."""
+        """Weight of an error in training, 0 to 1: low if a channel varies by millimetres."""
         return np.where(self.is_free, (self.spread / _PLAIN_SPREAD).clip(_LEAST_WEIGHT, 1.0), 0.0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ProgramExample:
-    """A program as arrays: what the skeleton model draws, and what is diffused."""
+    """A program as arrays: the tokens that the writer draws, and the channels that are diffused."""
 
     skeleton: Skeleton
     member: Int[np.ndarray, " n"]
     host: Int[np.ndarray, " n"]
     shape: Int[np.ndarray, " n"]
-    """Number of the array of a group."""
+    """Number of the array of a group, in the vocabulary."""
     x0: Float[np.ndarray, "n channels"]
-    """Standardised; 0 where a channel does not vary."""
+    """Standardised channels; 0 where a channel does not vary."""
 
 
 def measure_programs(
     encoded: Sequence[EncodedProgram],
 ) -> tuple[ProgramVocabulary, ProgramStatistics]:
-    """The vocabulary of a corpus, and the statistics of its channels."""
+    """Return the vocabulary of a corpus, and the statistics of its channels."""
     vocabulary = count_program_kinds(each.program for each in encoded)
     references = measure_references(encoded)
     programs = [with_references(each, references) for each in encoded]
@@ -97,18 +108,21 @@ def measure_programs(
     has = np.zeros(shape, dtype=bool)
     for group, numbers in groups.items():
         common = rows[np.isin(ids, numbers)]
+        # Atoms belong to groups, because single kinds are too rare to show them.
         atoms[group] = atoms_of(common, _with_atoms(vocabulary.kinds[numbers[0]].node))
         common_mean, common_var = _moments(common)
         for number in numbers:
             own = rows[ids == number]
             n = (~np.isnan(own)).sum(axis=0)
             own_mean, own_var = _moments(own)
+            # The distance of the two means adds to the variance, as in a pooled variance.
             shift = n * _PRIOR / (n + _PRIOR) * (own_mean - common_mean) ** 2
             var = (n * own_var + _PRIOR * common_var + shift) / (n + _PRIOR)
             mean[number] = (n * own_mean + _PRIOR * common_mean) / (n + _PRIOR)
             spread[number] = np.sqrt(var)
             has[number] = n > 0
             _let_turn(mean[number], spread[number])
+            # The range is the group's: a rare kind has too few tokens to limit itself.
             scaled = (common - mean[number]) / np.maximum(spread[number], _LEAST_SPREAD)
             scaled = np.nan_to_num(scaled)
             low[number], high[number] = scaled.min(axis=0), scaled.max(axis=0)
@@ -116,6 +130,7 @@ def measure_programs(
     statistics = ProgramStatistics(
         mean,
         np.maximum(spread, _LEAST_SPREAD),
+        # The mean, which is 0 after standardising, is always within the range.
         low.clip(-_LIMIT, 0.0),
         high.clip(0.0, _LIMIT),
         is_free,
@@ -136,14 +151,15 @@ def measure_programs(
 
 
 def _moments(rows: Float[np.ndarray, "k channels"]) -> tuple[np.ndarray, np.ndarray]:
-    """Mean and variance of each channel; 0 where no row has it."""
+    """Mean and variance of each channel, without NaN; 0 where no row has it."""
     n = np.maximum((~np.isnan(rows)).sum(axis=0), 1)
     mean = np.nansum(rows, axis=0) / n
     return mean, np.nansum((rows - mean) ** 2, axis=0) / n
 
 
 def _let_turn(mean: Float[np.ndarray, " channels"], spread: Float[np.ndarray, " channels"]) -> None:
-    """Headings that vary at all keep their unit circle."""
+    """Leave the unit circle of headings that vary, in place."""
+    # Standardised separately, cosine and sine would no longer form a circle.
     if spread[COS] > 0.3:
         mean[[COS, SIN]], spread[[COS, SIN]] = 0.0, 1.0
 
@@ -151,7 +167,12 @@ def _let_turn(mean: Float[np.ndarray, " channels"], spread: Float[np.ndarray, " 
 def to_example(
     encoded: EncodedProgram, vocabulary: ProgramVocabulary, statistics: ProgramStatistics
 ) -> ProgramExample:
-    """A scene's program as arrays; of what the corpus has not, the nearest stands for it.
+    """Turn a scene's program into arrays; unknown kinds take the nearest one of the corpus.
+
+    Args:
+        encoded: The scene's program.
+        vocabulary: Kinds and arrays of the corpus.
+        statistics: Statistics of the corpus.
 
     Raises:
         KeyError: If the corpus has nothing of a category.
@@ -172,9 +193,9 @@ def to_example(
 def from_example(
     example: ProgramExample, vocabulary: ProgramVocabulary, statistics: ProgramStatistics
 ) -> Program:
-    """The program that arrays are: within what training has, constant channels at their means.
+    """Turn arrays into a program, within the range of training; its looks are not drawn yet.
 
-    It has no looks yet.
+    Constant channels get their means.
     """
     kind, s = example.skeleton.kind_id, statistics
     kinds = tuple(vocabulary.kinds[number] for number in kind.tolist())
@@ -195,7 +216,10 @@ def from_example(
 
 
 def on_atoms(program: Program, atoms: Atoms) -> Program:
-    """A drawn program, its numbers those that come back in training where they are near them."""
+    """Put the numbers of a drawn program on atoms near them.
+
+    Only drawn programs need this: a program that was read off a scene has exact numbers.
+    """
     channels = program.channels.copy()
     for row, kind in zip(channels, program.kinds, strict=True):
         atoms.snap(group_of(kind), row)
@@ -207,6 +231,9 @@ def _domain(name: str) -> SceneDomain:
 
 
 def _with_atoms(node: str) -> list[int]:
-    """Channels in which tokens of a node may have atoms: all but headings, which are pairs."""
+    """Return the channels in which tokens of a node may have atoms.
+
+    Headings have none: their two channels belong together.
+    """
     headings = {COS, SIN} if node in {"unit", "member"} else {3, 4} if node in _HEADED else set()
     return [channel for channel in range(N_CHANNELS) if channel not in headings]

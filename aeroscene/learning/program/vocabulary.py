@@ -1,4 +1,4 @@
-"""Kinds of tokens counted on a corpus, arrays of groups, and how things look."""
+"""Kinds of tokens counted on a corpus, arrays of groups, and looks of objects."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ class ProgramVocabulary:
 
     kinds: tuple[Kind, ...]
     counts: tuple[int, ...]
-    """How often the corpus has each kind."""
+    """Number of occurrences of each kind in the corpus."""
     shapes: tuple[Shape, ...]
-    """Arrays of groups, the commonest first; that of one object is the first."""
+    """Arrays of groups, the commonest first; a single object's is always the first."""
     looks: Mapping[What, tuple[tuple[dict[str, AttributeValue], int], ...]]
-    """How things were found to look, and how often."""
+    """Looks of objects by key, each with its count."""
 
     @cached_property
     def number(self) -> Mapping[Kind, int]:
@@ -39,7 +39,7 @@ class ProgramVocabulary:
 
     @cached_property
     def traits(self) -> tuple[frozenset[str], ...]:
-        """What each kind shares with others."""
+        """Traits of each kind, which it shares with others."""
         return tuple(frozenset(kind.traits()) for kind in self.kinds)
 
     @cached_property
@@ -50,7 +50,7 @@ class ProgramVocabulary:
         return found
 
     def nearest(self, kind: Kind) -> int:
-        """The number of a kind; of one that the corpus has not, of what shares most with it.
+        """Return the number of a kind, or of the known kind that shares most with it.
 
         Raises:
             KeyError: If the corpus has no unit of the category, or nothing of the node.
@@ -63,10 +63,11 @@ class ProgramVocabulary:
             alike = [i for i, other in enumerate(self.kinds) if other.node == kind.node]
         if not alike:
             raise KeyError(f"{kind.node} {kind.category}".strip())
+        # Fewest different traits; then the commoner kind, then the first.
         return min(alike, key=lambda i: (len(traits ^ self.traits[i]), -self.counts[i], i))
 
     def nearest_shape(self, shape: Shape) -> int:
-        """The number of an array; of one that the corpus has not, of the nearest in rows."""
+        """Return the number of an array, or of the known one nearest in rows."""
         if shape in self.shape_number:
             return self.shape_number[shape]
         size = shape.rows, shape.columns
@@ -79,7 +80,10 @@ class ProgramVocabulary:
         return min(range(len(self.shapes)), key=far)
 
     def with_looks(self, program: Program, rng: np.random.Generator) -> Program:
-        """A program whose objects look as the corpus had them; like things on one token alike."""
+        """Draw the looks of a program's objects, as often as the corpus has them.
+
+        Indoor objects of one key on one token look alike, such as the chairs of a room.
+        """
         drawn: dict[tuple[What, int], dict[str, AttributeValue]] = {}
         looks: list[tuple[dict[str, AttributeValue], ...]] = []
         for place, kind in enumerate(program.kinds):
@@ -87,6 +91,7 @@ class ProgramVocabulary:
             if not choices:
                 looks.append(())
                 continue
+            # Places are unique, so that outdoor objects each draw their own.
             key = kind.what, int(program.parent[place]) if kind.domain == "indoor" else -place
             if key not in drawn:
                 weights = np.array([count for _, count in choices], dtype=float)
@@ -97,7 +102,7 @@ class ProgramVocabulary:
 
 
 def count_program_kinds(programs: Iterable[Program]) -> ProgramVocabulary:
-    """The vocabulary of a corpus."""
+    """Count the vocabulary of a corpus."""
     kinds: Counter[Kind] = Counter()
     shapes: Counter[Shape] = Counter()
     looks: defaultdict[What, Counter[str]] = defaultdict(Counter)
@@ -107,6 +112,7 @@ def count_program_kinds(programs: Iterable[Program]) -> ProgramVocabulary:
         for kind, some in zip(program.kinds, program.looks, strict=True):
             texts = (msgspec.json.encode(dict(sorted(each.items()))).decode() for each in some)
             looks[kind.what].update(texts)
+    # Sorted, so that the order of the scenes does not change the numbers.
     order = sorted(kinds, key=msgspec.json.encode)
     one = Shape()
     others = sorted((shape for shape in shapes if shape != one), key=lambda s: (-shapes[s], s))

@@ -1,4 +1,4 @@
-"""Training: data, skeleton model, denoiser, semantic prior; checkpoints, resuming, curves.
+"""Training: data, writer, denoiser and priors; checkpoints, resuming, curves.
 
 `procedure.train` joins them; `loop` is the paper's training algorithm for the denoiser.
 """

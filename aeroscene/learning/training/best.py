@@ -1,7 +1,7 @@
-"""The averaged weights with the least loss on held-out scenes, which are what generates.
+"""The averaged weights with the least loss on held-out scenes, with which scenes are generated.
 
-A network that learns for long comes to know its scenes by heart: the held-out loss falls, then
-rises. What is kept is from where it was least.
+A network that trains for long memorises its scenes: the held-out loss falls, then rises. Therefore
+the weights of its minimum are kept.
 """
 
 from __future__ import annotations
@@ -15,16 +15,26 @@ from torch import Tensor
 
 @dataclass
 class Best:
-    """Where the held-out loss was least so far."""
+    """Step and weights at which the held-out loss was least so far."""
 
     keeps_weights: bool = True
-    """Whether the weights of that step are kept, beside its number."""
+    """True keeps the weights of that step beside its number."""
     loss: float = math.inf
     step: int = 0
     weights: dict[str, Tensor] = field(default_factory=dict)
 
     def offer(self, step: int, loss: float, weights: Mapping[str, Tensor]) -> bool:
-        """Take what is better than all before; whether it is."""
+        """Keep the weights if the loss is less than all before.
+
+        Args:
+            step: Number of the step.
+            loss: Held-out loss of the weights.
+            weights: Averaged weights; they are copied.
+
+        Returns:
+            True if they are kept.
+        """
+        # Written so that a loss that is not a number is refused, too.
         if not loss < self.loss:
             return False
         self.loss, self.step = loss, step

@@ -1,7 +1,8 @@
-"""Weights of a model in another language: what a training begins with that goes on from a model.
+"""Weights of a model in another language, with which a training can begin.
 
-Of kinds, traits and arrays that the other language has not, the nearest stands for them; everything
-else of the networks is the same. So a model that knows one corpus learns another in less time.
+A model that knows one corpus learns another in less time. Its networks have a row for each kind,
+trait and array of its own language. For the new language's kinds and arrays the row of the nearest
+old one is taken; everything else stays the same.
 
 The languages may be of two catalogues. Categories are matched by name. Kinds of a category that the
 first catalogue lacks begin with the mean of all vectors, and its traits with zeros.
@@ -26,18 +27,19 @@ from aeroscene.learning.training.presets import Sections, sections_from_plain
 from aeroscene.learning.writer.language import Language
 
 _BY_ARRAY = {"writer": "numbers.5.weight", "denoiser": "embedding.extra.2.weight"}
-"""Rows for the arrays of groups."""
+"""Weights with one row for each array of groups."""
 _ARRAYS_LAST = ("rest.3.weight", "rest.3.bias")
-"""Rows of which the last ones are for the arrays of groups."""
+"""Weights whose last rows are for the arrays of groups."""
 _NETWORKS = {"writer": "writer", "denoiser": "model"}
 """Section of the network of each part."""
 _NO_SIZES = {"n_kinds", "dropout", "least_share", "trust"}
-"""Fields of these sections that weights do not depend on, or that the language says."""
+"""Fields of these sections that do not change the shapes of weights, or follow from the
+language."""
 
 
 @dataclass(frozen=True)
 class Begun:
-    """A model that a training begins with."""
+    """A model with which a training begins."""
 
     path: Path
     language: Language
@@ -45,10 +47,14 @@ class Begun:
     sections: Sections
 
     def parts_for(self, language: Language, sections: Sections) -> dict[Part, Weights]:
-        """Its parts in a language, for networks of some sections.
+        """Return its parts in a language, for networks of some sections.
+
+        Args:
+            language: Language of the new training.
+            sections: Sections of the new training.
 
         Raises:
-            CheckpointError: If its networks are others.
+            CheckpointError: If its networks have other sizes.
         """
         parts: dict[Part, Weights] = {}
         for part, weights in self.parts.items():
@@ -64,15 +70,15 @@ class Begun:
 
 
 def read_begun(path: Path, *, any_catalogue: bool = True) -> Begun:
-    """The model of a checkpoint.
+    """Read the model of a checkpoint.
 
     Args:
         path: File of the checkpoint.
-        any_catalogue: Whether the checkpoint may have the categories of an earlier catalogue. A
-            training that keeps its language needs those of this one.
+        any_catalogue: True accepts the categories of an earlier catalogue. A training that keeps
+            its language needs those of this one.
 
     Raises:
-        CheckpointError: If it cannot be used, or is not of the preset `default`.
+        CheckpointError: If it cannot be used, or has another preset than `default`.
     """
     found = read_checkpoint(path, any_catalogue=any_catalogue)
     if not isinstance(found.known, Language):
@@ -83,7 +89,7 @@ def read_begun(path: Path, *, any_catalogue: bool = True) -> Begun:
 
 
 def _sizes_of(cfg: Any) -> dict[str, object]:
-    """What of a network's section says which weights it has."""
+    """Return the fields of a network's section that decide the shapes of its weights."""
     names = {field.name for field in fields(cfg)}
     return {name: getattr(cfg, name) for name in sorted(names - _NO_SIZES)}
 
@@ -91,9 +97,15 @@ def _sizes_of(cfg: Any) -> dict[str, object]:
 def carried(
     part: Part, weights: Mapping[str, Tensor], old: ProgramVocabulary, new: ProgramVocabulary
 ) -> Weights:
-    """Weights of a part from one vocabulary to another.
+    """Carry weights of a part from one vocabulary to another.
 
-    What the old one has no category of begins as its mean.
+    Kinds of a category that the old one lacks begin as the mean of its kinds.
+
+    Args:
+        part: Part of the model.
+        weights: Its weights.
+        old: Vocabulary that it was trained with.
+        new: Vocabulary of the result.
     """
     rows = [_nearest(old, kind) for kind in new.kinds]
     arrays = [old.nearest_shape(shape) for shape in new.shapes]
@@ -101,9 +113,11 @@ def carried(
     for name, value in weights.items():
         whole = value.float()
         if name == "bias":
+            # Several new kinds may stand for one old kind, whose probability they share by their
+            # counts.
             found[name] = _rows(whole, rows) + _shares(rows, new)
         elif name == "embedding.own":
-            # The writer's last row is that of no kind.
+            # The writer's last row stands for "no kind".
             none = whole[len(old.kinds) :]
             found[name] = torch.cat([_rows(whole[: len(old.kinds)], rows), none])
         elif name == "embedding.shared":
@@ -126,21 +140,22 @@ def _nearest(old: ProgramVocabulary, kind: Kind) -> int:
 
 
 def _rows(value: Tensor, rows: list[int]) -> Tensor:
-    """Rows by number; the mean of all for -1."""
+    """Return rows by number; the mean of all for -1."""
     return torch.cat([value, value.mean(0, keepdim=True)])[rows]
 
 
 def _shares(rows: list[int], new: ProgramVocabulary) -> Tensor:
-    """Logarithm of how often each of those kinds occurs that one old kind stands for."""
+    """Return the log share of each new kind among those that stand for the same old kind."""
     counts = np.array(new.counts, dtype=float)
     numbers = np.array(rows)
+    # One entry more, which -1 finds at the end.
     total = np.zeros(numbers.max() + 2)
     np.add.at(total, numbers, counts)
     return torch.from_numpy(np.log(counts / total[numbers])).float()
 
 
 def _by_trait(value: Tensor, old: ProgramVocabulary, new: ProgramVocabulary) -> Tensor:
-    """Rows by the name of a trait; a new one adds nothing at first."""
+    """Return rows by the name of a trait; a new trait adds nothing at first."""
     names = [sorted(set().union(*each.traits)) for each in (old, new)]
     number = {name: index for index, name in enumerate(names[0])}
     empty = torch.zeros_like(value[0])

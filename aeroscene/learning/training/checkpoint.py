@@ -2,11 +2,12 @@
 
     FILE.safetensors
       tensors    writer.*, denoiser.*, prior.*: weights by their part's prefix;
-                 known.*: statistics and structure of what it was trained on
+                 known.*: statistics and structure of its training data
       metadata   "aeroscene": JSON with format, version, preset, configurations, vocabulary,
-                 what it was trained on, by which code, with which figures
+                 training data, version of the code, figures
 
-A part may be missing: a training that was stopped has not all of them yet.
+A part may be missing, because a stopped training does not have all of them yet. safetensors holds
+tensors and text only, so that a file from a stranger cannot run code when it is read.
 """
 
 from __future__ import annotations
@@ -42,7 +43,7 @@ from aeroscene.learning.writer.language import Language
 
 Weights = Mapping[str, Tensor]
 Known = Language | FlatStatistics
-"""What a model knows of its data beside weights: ours a language, the paper's statistics."""
+"""Knowledge of the data beside weights: our language, or the paper's statistics."""
 
 _KNOWN = "known."
 
@@ -56,7 +57,7 @@ class Checkpoint:
     known: Known
 
     def weights_of(self, part: Part) -> Weights:
-        """The weights of a part.
+        """Return the weights of a part.
 
         Raises:
             CheckpointError: If it is missing.
@@ -69,7 +70,7 @@ class Checkpoint:
         return self.parts[part]
 
     def load_into(self, module: nn.Module, part: Part) -> None:
-        """Give a module the weights of a part.
+        """Load the weights of a part into a module.
 
         Raises:
             CheckpointError: If the part is missing or was made for another module.
@@ -95,8 +96,12 @@ def write_checkpoint(
 ) -> None:
     """Write a checkpoint, whole or not at all.
 
-    Weights take half precision on disk where `is_half`, what is known never; what is read back is
-    single again.
+    Args:
+        path: File to write.
+        facts: Facts of the checkpoint; version and digest are filled in here.
+        parts: Weights by part.
+        known: Knowledge of the training data, always in full precision.
+        is_half: True stores weights in half precision. Reading gives single precision again.
 
     Raises:
         OSError: If it cannot be written.
@@ -119,13 +124,14 @@ def read_checkpoint(path: str | Path, *, any_catalogue: bool = False) -> Checkpo
 
     Args:
         path: File of the checkpoint.
-        any_catalogue: Whether the checkpoint may have the categories of an earlier catalogue.
+        any_catalogue: True accepts the categories of an earlier catalogue.
 
     Raises:
         CheckpointError: If it is missing, truncated, damaged, of another version or, unless
             `any_catalogue`, of other categories.
     """
     path = Path(path)
+    # The digest is checked before any tensor is used.
     facts = read_facts(path, any_catalogue=any_catalogue)
     with safe_open(path, framework="pt", device="cpu") as file:
         tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
@@ -136,7 +142,7 @@ def read_checkpoint(path: str | Path, *, any_catalogue: bool = False) -> Checkpo
 
 
 def under(tensors: Weights, prefix: str) -> dict[str, Tensor]:
-    """The tensors whose names begin with a prefix, without it."""
+    """Return the tensors whose names begin with a prefix, without it."""
     return {k.removeprefix(prefix): v for k, v in tensors.items() if k.startswith(prefix)}
 
 
@@ -152,6 +158,8 @@ def _known(path: Path, facts: CheckpointFacts, tensors: Weights) -> Known:
     arrays: dict[str, Any] = {k: v.numpy() for k, v in under(tensors, _KNOWN).items()}
     try:
         if facts.preset in FLAT_PRESETS:
+            # Looks are parsed here so that a damaged file is refused now, and not when a scene is
+            # drawn.
             Looks.from_json(facts.vocabulary)
             return FlatStatistics(**arrays)
         return Language.restored(facts.vocabulary, arrays)
@@ -172,6 +180,7 @@ def _stored(value: Tensor, *, is_half: bool) -> Tensor:
 
 def _digest(tensors: Iterable[tuple[str, Tensor]]) -> str:
     digest = hashlib.sha256()
+    # Sorted, so that the order of the parts does not matter.
     for name, value in sorted(tensors):
         digest.update(tensor_title(name, str(value.dtype), tuple(value.shape)))
         digest.update(value.contiguous().view(-1).view(torch.uint8).numpy().tobytes())

@@ -1,6 +1,7 @@
-"""What a checkpoint says of itself, and whether its file is whole: read without PyTorch.
+"""Facts that a checkpoint states, and a check that its file is whole, without PyTorch.
 
-PyTorch takes seconds and 200 MB, which a file that is refused should not cost.
+PyTorch takes seconds and 200 MB, which a file that is refused should not cost. The digest of all
+weights is computed from the bytes of the file, piece by piece.
 """
 
 from __future__ import annotations
@@ -20,14 +21,15 @@ from aeroscene.scene.catalogue import CATALOGUE
 FORMAT = "aeroscene-checkpoint"
 VERSION = 2
 _FLAT_VERSION = 4
-"""First version whose lists are in order of place, in the axes of the site."""
+"""First format version whose lists are in order of place, in the axes of the site."""
 FLAT_PRESETS = ("paper", "progressive")
-"""Presets that have scenes as the paper does."""
+"""Presets whose scenes are flat lists of boxes, as the paper's are."""
 
 Part = Literal["writer", "contents", "denoiser", "prior"]
 PARTS: tuple[Part, ...] = get_args(Part)
 _MOST_HEAD_BYTES = 8 << 20
-"""Longest header; ours has the vocabulary and names of weights, together 2 MB."""
+"""Longest header. Ours has the vocabulary and names of weights, together 2 MB. A longer one would
+fill the memory."""
 KEY = "aeroscene"
 _CHUNK_BYTES = 1 << 20
 _TORCH_NAMES = {
@@ -41,34 +43,34 @@ _TORCH_NAMES = {
     "F32": "torch.float32",
     "F64": "torch.float64",
 }
-"""Types of tensors as safetensors and PyTorch name them; the digest has the latter."""
+"""Types of tensors as safetensors and as PyTorch name them; the digest has the latter."""
 
 
 def version_of(preset: object) -> int:
-    """Version of the checkpoints of a preset."""
+    """Return the format version of the checkpoints of a preset."""
     return _FLAT_VERSION if preset in FLAT_PRESETS else VERSION
 
 
 class CheckpointError(SceneError):
-    """A checkpoint that cannot be used; one line saying why and what would do."""
+    """A checkpoint cannot be used; one line has the reason and the way out."""
 
 
 class DataSource(msgspec.Struct, frozen=True, kw_only=True):
-    """Data that a model was trained on."""
+    """Training data of a model."""
 
     name: str
-    """Folder or file, without its place."""
+    """Name of the folder or file, without its path."""
     digest: str
-    """Digest of everything that was trained on, hexadecimal."""
+    """Digest of the whole training data, hexadecimal."""
     n_scenes: int
-    """Scenes that have a program, mirror images of layouts among them."""
+    """Number of scenes with a program, mirror images of layouts included."""
     wishes: tuple[Wish, ...] = ()
-    """Contents of scenes trained on, a sample of them: what is left open in a request is drawn from
-    these, and without them as the corpus draws it."""
+    """Contents of a sample of the training scenes. Open fields of a request are drawn from these;
+    without any they are drawn as in the corpus."""
     is_corpus: bool = True
-    """Whether scenes have as many landing areas at most as the corpus draws for each."""
+    """True if scenes have at most as many landing areas as the corpus draws for each."""
     stream: str = ""
-    """What goes on after those scenes, where the grammar does: its sources and first number."""
+    """Sources and first number of the grammar's scenes after these; empty without a stream."""
 
 
 class CheckpointFacts(msgspec.Struct, frozen=True, kw_only=True):
@@ -80,38 +82,38 @@ class CheckpointFacts(msgspec.Struct, frozen=True, kw_only=True):
     configs: dict[str, dict[str, Any]]
     """Every configuration by its section, as in a configuration file."""
     vocabulary: str
-    """The kinds of tokens, or of objects, as JSON of their own."""
+    """Kinds of tokens, or looks of objects, as JSON of their own."""
     categories: tuple[str, ...]
     """Names of the categories in the order of their numbers, from 1."""
     is_foreign: bool = False
-    """Whether the categories are those of a foreign layout file, not our catalogue's."""
+    """True if the categories are those of a foreign layout file, not our catalogue's."""
     data: DataSource
     code: str
     """Version of the code that trained it."""
     training: dict[str, Any]
     """Figures of the training: steps, seconds, losses, device."""
     digest: str = ""
-    """Digest of all weights, hexadecimal; made when it is written."""
+    """Digest of all weights, hexadecimal; computed when the file is written."""
 
 
 def category_names() -> tuple[str, ...]:
-    """The catalogue's categories in the order of their numbers."""
+    """Return the catalogue's categories in the order of their numbers."""
     return tuple(CATALOGUE[number].name for number in sorted(CATALOGUE))
 
 
 def read_facts(path: Path, *, any_catalogue: bool = False) -> CheckpointFacts:
-    """Facts of a checkpoint, after a check that its weights are those that were written.
+    """Read the facts of a checkpoint, after a check that its weights are as they were written.
 
     Args:
         path: File of the checkpoint.
-        any_catalogue: Whether the checkpoint may have the categories of an earlier catalogue.
+        any_catalogue: True accepts the categories of an earlier catalogue.
 
     Raises:
         CheckpointError: If it is missing, truncated, damaged, of another version or, unless
             `any_catalogue`, of other categories.
     """
     try:
-        # Before safetensors, whose errors do not name what is missing.
+        # Before safetensors opens it, because errors of safetensors do not name a missing file.
         require_short_head(path)
         with safe_open(path, framework="np") as file:
             facts = _facts(path, (file.metadata() or {}).get(KEY, ""))
@@ -145,13 +147,14 @@ def require_short_head(path: Path) -> None:
         SafetensorError: If the header is too long.
     """
     with open_regular(path) as file:
+        # A safetensors file begins with the length of its header, eight bytes, little-endian.
         n_bytes = int.from_bytes(file.read(8), "little")
     if n_bytes > _MOST_HEAD_BYTES:
         raise SafetensorError(f"its header claims {n_bytes} bytes")
 
 
 class _TensorHead(msgspec.Struct):
-    """Type, shape and place of a tensor in the file."""
+    """Type, shape and byte range of a tensor in the file."""
 
     dtype: str
     shape: tuple[int, ...]
@@ -159,13 +162,13 @@ class _TensorHead(msgspec.Struct):
 
 
 def read_shapes(path: Path) -> dict[str, tuple[int, ...]]:
-    """Shapes of the tensors in a checkpoint that `read_facts` has read, by name."""
+    """Return the shapes of the tensors by name, of a checkpoint that `read_facts` has checked."""
     with open_regular(path) as file:
         return {name: head.shape for name, head in _tensor_heads(file)[0]}
 
 
 def _tensor_heads(file: BinaryIO) -> tuple[list[tuple[str, _TensorHead]], int]:
-    """Heads of the tensors in order of their names, and where the first tensor begins."""
+    """Return the heads of the tensors sorted by name, and the offset of the first tensor."""
     n_bytes = int.from_bytes(file.read(8), "little")
     heads = msgspec.json.decode(file.read(n_bytes), type=dict[str, msgspec.Raw])
     heads.pop("__metadata__", None)
@@ -175,9 +178,10 @@ def _tensor_heads(file: BinaryIO) -> tuple[list[tuple[str, _TensorHead]], int]:
 
 
 def _file_digest(path: Path) -> str:
-    """Digest of the tensors in a file as `write_checkpoint` makes it, a piece at a time.
+    """Compute the digest of the tensors in a file, a piece at a time.
 
-    safetensors has checked offsets and shapes against the file when it was opened.
+    It equals the digest of `write_checkpoint`. safetensors has checked offsets and shapes against
+    the file when it was opened.
     """
     digest = hashlib.sha256()
     with open_regular(path) as file:
@@ -192,7 +196,7 @@ def _file_digest(path: Path) -> str:
 
 
 def tensor_title(name: str, dtype: str, shape: tuple[int, ...]) -> bytes:
-    """The bytes in a checkpoint's digest that come before those of a tensor."""
+    """Return the bytes that precede those of a tensor in a checkpoint's digest."""
     return f"{name} {dtype} {shape}".encode()
 
 
@@ -203,7 +207,7 @@ def _feed(digest: Any, file: BinaryIO, n_bytes: int) -> None:
 
 
 class _Head(msgspec.Struct):
-    """What says whether the rest can be read."""
+    """Fields that decide if the rest can be read."""
 
     format: str = ""
     version: int = 0
@@ -212,6 +216,7 @@ class _Head(msgspec.Struct):
 
 
 def _facts(path: Path, text: str) -> CheckpointFacts:
+    # A file of another version may lack fields, so format and version are read alone first.
     head = _head(text)
     if head.get("format") != FORMAT:
         raise CheckpointError(
@@ -236,6 +241,7 @@ def _facts(path: Path, text: str) -> CheckpointFacts:
 def _head(text: str) -> dict[str, Any]:
     try:
         head = msgspec.json.decode(text, type=_Head)
+    # Deeply nested JSON raises a RecursionError.
     except (msgspec.DecodeError, RecursionError):
         return {}
     return {name: getattr(head, name) for name in head.__struct_fields__}

@@ -1,4 +1,4 @@
-"""Which code trained a model."""
+"""The version of the code that trained a model."""
 
 from __future__ import annotations
 
@@ -12,7 +12,10 @@ _NOT_TRAINING = ("baselines", "generation")
 
 @cache
 def code_version() -> str:
-    """The package's version and a digest of the sources that decide what a training gives."""
+    """Return the package's version and a digest of the sources that a training depends on.
+
+    The digest changes with every edit of these files, comments included.
+    """
     package = Path(__file__).parents[1]
     digest = hashlib.sha256()
     for path in sorted(package.rglob("*.py")):

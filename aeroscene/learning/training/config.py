@@ -13,11 +13,21 @@ Preset = Literal["default", "paper", "progressive"]
 
 
 class TrainingError(SceneError):
-    """A training that cannot begin or go on; one line saying what would do."""
+    """A training cannot begin or go on; one line has the reason and the way out."""
 
 
 def require(*, ok: bool, name: str, value: object, valid: str) -> None:
-    """Raise a `TrainingError` about a field of a configuration unless it is `ok`."""
+    """Require that a field of a configuration is valid.
+
+    Args:
+        ok: True if it is.
+        name: Name of the field.
+        value: Its value.
+        valid: Valid values, in words.
+
+    Raises:
+        TrainingError: If it is not.
+    """
     if not ok:
         raise TrainingError(f"{name} is {value!r}; valid: {valid}")
 
@@ -27,7 +37,7 @@ _MOST = 2**31 - 1
 
 @dataclass(frozen=True, kw_only=True)
 class TrainCfg:
-    """Training of a network."""
+    """Settings of the training of a network."""
 
     batch_size: Annotated[int, Range(1, _MOST)] = 16
     """Scenes a step."""
@@ -55,15 +65,15 @@ class TrainCfg:
     """`mixed` multiplies matrices in bfloat16; `auto` does so on a GPU only, since processors
     without units for it take longer."""
     is_compiled: bool = False
-    """Whether `torch.compile` turns the network into fused kernels: a minute at the start that
-    pays on a GPU. It needs a C++ compiler."""
+    """True lets `torch.compile` turn the network into fused kernels, which takes a minute at the
+    start and pays on a GPU. It needs a C++ compiler."""
     keep: Literal["best", "last"] = "best"
     """Weights that the checkpoint has: those with the least held-out loss, or the last."""
     look_steps: Annotated[int, Range(1, _MOST)] = 250
-    """Steps between two looks at held-out scenes; a look takes as long as a step or two."""
+    """Steps between two measurements on held-out scenes; one takes as long as a step or two."""
     scene_uses: Annotated[int, Range(1, _MOST)] = 32
-    """How often a scene of the stream is used, on average, before another takes its place. A
-    batch of 16 asks for a new scene every two steps then; a worker makes two a second."""
+    """Average number of uses of a scene of the stream before another takes its place. A batch of 16
+    then needs a new scene every two steps; a worker makes two a second."""
     seed: Annotated[int, Range(0, _MOST)] = 0
     """Decides initial weights, batches, times and noise."""
 
@@ -76,7 +86,11 @@ class TrainCfg:
 
 @dataclass(frozen=True, slots=True)
 class Budget:
-    """Length of a training in steps or seconds, whichever ends first."""
+    """Length of a training in steps or seconds, whichever ends first.
+
+    Raises:
+        TrainingError: If both are None, or one is out of range.
+    """
 
     steps: int | None = None
     seconds: float | None = None
@@ -92,7 +106,12 @@ class Budget:
             require(ok=minutes > 0, name="minutes", value=minutes, valid="more than 0")
 
     def share(self, step: int, seconds: float) -> float:
-        """Share of the training that is done, at least 1 at its end."""
+        """Return the share of the training that is done; 1 or more at its end.
+
+        Args:
+            step: Steps done.
+            seconds: Seconds spent.
+        """
         by_steps = 0.0 if self.steps is None else step / self.steps
         by_time = 0.0 if self.seconds is None else seconds / self.seconds
         return max(by_steps, by_time)

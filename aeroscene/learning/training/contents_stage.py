@@ -1,4 +1,4 @@
-"""The loss of the prior of contents in a training."""
+"""The loss of the contents model in a training."""
 
 from __future__ import annotations
 
@@ -16,6 +16,6 @@ def contents_loss(
     batch: SentenceBatch,
     generator: torch.Generator,  # noqa: ARG001 - of the protocol
 ) -> LossTerms:
-    """Nats a token."""
+    """Mean negative log-likelihood, in nats for each token."""
     n_tokens = (batch.token >= 0).sum().clamp(min=1)
     return {TOTAL: model(batch).sum() / n_tokens}

@@ -1,4 +1,8 @@
-"""The course of one part's training: what is logged, looked at and saved on the way."""
+"""The course of one part's training: logging, measuring on held-out scenes, and saving.
+
+The loop calls `Course.after_step` after every step. Losses stay on the device until a line of the
+log is due, because reading them would make the processor wait for a GPU.
+"""
 
 from __future__ import annotations
 
@@ -28,17 +32,23 @@ class Watcher(Protocol):
     """Observer of a training, which may stop it."""
 
     def on_progress(self, stage: str, share: float, figures: Mapping[str, float]) -> None:
-        """A stage has come so far, 0 to 1; `figures` are losses by name, now and then."""
+        """Report that a stage has come so far.
+
+        Args:
+            stage: Name of the stage.
+            share: Share of it that is done, 0 to 1.
+            figures: Losses by name; empty in most calls.
+        """
         ...
 
     def wants_stop(self) -> bool:
-        """Asked after every step."""
+        """Return True to stop the training; asked after every step."""
         ...
 
 
 @dataclass(kw_only=True)
 class Course:
-    """The course of one part's training: what is logged, looked at and saved on the way."""
+    """Everything that happens beside the steps of one part's training."""
 
     part: Part
     training: PartTraining
@@ -49,13 +59,14 @@ class Course:
     log_steps: int
     watcher: Watcher
     figures: dict[str, Any]
-    """Figures of the whole training, which it adds to."""
+    """Figures of the whole training, to which this part adds."""
     save: Callable[[], None]
-    """Called after a step where it is time to."""
+    """Called after every step but the last; it decides if it is time to save."""
     pending: list[StepReport] = field(default_factory=list)
+    """Reports since the last line of the log."""
 
     def after_step(self, report: StepReport) -> bool:
-        """Whether to go on after a step."""
+        """Log, measure and save as due; return False if the training should stop."""
         self.pending.append(report)
         figures: dict[str, float] = {}
         if report.step % self.log_steps == 0:
@@ -65,18 +76,20 @@ class Course:
         self.watcher.on_progress(self.part, report.share, figures)
         if self.watcher.wants_stop():
             return False
+        # The end of a part is saved by the procedure.
         if report.share < 1.0:
             self.save()
         return True
 
     def log(self) -> dict[str, float]:
-        """Write the means of the steps since the last line."""
+        """Write the means of the steps since the last line, and return them."""
         reports, self.pending = self.pending, []
         if not reports:
             return {}
         folder, last = self.folder, reports[-1]
         figures = {name: _mean([report.losses[name] for report in reports]) for name in last.losses}
         figures["gradient_norm"] = _mean([report.gradient_norm for report in reports])
+        # Terms that are switched off are 0; the curves are logarithmic.
         figures = {name: value for name, value in figures.items() if value > 0}
         figures["learning_rate"] = last.learning_rate
         line = {"stage": self.part, "step": last.step, "seconds": round(last.seconds, 2)}
@@ -90,7 +103,14 @@ class Course:
         return figures
 
     def look(self) -> dict[str, float]:
-        """Measure the averaged weights on held-out scenes, and keep them where they are best."""
+        """Measure the averaged weights on held-out scenes, and keep them if they are the best.
+
+        Returns:
+            The loss as `held_out`; empty if no scene is held out.
+
+        Raises:
+            TrainingError: If weights are not finite.
+        """
         training = self.training
         check_finite(training)
         loss = held_out_loss(training, self.held_out, self.loss)
@@ -111,12 +131,12 @@ class Course:
 
 
 def figure_prefix(part: Part) -> str:
-    """Beginning of the names of a part's figures; those of the denoiser have none."""
+    """Return the prefix of the names of a part's figures; the denoiser's have none."""
     return "" if part == "denoiser" else f"{part}_"
 
 
 def part_set(data: Set, part: Part) -> Set | LessonSet | ContentsLessons:
-    """Scenes as a part reads them."""
+    """Return scenes in the form that a part learns from."""
     if part == "contents":
         assert isinstance(data, FlatTrainingSet)
         return ContentsLessons(data)
@@ -124,10 +144,10 @@ def part_set(data: Set, part: Part) -> Set | LessonSet | ContentsLessons:
 
 
 def check_finite(training: PartTraining) -> None:
-    """Refuse weights that are of no use.
+    """Refuse weights that are not finite.
 
     Raises:
-        TrainingError: If one is not finite.
+        TrainingError: If one is not.
     """
     for name, value in training.average.weights.items():
         if not torch.isfinite(value).all():

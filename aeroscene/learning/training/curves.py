@@ -1,4 +1,7 @@
-"""`curves.png`: the losses of a training, drawn from its log."""
+"""`curves.png`: the losses of a training, drawn from its log.
+
+Pillow draws it in a few lines, so that a training needs no plotting library.
+"""
 
 from __future__ import annotations
 
@@ -21,25 +24,29 @@ CURVES = "curves.png"
 Points = Sequence[tuple[float, float]]
 
 _WIDTH, _HEIGHT = 960, 420
+# Margins of a panel, px.
 _LEFT, _RIGHT, _TOP, _BOTTOM = 84, 200, 46, 52
 _OVER = 2
-"""Drawn larger by this and shrunk: smooth lines."""
+"""Factor by which the picture is drawn larger and then shrunk, for smooth lines."""
 _PAPER, _INK, _PALE, _RULE = "#fafaf8", "#1c2026", "#70767e", "#e2e2de"
 _COLOURS = ("#1f77b4", "#d1495b", "#2e8b57", "#b8860b", "#6a4c93", "#3d5a80", "#888888")
 _STAGES = ("writer", "denoiser", "prior")
 _NOT_CURVES = frozenset({"stage", "step", "seconds", "gradient_norm", "learning_rate", "is_best"})
 _MARKED = "held_out"
-"""Curve whose least point is marked: those weights are kept."""
+"""Curve whose least point is marked, because those weights are kept."""
 _LADDER = (1.0, 2.0, 5.0)
 """Marked values of a decade."""
 _FINE_DECADES = 3
-"""Up to so many decades each has marks within."""
+"""Curves over so many decades or fewer have marks within decades."""
 _SMOOTHED = 15
-"""Points of the log that a line's middle is taken over."""
+"""Points of the log over which a line's median is taken."""
 
 
 def draw_curves(folder: Path) -> bool:
-    """Draw the log of a training beside it; whether there was anything to draw.
+    """Draw the log of a training, into the same folder.
+
+    Returns:
+        False if there is nothing to draw.
 
     Raises:
         OSError: If the picture cannot be written.
@@ -62,7 +69,7 @@ def draw_curves(folder: Path) -> bool:
 
 
 def _curves_by_stage(folder: Path) -> dict[str, dict[str, Points]]:
-    """Points (step, value) of everything positive, by stage and name."""
+    """Return points (step, value) of everything positive, by stage and name."""
     stages: dict[str, dict[str, list[tuple[float, float]]]] = {name: {} for name in _STAGES}
     for record in read_log(folder):
         curves = stages.get(record.get("stage", ""))
@@ -77,16 +84,17 @@ def _curves_by_stage(folder: Path) -> dict[str, dict[str, Points]]:
 
 
 def _distinct(curves: Mapping[str, Points]) -> dict[str, Points]:
-    """Curves of two points or more; a total with one term is drawn once."""
+    """Keep curves of two points or more; a total with one term is drawn once."""
     kept: dict[str, Points] = {}
     for name, points in curves.items():
+        # A single point gives no line, and a total of one term repeats that term.
         if len(points) > 1 and points not in kept.values():
             kept[name] = points
     return kept
 
 
 def _marks(low: float, high: float) -> list[float]:
-    """Round values from below the least of a curve to above its greatest."""
+    """Return round values from below the least of a curve to above its greatest."""
     first, last = math.floor(math.log10(low)), math.ceil(math.log10(high))
     ladder = _LADDER if last - first <= _FINE_DECADES else _LADDER[:1]
     marks = [step * 10.0**decade for decade in range(first, last + 2) for step in ladder]
@@ -96,7 +104,7 @@ def _marks(low: float, high: float) -> list[float]:
 
 
 class _Axes:
-    """From steps and values (logarithmic) to pixels."""
+    """Conversion of steps and values (logarithmic) to pixels."""
 
     def __init__(self, curves: Mapping[str, Points], top_px: int) -> None:
         steps = [step for points in curves.values() for step, _ in points]
@@ -142,7 +150,7 @@ def _draw_panel(picture, top_px: int, stage: str, curves: Mapping[str, Points]) 
 
 
 def _mark_least(draw: ImageDraw.ImageDraw, axes: _Axes, points: Points, colour: str) -> None:
-    """A ring where a curve is least, with its step."""
+    """Draw a ring at the least point of a curve, with its step."""
     step, value = min(points, key=lambda point: point[1])
     x, y, radius = axes.x(step), axes.y(value), 5 * _OVER
     box = (x - radius, y - radius, x + radius, y + radius)
@@ -153,7 +161,7 @@ def _mark_least(draw: ImageDraw.ImageDraw, axes: _Axes, points: Points, colour: 
 
 
 def _smooth(points: Points) -> list[tuple[float, float]]:
-    """A running median: single steps are noisy."""
+    """Running median of points, because single steps are noisy."""
     values = np.array([value for _, value in points])
     half = _SMOOTHED // 2 if len(points) > 4 * _SMOOTHED else 0
     return [

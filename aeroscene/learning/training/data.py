@@ -1,4 +1,8 @@
-"""Training data: the corpus in a folder, or a file of neutral layouts."""
+"""Training data: the corpus in a folder, or a file of neutral layouts.
+
+The training split fixes vocabulary and statistics. Held-out scenes, and later those of a stream,
+are encoded with them and never extend them, because the shapes of the networks depend on them.
+"""
 
 from __future__ import annotations
 
@@ -27,8 +31,9 @@ from aeroscene.learning.writer.training_set import ProgramSet
 from aeroscene.scene import Scene
 
 _HELD_OUT_EVERY = 10
-"""Every so many scenes of a layout file, which has no splits, one is held out."""
+"""One scene in so many is held out from a layout file, which has no splits."""
 _LEAST_SCENES = 2
+# Wishes that a checkpoint keeps, at most.
 _MOST_WISHES = 256
 
 OnScene = Callable[[], None]
@@ -37,16 +42,16 @@ Set = ProgramSet | FlatTrainingSet
 
 @dataclass(frozen=True)
 class TrainingData:
-    """Scenes to train on, and others to watch the training by."""
+    """Scenes to train on, and others on which the training is measured."""
 
     source: DataSource
     train: Set
     held_out: Set
-    """Scenes that are not trained on, those of them that can be encoded."""
+    """Held-out scenes that can be encoded."""
     n_skipped: int = 0
-    """Scenes that are not trained on either and cannot be encoded."""
+    """Number of held-out scenes that cannot be encoded."""
     last_number: int | None = None
-    """Number after which the grammar goes on with scenes to train on; None where it does not."""
+    """Number after which the grammar continues with training scenes; None without a stream."""
 
 
 def open_training_data(
@@ -57,15 +62,15 @@ def open_training_data(
     language: Language | None = None,
     on_scene: OnScene = lambda: None,
 ) -> TrainingData:
-    """Read what a user names.
+    """Read the data that a user names.
 
     Args:
         path: Folder of a dataset, whose training split is taken; or a file of neutral layouts.
         preset: Programs for the default one; lists of boxes for the paper's two.
-        is_streamed: Whether the grammar goes on where the dataset ends. What is in the folder then
-            is the first stretch: it fixes vocabulary and statistics, and its test split is held
-            out.
-        language: What programs are written in; None learns it from the training split.
+        is_streamed: True lets the grammar continue where the dataset ends. The scenes in the folder
+            are then the first stretch: it fixes vocabulary and statistics, and its test split is
+            held out.
+        language: Language of the programs; None learns it from the training split.
         on_scene: Called after each scene.
 
     Raises:
@@ -79,7 +84,8 @@ def open_training_data(
             f"valid: {_LEAST_SCENES} or more"
         )
     is_corpus = not is_layouts(path)
-    # The paper draws how many objects there are.
+    # In the paper the number of objects is drawn; only layouts of others need the wishes of their
+    # scenes.
     is_flat = preset in FLAT_PRESETS
     wishes = [] if is_flat and is_corpus else [Wish.of(scene) for scene in train]
     data = prepared(
@@ -108,12 +114,20 @@ def prepared(
     encoding: EncodingCfg = WHOLE,
     language: Language | None = None,
 ) -> TrainingData:
-    """Scenes as examples, to train on and to watch by.
+    """Encode scenes, to train on and to measure on.
 
-    A checkpoint names them as `name`, and draws what it is asked for from `wishes` where there are
-    any, and areas as the corpus does where `is_corpus`. The set of the scenes to train on fixes how
-    scenes are encoded, unless a `language` does: its `encoder` makes those that are held out here,
-    and those of a stream in the worker processes.
+    The training scenes fix how scenes are encoded, unless a `language` does. Their `encoder`
+    encodes the held-out scenes here, and the scenes of a stream in the worker processes.
+
+    Args:
+        name: Name of the data in the checkpoint.
+        train: Scenes to train on.
+        held_out: Scenes to measure on.
+        preset: Preset that is trained.
+        wishes: Contents from which a checkpoint draws open fields of requests; may be empty.
+        is_corpus: True draws landing areas as the corpus does.
+        encoding: Details of scenes that programs keep.
+        language: Language of the programs; None learns it.
 
     Raises:
         TrainingError: If too few scenes have a program.
@@ -134,6 +148,7 @@ def prepared(
             name=name,
             digest=known.digest,
             n_scenes=len(known.examples),
+            # An even sample of the wishes keeps the checkpoint small.
             wishes=tuple(wishes[:: 1 + len(wishes) // _MOST_WISHES]),
             is_corpus=is_corpus,
         ),
@@ -144,9 +159,10 @@ def prepared(
 
 
 def _varied(scenes: Sequence[Scene], *, is_corpus: bool) -> Sequence[Scene]:
-    """Scenes to train on with their mirror images, which programs tell from them.
+    """Add the mirror images of training scenes; their programs differ from the originals'.
 
-    Turned scenes have the same programs. Of the corpus no more is needed: its grammar goes on.
+    Turned scenes have the same programs, so they add nothing. The corpus needs neither, because its
+    grammar makes more scenes.
     """
     if is_corpus:
         return scenes
@@ -170,7 +186,7 @@ def _program_set(
 
 
 def _last_number(path: Path) -> int:
-    """Number of the last scene in a folder whose scenes the grammar made as it makes them now."""
+    """Return the number of the last scene of a folder that the present grammar has made."""
     if is_layouts(path):
         raise TrainingError(
             f"data {str(path)!r} is a file of layouts, of which no grammar makes more, valid with "
@@ -190,7 +206,11 @@ def _last_number(path: Path) -> int:
 def training_scenes(
     path: Path, on_scene: OnScene = lambda: None
 ) -> tuple[list[Scene], list[Scene]]:
-    """Scenes to train on, and those that are held out, of what a user names.
+    """Read the training scenes and the held-out scenes of the data that a user names.
+
+    Args:
+        path: Folder of a dataset, or a file of neutral layouts.
+        on_scene: Called after each scene.
 
     Raises:
         SceneError: If there is no such data, or it is not valid.

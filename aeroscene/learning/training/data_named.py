@@ -1,4 +1,4 @@
-"""Data that a user names for a training: what it is, and how much; without PyTorch."""
+"""Data that a user names for a training: its kind and its size, without PyTorch."""
 
 from __future__ import annotations
 
@@ -10,7 +10,9 @@ from aeroscene.layouts.neutral import read_neutral
 
 
 def require_data(path: Path) -> None:
-    """Refuse what is no data: a folder by its manifest, a file of layouts by every layout in it.
+    """Refuse a path that holds no training data.
+
+    A folder is checked by its manifest, a file of layouts by every layout in it.
 
     Raises:
         SceneError: If there is no such data, or it is not valid.
@@ -23,7 +25,7 @@ def require_data(path: Path) -> None:
 
 
 def count_scenes(path: Path) -> int:
-    """Number of the scenes that `open_training_data` reads.
+    """Return the number of scenes that `open_training_data` reads.
 
     Raises:
         SceneError: If there is no such data.
@@ -32,5 +34,5 @@ def count_scenes(path: Path) -> int:
 
 
 def is_layouts(path: Path) -> bool:
-    """Whether a user names a file of layouts, not the folder of a dataset."""
+    """True if a path names a file of layouts, not the folder of a dataset."""
     return path.is_file() or ".jsonl" in path.name

@@ -1,4 +1,4 @@
-"""Which device computes, and what to do where its memory does not suffice."""
+"""The choice of a computing device, and clear errors if its memory does not suffice."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from aeroscene.scene import SceneError
 
 AUTO = "auto"
 _CPU_ALLOCATION = "DefaultCPUAllocator"
-"""PyTorch's message when main memory is exhausted, for which it has no exception."""
+"""Part of PyTorch's message if main memory is exhausted, for which it has no exception."""
 
 
 class DeviceError(SceneError):
-    """A device that is not there or too small; one line saying what would do."""
+    """A device is missing or too small; one line has the way out."""
 
 
 def choose_device(name: str) -> torch.device:
-    """The device that a user names.
+    """Return the device that a user names.
 
     Args:
-        name: `auto` for a GPU where there is one and the processor otherwise, or a device as
-            PyTorch calls it: `cpu`, `cuda`, `cuda:1`, `mps`.
+        name: `auto` for a GPU if there is one, and the processor otherwise; or a device as PyTorch
+            calls it: `cpu`, `cuda`, `cuda:1`, `mps`.
 
     Raises:
         DeviceError: If there is no such device here.
@@ -31,7 +31,7 @@ def choose_device(name: str) -> torch.device:
     if name == AUTO:
         return torch.device("cuda" if torch.cuda.is_available() else "cpu")
     present = _present()
-    # `cuda` is the first of them.
+    # `cuda` without a number is the first GPU.
     if name not in present and f"{name}:0" not in present:
         raise DeviceError(
             f"device {name!r} is not there, valid here: {', '.join((AUTO, *present))} "
@@ -49,9 +49,11 @@ def _present() -> tuple[str, ...]:
 
 @contextmanager
 def naming_memory(device: torch.device, way_out: str) -> Iterator[None]:
-    """Turn a lack of memory into one line that says what needs less.
+    """Turn a lack of memory inside of the block into one line that says what needs less.
 
-    `way_out` is such as "a smaller --batch-size than 64".
+    Args:
+        device: Device that computes.
+        way_out: Advice such as "a smaller --batch-size than 64".
 
     Raises:
         DeviceError: If memory runs out inside.

@@ -1,4 +1,4 @@
-"""Sections of a training for the kinds that its data has."""
+"""Sections of a training, adapted to the kinds of its data."""
 
 from __future__ import annotations
 
@@ -13,7 +13,11 @@ from aeroscene.learning.writer.language import Language
 
 
 def fitted(sections: Sections, known: Known) -> dict[str, Any]:
-    """Sections for the kinds that there are.
+    """Return sections whose network has a row for each kind of the data.
+
+    Args:
+        sections: Sections of a preset.
+        known: Language or statistics of the data.
 
     Raises:
         TrainingError: If the network is not one for programs.

@@ -1,4 +1,4 @@
-"""The loss on scenes that are not trained on: what says when a model begins to memorise."""
+"""The loss on scenes that are not trained on, which shows when a model begins to memorise."""
 
 from __future__ import annotations
 
@@ -11,9 +11,10 @@ from torch.func import functional_call
 from aeroscene.learning.training.batches.source import Batch
 from aeroscene.learning.training.loop import TOTAL, LossFunction, PartTraining
 
+# Times and noise of every measurement are equal, so that differences are the weights'.
 _SEED = 20260
 _MOST = 48
-"""Scenes: a second of one core."""
+"""Number of scenes that are measured; they take a second of one core."""
 
 
 class HeldOutSet(Protocol):
@@ -21,18 +22,21 @@ class HeldOutSet(Protocol):
 
     @property
     def examples(self) -> Sized:
-        """As many as there are."""
+        """The scenes; only their number is read."""
         ...
 
     def in_order(self, start: int, size: int) -> Batch:
-        """Scenes from a place on, at most so many."""
+        """Return at most `size` scenes from a place on."""
         ...
 
 
 def held_out_loss(training: PartTraining, data: HeldOutSet, loss: LossFunction) -> float | None:
-    """Mean loss of the averaged weights on other scenes; None where there are none.
+    """Return the mean loss of the averaged weights on held-out scenes.
 
     Times and noise are the same on every call.
+
+    Returns:
+        None if there are no such scenes.
     """
     n_scenes = min(len(data.examples), _MOST)
     if n_scenes == 0:
@@ -40,6 +44,7 @@ def held_out_loss(training: PartTraining, data: HeldOutSet, loss: LossFunction) 
     total = 0.0
     generator = torch.Generator(training.device).manual_seed(_SEED)
 
+    # The model runs with other weights, without a second copy of it.
     def averaged(*args: Any) -> Any:
         return functional_call(training.model, training.average.weights, args)
 

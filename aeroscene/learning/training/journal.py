@@ -1,4 +1,7 @@
-"""`log.jsonl`: what a training did, a line each few seconds; it outlives every stop."""
+"""`log.jsonl`: the log of a training, a line every few seconds; it survives every stop.
+
+One JSON object a line: a line that a crash has cut short costs that line alone.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +16,7 @@ LOG = "log.jsonl"
 
 
 def append_line(folder: Path, record: Mapping[str, Any]) -> None:
-    """Add a record to the log.
+    """Append a record to the log.
 
     Raises:
         OSError: If it cannot be written.
@@ -23,7 +26,10 @@ def append_line(folder: Path, record: Mapping[str, Any]) -> None:
 
 
 def read_log(folder: Path) -> Iterator[dict[str, Any]]:
-    """The records of a training's log; a last line that was cut short is left out."""
+    """Yield the records of a training's log; a line that was cut short is left out.
+
+    A folder without a log has no records.
+    """
     try:
         lines = (folder / LOG).read_text(encoding="utf-8").splitlines()
     except OSError:
@@ -38,7 +44,7 @@ def read_log(folder: Path) -> Iterator[dict[str, Any]]:
 
 
 def forget_after(folder: Path, stage: str, step: int) -> None:
-    """Take lines of a stage beyond a step out: the training goes on from that step.
+    """Remove lines of a stage beyond a step, because the training continues from that step.
 
     Raises:
         OSError: If the log cannot be written.
@@ -54,9 +60,10 @@ def forget_after(folder: Path, stage: str, step: int) -> None:
 
 
 def least_held_out_at(folder: Path) -> float | None:
-    """The share of a training that was over when its held-out loss was least; None if none tells.
+    """Return the share of a training at which its held-out loss was least; None without any.
 
-    A training of parts says it of the part that was best last: 1 where one still improved.
+    If there are several parts, the part with the greatest share counts: 1 means that one still
+    improved.
     """
     last: dict[str, int] = {}
     least: dict[str, int] = {}
@@ -69,9 +76,9 @@ def least_held_out_at(folder: Path) -> float | None:
 
 
 def held_out_losses(folder: Path) -> dict[str, list[tuple[float, float]]]:
-    """CPU seconds since its stage began, and held-out loss, of each look at a training, by stage.
+    """Return CPU seconds since the stage began, and held-out loss, of each measurement, by stage.
 
-    Looks stand between steps, whose lines say the time.
+    Measurements have no time of their own; they take that of the step before them.
     """
     looks: dict[str, list[tuple[float, float]]] = {}
     now_s: dict[str, float] = {}

@@ -1,8 +1,8 @@
 """The training of a network, step by step: the paper's algorithm 1.
 
-Batch, time and noise of step k come from the seed and k alone. So a training that was stopped and
-goes on takes the same steps as one that was not, if its length is given in steps; where it is
-given in minutes, the learning rate follows the clock.
+Batch, time and noise of step k come from the seed and k alone. A training that was stopped and
+continued therefore takes the same steps as an unbroken one, if its length is given in steps. If it
+is given in minutes, the learning rate follows the clock.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ from aeroscene.learning.training.config import Budget, TrainCfg, TrainingError
 from aeroscene.learning.training.rates import rate_factor
 
 LossTerms = Mapping[str, Tensor]
-"""Terms of the loss by name; `total` is what is minimised."""
+"""Terms of the loss by name; `total` is minimised."""
 LossFunction = Callable[[Callable[..., Any], Any, torch.Generator], LossTerms]
-"""Loss of a network, or of the same with other weights, on a batch that it reads."""
+"""Loss of a network on a batch that it reads; the network may run with other weights."""
 
 TOTAL = "total"
 
@@ -37,18 +37,18 @@ class StepReport:
     step: int
     """Counted from 1."""
     seconds: float
-    """Spent on training until now, over all its runs."""
+    """Time spent on training until now, over all its runs."""
     share: float
     """Share of the training that is done."""
     losses: Mapping[str, Tensor]
-    """Terms of the loss, still where they were computed: reading them waits for the device."""
+    """Terms of the loss, still on the device: reading them waits for it."""
     gradient_norm: Tensor
     learning_rate: float
 
 
 @dataclass
 class PartTraining:
-    """A network on its way: everything that changes from step to step."""
+    """A network in training: everything that changes from step to step."""
 
     model: nn.Module
     cfg: TrainCfg
@@ -56,16 +56,18 @@ class PartTraining:
     step: int = 0
     """Steps done."""
     seconds: float = 0.0
-    """Spent on them."""
+    """Time spent on these steps."""
     average: MovingAverage = field(init=False)
+    """Moving average of the weights."""
     best: Best = field(init=False)
+    """Weights with the least held-out loss."""
     optimiser: torch.optim.Optimizer = field(init=False)
     called: Callable[..., Any] = field(init=False)
     """The network as a step calls it, compiled if `is_compiled`."""
 
     def __post_init__(self) -> None:
         self.model.to(self.device).train()
-        # Batches have any number of scenes and objects: one program for all shapes.
+        # Batches have any number of scenes and objects, so one program is compiled for all shapes.
         is_compiled = self.cfg.is_compiled
         self.called = torch.compile(self.model, dynamic=True) if is_compiled else self.model
         self.average = MovingAverage(self.model, self.cfg.average_decay)
@@ -82,10 +84,17 @@ class PartTraining:
     def advance(self, batches: Batches, loss: LossFunction, budget: Budget) -> StepReport:
         """Take one step.
 
+        Args:
+            batches: Gives the batch of the step.
+            loss: Loss of a batch.
+            budget: Length of the training, which the learning rate follows.
+
         Raises:
             StoppedError: If the user wants the training to end before there is a batch.
             TrainingError: If the loss is not finite any more.
         """
+        # Clock and steps decide the rate before the step, so that the first step warms up from
+        # zero.
         share = budget.share(self.step, self.seconds)
         rate = self.cfg.learning_rate * rate_factor(
             self.cfg.schedule,
@@ -101,6 +110,7 @@ class PartTraining:
         terms[TOTAL].backward()
         longest = self.cfg.clip_norm or math.inf
         norm = nn.utils.clip_grad_norm_(self.model.parameters(), longest)
+        # Before the optimiser steps: a gradient that is not finite would spoil every weight.
         self._check(norm, rate)
         self.optimiser.step()
         self.step += 1
@@ -116,7 +126,7 @@ class PartTraining:
 
     @property
     def kept(self) -> Mapping[str, Tensor]:
-        """The weights that generate: the best ones, or the last average where none are kept."""
+        """Weights that generate: the best ones, or the last average if none were kept."""
         return self.best.weights or self.average.weights
 
     def _terms(self, batch: Batch, loss: LossFunction) -> LossTerms:
@@ -127,7 +137,7 @@ class PartTraining:
             return loss(self.called, batch.to(self.device), generator)
 
     def _check(self, norm: Tensor, rate: float) -> None:
-        # Every step on the processor; on a GPU now and then, since asking waits for it.
+        # On the processor every step; on a GPU now and then, because the check waits for it.
         if self.device.type != "cpu" and self.step % 50:
             return
         if not math.isfinite(float(norm)):
@@ -138,7 +148,8 @@ class PartTraining:
 
 
 def noise_generator(seed: int, step: int, device: torch.device) -> torch.Generator:
-    """Random generator of times and noise of a step."""
+    """Return the random generator of times and noise of a step."""
+    # The last entry keeps this stream apart from that of the batches.
     number = int(np.random.SeedSequence([seed, step, 1]).generate_state(1, np.uint64)[0])
     return torch.Generator(device).manual_seed(number >> 1)
 
@@ -151,14 +162,21 @@ def train_steps(
     on_step: Callable[[StepReport], bool],
     clock: Callable[[], float],
 ) -> None:
-    """Train from where the training is until the budget is spent or `on_step` says false.
+    """Train until the budget is spent or `on_step` returns False.
 
-    The clock's seconds count for the budget only.
+    Args:
+        training: The training, which is advanced.
+        batches: Gives the batch of each step.
+        loss: Loss of a batch.
+        budget: Length of the training.
+        on_step: Called after each step; False ends the training.
+        clock: Seconds that count for the budget, and for nothing else.
 
     Raises:
         TrainingError: If the loss is not finite any more.
     """
     before_s = clock()
+    # The clock also runs through `on_step`, so that logging and saving count as training.
     while budget.share(training.step, training.seconds) < 1.0:
         try:
             report = training.advance(batches, loss, budget)

@@ -1,7 +1,8 @@
-"""Least size of the networks that sections of a configuration describe: known without PyTorch.
+"""Lower bounds of the sizes of networks that a configuration describes, without PyTorch.
 
-A file of a few kilobytes may describe a network of 100 GB. These bounds leave out what is small
-beside the layers, so that a network is larger by a fifth or so, and by the table of its kinds.
+A file of a few kilobytes may describe a network of 100 GB. It is refused before any memory is
+taken. The bounds leave out small parts beside the layers, so a real network is larger by about a
+fifth, and by the table of its kinds.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from aeroscene.learning.training.checkpoint_facts import CheckpointError, Part, 
 from aeroscene.learning.training.config import TrainingError
 
 MOST_NUMBERS = 1_000_000_000
-"""Largest network that is trained; ours has 6 million numbers, and Adam keeps four of each."""
+"""Largest network that is trained. Ours has 6 million numbers, and Adam keeps four of each."""
 _SECTIONS: Mapping[Part, str] = {
     "denoiser": "model",
     "writer": "writer",
@@ -25,16 +26,19 @@ _SECTIONS: Mapping[Part, str] = {
 
 
 def least_numbers(part: Part, cfg: Any) -> int:
-    """Numbers that the network of a part has at least, by its section."""
+    """Return the least number of weights of the network of a part, by its section."""
     square = cfg.width**2
     if part == "writer":
+        # Attention has four square matrices, the FFN two of `ffn_ratio` squares.
         return cfg.layers * (4 + 2 * cfg.ffn_ratio) * square
     if part == "contents":
+        # A GRU has three gates with two square matrices each.
         return 6 * cfg.layers * square
     if part == "prior":
         return square + 7 * cfg.n_parts * cfg.width
     if cfg.denoiser == "tokens":
         return cfg.blocks * (14 + 6 * cfg.ffn_ratio) * square
+    # The 3D convolutions have two kernels of 27 squares.
     levels = 10 * sum(width**2 for width in cfg.unet_widths)
     return 4 * cfg.blocks * square + levels + 54 * cfg.grid_channels**2
 
@@ -43,7 +47,7 @@ def require_trainable(sections: Mapping[str, Any]) -> None:
     """Refuse sections whose networks are beyond what a machine trains.
 
     Raises:
-        TrainingError: If a network has more than `MOST_NUMBERS`.
+        TrainingError: If a network has more than `MOST_NUMBERS` weights.
     """
     for part, name in _SECTIONS.items():
         if name in sections and (count := least_numbers(part, sections[name])) > MOST_NUMBERS:
@@ -57,7 +61,7 @@ def require_filled(path: Path, sections: Mapping[str, Any]) -> None:
     """Refuse a checkpoint whose weights are too few for the networks that it describes.
 
     Raises:
-        CheckpointError: If that is so of one of its parts.
+        CheckpointError: If one of its parts has too few.
     """
     shapes = read_shapes(path)
     for part, name in _SECTIONS.items():

@@ -1,4 +1,4 @@
-"""The denoiser of either preset."""
+"""The denoiser of each preset."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from aeroscene.learning.writer.model import program_traits
 
 
 def new_denoiser(cfg: ModelCfg, known: Language | FlatStatistics, schedule: Schedule) -> nn.Module:
-    """The network that a configuration describes, with its first weights.
+    """Build the network that a configuration describes, with its first weights.
 
     It is called as `aeroscene.learning.diffusion.loss.Denoiser`. On CPUs with bfloat16 units
-    (avx512_bf16) training under `torch.autocast("cpu", torch.bfloat16)` takes about 0.6 of the
-    time of single precision.
+    (avx512_bf16) training under `torch.autocast("cpu", torch.bfloat16)` takes about 0.6 of the time
+    of single precision.
 
     Args:
-        cfg: Its shape.
-        known: What it knows of its data: a language, or the paper's statistics.
+        cfg: Shape of the network.
+        known: Language or statistics of the data.
         schedule: Noise schedule, which the paper's network has within it.
     """
     if isinstance(known, FlatStatistics):

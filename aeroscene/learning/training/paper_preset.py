@@ -1,9 +1,9 @@
-"""The paper's presets: what their network is, how it is trained, guided and sampled.
+"""The paper's presets: their network, training, guidance and sampling.
 
 `paper` denoises all objects at once, in the site's frame. `progressive` denoises coarse objects
-first, then fine ones given these, each in the frame of its region: the nearest reading of the
-paper's title, and of its sentence that fine details are "arranged relative to the larger
-elements". The paper's algorithm 2 is one chain; two are a deviation.
+first, then fine ones given these, each in the frame of its region. This is the nearest reading of
+the paper's title, and of its sentence that fine details are "arranged relative to the larger
+elements". The paper's algorithm 2 is one chain; two chains are a deviation.
 """
 
 from __future__ import annotations
@@ -41,13 +41,16 @@ CONTENTS_TRAINING = TrainCfg(
 
 
 def paper_sampler(*, has_regions: bool) -> SamplerCfg:
-    """The paper's ancestral sampling; the two passes of the progressive preset share its steps."""
+    """Return the paper's ancestral sampling.
+
+    The two passes of the progressive preset share its steps.
+    """
     n_steps = _REVERSE_STEPS // 2 if has_regions else _REVERSE_STEPS
     return SamplerCfg(kind="ddpm", n_steps=n_steps, parameterisation="eps")
 
 
 def paper_cfg(n_categories: int) -> ModelCfg:
-    """The paper's network, equations 3 to 12, for C categories."""
+    """Return the paper's network, equations 3 to 12, for C categories."""
     return ModelCfg(
         denoiser="unet",
         routing="learned",
@@ -67,7 +70,7 @@ def paper_cfg(n_categories: int) -> ModelCfg:
 PAPER_SECTIONS: Mapping[str, Any] = {
     "model": paper_cfg(len(CATALOGUE)),
     "schedule": ScheduleCfg(kind="log_snr"),
-    # The paper leaves lambda_guide open but for "small", and does not supervise its gate.
+    # The paper leaves lambda_guide open except for "small", and does not supervise its gate.
     "loss": LossCfg(
         parameterisation="eps",
         weighting="velocity",

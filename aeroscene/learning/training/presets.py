@@ -1,4 +1,4 @@
-"""The two presets: every section of a training's configuration, by name."""
+"""The three presets: every section of a training's configuration, by name."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _SECTIONS: Mapping[Preset, Sections] = {
     "progressive": PROGRESSIVE_SECTIONS,
 }
 _CONTENTS_SHARE = 0.08
-"""Share of the minutes of a training in which the prior of contents is trained."""
+"""Share of the minutes of a training for the contents model."""
 _KINDS: Mapping[str, type] = {
     name: type(section) for name, section in {**_DEFAULT, **PAPER_SECTIONS}.items()
 }
@@ -42,11 +42,12 @@ PARTS: Mapping[Preset, tuple[Part, ...]] = {
     "paper": ("contents", "prior", "denoiser"),
     "progressive": ("contents", "prior", "denoiser"),
 }
-"""Parts of each preset, in the order of their training: L_guide reads the prior."""
+"""Parts of each preset, in the order of their training. The prior comes before the denoiser,
+because L_guide reads it."""
 
 
 def preset_sections(preset: Preset) -> dict[str, Any]:
-    """Sections of a preset.
+    """Return the sections of a preset.
 
     Raises:
         TrainingError: If there is no such preset.
@@ -59,15 +60,21 @@ def preset_sections(preset: Preset) -> dict[str, Any]:
 def part_budgets(
     parts: Sequence[Part], steps: int | None, minutes: float | None
 ) -> dict[Part, Budget]:
-    """The length of each part's training: as many steps each, minutes in equal shares.
+    """Return the length of each part's training: equal steps, or equal shares of the minutes.
 
-    The prior of contents has a small share, and the semantic prior a length of its own.
+    The contents model has a small share, and the semantic prior a length of its own.
+
+    Args:
+        parts: Parts to train.
+        steps: Steps of each part.
+        minutes: Minutes of the whole training.
 
     Raises:
         TrainingError: If there is no end, or it is out of range.
     """
     shared: list[Part] = [part for part in parts if part != "prior"]
     seconds = None if minutes is None else 60.0 * minutes
+    # Checks the range of the whole, before it is divided.
     Budget(steps, seconds)
     if seconds is None:
         return dict.fromkeys(shared, Budget(steps))
@@ -79,17 +86,17 @@ def part_budgets(
 
 
 def is_flat(sections: Sections) -> bool:
-    """Whether the model sees scenes as the paper does: lists of boxes with categories."""
+    """True if the model sees scenes as the paper does: lists of boxes with categories."""
     return sections["model"].n_categories > 0
 
 
 def sections_to_plain(sections: Sections) -> dict[str, dict[str, Any]]:
-    """Sections as a checkpoint keeps them."""
+    """Return sections as plain data, as a checkpoint stores them."""
     return {name: section_to_plain(section) for name, section in sections.items()}
 
 
 def sections_from_plain(plain: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
-    """Sections from the plain data of `sections_to_plain`.
+    """Return sections from the plain data of `sections_to_plain`.
 
     Raises:
         TrainingError: If a section is missing, unknown, or out of range.
@@ -104,11 +111,11 @@ def sections_from_plain(plain: Mapping[str, Mapping[str, Any]]) -> dict[str, Any
 
 
 def read_sections(path: Path, *, any_catalogue: bool = False) -> dict[str, Any]:
-    """Sections of the training that a checkpoint is of, after a check of its file.
+    """Read the sections of a checkpoint's training, after a check of its file.
 
     Args:
         path: File of the checkpoint.
-        any_catalogue: Whether the checkpoint may have the categories of an earlier catalogue.
+        any_catalogue: True accepts the categories of an earlier catalogue.
 
     Raises:
         CheckpointError: If the file cannot be used.

@@ -1,4 +1,4 @@
-"""The semantic prior's place in a training, and the loss that L_guide is a part of."""
+"""The semantic prior's stage of a training, and the loss of which L_guide is a part."""
 
 from __future__ import annotations
 
@@ -28,11 +28,12 @@ from aeroscene.learning.training.loop import (
 from aeroscene.learning.training.presets import Sections
 
 OnProgress = Callable[[float, Mapping[str, float]], bool]
-"""Called with the share that is done and losses by name; whether to go on."""
+"""Called with the share that is done and losses by name; False ends the stage."""
 
 _LOG_STEPS = 10
 _STREAM = 1 << 30
-"""Steps of the denoiser's training end before: the prior draws other batches."""
+"""Number of the prior's first batch. The denoiser's training ends before it, so the two draw
+different batches."""
 
 
 class _StoppedError(Exception):
@@ -46,10 +47,19 @@ def train_prior_part(
     device: torch.device,
     on_progress: OnProgress,
 ) -> Weights | None:
-    """Train the paper's P_sem; it takes a minute and begins anew where it was stopped.
+    """Train the paper's P_sem.
+
+    It takes a minute, so it begins anew if it was stopped.
+
+    Args:
+        folder: Folder of the training, whose log it writes.
+        sections: Sections of the training.
+        data: Training data of one of the paper's presets.
+        device: Device that computes.
+        on_progress: Called after each step; False stops it.
 
     Returns:
-        Its weights; None where it was stopped.
+        Its weights; None if it was stopped.
     """
     forget_after(folder, "prior", 0)
     cfg = sections["training"]
@@ -85,7 +95,14 @@ def train_prior_part(
 def loss_function(
     sections: Sections, data: TrainingData, device: torch.device, prior: Weights | None
 ) -> LossFunction:
-    """The loss that the sections describe; without weights of P_sem, L_guide lacks its term."""
+    """Return the loss that the sections describe.
+
+    Args:
+        sections: Sections of the training.
+        data: Training data.
+        device: Device that computes.
+        prior: Weights of P_sem; without them L_guide lacks its semantic term.
+    """
     cfg: LossCfg = sections["loss"]
     guide: GuidanceLoss | None = None
     if cfg.guide_weight > 0:

@@ -1,8 +1,12 @@
-"""The whole training: writer and denoiser, or prior and denoiser; saved often, resumed exactly.
+"""The whole training of a preset, part by part; saved often, resumed exactly.
 
-FOLDER/checkpoint.safetensors   what generates, so far
-FOLDER/state.safetensors        what training goes on from
-FOLDER/log.jsonl, curves.png    how it went
+    FOLDER/checkpoint.safetensors   weights that generate, so far
+    FOLDER/state.safetensors        everything that the training continues from
+    FOLDER/log.jsonl, curves.png    the course of the training
+
+The default preset trains the writer and the denoiser; the paper's presets train the contents model,
+the semantic prior and the denoiser. Checkpoint and state are separate files, because a checkpoint
+is small and complete at any time, while a state also has the optimiser's moments.
 """
 
 from __future__ import annotations
@@ -69,7 +73,7 @@ class Plan:
     """Plan of a training: parts, data, length and folder."""
 
     folder: Path
-    """Made where there is none."""
+    """Folder of the training; it is made if there is none."""
     preset: Preset
     sections: Sections
     data: TrainingData
@@ -85,32 +89,35 @@ class Plan:
     taken: Mapping[Part, Weights] = field(default_factory=dict)
     """Parts that another training has made."""
     begun: Mapping[Part, Weights] = field(default_factory=dict)
-    """Weights that parts begin with, of those that do not begin at random."""
+    """First weights of parts that do not begin at random."""
     n_workers: int = 1
     """Processes that make the scenes of a stream."""
     clock: Callable[[], float] = time.perf_counter
-    """What the seconds of the budgets are told by."""
+    """Clock of the budgets, in seconds."""
 
 
 @dataclass
 class Training:
-    """A training under way."""
+    """A training in progress."""
 
     plan: Plan
     watcher: Watcher
     parts: dict[Part, Weights] = field(default_factory=dict)
-    """Weights of the parts that are whole: taken, or trained at one go."""
+    """Weights of finished parts: taken, or trained in one go."""
     trainings: dict[Part, PartTraining] = field(default_factory=dict)
-    """The others, as far as they are."""
+    """Parts that are trained step by step, as far as they are."""
     figures: dict[str, Any] = field(default_factory=dict)
     """Figures of the training for the checkpoint."""
     _saved_s: float = 0.0
 
     def run(self, state: TrainingState | None = None) -> bool:
-        """Train what is not trained yet, from where an earlier training was stopped.
+        """Train everything that is not trained yet, from where an earlier training was stopped.
+
+        Args:
+            state: State of an earlier training in the same folder; None begins anew.
 
         Returns:
-            Whether it came to its end; it is saved either way.
+            True if it came to its end. It is saved either way.
 
         Raises:
             TrainingError: If the state is of other data, or the loss does not stay finite.
@@ -123,6 +130,7 @@ class Training:
         with naming_memory(self.plan.device, "a smaller training.batch_size (--config)"):
             if state is not None:
                 self._restore(state)
+            # `all` stops at the first part that is not done, so later parts do not begin.
             is_done = all(self._train(part) for part in PARTS[self.plan.preset])
         self.save()
         return is_done
@@ -134,10 +142,11 @@ class Training:
         for part in state.heads:
             training = self.trainings[part] = self._begun(part)
             state.restore(part, training)
+            # Lines after the saved step would appear twice in the log.
             forget_after(self.plan.folder, part, training.step)
 
     def _train(self, part: Part) -> bool:
-        """Whether a part is at its end, now or from before."""
+        """Train a part; True if it is at its end, now or from before."""
         if part not in self.plan.parts or part in self.parts:
             return True
         if part == "prior":
@@ -162,7 +171,7 @@ class Training:
         return is_done
 
     def _fit_trust(self, training: PartTraining) -> None:
-        """Let the paper's network be followed as far as held-out scenes bear it out."""
+        """Fit how far the paper's network is followed, on held-out scenes."""
         known, held_out = self.plan.data.train.known, self.plan.data.held_out
         if not isinstance(held_out, FlatTrainingSet) or not held_out.examples:
             return
@@ -172,7 +181,7 @@ class Training:
         self.plan = replace(self.plan, sections={**sections, "model": cfg})
 
     def _fit_share(self, training: PartTraining) -> None:
-        """Let a writer that has learnt draw as rare things as held-out scenes have."""
+        """Lower the writer's least share if held-out scenes have rarer kinds."""
         train, held_out = self.plan.data.train, part_set(self.plan.data.held_out, "writer")
         assert isinstance(train.known, Language)
         assert isinstance(held_out, LessonSet)
@@ -195,10 +204,11 @@ class Training:
         return not self.watcher.wants_stop()
 
     def _begun(self, part: Part) -> PartTraining:
-        """A part with its first weights, which the seed decides."""
+        """Return a part with its first weights, which the seed decides."""
         sections, known = self.plan.sections, self.plan.data.train.known
         cfg = sections[_SECTIONS[part]]
         language = known if isinstance(known, Language) else None
+        # The caller's random state stays as it was.
         with torch.random.fork_rng(devices=[]):
             torch.manual_seed(cfg.seed)
             if part == "writer":
@@ -251,6 +261,7 @@ class Training:
             folder=plan.folder,
             n_workers=plan.n_workers,
             stage=part,
+            # Files of streamed scenes are deleted by the last part that uses them.
             is_last=part == "denoiser" or "denoiser" not in plan.parts,
         )
 
@@ -258,7 +269,7 @@ class Training:
         """Write state, checkpoint and curves.
 
         Raises:
-            TrainingError: If weights are not finite: what was saved before stays.
+            TrainingError: If weights are not finite; earlier files stay.
             OSError: If a file cannot be written.
         """
         parts = dict(self.parts)
@@ -271,6 +282,7 @@ class Training:
         self.figures |= {"device": str(self.plan.device), "torch": str(torch.__version__)}
         facts = self._facts()
         folder = self.plan.folder
+        # The state first: a training can be continued from it even if the checkpoint fails.
         write_state(folder / STATE, facts, self.trainings, self.parts)
         write_checkpoint(folder / CHECKPOINT, facts, parts, self.plan.data.train.known)
         draw_curves(folder)

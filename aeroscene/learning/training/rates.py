@@ -1,8 +1,11 @@
 """The learning rate over a training.
 
-symbol  meaning                          unit
-f       share of the training done       0 to 1
-r       factor on the learning rate      0 to 1
+    symbol  meaning                      range
+    f       share of the training done   0 to 1
+    r       factor on the learning rate  0 to 1
+
+A rate that follows the share instead of a number of steps also works if the length is given in
+minutes.
 """
 
 from __future__ import annotations
@@ -29,10 +32,12 @@ def rate_factor(
 
     Source: Loshchilov and Hutter 2017 (cosine); Hägele et al. 2024 (cooldown).
     """
+    # Warm-up counts in steps: the optimiser's moments need so many to settle.
     warm = min(1.0, (step + 1) / max(1, warmup_steps))
     f = min(1.0, f)
     if schedule == "cosine":
         return warm * 0.5 * (1.0 + math.cos(math.pi * f))
     if schedule == "cooldown":
+        # Never divided by zero: with a share of 0 the rate stays full until the end.
         return warm * min(1.0, (1.0 - f) / max(cooldown_share, 1e-9))
     return warm

@@ -1,4 +1,7 @@
-"""What was begun on some data goes on with the same, and takes parts of the same alone."""
+"""Checks that a training continues on the data that it began on, and takes parts of the same.
+
+Vocabulary and statistics come from the data, and weights mean nothing with others.
+"""
 
 from __future__ import annotations
 
@@ -12,9 +15,15 @@ from aeroscene.learning.training.data import TrainingData
 
 
 def taken_parts(path: Path, data: TrainingData, trained: Collection[Part]) -> dict[Part, Weights]:
-    """Parts of a checkpoint of the same data, without those that are trained here.
+    """Read the parts of a checkpoint that are not trained here.
 
-    What was streamed after the scenes that fix vocabulary and statistics does not matter.
+    The checkpoint must be of the same data. Scenes that were streamed after those that fix
+    vocabulary and statistics do not matter.
+
+    Args:
+        path: File of the checkpoint.
+        data: Data of this training.
+        trained: Parts that are trained here.
 
     Raises:
         CheckpointError: If the checkpoint cannot be used.
@@ -31,10 +40,10 @@ def taken_parts(path: Path, data: TrainingData, trained: Collection[Part]) -> di
 
 
 def check_same_data(folder: Path, facts: CheckpointFacts, now: DataSource) -> None:
-    """Refuse to go on with other data than a training was begun on.
+    """Refuse to continue a training with other data than it began on.
 
     Raises:
-        TrainingError: If the scenes are others, or what is streamed after them.
+        TrainingError: If the scenes differ, or the stream after them does.
     """
     begun = facts.data
     if begun.digest != now.digest:

@@ -4,7 +4,7 @@
     batch_size = 32
     learning_rate = 5e-4
 
-Every section is a frozen dataclass; what it does not name stays as the preset has it.
+Every section is a frozen dataclass. Fields that the file does not name stay as the preset has them.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ Section = TypeVar("Section")
 
 
 def read_settings(path: Path, sections: Mapping[str, Any]) -> dict[str, Any]:
-    """Sections as a TOML file changes them.
+    """Return sections as a TOML file changes them.
 
     Raises:
-        TrainingError: If the file cannot be read, or names what is not there or out of range.
+        TrainingError: If the file cannot be read, or a name or value in it is not valid.
     """
     where = f"config {str(path)!r}"
     try:
@@ -40,10 +40,14 @@ def read_settings(path: Path, sections: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def changed(sections: Mapping[str, Any], document: Mapping[str, Any]) -> dict[str, Any]:
-    """Sections with some fields set anew.
+    """Return sections with new values of some fields.
+
+    Args:
+        sections: Sections by name.
+        document: New values, by section and field.
 
     Raises:
-        TrainingError: If a section or field is not there, or a value is out of range.
+        TrainingError: If a section or field does not exist, or a value is out of range.
     """
     result = dict(sections)
     for name, values in document.items():
@@ -56,10 +60,15 @@ def changed(sections: Mapping[str, Any], document: Mapping[str, Any]) -> dict[st
 
 
 def section_with(section: Section, values: Mapping[str, Any], name: str) -> Section:
-    """A section with some fields set anew.
+    """Return a section with new values of some fields.
+
+    Args:
+        section: A frozen dataclass.
+        values: New values by field.
+        name: Name of the section, for messages.
 
     Raises:
-        TrainingError: If a field is not there, or a value is of another type or out of range.
+        TrainingError: If a field does not exist, or a value has another type or is out of range.
     """
     plain = section_to_plain(section)
     for key in values:
@@ -69,10 +78,10 @@ def section_with(section: Section, values: Mapping[str, Any], name: str) -> Sect
 
 
 def section_from_plain(kind: type[Section], plain: Mapping[str, Any], name: str) -> Section:
-    """A section from what `section_to_plain` made of it.
+    """Return a section from the plain data of `section_to_plain`.
 
     Raises:
-        TrainingError: If a value is of another type or out of range.
+        TrainingError: If a value has another type or is out of range.
     """
     try:
         return msgspec.convert(dict(plain), kind)
@@ -81,11 +90,11 @@ def section_from_plain(kind: type[Section], plain: Mapping[str, Any], name: str)
 
 
 def section_to_plain(section: Any) -> dict[str, Any]:
-    """A section as numbers, texts, lists and dictionaries."""
+    """Return a section as numbers, texts, lists and dictionaries."""
     return msgspec.to_builtins(asdict(section))
 
 
 def _without_path(message: str) -> str:
-    """What msgspec says, with its path `$.field` as a field's name."""
+    """Return a message of msgspec with its path `$.field` as a field's name."""
     text, _, path = message.partition(" - at `$.")
     return f"{path.rstrip('`')}: {text}" if path else message

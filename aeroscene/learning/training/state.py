@@ -1,4 +1,8 @@
-"""`state.safetensors`: a training as it stands, to go on from exactly there."""
+"""`state.safetensors`: the full state of a training, to continue from exactly there.
+
+It holds weights, their average, the best average, and the optimiser's moments, all in the precision
+in which they were computed. A rounded state would take other steps.
+"""
 
 from __future__ import annotations
 
@@ -33,20 +37,21 @@ class TrainingState:
     path: Path
     facts: CheckpointFacts
     heads: Mapping[Part, PartHead]
+    """Progress of each part that is trained step by step."""
     tensors: Mapping[str, Tensor]
 
     @property
     def parts(self) -> dict[Part, Weights]:
-        """Weights of the parts that are there whole: taken, or trained at one go."""
+        """Weights of finished parts: taken, or trained in one go."""
         kept = under(self.tensors, _PARTS)
         found: dict[Part, Weights] = {part: under(kept, f"{part}.") for part in PARTS}
         return {part: weights for part, weights in found.items() if weights}
 
     def restore(self, part: Part, training: PartTraining) -> None:
-        """Put the training of a part where this one was.
+        """Set a part's training to this state.
 
         Raises:
-            CheckpointError: If it is of another model.
+            CheckpointError: If the state is of another model.
         """
         tensors, head = under(self.tensors, f"{part}."), self.heads[part]
         try:
@@ -62,8 +67,8 @@ class TrainingState:
         for name, parameter in training.model.named_parameters():
             kept = under(moments, f"{name}|")
             if kept:
-                # Copies beside the parameter: the optimiser writes into them. Its count of steps
-                # stays single precision, as it made it.
+                # Copied to the parameter's device, because the optimiser writes into them. Its
+                # count of steps stays in single precision, as it made it.
                 training.optimiser.state[parameter] = {
                     key: value.to(training.device) for key, value in kept.items()
                 }
@@ -80,7 +85,13 @@ def write_state(
     trainings: Mapping[Part, PartTraining],
     parts: Mapping[Part, Weights],
 ) -> None:
-    """Write a training, whole or not at all: of parts that have begun, and of those that are whole.
+    """Write a training, whole or not at all.
+
+    Args:
+        path: File to write.
+        facts: Facts, as a checkpoint has them.
+        trainings: Parts that have begun.
+        parts: Weights of finished parts.
 
     Raises:
         OSError: If it cannot be written.
@@ -117,7 +128,7 @@ def _tensors(training: PartTraining) -> dict[str, Tensor]:
 
 
 def read_state(path: Path) -> TrainingState | None:
-    """The training that a file holds, None where there is no file.
+    """Read the training that a file holds; None if there is no file.
 
     Raises:
         CheckpointError: If it is damaged or of another version.

@@ -1,4 +1,4 @@
-"""How far a training in a folder is, and on what: read without PyTorch."""
+"""Progress and facts of a training in a folder, read without PyTorch."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ KEY = "aeroscene-training"
 
 
 class PartHead(msgspec.Struct, frozen=True, kw_only=True):
-    """How far a part is."""
+    """Progress of a part."""
 
     step: int
     seconds: float
     best_step: int = 0
     best_loss: float | None = None
-    """Least held-out loss so far; None where no step was looked at."""
+    """Least held-out loss so far; None if none was measured."""
 
 
 class StateHead(msgspec.Struct, frozen=True):
-    """What a training says of itself, beside its tensors."""
+    """Facts that a state file stores beside its tensors."""
 
     version: int
     parts: dict[Part, PartHead]
@@ -39,7 +39,7 @@ class StateHead(msgspec.Struct, frozen=True):
 
     @property
     def steps(self) -> int:
-        """Steps of all parts."""
+        """Sum of the steps of all parts."""
         return sum(part.step for part in self.parts.values())
 
 
@@ -48,7 +48,7 @@ class _Version(msgspec.Struct):
 
 
 def read_head(path: Path) -> StateHead | None:
-    """The head of a training's state file, None where there is no file.
+    """Read the head of a training's state file; None if there is no file.
 
     Raises:
         CheckpointError: If it is damaged or of another version.
@@ -59,6 +59,7 @@ def read_head(path: Path) -> StateHead | None:
         require_short_head(path)
         with safe_open(path, framework="np") as file:
             text = (file.metadata() or {}).get(KEY, "")
+        # The version alone first: another version may have other fields.
         version = msgspec.json.decode(text, type=_Version).version
         if version == VERSION:
             return msgspec.json.decode(text, type=StateHead)

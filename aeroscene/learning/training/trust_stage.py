@@ -1,4 +1,4 @@
-"""The last stage of the paper's presets: how far the network is followed, by held-out scenes."""
+"""The last stage of the paper's presets: trust in the network, fitted on held-out scenes."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from aeroscene.learning.paper.network.trust import fitted_trust
 from aeroscene.learning.paper.training_set import FlatTrainingSet
 
 _MOST = 96
-"""Scenes: a minute or two of one core."""
+"""Number of scenes for the fit; they take a minute or two of one core."""
 _BATCH = 16
 
 
@@ -27,7 +27,17 @@ def with_trust(
     held_out: FlatTrainingSet,
     schedule_cfg: ScheduleCfg,
 ) -> ModelCfg:
-    """A configuration with the trust that suits every other held-out scene, the first included."""
+    """Return a configuration with the trust that suits half of the held-out scenes.
+
+    Every other scene is taken, the first included. The other half stays untouched for measuring.
+
+    Args:
+        cfg: Shape of the network.
+        weights: Its weights.
+        known: Statistics of the training scenes.
+        held_out: Scenes that were not trained on.
+        schedule_cfg: Noise schedule.
+    """
     schedule = Schedule(schedule_cfg)
     network = LayoutDenoiser(replace(cfg, trust=()), known, schedule)
     network.load_state_dict({name: value.cpu() for name, value in weights.items()})

@@ -1,4 +1,4 @@
-"""The writer's loss in a training, and how rare is too rare to be drawn by what it has learnt."""
+"""The writer's loss in a training, and the threshold below which it never draws a kind."""
 
 from __future__ import annotations
 
@@ -17,18 +17,25 @@ from aeroscene.learning.writer.model import new_writer, shares_of_likeliest
 from aeroscene.learning.writer.training_set import LessonSet
 
 _LEFT_OUT = 0.06
-"""Share of the kinds of held-out programs that may never be drawn. More gives more plausible
-neighbours, fewer of what is rare."""
+"""Share of the kinds of held-out programs that may fall below the threshold. A greater share gives
+more plausible neighbours and fewer rare kinds."""
 _MOST, _AT_ONCE = 96, 8
-"""Programs that are looked at."""
+"""Number of programs for the threshold, in all and at once."""
 
 
 def writer_loss(
     model: Callable[..., Any], batch: LessonBatch, generator: torch.Generator
 ) -> LossTerms:
-    """Nats a token, in all and by what is said; the generator seeds what dropout leaves out."""
+    """Mean negative log-likelihood in nats for each token, in all and by symbol.
+
+    Args:
+        model: The writer.
+        batch: Programs.
+        generator: Seeds the dropout, so that it depends on the step alone.
+    """
     seed = int(torch.randint(2**62, (), generator=generator, device=generator.device))
     device = batch.kind.device
+    # Dropout draws from the global generator, which is restored afterwards.
     with torch.random.fork_rng(devices=[device] if device.type == "cuda" else []):
         torch.manual_seed(seed)
         nats = model(batch)
@@ -40,7 +47,10 @@ def writer_loss(
 def with_fitting_share(
     cfg: WriterCfg, weights: Mapping[str, Tensor], language: Language, held_out: LessonSet
 ) -> WriterCfg:
-    """A configuration whose `least_share` leaves out no more of held-out programs than it may."""
+    """Return a configuration whose `least_share` suits held-out programs.
+
+    It is lowered so that at most `_LEFT_OUT` of their kinds can never be drawn.
+    """
     n_programs = min(len(held_out.examples), _MOST)
     if n_programs == 0:
         return cfg

@@ -1,1 +1,1 @@
-"""The writer: the model that draws the discrete part of programs, token by token."""
+"""The writer: the autoregressive model that draws the discrete part of programs, token by token."""

@@ -1,4 +1,4 @@
-"""Lessons as padded tensors."""
+"""Lessons of the writer as padded tensors."""
 
 from __future__ import annotations
 
@@ -14,7 +14,10 @@ from aeroscene.learning.writer.lesson import IGNORE, Lesson
 
 @dataclass(frozen=True)
 class LessonBatch:
-    """Lessons of several programs, see `Lesson`; padding says nothing and sees itself alone."""
+    """Lessons of several programs, see `Lesson`.
+
+    Padding has no targets, and attends to itself alone.
+    """
 
     seen: Int[Tensor, "b t 12"]
     kin: Bool[Tensor, "b t t"]
@@ -29,11 +32,11 @@ class LessonBatch:
     shape: Int[Tensor, "b t"]
 
     def to(self, device: torch.device | str, *, non_blocking: bool = False) -> LessonBatch:
-        """The same batch on another device."""
+        """Copy the batch to another device."""
         return self._with_each(lambda value: value.to(device, non_blocking=non_blocking))
 
     def pinned(self) -> LessonBatch:
-        """The same batch in memory that a GPU reads while the processor goes on."""
+        """Copy the batch to page-locked memory, which a GPU reads while the processor goes on."""
         return self._with_each(lambda value: value.pin_memory())
 
     def _with_each(self, change: Callable[[Tensor], Tensor]) -> LessonBatch:
@@ -46,6 +49,7 @@ _PADDING = {
     "seen": 0,
     "above": 0,
     "n_siblings": 0,
+    # -1 selects the vector of "no kind".
     "recent": -1,
     "depth": IGNORE,
     "kind": IGNORE,
@@ -56,8 +60,9 @@ _PADDING = {
 
 
 def lesson_batch(lessons: Sequence[Lesson]) -> LessonBatch:
-    """Lessons side by side."""
+    """Pad lessons to the length of the longest one."""
     n = max(map(len, lessons))
+    # Every element sees itself, padding too: a row without any key would give NaN.
     kin = torch.eye(n, dtype=torch.bool).repeat(len(lessons), 1, 1)
     for row, lesson in enumerate(lessons):
         kin[row, : len(lesson), : len(lesson)] = torch.from_numpy(lesson.kin)

@@ -1,4 +1,4 @@
-"""Numbers of the writer's network."""
+"""Configuration of the writer's network."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from aeroscene.scene import SceneError
 
 
 class WriterError(SceneError):
-    """A writer that cannot be used; one line saying what is wrong and what is valid."""
+    """A writer cannot be used; one line has the fault and valid values."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class WriterCfg:
-    """The network."""
+    """Shape of the writer's network, and the threshold of its draws."""
 
     width: Annotated[int, Range(8, 1024)] = 160
     """Width of an element."""
@@ -30,10 +30,10 @@ class WriterCfg:
     dropout: Annotated[float, Range(0.0, 0.9)] = 0.1
     """Share of activations that training switches off."""
     least_share: Annotated[float, Range(0.0, 1.0)] = 0.05
-    """What is less likely than this share of the likeliest is never drawn (min-p, Nguyen et al.
-    2024); all else as often as the network has it. With more, scenes would be nearer to those
-    trained on than other scenes of the grammar are. Training makes it less where too much of
-    held-out programs would never be drawn, as of a network that has learnt little."""
+    """Kinds below this share of the likeliest one's probability are never drawn (min-p, Nguyen et
+    al. 2024); all others are drawn as often as the network says. With a greater share, scenes would
+    be nearer to the training scenes than other scenes of the grammar are. Training lowers it if it
+    would exclude too many kinds of held-out programs, as with a network that has learned little."""
 
     def __post_init__(self) -> None:
         require_ranges(self, WriterError, "")

@@ -1,4 +1,8 @@
-"""Programs drawn from the writer, within what their syntax allows."""
+"""Drawing of programs from the writer, within its syntax.
+
+The network proposes, and the syntax forbids tokens that no program has: their probability is 0
+before the draw. Every drawn program can therefore be decoded.
+"""
 
 from __future__ import annotations
 
@@ -26,24 +30,26 @@ def draw_program(
     given: Furnishing | None = None,
     theme: str | None = None,
 ) -> Growth:
-    """A program as wished for.
+    """Draw a program for a wish.
 
     Args:
         writer: The network.
-        syntax: What it keeps to.
-        wish: Domain and numbers of objects, about.
-        rng: Draws all of it.
-        given: A part that is given, which is furnished; None where the writer draws all.
-        theme: What the place is; None for any.
+        syntax: Structure that the program keeps.
+        wish: Domain, and approximate numbers of objects.
+        rng: Source of the draw.
+        given: A given part, which is furnished; None lets the writer draw everything.
+        theme: Theme of the place; None draws one.
 
     Raises:
-        WriterError: If it never saw a scene of the domain, or of the theme.
+        WriterError: If it never saw a scene of the domain or of the theme.
     """
     draw = _Draw(writer, syntax, wish, rng)
     if given is None:
         growth = Growth(syntax, _scene_kind(syntax, wish, theme, rng), wish)
     else:
         growth = given.growth
+        # The writer reads the coarse tokens that are given, and turns to the first that bears fine
+        # ones.
         draw.read(growth)
         growth.end()
     while not growth.is_done:
@@ -53,7 +59,7 @@ def draw_program(
 
 
 def _scene_kind(syntax: Syntax, wish: Wish, theme: str | None, rng: np.random.Generator) -> int:
-    """The root of a program: of the theme asked for, or one as often as the corpus has it."""
+    """Return the root of a program: of the theme asked for, or drawn as the corpus has it."""
     vocabulary = syntax.vocabulary
     roots = [i for i, kind in enumerate(vocabulary.kinds) if kind.node == "scene"]
     fitting = [i for i in roots if vocabulary.kinds[i].domain == wish.domain]
@@ -75,31 +81,31 @@ def _scene_kind(syntax: Syntax, wish: Wish, theme: str | None, rng: np.random.Ge
 
 
 class _Next(NamedTuple):
-    """What comes after an element; at depth 0 the part ends."""
+    """The token after an element; depth 0 ends the part."""
 
     depth: int
     kind: int | None
     local: Float[np.ndarray, " l"] | None
-    """What the network knows there."""
+    """Features on which the network's further choices depend."""
 
 
 _END = _Next(0, None, None)
 
 
 class _Pad(NamedTuple):
-    """Where a start pad would have been likeliest."""
+    """The place where a start pad was likeliest."""
 
     chance: float
     above: int
     """Token that would bear it."""
     kinds: Int[np.ndarray, " k"]
-    """Kinds that it may be of."""
+    """Kinds that it may have."""
     logits: Float[np.ndarray, " k"]
     local: Float[np.ndarray, " l"]
 
 
 class _Draw:
-    """A program as it is drawn, and what the network knows of it."""
+    """A program while it is drawn, and the network's features of it."""
 
     def __init__(
         self, writer: StepwiseWriter, syntax: Syntax, wish: Wish, rng: np.random.Generator
@@ -107,13 +113,18 @@ class _Draw:
         self._writer, self._syntax, self._rng = writer, syntax, rng
         self._reading = writer.begin(wish_numbers(wish))
         self.known: list[Float[np.ndarray, " w"]] = []
-        """What is known after each element."""
+        """Features after each element."""
         self._kin: list[Bool[np.ndarray, " t"]] = []
         self._is_fine = False
         self._pad: _Pad | None = None
 
     def step(self, growth: Growth, given: Furnishing | None = None) -> None:
-        """Draw what comes after the latest element; what is given comes back in its turn."""
+        """Draw the token after the latest element.
+
+        Args:
+            growth: The program so far; it grows.
+            given: Given tokens, which come back in their turn.
+        """
         is_closed = given is not None and given.is_closed()
         depth, kind, local = _END if is_closed else self._next(growth)
         if depth < 2 and given is not None and given.comes_first(kind):
@@ -124,7 +135,7 @@ class _Draw:
             growth.add(depth, self._choice(kind, local))
 
     def _next(self, growth: Growth) -> _Next:
-        """The depth and the kind of the token after the latest element."""
+        """Draw depth and kind of the token after the latest element."""
         self.read(growth)
         known = self.known[-1]
         depth = self._choose(self._writer.depth(known), growth.allowed_depths())
@@ -141,6 +152,7 @@ class _Draw:
             depth,
         )
         allowed = growth.allowed_kinds(depth)
+        # If the syntax forbids everything, everything is allowed: the draw must go on.
         kinds = np.flatnonzero(allowed if allowed.any() else ~allowed)
         logits = self._writer.kind_logits(local, kinds)
         self._watch_for_start(growth.elements[above].token, kinds, logits, local)
@@ -153,7 +165,7 @@ class _Draw:
         logits: Float[np.ndarray, " k"],
         local: Float[np.ndarray, " l"],
     ) -> None:
-        """Keep in mind where a start pad was likeliest so far."""
+        """Remember the place where a start pad was likeliest so far."""
         may_be = self._syntax.is_start[kinds]
         if not may_be.any():
             return
@@ -163,9 +175,9 @@ class _Draw:
             self._pad = _Pad(chance, above, kinds[may_be], logits[may_be], local)
 
     def add_start(self, growth: Growth) -> None:
-        """Add the start pad where it was likeliest, if it was left out at every place.
+        """Add the start pad where it was likeliest, if every place left it out.
 
-        Each place alone makes it seldom, so that a third of all programs would go without.
+        It is rare at each single place, so a third of all programs would have none.
         """
         if growth.has_start or self._pad is None:
             return
@@ -174,7 +186,7 @@ class _Draw:
         growth.add_below(pad.above, self._choice(kind, pad.local))
 
     def _choice(self, kind: int, local: Float[np.ndarray, " l"]) -> Choice:
-        """A token of a kind with its member, host and shape."""
+        """Draw member, host and array of a token of a kind."""
         logits = self._writer.rest_logits(local, kind)
         allowed = (None, None, self._syntax.shapes(kind))
         member, host, shape = map(self._choose, logits, allowed)
@@ -185,6 +197,7 @@ class _Draw:
         """Read the elements that are new."""
         for index in range(len(self.known), len(growth.elements)):
             element = growth.elements[index]
+            # The lesson has the same column: once a mark has come, the part is fine.
             self._is_fine |= element.is_mark
             seen = np.array(seen_of(growth, element))
             seen[11] = self._is_fine
@@ -192,7 +205,7 @@ class _Draw:
             self.known.append(self._reading.read(seen.tolist(), self._kin_of(growth)))
 
     def _kin_of(self, growth: Growth) -> Bool[np.ndarray, " t"]:
-        """Elements above the next one to read, itself included, or its earlier siblings."""
+        """Mark the elements above the next one, itself, and its earlier siblings."""
         index = len(self.known)
         parent = growth.elements[index].parent
         kin = np.zeros(index + 1, dtype=bool)
@@ -213,7 +226,9 @@ class _Draw:
         known = logits.astype(np.float64)
         if allowed is not None and allowed.any():
             known = np.where(allowed, known, -np.inf)
+        # Relative to the likeliest, so that the threshold is a share of it.
         weight = np.exp(known - known.max())
         total = np.where(weight < self._writer.cfg.least_share, 0.0, weight).cumsum()
-        # Above 0 and up to 1: so the first share that reaches it is never an empty one.
+        # The uniform number is above 0 and up to 1, so that the first sum to reach it is never that
+        # of a choice with probability 0.
         return int((total < (1.0 - self._rng.random()) * total[-1]).sum())

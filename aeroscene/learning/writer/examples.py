@@ -1,4 +1,4 @@
-"""Scenes as what is learned from them. Worker processes do this, so nothing here needs PyTorch."""
+"""Scenes as training examples. Worker processes run this, so nothing here needs PyTorch."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ from aeroscene.scene import Scene
 
 
 class UnencodableError(ValueError):
-    """A scene that cannot be learned from by what is known; one line that says why."""
+    """A scene cannot be learned from with the known kinds; one line has the reason."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Written:
-    """A scene as the denoiser and as the writer learn it, and what it has."""
+    """A scene as an example for the denoiser and for the writer, with its contents."""
 
     example: ProgramExample
     lesson: Lesson
@@ -36,22 +36,22 @@ class Written:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ProgramEncoder:
-    """From scenes to examples of one language, in whichever process."""
+    """Turns scenes into examples of one language, in any process."""
 
     language: Language
 
     def __call__(self, scene: Scene, wish: Wish) -> Written:
-        """The scene as its program, as it would come of a wish.
+        """Encode a scene as if it had been drawn for a wish.
 
         Raises:
-            UnencodableError: If it has none, or an object is of a category that is unknown.
+            UnencodableError: If it has no program, or an object has an unknown category.
         """
         encoded = encoded_program(scene, self.language.encoding)
         return written(encoded, wish, self.language)
 
 
 def encoded_program(scene: Scene, cfg: EncodingCfg = WHOLE) -> EncodedProgram:
-    """The program of a scene.
+    """Return the program of a scene.
 
     Raises:
         UnencodableError: If it has none.
@@ -63,15 +63,16 @@ def encoded_program(scene: Scene, cfg: EncodingCfg = WHOLE) -> EncodedProgram:
 
 
 def written(encoded: EncodedProgram, wish: Wish, language: Language) -> Written:
-    """A program as examples.
+    """Turn a program into examples.
 
     Raises:
-        UnencodableError: If an object is of a category that is unknown.
+        UnencodableError: If an object has an unknown category.
     """
     try:
         example = to_example(encoded, language.vocabulary, language.statistics)
     except KeyError as error:
         raise UnencodableError(f"kind {error.args[0]} is unknown") from None
+    # The lesson replays the growth that a draw would go through, with the right choices.
     growth, said = replay(language.syntax, encoded.program, wish)
     return Written(example, lesson_of(growth, said, wish), wish)
 
@@ -79,7 +80,7 @@ def written(encoded: EncodedProgram, wish: Wish, language: Language) -> Written:
 def encodable(
     scenes: Iterable[Scene], cfg: EncodingCfg = WHOLE
 ) -> tuple[list[EncodedProgram], list[Wish]]:
-    """Those scenes that have a program, and what they have."""
+    """Return the programs of those scenes that have one, and their contents."""
     found: list[EncodedProgram] = []
     wishes: list[Wish] = []
     for scene in scenes:

@@ -1,7 +1,8 @@
-"""A program of which a part is given: its coarse tokens, and among its fine ones those that stay.
+"""A program with a given part: its coarse tokens, and those of its fine tokens that stay.
 
-What is given below a coarse token comes back where it would stand among what is drawn: the larger
-first, chairs last, as in training. So the writer knows of it when it draws what follows.
+Given tokens below a coarse token come back where they would stand among drawn ones: the larger
+first, chairs last, as in training. The writer therefore knows them when it draws the tokens that
+follow.
 """
 
 from __future__ import annotations
@@ -30,11 +31,11 @@ class Furnishing:
         """Begin with the coarse tokens.
 
         Args:
-            syntax: What programs keep to.
-            program: What is given.
-            wish: Numbers of objects, those that are given among them.
-            is_open: Coarse tokens below which more may come; None for all.
-            has_start: Whether no start pad may come.
+            syntax: Structure that programs keep.
+            program: The given tokens.
+            wish: Numbers of objects, given ones included.
+            is_open: Coarse tokens below which more may come; None opens all.
+            has_start: True allows no further start pad.
         """
         self._program, self._is_open = program, is_open
         self._children = program.children()
@@ -44,6 +45,7 @@ class Furnishing:
         self._kinds = syntax.vocabulary.kinds
         self._mark = -1
         self._waiting: list[int] = []
+        # A region that is redone keeps the pad that the scene has elsewhere.
         self.growth.has_start |= has_start
 
     @property
@@ -53,16 +55,23 @@ class Furnishing:
 
     @property
     def place_of(self) -> dict[int, int]:
-        """For each given token its place in the growth; below what never bears anything none."""
+        """Place in the growth of each given token that is in it.
+
+        Tokens below a kind that never bears any are not in it.
+        """
         return self._written.place_of
 
     def is_closed(self) -> bool:
-        """Whether nothing but what is given may come below the coarse token that is furnished."""
+        """True if the coarse token that is being furnished may get given tokens only."""
         self._turn_to_mark()
         return self._is_open is not None and self._mark not in self._is_open
 
     def comes_first(self, kind: int | None) -> bool:
-        """Whether given tokens come before one of a kind that is drawn; all before the end."""
+        """True if a given token comes before a token of a kind that is drawn.
+
+        Args:
+            kind: The drawn kind; None for the end, before which all given tokens come.
+        """
         self._turn_to_mark()
         if not self._waiting:
             return False
@@ -72,16 +81,17 @@ class Furnishing:
         return _usual_m2(own) >= _usual_m2(self._kinds[kind].category)
 
     def put_back(self) -> None:
-        """Add the next given token of those that wait, with all that it bears."""
+        """Add the next waiting token, with everything that it bears."""
         self._grow(self._waiting.pop())
 
     def _turn_to_mark(self) -> None:
-        """Let what is given below the coarse token that is furnished wait, the first one last."""
+        """Queue the given tokens of the coarse token that is being furnished."""
         growth = self.growth
         mark = growth.elements[growth.path[0]].token
         if growth.is_fine and mark != self._mark:
             self._mark = mark
             own = self._children[mark]
+            # Reversed, because the next one is taken from the end.
             self._waiting = [token for token in own if token >= self._program.n_coarse][::-1]
 
     def _grow(self, token: int) -> None:
@@ -91,7 +101,7 @@ class Furnishing:
 
 
 def _usual_m2(category: str) -> float:
-    """Area that things of a category take up; none of what comes last."""
+    """Usual area of a category, in which order units are drawn; 0 for seats, which come last."""
     found = by_name()[category]
     if found.name in SEATS:
         return 0.0

@@ -1,8 +1,8 @@
-"""A program in the making: coarse tokens depth first, then the fine ones below each of them.
+"""A program under construction: coarse tokens depth first, then the fine ones below each of them.
 
 The elements of a program are its tokens and, between them, marks that turn to a coarse token that
-is to be furnished. After each element the next token comes at a depth below the scene or the mark,
-or, at depth 0, the part ends. Training and drawing walk the same code, so they cannot disagree.
+is to be furnished. After each element the next token comes at a depth below the scene or the mark;
+at depth 0 the part ends. Training and drawing run the same code, so they cannot disagree.
 """
 
 from __future__ import annotations
@@ -16,21 +16,22 @@ from aeroscene.learning.program.program import Program
 from aeroscene.learning.wishes import Wish
 from aeroscene.learning.writer.syntax import Syntax, count_objects
 
+# Depths and tokens of a program, at most; at the limit every part ends.
 MAX_DEPTH = 24
 MAX_TOKENS = 420
 N_RECENT = 12
-"""Latest siblings that the next token knows of."""
+"""Number of latest siblings that the choice of the next token reads."""
 
 
 @dataclass(slots=True)
 class Element:
-    """A token, or the mark of one."""
+    """A token, or the mark that turns to one."""
 
     token: int
-    """Place in the program."""
+    """Place of the token in the program."""
     kind: int
     parent: int
-    """Element above; its own for the scene."""
+    """Element above; the scene is its own parent."""
     depth: int
     ordinal: int
     is_mark: bool = False
@@ -40,9 +41,9 @@ class Element:
     children: list[int] = field(default_factory=list)
     """Kinds of its children so far."""
     n_given: int = 0
-    """Of a mark, children that the coarse token had before."""
+    """Number of children that a mark's coarse token had before."""
     left: tuple[int, int] = (0, 0)
-    """Coarse and fine objects that are still wished for, after it."""
+    """Coarse and fine objects that are still wished for, after this element."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +57,7 @@ class Choice:
 
 
 class Growth:
-    """One program as it grows."""
+    """One program while it grows."""
 
     def __init__(self, syntax: Syntax, scene_kind: int, wish: Wish) -> None:
         self._syntax = syntax
@@ -67,7 +68,7 @@ class Growth:
         self.n_coarse = 1
         self.elements: list[Element] = []
         self.path: list[int] = []
-        """Elements from the scene, or the mark, down to the latest."""
+        """Elements from the scene, or from the mark, down to the latest one."""
         self.is_fine = False
         self.is_done = False
         self.has_start = False
@@ -75,9 +76,10 @@ class Growth:
         self._ahead: list[int] = []
         """Coarse tokens that are still to be furnished, the next one last."""
         self._is_first = syntax.is_as_last.copy()
-        """Kinds that are as the last one, of which there is none."""
+        """True for kinds that copy the size of the last object of their key. They are masked until
+        such an object exists."""
         self._whats: set[int] = set()
-        """What there is one of."""
+        """Keys of which there is an object."""
         self._put(Element(0, scene_kind, 0, 0, 0))
         self.path = [0]
 
@@ -94,11 +96,16 @@ class Growth:
         return self.elements[-1]
 
     def parent_at(self, depth: int) -> int:
-        """The element whose child a token at a depth from 1 is."""
+        """Return the element whose child a token at a depth from 1 is."""
         return self.path[depth - 1]
 
     def add(self, depth: int, choice: Choice) -> None:
-        """A token at a depth from 1."""
+        """Add a token.
+
+        Args:
+            depth: Its depth below the scene or the mark, from 1.
+            choice: The token.
+        """
         syntax = self._syntax
         above = self.elements[self.path[depth - 1]]
         token = len(self.kinds)
@@ -121,25 +128,36 @@ class Growth:
             shape=choice.shape,
         )
         above.children.append(choice.kind)
+        # A token at this depth ends all deeper elements of the path.
         self.path[depth:] = [self._put(element)]
         self.n_coarse += not self.is_fine
 
     def add_below(self, token: int, choice: Choice) -> None:
-        """A token below an earlier one, when all else has been said."""
+        """Add a token below an earlier one, after the end of the program.
+
+        It is no element: nothing is drawn after it, so the network need not read it.
+
+        Args:
+            token: Place of the token that bears it.
+            choice: The token.
+        """
         self.kinds.append(choice.kind)
         self.parents.append(token)
         self.choices.append(choice)
         self.has_start |= bool(self._syntax.is_start[choice.kind])
 
     def _count_as_last(self, kind: int) -> None:
-        """Let what comes be as large as this, which may be the first of what it is."""
+        """Note a token's key, so that later tokens may copy its size."""
         what = int(self._syntax.what[kind])
         if self._syntax.node[kind] == "unit" and what not in self._whats:
             self._whats.add(what)
             self._is_first &= self._syntax.what != what
 
     def end(self) -> None:
-        """End of the part: turn to the next coarse token that may be furnished."""
+        """End the part, and turn to the next coarse token that may be furnished.
+
+        Without such a token the program is done.
+        """
         if not self.is_fine:
             self.is_fine = True
             bears = self._syntax.bears_fine[self._syntax.class_of[self.kinds]]
@@ -150,16 +168,24 @@ class Growth:
         token = self._ahead.pop()
         own = self._of_token[token]
         mark = Element(token, self.kinds[token], own, 0, 0, is_mark=True)
+        # The mark continues the coarse token, whose coarse children count as its first children.
         mark.children = list(self.elements[own].children)
         mark.n_given = len(mark.children)
         self.path = [self._put(mark)]
 
     def allowed_depths(self) -> Bool[np.ndarray, " depths"]:
-        """Where the next token may be, 0 for none; what is needed is not left out."""
+        """Return the depths that the next token may have; 0 ends the part.
+
+        Required children cannot be left out: if an element lacks some, shallower depths are
+        forbidden.
+        """
         allowed = np.zeros(MAX_DEPTH, dtype=bool)
+        # The network may repeat children without end; this limit ends it.
         if len(self.kinds) >= MAX_TOKENS:
             allowed[0] = True
             return allowed
+        # From the deepest element upwards: the first that lacks a child forbids everything above
+        # it.
         for depth in range(len(self.path), 0, -1):
             if depth >= MAX_DEPTH:
                 continue
@@ -171,13 +197,13 @@ class Growth:
         return allowed
 
     def _lacks(self, above: Element) -> bool:
-        """Whether a token's children are not complete."""
+        """True if an element's children are not complete."""
         if len(above.children) < len(self._syntax.required[above.kind]):
             return not self.is_fine
         return bool(self._missing(above).any())
 
     def _missing(self, above: Element) -> Bool[np.ndarray, " kinds"]:
-        """Kinds whose categories a token never went without, and has not."""
+        """Return the kinds of categories that such a token always has and this one lacks."""
         syntax = self._syntax
         needed = syntax.always[syntax.class_of[above.kind]].copy()
         needed[syntax.category[above.children]] = False
@@ -185,7 +211,7 @@ class Growth:
         return needed[syntax.category] & of_level & ~syntax.is_start & ~self._is_first
 
     def allowed_kinds(self, depth: int) -> Bool[np.ndarray, " kinds"]:
-        """Which kinds may be at a depth from 1."""
+        """Return the kinds that a token at a depth from 1 may have."""
         syntax = self._syntax
         above = self.elements[self.path[depth - 1]]
         own = syntax.class_of[above.kind]
@@ -195,12 +221,14 @@ class Growth:
             allowed &= ~syntax.is_start
         required = syntax.required[above.kind]
         if required:
+            # A record that is complete may still bear units.
             if len(above.children) >= len(required):
                 return allowed & ~syntax.fits_record
             return allowed & syntax.fits(required[len(above.children)])
         if above.children:
             counts = np.bincount(syntax.class_of[above.children], minlength=len(syntax.most))
             allowed &= counts[syntax.class_of] < cap
+        # No more children than any such token had, except for categories that are still missing.
         if len(above.children) >= syntax.most_children[own]:
             missing = self._missing(above)
             allowed &= missing
@@ -210,7 +238,12 @@ class Growth:
 def replay(
     syntax: Syntax, program: Program, wish: Wish
 ) -> tuple[Growth, list[tuple[int, Choice | None]]]:
-    """The growth of a program, and what was right after each of its elements.
+    """Grow a known program, and record the right choice after each of its elements.
+
+    Args:
+        syntax: Structure that programs keep.
+        program: The known program.
+        wish: Wish with which the growth begins.
 
     Returns:
         The growth at its end; for each element the depth that comes next and, from 1, the choice.
@@ -233,7 +266,7 @@ def replay(
 
 
 class Written:
-    """A program that is known, token by token."""
+    """A known program, which grows token by token."""
 
     def __init__(self, syntax: Syntax, program: Program, wish: Wish) -> None:
         vocabulary = syntax.vocabulary
@@ -243,12 +276,13 @@ class Written:
         self._parents = program.parent.tolist()
         self.growth = Growth(syntax, self._kinds[0], wish)
         self.place_of = {0: 0}
-        """For each token of the program that has grown its place in the growth."""
+        """Place in the growth of each token of the program that has grown."""
 
     def grow(self, token: int) -> tuple[int, Choice]:
-        """Add a token; its depth, and what it is."""
+        """Add a token, and return its depth and its choice."""
         growth, above = self.growth, self.place_of[self._parents[token]]
         places = (growth.elements[element].token for element in growth.path)
+        # The parent is always on the path, because tokens come depth first.
         depth = 1 + next(depth for depth, place in enumerate(places) if place == above)
         choice = Choice(
             self._kinds[token],
@@ -261,6 +295,6 @@ class Written:
         return depth, choice
 
     def is_next(self, token: int) -> bool:
-        """Whether a token comes below what is being furnished."""
+        """True if a token comes below the element that is being furnished."""
         growth, above = self.growth, self.place_of.get(self._parents[token])
         return any(growth.elements[element].token == above for element in growth.path)

@@ -1,4 +1,7 @@
-"""All that is known of a corpus' programs: their symbols, their numbers, their structure."""
+"""Everything that is known of a corpus' programs: their symbols, their numbers, their structure.
+
+A checkpoint stores a language as text and arrays, so that a model can be used without its corpus.
+"""
 
 from __future__ import annotations
 
@@ -47,17 +50,17 @@ class _Document(msgspec.Struct, omit_defaults=True):
 
 @dataclass(frozen=True, eq=False)
 class Language:
-    """What programs are written in."""
+    """The language of a corpus' programs: vocabulary, statistics and syntax."""
 
     vocabulary: ProgramVocabulary
     statistics: ProgramStatistics
     syntax: Syntax
     encoding: EncodingCfg = WHOLE
-    """How scenes become programs of it."""
+    """Details of scenes that its programs keep."""
 
     @property
     def themes(self) -> dict[SceneDomain, set[str]]:
-        """Themes of the corpus by domain, of those domains that have any."""
+        """Themes of the corpus, for each domain that has any."""
         themes: dict[SceneDomain, set[str]] = {}
         for kind in self.vocabulary.kinds:
             if theme := theme_of(kind):
@@ -65,7 +68,7 @@ class Language:
         return themes
 
     def to_json(self) -> str:
-        """The vocabulary as text."""
+        """Write the vocabulary as text."""
         known = self.vocabulary
         looks = tuple(_Looks(*what, tuple(found)) for what, found in known.looks.items())
         document = _Document(
@@ -80,10 +83,14 @@ class Language:
         return msgspec.json.encode(document).decode()
 
     def to_arrays(self) -> dict[str, np.ndarray]:
-        """Statistics and structure by name, the measured ones in single precision."""
+        """Return statistics and structure as arrays by name, for a checkpoint.
+
+        Measured numbers are in single precision.
+        """
         statistics, syntax = self.statistics, self.syntax
         arrays = {name: getattr(statistics, name).astype(np.float32) for name in _MEASURED}
         arrays |= {name: getattr(statistics, name) for name in _FLAGS}
+        # Kinds of one group repeat the same row, which costs little and needs no table of groups.
         references = [statistics.references.of(kind) for kind in self.vocabulary.kinds]
         return arrays | {
             "references": np.array(references, dtype=np.int8),
@@ -91,12 +98,13 @@ class Language:
             "always": syntax.always,
             "bears_fine": syntax.bears_fine,
             "most_children": syntax.most_children.astype(np.int16),
+            # As pairs of numbers, because few of the combinations occur.
             "has_shape": np.argwhere(syntax.has_shape).astype(np.int16),
             "atoms": self._atoms(),
         }
 
     def _atoms(self) -> Float[np.ndarray, "k 4"]:
-        """Every atom as the number of the first kind of its group, channel, value and reach."""
+        """Return every atom as first kind of its group, channel, value and reach."""
         by_group = self.statistics.atoms.by_group
         rows: list[tuple[float, float, float, float]] = []
         seen: set[Hashable] = set()
@@ -112,10 +120,10 @@ class Language:
 
     @staticmethod
     def restored(text: str, arrays: Mapping[str, np.ndarray]) -> Language:
-        """What `to_json` and `to_arrays` made.
+        """Restore a language from the results of `to_json` and `to_arrays`.
 
         Raises:
-            msgspec.DecodeError: If the text is another.
+            msgspec.DecodeError: If the text is malformed.
             KeyError: If an array is missing.
         """
         document = msgspec.json.decode(text, type=_Document)
@@ -129,6 +137,7 @@ class Language:
             references=References({group_of(kind): tuple(row) for kind, row in rows}),
             clearances=Clearances(document.clearances),
             companions=Companions(document.companions),
+            # Older checkpoints have no atoms.
             atoms=_restored_atoms(kinds, arrays.get("atoms", np.zeros((0, 4)))),
         )
         syntax = Syntax(
@@ -146,7 +155,7 @@ class Language:
 def _restored_shapes(
     vocabulary: ProgramVocabulary, pairs: Int[np.ndarray, "k 2"] | None
 ) -> Bool[np.ndarray, "families shapes"]:
-    """Which arrays each family had; all where nothing says which."""
+    """Return the arrays that each family had; all of them if the checkpoint does not say."""
     n_families = int(families_of(vocabulary).max()) + 1
     found = np.full((n_families, len(vocabulary.shapes)), pairs is None)
     if pairs is not None:
@@ -155,19 +164,19 @@ def _restored_shapes(
 
 
 def _restored_atoms(kinds: Sequence[Kind], rows: Float[np.ndarray, "k 4"]) -> Atoms:
-    """The atoms that `Language.to_arrays` has put in rows."""
+    """Return the atoms from the rows of `Language.to_arrays`."""
     found: defaultdict[Hashable, dict[int, Reaches]] = defaultdict(dict)
     ordered = rows[np.lexsort((rows[:, 1], rows[:, 0]))].astype(np.float64)
     is_next = (np.diff(ordered[:, :2], axis=0) != 0).any(axis=1)
     for own in np.split(ordered, np.flatnonzero(is_next) + 1) if len(rows) else ():
         number, channel = own[0, :2].astype(int).tolist()
-        # Single precision is enough for where they are, not for how long a metre is.
+        # Single precision would turn 2.35 m into 2.3499999; rounding restores the exact value.
         found[group_of(kinds[number])][channel] = own[:, 2].round(6), own[:, 3]
     return Atoms(found)
 
 
 def learn_language(encoded: Sequence[EncodedProgram], encoding: EncodingCfg = WHOLE) -> Language:
-    """The language of a corpus that was encoded so; equal corpora give equal ones."""
+    """Learn the language of an encoded corpus; equal corpora give equal languages."""
     vocabulary, statistics = measure_programs(encoded)
     syntax = learn_syntax(vocabulary, [each.program for each in encoded])
     return Language(vocabulary, statistics, syntax, encoding)

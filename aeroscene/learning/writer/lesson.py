@@ -1,4 +1,4 @@
-"""Programs as arrays: what is seen after each element, and what is right."""
+"""Programs as arrays for the writer's training: inputs after each element, and right choices."""
 
 from __future__ import annotations
 
@@ -15,26 +15,27 @@ from aeroscene.learning.writer.growth import MAX_DEPTH, N_RECENT, Choice, Elemen
 from aeroscene.scene import DOMAINS
 
 IGNORE = -100
-"""Target where nothing is to be said."""
+"""Target of elements after which a choice does not exist; the loss ignores it."""
 N_WISHES = 6
 
 
 @dataclass(frozen=True, eq=False)
 class Lesson:
-    """Elements of a program; the targets are those of the token that comes next."""
+    """Elements of a program; targets belong to the token that comes next."""
 
     seen: Int[np.ndarray, "t 12"]
-    """Kind, kind of the parent, depth, place among siblings, whether it is a mark, member, host,
-    array, coarse and fine objects left, how many too many, whether the part is fine."""
+    """Numbers of each element: kind, kind of the parent, depth, place among siblings, 1 for a mark,
+    member, host, array, coarse and fine objects left, number of objects too many, 1 in the fine
+    part."""
     kin: Bool[np.ndarray, "t t"]
-    """Which elements are above an element, or children of the same."""
+    """True for elements above an element, or children of the same parent."""
     wish: Float[np.ndarray, " 6"]
     depth: Int[np.ndarray, " t"]
-    """Depth of the next token, 0 for the end of the part."""
+    """Depth of the next token; 0 for the end of the part."""
     above: Int[np.ndarray, " t"]
     """Element that will be its parent."""
     recent: Int[np.ndarray, "t recent"]
-    """Kinds of the latest children there, the last one first; -1 where there is none."""
+    """Kinds of the latest children of that parent, the last one first; -1 for none."""
     n_siblings: Int[np.ndarray, " t"]
     kind: Int[np.ndarray, " t"]
     member: Int[np.ndarray, " t"]
@@ -46,15 +47,23 @@ class Lesson:
 
 
 def wish_numbers(wish: Wish) -> Float[np.ndarray, " 6"]:
-    """A wish as numbers about one: the domain, and how much of each."""
+    """Return a wish as numbers of order one: the domain, and logarithms of the counts."""
     domain = np.eye(len(DOMAINS))[DOMAINS.index(wish.domain)]
     counts = np.log1p([wish.n_coarse, wish.n_fine, wish.n_areas])
-    # 34 coarse objects, 114 fine ones and 56 areas are the means of the corpus.
+    # 34 coarse objects, 114 fine ones and 56 areas are the corpus' means, which become 0.
     return np.concatenate([domain, 2 * counts - (7, 9.5, 8)]).astype(np.float32)
 
 
 def seen_of(growth: Growth, element: Element) -> list[int]:
-    """The numbers that an element is told by."""
+    """Return the numbers by which the network reads an element.
+
+    Args:
+        growth: The program.
+        element: One of its elements.
+
+    Returns:
+        Twelve numbers, as `Lesson.seen`; counts are not in classes yet.
+    """
     coarse, fine = element.left
     return [
         element.kind,
@@ -65,22 +74,38 @@ def seen_of(growth: Growth, element: Element) -> list[int]:
         min(element.member, N_MEMBERS - 1),
         min(element.host, N_HOSTS - 1),
         element.shape,
+        # Objects left and objects too many are separate, because classes of counts begin at 0.
         max(coarse, 0),
         max(fine, 0),
         max(-coarse, 0) + max(-fine, 0),
+        # The column of the fine part is filled in by the caller.
         0,
     ]
 
 
 def recent_of(growth: Growth, above: int) -> tuple[list[int], int]:
-    """Kinds of the latest children of an element, and how many it has."""
+    """Return the latest children of an element.
+
+    Args:
+        growth: The program.
+        above: Number of the element.
+
+    Returns:
+        Kinds of the latest children, the last one first, -1 for none; and the number of all.
+    """
     children = growth.elements[above].children
     recent = children[-N_RECENT:][::-1]
     return recent + [-1] * (N_RECENT - len(recent)), len(children)
 
 
 def lesson_of(growth: Growth, said: Sequence[tuple[int, Choice | None]], wish: Wish) -> Lesson:
-    """The lesson of a grown program."""
+    """Return the lesson of a grown program.
+
+    Args:
+        growth: The program at its end.
+        said: Right choice after each element, see `replay`.
+        wish: Wish that the network reads.
+    """
     elements = growth.elements
     n = len(elements)
     seen = np.array([seen_of(growth, each) for each in elements])
@@ -94,6 +119,7 @@ def lesson_of(growth: Growth, said: Sequence[tuple[int, Choice | None]], wish: W
     recent = np.full((n, N_RECENT), -1)
     n_siblings = np.zeros(n, dtype=np.int64)
     path: list[int] = [0]
+    # Children are counted anew: at each element only those before it are known.
     children = [each.children[: each.n_given] for each in elements]
     for i, each in enumerate(elements):
         if each.is_mark:
@@ -132,7 +158,7 @@ def _targets(choice: Choice) -> tuple[int, int, int, int]:
 
 
 def kin_of(parent: Int[np.ndarray, " t"]) -> Bool[np.ndarray, "t t"]:
-    """Which elements are above each, itself included, or its earlier siblings."""
+    """Mark for each element those above it, itself, and its earlier siblings."""
     kin = np.eye(len(parent), dtype=bool)
     for i in range(1, len(parent)):
         kin[i] |= kin[parent[i]]

@@ -1,10 +1,11 @@
-"""The network: a causal transformer over the elements of programs in the making.
+"""The writer's network: a causal transformer over the elements of growing programs.
 
-    depth   p(how deep the next token is | elements so far)
-    kind    p(its kind | depth, what its parent is, its latest siblings)
+    depth   p(depth of the next token | elements so far)
+    kind    p(its kind | depth, its parent, its latest siblings)
     rest    p(member, host, array | kind)
 
-Half of the heads see all elements before, the other half kin alone: what is above, and siblings.
+Half of the heads see all elements before. The other half see kin alone, which are the elements
+above and the siblings, so that they need not learn the tree from a sequence.
 """
 
 from __future__ import annotations
@@ -25,22 +26,23 @@ from aeroscene.learning.writer.growth import MAX_DEPTH
 from aeroscene.learning.writer.language import Language
 from aeroscene.learning.writer.lesson import N_WISHES
 
+# Width of the embeddings of counts and depths that a choice reads.
 _SMALL = 12
 
 
 def program_traits(vocabulary: ProgramVocabulary) -> Bool[Tensor, "kinds traits"]:
-    """Traits that kinds share."""
+    """Return the traits of each kind as a matrix of flags."""
     names = sorted(set().union(*vocabulary.traits))
     column = {name: index for index, name in enumerate(names)}
     has_trait = np.zeros((len(vocabulary.traits), len(names)), dtype=bool)
     for row, traits in zip(has_trait, vocabulary.traits, strict=True):
         row[[column[name] for name in traits]] = True
-    # PyTorch takes a quarter of a second to make a tensor of as many lists.
+    # As an array first: PyTorch takes a quarter of a second to make a tensor of so many lists.
     return torch.from_numpy(has_trait)
 
 
 class Block(nn.Module):
-    """Masked attention and FFN, normalised first."""
+    """Masked attention and FFN, each after a normalisation."""
 
     def __init__(self, cfg: WriterCfg) -> None:
         super().__init__()
@@ -61,7 +63,7 @@ class Block(nn.Module):
         x: Float[Tensor, "b t w"],
         mask: Bool[Tensor, "b h t t"],
     ) -> Float[Tensor, "b t w"]:
-        """Update elements."""
+        """Update the elements; `mask` is True for keys that a query sees."""
         packed = self.inward(self.norm(x)).unflatten(-1, (3, self.heads, -1))
         query, key, value = packed.permute(2, 0, 3, 1, 4).unbind(0)
         mixed = functional.scaled_dot_product_attention(query, key, value, attn_mask=mask)
@@ -70,13 +72,22 @@ class Block(nn.Module):
 
 
 class Writer(nn.Module):
-    """Programs by wish; `aeroscene.learning.writer.stepwise` is the same, to draw by."""
+    """Draws programs by wish.
+
+    `aeroscene.learning.writer.stepwise` computes the same in NumPy, for drawing.
+
+    Args:
+        cfg: Shape of the network.
+        traits: Traits of each kind.
+        n_shapes: Number of arrays in the vocabulary.
+    """
 
     def __init__(self, cfg: WriterCfg, traits: Bool[Tensor, "kinds traits"], n_shapes: int) -> None:
         super().__init__()
         self.cfg = cfg
         width, kind = cfg.width, cfg.kind_width
         self.embedding = KindEmbedding(traits, kind)
+        # One table for each column of `Lesson.seen` from the third on, in its order.
         sizes = (MAX_DEPTH, 64, 2, N_MEMBERS, N_HOSTS, n_shapes, N_BUCKETS, N_BUCKETS, N_BUCKETS, 2)
         self.numbers = nn.ModuleList(nn.Embedding(size, width) for size in sizes)
         self.of_kind = nn.Linear(kind, width)
@@ -94,7 +105,7 @@ class Writer(nn.Module):
         self.n_shapes = n_shapes
 
     def forward(self, lesson: LessonBatch) -> dict[str, Float[Tensor, ""]]:
-        """`surprise` at a batch."""
+        """Return `surprise` for a batch."""
         return surprise(self, lesson)
 
     def read(
@@ -104,7 +115,14 @@ class Writer(nn.Module):
         mask: Bool[Tensor, "b 2 t t"],
         table: Float[Tensor, "kinds_and_none k"],
     ) -> Float[Tensor, "b t w"]:
-        """What is known after each element; `mask` is for wide heads and for narrow ones."""
+        """Return features after each element.
+
+        Args:
+            seen: Numbers of the elements, as `Lesson.seen`.
+            wish: Numbers of the wishes.
+            mask: Keys of wide heads, then of narrow ones.
+            table: Vectors of all kinds, as the embedding returns them.
+        """
         x = self.of_kind(table[seen[..., 0]]) + self.of_parent(table[seen[..., 1]])
         x = x + self.of_wish(wish).unsqueeze(1)
         for column, numbers in enumerate(self.numbers, 2):
@@ -124,7 +142,18 @@ class Writer(nn.Module):
         depth: Int[Tensor, " n"],
         table: Float[Tensor, "kinds_and_none k"],
     ) -> Float[Tensor, "n l"]:
-        """What the choice of a token below some parent depends on."""
+        """Return the features on which the choice of a token below some parent depends.
+
+        Args:
+            known: Features after the latest element.
+            above: Features after the parent.
+            above_kind: Kind of the parent.
+            recent: Kinds of its latest children, the last one first; -1 for none.
+            n_siblings: Class of their number.
+            depth: Depth of the token.
+            table: Vectors of all kinds.
+        """
+        # Index -1 selects the row of "no kind"; the product removes it.
         siblings = table[recent] * (recent >= 0).unsqueeze(-1)
         mean = siblings.sum(1) / (recent >= 0).sum(1, keepdim=True).clamp(min=1)
         parts = [known, above, table[above_kind], siblings[:, 0], mean]
@@ -133,7 +162,14 @@ class Writer(nn.Module):
     def kind_logits(
         self, local: Float[Tensor, "n l"], table: Float[Tensor, "kinds_and_none k"]
     ) -> Float[Tensor, "n kinds"]:
-        """Logits of the kinds."""
+        """Return the logits of all kinds.
+
+        Args:
+            local: Features of the choice.
+            table: Vectors of all kinds; the last row, "no kind", is left out.
+        """
+        # Scores are products with the kinds' own vectors, so that rare kinds profit from shared
+        # traits.
         return self.kind(local) @ table[:-1].T + self.bias
 
     def rest_logits(
@@ -142,7 +178,13 @@ class Writer(nn.Module):
         kind: Int[Tensor, " n"],
         table: Float[Tensor, "kinds_and_none k"],
     ) -> tuple[Tensor, Tensor, Tensor]:
-        """Logits of member, host and array of tokens of some kinds."""
+        """Return the logits of member, host and array of tokens of some kinds.
+
+        Args:
+            local: Features of the choice.
+            kind: Kinds that were chosen.
+            table: Vectors of all kinds.
+        """
         found = self.rest(torch.cat([local, table[kind]], dim=-1))
         member, host, shape = found.split([N_MEMBERS, N_HOSTS, self.n_shapes], dim=-1)
         return member, host, shape
@@ -155,13 +197,16 @@ def _mlp(inward: int, hidden: int, outward: int, dropout: float) -> nn.Sequentia
 
 
 def new_writer(cfg: WriterCfg, language: Language) -> Writer:
-    """A writer of a language, with its first weights."""
+    """Return a writer of a language, with its first weights.
+
+    They come from PyTorch's global generator, which the caller seeds.
+    """
     vocabulary = language.vocabulary
     return Writer(cfg, program_traits(vocabulary), len(vocabulary.shapes))
 
 
 def surprise(writer: Writer, lesson: LessonBatch) -> dict[str, Float[Tensor, ""]]:
-    """Negative log likelihood of a batch of programs, nats in all, by what is said."""
+    """Negative log-likelihood of a batch of programs, nats in all, by symbol."""
     return {
         name: functional.cross_entropy(logits, said, reduction="sum")
         for name, (logits, said) in _choices(writer, lesson).items()
@@ -169,13 +214,16 @@ def surprise(writer: Writer, lesson: LessonBatch) -> dict[str, Float[Tensor, ""]
 
 
 def shares_of_likeliest(writer: Writer, lesson: LessonBatch) -> Float[Tensor, " n"]:
-    """How likely each kind in a batch of programs was, as a share of the likeliest in its place."""
+    """Return how likely each kind in a batch was, over the likeliest one in its place.
+
+    The threshold of the draws, `WriterCfg.least_share`, is compared with these shares.
+    """
     logits, said = _choices(writer, lesson)["kind"]
     return torch.exp(logits.gather(1, said.unsqueeze(1))[:, 0] - logits.amax(1))
 
 
 def _choices(writer: Writer, lesson: LessonBatch) -> dict[str, tuple[Tensor, Tensor]]:
-    """Logits of all that a batch of programs says, and what it says."""
+    """Return the logits of every choice in a batch of programs, and the right choices."""
     table = writer.embedding()
     n = lesson.seen.shape[1]
     before = torch.ones(n, n, dtype=torch.bool, device=lesson.kin.device).tril()

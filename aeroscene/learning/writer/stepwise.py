@@ -1,12 +1,14 @@
-"""The writer's network, one element at a time, in numpy.
+"""The writer's network, one element at a time, in NumPy.
 
-What `aeroscene.learning.writer.model` computes for whole programs in training, this computes for
-the latest element of one that is drawn, where PyTorch spends most of its time on calls.
+Training runs whole programs through `aeroscene.learning.writer.model`. A draw adds one element at a
+time, for which PyTorch would spend most of its time on calls. Keys and values of earlier elements
+are kept, so each step costs one element only.
 
-| symbol | name | shape |
-|---|---|---|
-| w, k | width of an element, of a kind's vector | |
-| h, d | heads, width of one | w = h d |
+    symbol  name                                 shape
+    w, k    width of an element, of a kind's vector
+    h, d    heads, width of one                  w = h d
+
+A test holds both implementations together.
 """
 
 from __future__ import annotations
@@ -28,10 +30,10 @@ _USUAL_ELEMENTS = 512
 
 
 class StepwiseWriter:
-    """A writer's weights, as they are now."""
+    """A copy of a writer's weights."""
 
     def __init__(self, writer: Writer) -> None:
-        """Copy the weights; what depends on kinds alone is computed once."""
+        """Copy the weights, and compute once what depends on kinds alone."""
         self.cfg = writer.cfg
         self.table = _array(writer.embedding())
         self._numbers = [
@@ -50,18 +52,23 @@ class StepwiseWriter:
         self._bias = _array(writer.bias)
 
     def begin(self, wish: Float[np.ndarray, " 6"]) -> Reading:
-        """A program of a wish, of which nothing is read."""
+        """Return a reading of a program for a wish, before its first element."""
         return Reading(self, self.of_wish(wish))
 
     def element(self, seen: Sequence[int], of_wish: Vector) -> Vector:
-        """An element as the first block gets it."""
+        """Return an element as input of the first block.
+
+        Args:
+            seen: Its numbers, as `Lesson.seen`.
+            of_wish: The wish, as the network embeds it.
+        """
         x = self._kind[seen[0]] + self._parent[seen[1]] + of_wish
         for numbers, value in zip(self._numbers, seen[2:], strict=True):
             x += numbers[value]
         return x
 
     def known(self, x: Vector) -> Vector:
-        """What the last block gives, as choices depend on it."""
+        """Return the features on which choices depend, from the output of the last block."""
         return self._norm(x)
 
     def local(
@@ -73,7 +80,7 @@ class StepwiseWriter:
         n_siblings: int,
         depth: int,
     ) -> Vector:
-        """What the choice of a token below some parent depends on; see `Writer.local`."""
+        """Return the features of a choice below some parent; see `Writer.local`."""
         siblings = self.table[[kind for kind in recent if kind >= 0]]
         none = np.zeros(self.table.shape[1], dtype=np.float32)
         latest, mean = (siblings[0], siblings.mean(0)) if len(siblings) else (none, none)
@@ -81,19 +88,26 @@ class StepwiseWriter:
         return np.concatenate([known, above, self.table[above_kind], latest, mean, *numbers])
 
     def kind_logits(self, local: Vector, kinds: Int[np.ndarray, " k"]) -> Float[np.ndarray, " k"]:
-        """Logits of some kinds."""
-        # Not by BLAS, whose threads wait for each other awake at so tall a matrix.
+        """Return the logits of some kinds.
+
+        Only allowed kinds are computed, of which there are few among thousands.
+
+        Args:
+            local: Features of the choice.
+            kinds: Numbers of the kinds.
+        """
+        # Not by BLAS, whose threads wait for each other actively at so tall a matrix.
         found = np.einsum("kd,d->k", self.table[kinds], self._choose_kind(local))
         return found + self._bias[kinds]
 
     def rest_logits(self, local: Vector, kind: int) -> list[Vector]:
-        """Logits of member, host and array of a token of a kind."""
+        """Return the logits of member, host and array of a token of a kind."""
         found = self._rest(np.concatenate([local, self.table[kind]]))
         return np.split(found, [N_MEMBERS, N_MEMBERS + N_HOSTS])
 
 
 class Reading:
-    """What is read of one program: keys and values of every block."""
+    """Keys and values of every block, for the elements of one program that were read."""
 
     def __init__(self, writer: StepwiseWriter, of_wish: Vector) -> None:
         self._writer, self._of_wish = writer, of_wish
@@ -103,8 +117,14 @@ class Reading:
         self._n = 0
 
     def read(self, seen: Sequence[int], kin: Bool[np.ndarray, " t"]) -> Vector:
-        """What is known after the next element; `kin` says which up to it narrow heads see."""
+        """Return features after the next element.
+
+        Args:
+            seen: Its numbers, as `Lesson.seen`.
+            kin: Elements that narrow heads see, itself included.
+        """
         writer, n = self._writer, self._n
+        # Room doubles when it is full.
         if n == self._keys_and_values.shape[3]:
             more = np.zeros_like(self._keys_and_values)
             self._keys_and_values = np.concatenate([self._keys_and_values, more], axis=3)
@@ -113,6 +133,7 @@ class Reading:
         for block, keys, values in zip(writer.blocks, *self._keys_and_values, strict=True):
             query, keys[:, n], values[:, n] = block.inward(x)
             scores = np.einsum("hd,htd->ht", query, keys[:, : n + 1])
+            # The second half of the heads is narrow; no mask is needed for what comes later.
             scores[len(scores) // 2 :] += masked
             weights = np.exp(scores - scores.max(axis=1, keepdims=True))
             weights /= weights.sum(axis=1, keepdims=True)
@@ -140,7 +161,7 @@ class _Norm:
 
 
 class _Mlp:
-    """Two layers with GELU between."""
+    """Two layers with an exact GELU between them."""
 
     def __init__(self, layers: nn.Sequential) -> None:
         linear = [layer for layer in layers if isinstance(layer, nn.Linear)]
@@ -159,13 +180,13 @@ class _Block:
         self._heads = block.heads
 
     def inward(self, x: Vector) -> Float[np.ndarray, "3 h d"]:
-        """Query, scaled, key and value of an element."""
+        """Return scaled query, key and value of an element."""
         packed = self._inward(self._norm(x)).reshape(3, self._heads, -1)
         packed[0] /= np.float32(math.sqrt(packed.shape[-1]))
         return packed
 
     def onward(self, x: Vector, mixed: Vector) -> Vector:
-        """The element after attention and FFN."""
+        """Return the element after attention and FFN."""
         x = x + self._outward(mixed)
         return x + self._ffn(self._norm_ffn(x))
 

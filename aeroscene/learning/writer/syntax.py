@@ -1,7 +1,7 @@
-"""What programs have at all: which kinds are whose children, how many, and which never lack.
+"""The structure that programs keep: kinds of children of each kind, their numbers, required ones.
 
-Classes are kinds that are the same thing, whatever they are to their hosts. Records of partitions
-have as many children as they say; of everything else a corpus tells.
+Classes are kinds that are the same thing, whatever their relation to a host. Records of partitions
+state the number of their children. For all other tokens the limits are learned from the corpus.
 """
 
 from __future__ import annotations
@@ -19,15 +19,19 @@ from aeroscene.learning.program.program import Program, Shape
 from aeroscene.learning.program.vocabulary import ProgramVocabulary
 
 FEW = 2
-"""A parent that never had more than so many children of a class never gets more: a building has
-one roof. What there were more of may be repeated without end."""
+"""A parent that never had more than so many children of a class never gets more, because a building
+has one roof. Children that came in greater numbers may be repeated without end."""
 ENOUGH = 8
-"""Tokens of a class that must have been seen for what they all have to be called needed."""
+"""Tokens of a class that must have been seen before children that all of them have count as
+required."""
 _MANY = np.iinfo(np.int16).max
 
 
 def required_children(kind: Kind) -> list[frozenset[str]]:
-    """Which nodes the children of a record are, in order; of other tokens nothing is required."""
+    """Return the nodes of a record's children, in order.
+
+    A slice of three parts needs three nodes, for example. Tokens without requirements have none.
+    """
     part, segment, item = (frozenset({name}) for name in ("part", "segment", "item"))
     match kind:
         case SplitKind(node="slice"):
@@ -47,7 +51,14 @@ def required_children(kind: Kind) -> list[frozenset[str]]:
 
 
 def count_objects(kind: Kind, shape: Shape) -> int:
-    """Objects that a token stands for, as the writer counts them."""
+    """Return the number of objects that a token stands for.
+
+    The writer counts down how many objects are still wished for by it.
+
+    Args:
+        kind: Kind of the token.
+        shape: Its array, which only a group has.
+    """
     if isinstance(kind, UnitKind):
         return len(shape.array().cells(kind.to_relation(0).kind)) if kind.is_group else 1
     return int(kind.node in {"leaf", "lane", "segment"} and bool(kind.category))
@@ -55,22 +66,22 @@ def count_objects(kind: Kind, shape: Shape) -> int:
 
 @dataclass(frozen=True, eq=False)
 class Syntax:
-    """The structure that draws keep."""
+    """The structure that drawn programs keep."""
 
     vocabulary: ProgramVocabulary
     class_of: Int[np.ndarray, " kinds"]
     most: Int[np.ndarray, "classes classes"]
     """Most children of a class (column) that a token of a class (row) had."""
     always: Bool[np.ndarray, "classes categories"]
-    """Which categories of children each class never went without."""
+    """Categories of children that each class always has."""
     bears_fine: Bool[np.ndarray, " classes"]
-    """Coarse classes that had fine children."""
+    """True for coarse classes that had fine children."""
     most_children: Int[np.ndarray, " classes"]
     has_shape: Bool[np.ndarray, "families shapes"]
-    """Which arrays the units of each family had, see `families_of`."""
+    """Arrays that the units of each family had, see `families_of`."""
 
     def shapes(self, kind: int) -> Bool[np.ndarray, " shapes"]:
-        """Which arrays a token of a kind may have."""
+        """Return the arrays that a token of a kind may have."""
         return self.has_shape[self._family_of[kind]]
 
     @cached_property
@@ -79,25 +90,25 @@ class Syntax:
 
     @cached_property
     def is_coarse(self) -> Bool[np.ndarray, " kinds"]:
-        """Kinds that belong to the coarse part."""
+        """True for kinds of the coarse part."""
         return np.array([kind.is_coarse for kind in self.vocabulary.kinds])
 
     @cached_property
     def is_start(self) -> Bool[np.ndarray, " kinds"]:
-        """Kinds that are start pads."""
+        """True for kinds that are start pads."""
         return np.array(
             [bool(dict(kind.attributes).get("is_start")) for kind in self.vocabulary.kinds]
         )
 
     @cached_property
     def what(self) -> Int[np.ndarray, " kinds"]:
-        """Number of what each kind is, whatever it is to its host."""
+        """Number of the key of each kind, whatever its relation to a host."""
         number: dict[object, int] = {}
         return np.array([number.setdefault(k.what, len(number)) for k in self.vocabulary.kinds])
 
     @cached_property
     def is_as_last(self) -> Bool[np.ndarray, " kinds"]:
-        """Kinds with an extent of the last one that is the same."""
+        """True for kinds that copy an extent of the last object of their key."""
         kinds = self.vocabulary.kinds
         return np.array([isinstance(kind, UnitKind) and bool(kind.as_last) for kind in kinds])
 
@@ -119,13 +130,15 @@ class Syntax:
 
     @cached_property
     def cap(self) -> Int[np.ndarray, "classes kinds"]:
-        """How many children of the class of a kind a token of a class may have."""
+        """Greatest number of children of a kind's class that a token of a class may have."""
+        # More than FEW in the corpus means: as many as you like.
         many = np.where(self.most <= FEW, self.most, _MANY)
         return many[:, self.class_of]
 
     def fits(self, nodes: frozenset[str]) -> Bool[np.ndarray, " kinds"]:
-        """Kinds of some nodes."""
+        """Return the kinds of some nodes."""
         if nodes not in self._fits:
+            # Asked for at every token of a draw, so the answer is kept.
             self._fits[nodes] = np.isin(np.array(self.node), sorted(nodes))
         return self._fits[nodes]
 
@@ -135,12 +148,17 @@ class Syntax:
 
     @cached_property
     def fits_record(self) -> Bool[np.ndarray, " kinds"]:
-        """Kinds of the nodes that records ask for."""
+        """True for kinds of the nodes that records require."""
         return self.fits(NODES | {"part", "segment", "item"})
 
 
 def learn_syntax(vocabulary: ProgramVocabulary, programs: Iterable[Program]) -> Syntax:
-    """The structure of a corpus."""
+    """Learn the structure of a corpus.
+
+    Args:
+        vocabulary: Kinds and arrays of the corpus.
+        programs: Its programs.
+    """
     class_of = classes_of(vocabulary)
     categories = np.unique([kind.category for kind in vocabulary.kinds]).tolist()
     number_of = {name: number for number, name in enumerate(categories)}
@@ -153,6 +171,7 @@ def learn_syntax(vocabulary: ProgramVocabulary, programs: Iterable[Program]) -> 
     for program in programs:
         kinds = [vocabulary.nearest(kind) for kind in program.kinds]
         own = class_of[kinds]
+        # Every array that a family had somewhere may be drawn for it again.
         has_shape[family_of[kinds], [vocabulary.nearest_shape(s) for s in program.shapes]] = True
         children = program.children()
         for place, below in enumerate(children):
@@ -164,6 +183,7 @@ def learn_syntax(vocabulary: ProgramVocabulary, programs: Iterable[Program]) -> 
             if place < program.n_coarse:
                 bears[own[place]] |= any(i >= program.n_coarse for i in below)
     always = (n_with == n_seen[:, None]) & (n_seen[:, None] >= ENOUGH)
+    # Tokens without a category, such as widths, are never required.
     always[:, number_of.get("", 0)] &= False
     return Syntax(
         vocabulary=vocabulary,
@@ -177,12 +197,16 @@ def learn_syntax(vocabulary: ProgramVocabulary, programs: Iterable[Program]) -> 
 
 
 def classes_of(vocabulary: ProgramVocabulary) -> Int[np.ndarray, " kinds"]:
-    """The class of each kind."""
+    """Return the class of each kind."""
     return _numbered([(kind.node, *kind.what) for kind in vocabulary.kinds])
 
 
 def families_of(vocabulary: ProgramVocabulary) -> Int[np.ndarray, " kinds"]:
-    """The family of each kind: what is the same thing in the same relation, alone or in a group."""
+    """Return the family of each kind.
+
+    Kinds of a family are equal objects in the same relation, alone or in a group; they share
+    arrays.
+    """
     return _numbered([(k.node, *k.what, k.relation, k.is_group) for k in vocabulary.kinds])
 
 

@@ -1,4 +1,4 @@
-"""Programs of a corpus as batches for training: for the writer, and for the denoiser."""
+"""Programs of a corpus in batches for training: for the writer, and for the denoiser."""
 
 from __future__ import annotations
 
@@ -17,34 +17,38 @@ from aeroscene.learning.writer.examples import ProgramEncoder, Written
 from aeroscene.learning.writer.language import Language
 
 _WINDOW = 4
-"""Batches that a window of programs of like size holds."""
+"""Number of batches in a window of programs of similar size."""
 
 
 @dataclass(frozen=True, eq=False)
 class ProgramSet:
-    """Programs with their language, as batches for the denoiser."""
+    """Programs with their language, in batches for the denoiser."""
 
     language: Language
     examples: tuple[Written, ...]
 
     @property
     def known(self) -> Language:
-        """What a checkpoint keeps of the scenes."""
+        """Language of the scenes, which a checkpoint stores."""
         return self.language
 
     @property
     def kinds_json(self) -> str:
-        """The kinds of tokens as text."""
+        """Kinds of tokens as text."""
         return self.language.to_json()
 
     @property
     def encoder(self) -> ProgramEncoder:
-        """From other scenes to examples of the same language, without these."""
+        """Function that turns another scene into an example of the same language.
+
+        It does not hold the examples, so it can be sent to another process cheaply.
+        """
         return ProgramEncoder(self.language)
 
     @cached_property
     def digest(self) -> str:
         """Sixteen hexadecimal digits that differ between corpora."""
+        # Rounded below, so that the last bits of another machine do not change the digest.
         digest = hashlib.sha256(self.kinds_json.encode())
         for each in self.examples:
             digest.update(each.example.skeleton.kind_id.astype("<i4").tobytes())
@@ -57,15 +61,20 @@ class ProgramSet:
         return LessonSet(self.examples)
 
     def with_examples(self, examples: Sequence[Written]) -> ProgramSet:
-        """Other programs of the same language."""
+        """Return a set of other programs of the same language."""
         return replace(self, examples=tuple(examples))
 
     def sample_batch(self, size: int, rng: np.random.Generator) -> TokenBatch:
-        """Programs of like size, drawn from a random window of four batches."""
+        """Draw programs of similar size, from a random window of four batches.
+
+        Args:
+            size: Number of programs.
+            rng: Source of the draw.
+        """
         return self._batch([self.examples[i] for i in _window(self._by_size, size, rng)])
 
     def in_order(self, start: int, size: int) -> TokenBatch:
-        """Programs from a place on, for measuring."""
+        """Return programs from a place on, for measuring."""
         return self._batch(self.examples[start : start + size])
 
     def _batch(self, chosen: Sequence[Written]) -> TokenBatch:
@@ -79,21 +88,24 @@ class ProgramSet:
 
 @dataclass(frozen=True, eq=False)
 class LessonSet:
-    """Programs as batches for the writer."""
+    """Programs in batches for the writer."""
 
     examples: tuple[Written, ...]
 
     def with_examples(self, examples: Sequence[Written]) -> LessonSet:
-        """Other programs of the same language."""
+        """Return a set of other programs of the same language."""
         return LessonSet(tuple(examples))
 
     def sample_batch(self, size: int, rng: np.random.Generator) -> LessonBatch:
-        """Programs of like size, drawn from a random window of four batches."""
+        """Draw programs of similar size, from a random window of four batches.
+
+        Programs in a batch are padded to the longest one, so similar sizes save time.
+        """
         picked = _window(self._by_size, size, rng)
         return lesson_batch([self.examples[i].lesson for i in picked])
 
     def in_order(self, start: int, size: int) -> LessonBatch:
-        """Programs from a place on, for measuring."""
+        """Return programs from a place on, for measuring."""
         return lesson_batch([each.lesson for each in self.examples[start : start + size]])
 
     @cached_property
@@ -102,15 +114,17 @@ class LessonSet:
 
 
 def _windowed(sizes: Sequence[int]) -> Int[np.ndarray, " scenes"]:
-    """Numbers of the programs, the smallest first, then down again: no window spans a jump."""
+    """Order programs by size, rising and then falling, so that no window spans a jump."""
+    # Every second program rises, the others fall: the ends meet at similar sizes.
     order = np.argsort(sizes, kind="stable")
     return np.concatenate([order[::2], order[1::2][::-1]])
 
 
 def _window(by_size: Int[np.ndarray, " scenes"], size: int, rng: np.random.Generator) -> list[int]:
-    """Numbers of programs of like size: that leaves 8% of a batch of 16 to padding, not 24%.
+    """Draw the numbers of programs of similar size.
 
-    Windows reach over both ends, so that all are drawn alike.
+    Padding then takes 8% of a batch of 16, instead of 24%. Windows reach over both ends, so that
+    all programs are drawn equally often.
     """
     n = len(by_size)
     start = int(rng.integers(n))

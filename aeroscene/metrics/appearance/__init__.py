@@ -1,1 +1,1 @@
-"""How alike pictures of scenes look to a network that was trained on photographs."""
+"""Similarity of pictures of scenes, in the view of a network that was trained on photographs."""

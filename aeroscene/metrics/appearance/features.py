@@ -1,4 +1,9 @@
-"""Features of pictures by a named network: EfficientNet-Lite0, or Inception from a user's file."""
+"""Features of pictures by a named network: EfficientNet-Lite0, or Inception from a user's file.
+
+FID is defined for the Inception network alone. No package ships its standard file, so the user may
+pass it. Otherwise a network that pip can install is taken, and its distances get names of their
+own.
+"""
 
 from __future__ import annotations
 
@@ -16,40 +21,42 @@ from aeroscene.metrics.appearance.efficientnet import N_FEATURES, NAME, load_eff
 from aeroscene.scene.errors import SceneError
 
 Picture = UInt8[np.ndarray, "h w 3"]
+# Pictures of a batch: few, so that memory suffices on any machine.
 _BATCH = 8
 N_INCEPTION_FEATURES = 2048
 
 
 class NetworkError(SceneError):
-    """A file that holds no network for features; one line saying what would do."""
+    """A file holds no network for features; one line has the fault and a valid file."""
 
 
 @dataclass(frozen=True)
 class FeatureNetwork:
-    """A network, and what distances of its features are called."""
+    """A network, and the names of distances of its features."""
 
     name: str
-    """EffNetL0, or Inception."""
+    """`EffNetL0` or `Inception`."""
     digest: str
-    """Sixteen hexadecimal digits of its weights' file; of the default the package's version."""
+    """Sixteen hexadecimal digits of its weights' file; for the default, the package's version."""
     n_features: int
     module: torch.nn.Module
     is_inception: bool
 
     @property
     def frechet_name(self) -> str:
-        """What the Fréchet distance is called: FID with Inception and nothing else."""
+        """Name of the Fréchet distance: FID with Inception, and with nothing else."""
         return "FID" if self.is_inception else f"FD-{self.name}"
 
     @property
     def kernel_name(self) -> str:
-        """What the kernel distance is called."""
+        """Name of the kernel distance."""
         return "KID" if self.is_inception else f"KID-{self.name}"
 
     def features(self, pictures: Sequence[Picture]) -> Float[np.ndarray, "n f"]:
-        """Features of pictures of one size, one row a picture."""
+        """Return the features of pictures of one size, one row for each picture."""
         starts = range(0, len(pictures), _BATCH)
         rows = [self._batch(pictures[start : start + _BATCH]) for start in starts]
+        # An empty list of pictures gives an array without rows.
         return np.concatenate([np.zeros((0, self.n_features), dtype=np.float32), *rows])
 
     def _batch(self, pictures: Sequence[Picture]) -> np.ndarray:
@@ -60,13 +67,13 @@ class FeatureNetwork:
 
 def _asked(module: torch.nn.Module, pixels: Tensor, *, is_inception: bool) -> Tensor:
     if is_inception:
-        # The signature of the published file.
+        # The published file has this signature.
         return module(pixels, return_features=True).float()
     return module(pixels.float())
 
 
 def open_network(inception: Path | None = None) -> FeatureNetwork:
-    """The network that pictures are compared by.
+    """Open the network that compares pictures.
 
     Args:
         inception: TorchScript file of the standard Inception network, `inception-2015-12-05.pt` as
@@ -82,6 +89,7 @@ def open_network(inception: Path | None = None) -> FeatureNetwork:
     try:
         digest = hashlib.sha256(inception.read_bytes()).hexdigest()[:16]
         module = torch.jit.load(str(inception), map_location="cpu").eval()
+        # A blank picture shows if the file answers as the network does.
         blank = torch.zeros((1, 3, 64, 64), dtype=torch.uint8)
         shape = tuple(_asked(module, blank, is_inception=True).shape)
     except OSError as error:

@@ -2,18 +2,17 @@
 
     d^2 = |mu_1 - mu_2|^2 + tr S_1 + tr S_2 - 2 tr (S_1 S_2)^(1/2)
 
-| symbol | name |
-|---|---|
-| mu, S | mean and covariance of a set's features |
+    symbol  name
+    mu, S   mean and covariance of a set's features
 
 With X and Y the centred features over sqrt(n - 1), S_1 = X^T X, S_2 = Y^T Y, and the last trace is
-the sum of the singular values of X Y^T: exact where there are fewer pictures than features, where
-the square root of the product of two singular matrices is not.
+the sum of the singular values of X Y^T. This is exact if there are fewer pictures than features.
+The usual square root of the product of two singular matrices is not.
 
-The distance of few pictures is too large, the more so the fewer: compare equally many, beside the
-same number of real ones.
+The distance of few pictures is too large, the more so the fewer there are. Compare equally many,
+beside the same number of real ones.
 
-Source: Heusel et al. 2017, "GANs Trained by a Two Time-Scale Update Rule", which calls it FID where
+Source: Heusel et al. 2017, "GANs Trained by a Two Time-Scale Update Rule", which calls it FID if
 the features are those of the Inception network and of no other.
 """
 
@@ -26,18 +25,23 @@ from aeroscene.metrics.discrepancy import TooFewScenesError
 from aeroscene.metrics.intervals import Figure, resampled_figure
 
 LEAST_PICTURES = 8
-"""Fewer say nothing about a covariance."""
+"""Least size of a set; fewer pictures give no useful covariance."""
+# Each draw takes an eigenvalue decomposition, so there are few.
 _N_DRAWS = 40
 
 
 def frechet_distance(
     pictures: Float[np.ndarray, "n f"], reference: Float[np.ndarray, "m f"]
 ) -> float:
-    """Squared Fréchet distance, the figure that goes by the name of FID.
+    """Squared Fréchet distance, the figure that is called FID.
+
+    Args:
+        pictures: Features of the set.
+        reference: Features of the reference.
 
     Raises:
         TooFewScenesError: If a set has fewer than two pictures.
-        ValueError: If features are of different length, of two networks.
+        ValueError: If features are of different length, from two networks.
     """
     return _Pair(pictures, reference, least=2).distance(np.ones(len(pictures)))
 
@@ -47,11 +51,16 @@ def frechet_figure(
     reference: Float[np.ndarray, "m f"],
     rng: np.random.Generator,
 ) -> Figure:
-    """The same with its interval.
+    """Squared Fréchet distance with its interval.
+
+    Args:
+        pictures: Features of the set.
+        reference: Features of the reference.
+        rng: Draws the bootstrap.
 
     Raises:
         TooFewScenesError: If a set has fewer than `LEAST_PICTURES` pictures.
-        ValueError: If features are of different length, of two networks.
+        ValueError: If features are of different length, from two networks.
     """
     pair = _Pair(pictures, reference, least=LEAST_PICTURES)
     return resampled_figure(pair.distance, len(pictures), rng, n_draws=_N_DRAWS)
@@ -62,7 +71,7 @@ def check_features(first: np.ndarray, second: np.ndarray, least: int) -> None:
 
     Raises:
         TooFewScenesError: If a set has fewer than `least` pictures.
-        ValueError: If features are of different length, of two networks.
+        ValueError: If features are of different length, from two networks.
     """
     for features in (first, second):
         if len(features) < least:
@@ -75,11 +84,12 @@ def check_features(first: np.ndarray, second: np.ndarray, least: int) -> None:
 
 
 class _Pair:
-    """Two sets, known by the products of their features: what a resampling needs is in them."""
+    """Two sets, as the products of their features: a resampling needs nothing else."""
 
     def __init__(self, pictures: np.ndarray, reference: np.ndarray, least: int) -> None:
         check_features(pictures, reference, least)
-        # Off the reference's mean, which keeps the differences below from cancelling.
+        # Relative to the reference's mean: otherwise large numbers would cancel in the differences
+        # below.
         first = pictures.astype(float) - reference.mean(axis=0, dtype=float)
         second = reference.astype(float) - reference.mean(axis=0, dtype=float)
         self._first = first
@@ -88,7 +98,7 @@ class _Pair:
         self._reference_spread = float((second**2).sum() / (len(second) - 1))
 
     def distance(self, times: np.ndarray) -> float:
-        """Distance where each picture counts so often."""
+        """Return the distance if each picture counts the given number of times."""
         is_there = times > 0
         count = times[is_there].astype(float)
         n = count.sum()
@@ -97,7 +107,8 @@ class _Pair:
         spread = (float(count @ self._square[is_there]) - n * away) / (n - 1)
         across = self._across[is_there] - count @ self._across[is_there] / n
         across *= np.sqrt(count / (n - 1))[:, None]
-        # Singular values by the smaller of the two products: several times faster.
+        # Singular values from the smaller of the two products, which is several times faster.
         square = across @ across.T if len(across) < across.shape[1] else across.T @ across
+        # Rounding may make eigenvalues slightly negative.
         shared = float(np.sqrt(np.maximum(np.linalg.eigvalsh(square), 0.0)).sum())
         return max(away + spread + self._reference_spread - 2.0 * shared, 0.0)

@@ -3,7 +3,8 @@
     KID = mean k(x, x') + mean k(y, y') - 2 mean k(x, y),    k(x, y) = (x y / f + 1)^3
 
 over pairs of different pictures, with f the number of features. Unlike the Fréchet distance it does
-not depend on the number of pictures: sets drawn alike are at 0 on average, below as often as above.
+not depend on the number of pictures. Sets that are drawn alike are at 0 on average, and below it as
+often as above.
 
 Source: Bińkowski et al. 2018, "Demystifying MMD GANs".
 """
@@ -25,9 +26,13 @@ def kernel_distance(
 ) -> float:
     """KID of two sets.
 
+    Args:
+        pictures: Features of the set.
+        reference: Features of the reference.
+
     Raises:
         TooFewScenesError: If a set has fewer than two pictures.
-        ValueError: If features are of different length, of two networks.
+        ValueError: If features are of different length, from two networks.
     """
     kernel, in_set = _kernel(pictures, reference)
     return float(squared_mmd(kernel, in_set[None], 1.0 - in_set[None])[0])
@@ -38,16 +43,21 @@ def kernel_figure(
     reference: Float[np.ndarray, "m f"],
     rng: np.random.Generator,
 ) -> Figure:
-    """The same with its interval, which may reach below 0.
+    """KID of two sets with its interval, which may reach below 0.
+
+    Args:
+        pictures: Features of the set.
+        reference: Features of the reference.
+        rng: Draws the bootstrap.
 
     Raises:
         TooFewScenesError: If a set has fewer than two pictures.
-        ValueError: If features are of different length, of two networks.
+        ValueError: If features are of different length, from two networks.
     """
     kernel, in_set = _kernel(pictures, reference)
     n = len(pictures)
     drawn = resamples(n, rng).astype(float)
-    # One picture many times over has no pair within.
+    # One picture many times over has no pairs of different pictures.
     drawn = drawn[(drawn > 0).sum(axis=1) > 1]
     times = np.zeros((len(drawn), len(kernel)))
     times[:, :n] = drawn

@@ -1,1 +1,1 @@
-"""Whether scenes are places: what meets, faces, lies on and lines what, by geometry alone."""
+"""Plausible places: checks by geometry that objects meet, face and lie where they belong."""

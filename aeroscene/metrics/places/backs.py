@@ -1,4 +1,4 @@
-"""Furniture along the walls: does it stand with its back to one?"""
+"""Furniture along the walls: storage and kitchen furniture should have its back to one."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from aeroscene.scene.catalogue import BACKED, SHELLS, WALLS
 from aeroscene.solids.shapes.facade import WALL_M
 
 OFF_WALL_M = 0.3
-"""Farthest that furniture stands off the face of the wall in its back."""
+"""Greatest distance of furniture from the face of the wall at its back."""
 
 
 def backs_off_walls(view: TopView) -> Bool[np.ndarray, " furniture"]:
-    """Whether each piece of storage or kitchen furniture has its back off every wall.
+    """True for each piece of storage or kitchen furniture whose back is off every wall.
 
-    The back is the middle of the face towards -x of the box. It is off where it lies over
-    `OFF_WALL_M` from the outlines of walls and from the inner faces of outer walls, `WALL_M` within
+    The back is the middle of the face towards -x of the box. It is off if it is over `OFF_WALL_M`
+    from the outlines of walls and from the inner faces of outer walls, which lie `WALL_M` within
     the rims of buildings.
     """
     rows, walls, shells = view.rows(BACKED), view.rows(WALLS), view.rows(SHELLS)
@@ -30,5 +30,6 @@ def backs_off_walls(view: TopView) -> Bool[np.ndarray, " furniture"]:
         (shells, rims, OFF_WALL_M + WALL_M),
     ):
         index, other = near_pairs(backs, outlines, apart_m)
+        # Walls of other storeys do not count.
         is_off[index[view.shared_height_m(rows[index], others[other]) > 0]] = False
     return is_off

@@ -1,11 +1,12 @@
-"""Every check of places, and what generated scenes should reach in it.
+"""Every check of places, and the goal that generated scenes should reach in it.
 
     views = [TopView(scene) for scene in scenes]
     for check in CHECKS:
         print(check.title, check.figure(views), check.unit, check.goal)
 
-A check judges things of one kind, one value each; its figure is their mean or median over all
-scenes together.
+Statistics over a whole scene do not notice a boat on land or a chair that faces away from its
+table, but people notice at once. A check judges objects of one kind, one value each. Its figure is
+their mean or median over all scenes together.
 """
 
 from __future__ import annotations
@@ -35,26 +36,35 @@ from aeroscene.metrics.places.top_view import TopView
 from aeroscene.scene import Scene
 
 Judge = Callable[[TopView], Shaped[np.ndarray, " k"]]
-"""Gives one value for each thing of a scene that is judged: whether it is at fault, or a figure."""
+"""Function that gives one value for each judged object of a scene: True for a fault, or a
+figure."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PlaceCheck:
-    """One figure about a group of scenes, of the values of all things judged in them."""
+    """One figure about a group of scenes, from the values of all objects judged in them."""
 
     key: str
-    """What programs call it."""
+    """Name of the check for programs."""
     title: str
     unit: str
     better: Literal["lower", "higher"] = "lower"
     goal: float
-    """What generated scenes should reach, in its unit."""
+    """Value that generated scenes should reach, in the unit of the check."""
     judge: Judge
     is_median: bool = False
-    """Whether the figure is the median of the values, not their mean."""
+    """True if the figure is the median of the values, not their mean."""
 
     def figure(self, views: Sequence[TopView]) -> float:
-        """Mean or median over all things of these scenes that are judged; nan without any."""
+        """Mean or median over all judged objects of these scenes; nan without any.
+
+        Args:
+            views: Scenes seen from above.
+
+        Returns:
+            The figure in the unit of the check: shares in percent.
+        """
+        # Objects of all scenes count alike, so a scene with many of them weighs more.
         values = np.concatenate([np.zeros(0), *(self.judge(view) for view in views)])
         if not len(values):
             return float("nan")
@@ -242,10 +252,10 @@ CHECKS: tuple[PlaceCheck, ...] = (
         judge=precision.narrow_gaps,
     ),
 )
-"""In the order in which they are printed."""
+"""Checks in the order in which they are printed."""
 
 
 def place_figures(scenes: Sequence[Scene]) -> dict[str, float]:
-    """Figures of a group of scenes under the keys of `CHECKS`; nan where nothing is judged."""
+    """Return figures of a group of scenes under the keys of `CHECKS`; nan if nothing is judged."""
     views = [TopView(scene) for scene in scenes]
     return {check.key: check.figure(views) for check in CHECKS}

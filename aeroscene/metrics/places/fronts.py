@@ -1,4 +1,4 @@
-"""Buildings and the streets that they face."""
+"""Fronts of buildings, which should face their streets."""
 
 from __future__ import annotations
 
@@ -10,20 +10,20 @@ from aeroscene.metrics.places.top_view import TopView, union
 from aeroscene.scene.catalogue import BUILDINGS, PARKING, WAYS
 
 REACH_M = 25.0
-"""Farthest that a street before a building is its street."""
+"""Greatest distance of a building's side from its street."""
 AS_NEAR_M = 2.0
-"""A front may be so much farther from its street than another side from that or the next one."""
+"""Amount by which a front may be further from its street than another side from its own."""
 _MIDDLE = 0.7
-"""Share of a side's width that looks at the street."""
+"""Share of a side's width, in its middle, that looks at the street."""
 _SIDES = ((0, 1), (0, -1), (1, 1), (1, -1))
 """Axis and sign of a building's sides, the front first."""
 
 
 def averted_fronts(view: TopView) -> Bool[np.ndarray, " buildings"]:
-    """Whether the front of each building, its +x side, looks away from the nearest street.
+    """True for each building whose front, its +x side, faces away from the nearest street.
 
-    Streets are road, pavement, plaza and parking. A side's is what lies straight before it, up to
-    `REACH_M` away; buildings without any are not judged, nor is what stands in another.
+    Streets are road, pavement, plaza and parking. The street of a side lies straight before it, up
+    to `REACH_M` away. Buildings without any street are not judged, nor are buildings within others.
     """
     buildings = view.rows(BUILDINGS)
     buildings = buildings[view.is_outdoors[buildings]]
@@ -42,6 +42,7 @@ def _away_m(
     near = middle + _MIDDLE * (ends - middle)
     outwards = sign * (view.forward, view.leftward)[axis][rows]
     far = near[:, ::-1] + REACH_M * outwards[:, None]
+    # A rectangle before the side; its intersection with the streets is the visible part of them.
     before = shapely.intersection(shapely.polygons(np.concatenate([near, far], axis=1)), streets)
     away_m = shapely.distance(shapely.linestrings(near), before)
     return np.where(np.isnan(away_m), np.inf, away_m)

@@ -1,8 +1,8 @@
-"""How full places are: what stands in rooms, how large bedrooms are, how much of a town is built.
+"""Fullness of places: objects in rooms, sizes of bedrooms, buildings in towns.
 
-Real layouts have these figures too, so that a corpus can be held against them: homes of 3D-FRONT
-hold 41 objects on 100 m2 of floor and those of ProcTHOR 62 to 80, and buildings cover 38% of the
-ground in Cape Town and Delft and 49% in Helsinki.
+Real layouts give values to compare a corpus with: homes of 3D-FRONT hold 41 objects on 100 m2 of
+floor and those of ProcTHOR 62 to 80, and buildings cover 38% of the ground in Cape Town and Delft
+and 49% in Helsinki.
 """
 
 from __future__ import annotations
@@ -29,14 +29,14 @@ BEDROOM_M2 = (9.0, 25.0)
 
 
 def objects_per_100_m2(view: TopView, uses: Collection[str]) -> Float[np.ndarray, " scenes"]:
-    """Fine objects on 100 m2 of floor, in all rooms of some uses together.
+    """Number of fine objects on 100 m2 of floor, in all rooms of some uses together.
 
     Args:
         view: A scene.
         uses: Values of the attribute `use`; rooms without it are not judged.
 
     Returns:
-        One number for a scene that has such a room, none for one that has not.
+        One number for a scene with such a room; empty for others.
     """
     rooms = np.array([row for row in view.rows(ROOMS) if view.use[row] in uses], dtype=int)
     if not len(rooms):
@@ -58,7 +58,7 @@ def work_fill(view: TopView) -> Float[np.ndarray, " scenes"]:
 
 
 def ordinary_bedrooms(view: TopView) -> Bool[np.ndarray, " bedrooms"]:
-    """Whether the floor of each bedroom lies within `BEDROOM_M2`."""
+    """True for each bedroom whose floor lies within `BEDROOM_M2`."""
     rows = [row for row in view.rows(ROOMS) if view.use[row] == "bedroom"]
     floor_m2 = np.prod(view.arrays.size_m[rows, :2], axis=1)
     return (floor_m2 >= BEDROOM_M2[0]) & (floor_m2 <= BEDROOM_M2[1])
@@ -67,7 +67,8 @@ def ordinary_bedrooms(view: TopView) -> Bool[np.ndarray, " bedrooms"]:
 def built_shares(view: TopView) -> Float[np.ndarray, " towns"]:
     """Share of the convex hull of a town's ground that buildings cover.
 
-    One number for a scene whose theme is one of `TOWNS`, none for any other.
+    Returns:
+        One number for a scene whose theme is one of `TOWNS`; empty for others.
     """
     ground = view.rows(GROUND)
     ground = ground[view.is_outdoors[ground]]

@@ -1,4 +1,4 @@
-"""The ground: does one get from every paved piece to the next, is the site covered?"""
+"""The ground: paved pieces should be connected, and the site should be covered."""
 
 from __future__ import annotations
 
@@ -14,14 +14,16 @@ from aeroscene.scene.catalogue import GROUND, PARKING, ROOMS, SHELLS, WAYS
 GAP_M = 0.3
 """Widest gap between pieces of one patch."""
 TO_WAY_M = 1.5
-"""Farthest that a parking lot lies from a way that leads to it."""
+"""Greatest distance of a parking lot from a road, sidewalk or plaza that leads to it."""
 
 
 def patches(view: TopView) -> Float[np.ndarray, " sites"]:
     """Number of separate patches of road, sidewalk, plaza and parking lot outdoors.
 
-    Pieces are of one patch where a chain of pieces joins them with gaps of at most `GAP_M`. One
-    number for a scene that has any such piece, none for one that has not.
+    Pieces belong to one patch if a chain of pieces joins them with gaps of at most `GAP_M`.
+
+    Returns:
+        One number for a scene with any such piece; empty for others.
     """
     rows = view.rows(WAYS | PARKING)
     outlines = view.outline[rows[view.is_outdoors[rows]]]
@@ -35,8 +37,11 @@ def patches(view: TopView) -> Float[np.ndarray, " sites"]:
 def covered_shares(view: TopView) -> Float[np.ndarray, " sites"]:
     """Share of the convex hull of the site that ground covers.
 
-    The hull is that of all covers and raised land outdoors; they cover it, and so do buildings and
-    rooms. One number for a scene that has any cover outdoors, none for one that has not.
+    The hull is that of all covers and raised land outdoors. They cover it, and so do buildings and
+    rooms.
+
+    Returns:
+        One number for a scene with any cover outdoors; empty for others.
     """
     ground = view.rows(GROUND)
     ground = ground[view.is_outdoors[ground]]
@@ -49,7 +54,7 @@ def covered_shares(view: TopView) -> Float[np.ndarray, " sites"]:
 
 
 def remote_parking(view: TopView) -> Bool[np.ndarray, " lots"]:
-    """Whether each parking lot lies over `TO_WAY_M` from every road, sidewalk and plaza."""
+    """True for each parking lot over `TO_WAY_M` from every road, sidewalk and plaza."""
     lots, ways = view.rows(PARKING), view.rows(WAYS)
     is_remote = np.ones(len(lots), dtype=bool)
     is_remote[near_pairs(view.outline[lots], view.outline[ways], TO_WAY_M)[0]] = False

@@ -1,8 +1,8 @@
-"""Marks of a drawn number: extents that nobody measures, gaps too narrow to be left on purpose.
+"""Signs of numbers that a model drew: odd decimals, and gaps too narrow to be intended.
 
-The corpus is drawn in whole centimetres, and what does not touch keeps apart by 3 cm. A model
-that draws real numbers gives itself away by its decimals, and by things that stand a few
-millimetres off their neighbours.
+The corpus is drawn in whole centimetres, and objects that do not touch are 3 cm apart. A model that
+draws real numbers gives itself away by its decimals, and by objects a few millimetres off their
+neighbours.
 """
 
 from __future__ import annotations
@@ -16,13 +16,14 @@ from aeroscene.metrics.places.top_view import TopView, near_pairs
 _CENTIMETRE_M = 0.01
 _ROUNDED_M = 2e-4
 """Deviation from whole centimetres that the file format's own rounding explains."""
+# Boxes that are nearer than this touch.
 _TOUCH_M = 1.5e-3
 NARROW_M = 0.005
-"""Gaps of fine objects that are narrower than this look like an accident."""
+"""Gaps of fine objects below this width look like an accident."""
 
 
 def whole_centimetres(view: TopView) -> Bool[np.ndarray, " objects"]:
-    """Whether the extents along x and y of each fine object are whole centimetres."""
+    """True for each fine object whose extents along x and y are whole centimetres."""
     is_fine = np.array([not obj.is_coarse for obj in view.scene.objects], dtype=bool)
     size_m = view.arrays.size_m[is_fine, :2]
     off_m = np.abs(size_m - _CENTIMETRE_M * np.round(size_m / _CENTIMETRE_M))
@@ -30,9 +31,9 @@ def whole_centimetres(view: TopView) -> Bool[np.ndarray, " objects"]:
 
 
 def narrow_gaps(view: TopView) -> Bool[np.ndarray, " objects"]:
-    """Whether a gap narrower than `NARROW_M` parts each fine object from another of its parent.
+    """True for each fine object with a gap below `NARROW_M` to another one of its parent.
 
-    Objects that touch have no gap, nor have those one of which is above the other.
+    Objects that touch have no gap. Objects of which one is above the other have none either.
     """
     rows = np.flatnonzero([not obj.is_coarse for obj in view.scene.objects])
     outlines = view.outline[rows]

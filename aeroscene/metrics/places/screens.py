@@ -1,4 +1,4 @@
-"""Screens: does whoever sits at the table see the picture?"""
+"""Screens on tables, whose picture should face the nearest chair."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from aeroscene.scene.catalogue import SCREENS, SEATS, TABLES
 
 
 def averted_screens(view: TopView) -> Bool[np.ndarray, " screens"]:
-    """Whether each screen on a table or desk shows its back to the nearest chair there.
+    """True for each screen on a table or desk that shows its back to the nearest chair.
 
-    The picture faces along +x. A chair is there if the gap between the outlines of chair and table
-    is at most `AT_TABLE_M` and they share height. Screens on other furniture, and on tables without
-    a chair, are not judged.
+    The picture faces along +x. A chair is at the table if the gap between the outlines of chair and
+    table is at most `AT_TABLE_M` and they share height. Screens on other furniture, and on tables
+    without a chair, are not judged.
     """
     screens, chairs = view.rows(SCREENS), view.rows(SEATS)
     screens = screens[view.is_on(TABLES)[screens]]
@@ -26,5 +26,6 @@ def averted_screens(view: TopView) -> Bool[np.ndarray, " screens"]:
     screen, chair = screen[is_there], chair[is_there]
     way_m = view.centre_m[chair] - view.centre_m[screen]
     nearest = np.lexsort((np.linalg.norm(way_m, axis=1), screen))
+    # Sorted by distance, so that the first row of each screen is its nearest chair.
     nearest = nearest[np.unique(screen[nearest], return_index=True)[1]]
     return (way_m[nearest] * view.forward[screen[nearest]]).sum(axis=1) < 0.0

@@ -1,4 +1,4 @@
-"""Tables: do chairs face them, is a chair there for every plate?"""
+"""Tables: chairs should face them, and every plate should have a chair."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from aeroscene.metrics.places.top_view import TopView, near_pairs
 from aeroscene.scene.catalogue import SEATS, SETTINGS, TABLES, WALLS
 
 _ABOVE_M = 0.3
-"""Farthest that a plate lies above the back of a chair before it."""
+"""Greatest height of a plate above the back of a chair before it."""
 
 
 def averted_chairs(view: TopView) -> Bool[np.ndarray, " chairs"]:
-    """Whether each chair at a table is turned off it.
+    """True for each chair at a table that does not face it.
 
-    A chair is at the nearest table or desk that shares height with it and that no wall parts from
-    it, if the gap between their outlines is at most `AT_TABLE_M`; other chairs are not judged. It
-    is turned off where its x axis and the way from its middle to the nearest point of the table
-    make an angle over `OFF_RAD`.
+    A chair is at the nearest table or desk that shares height with it and that no wall separates
+    from it, if the gap between their outlines is at most `AT_TABLE_M`. Other chairs are not judged.
+    A chair does not face its table if the angle between its x axis and the direction from its
+    middle to the nearest point of the table is over `OFF_RAD`.
     """
     chairs, tables = view.rows(SEATS), view.rows(TABLES)
     chair, table = near_pairs(view.outline[chairs], view.outline[tables], AT_TABLE_M)
@@ -37,6 +37,7 @@ def averted_chairs(view: TopView) -> Bool[np.ndarray, " chairs"]:
     nearest_m = shapely.get_coordinates(
         shapely.get_point(shapely.shortest_line(middle, view.outline[table]), 1)
     )
+    # From a chair that is pushed under the table, the direction to its middle counts.
     is_inside = shapely.intersects(middle, view.outline[table])
     target_m = np.where(is_inside[:, None], view.centre_m[table], nearest_m)
     way_m = target_m - view.centre_m[chair]
@@ -45,9 +46,9 @@ def averted_chairs(view: TopView) -> Bool[np.ndarray, " chairs"]:
 
 
 def lone_plates(view: TopView) -> Bool[np.ndarray, " plates"]:
-    """Whether each plate on a table or desk has no chair within `TO_CHAIR_M`, middle to middle.
+    """True for each plate on a table or desk without a chair within `TO_CHAIR_M` of its middle.
 
-    Chairs behind walls and of other storeys do not count: a plate lies at most `_ABOVE_M` above a
+    Chairs behind walls and on other storeys do not count: a plate lies at most `_ABOVE_M` above a
     chair's back.
     """
     plates, chairs = view.rows(SETTINGS), view.rows(SEATS)
@@ -65,7 +66,7 @@ def lone_plates(view: TopView) -> Bool[np.ndarray, " plates"]:
 def _are_parted(
     view: TopView, first: Int[np.ndarray, " k"], second: Int[np.ndarray, " k"]
 ) -> Bool[np.ndarray, " k"]:
-    """Whether a wall stands between the two of each pair, on the shortest way, seen from above."""
+    """True if a wall stands between the two of each pair, on the shortest line seen from above."""
     walls = view.rows(WALLS)
     ways = shapely.shortest_line(view.outline[first], view.outline[second])
     pair, wall = near_pairs(ways, view.outline[walls], 0.0)

@@ -1,4 +1,4 @@
-"""Rows of equal things: do they stand at equal distances?"""
+"""Rows of equal objects, which should stand at equal distances."""
 
 from __future__ import annotations
 
@@ -13,17 +13,22 @@ from aeroscene.scene.catalogue import TABLES
 
 LEAST_IN_ROW = 3
 OFF_LINE_M = 0.5
-"""Farthest that the middle of one in a row is from the row's line."""
+"""Greatest distance of a middle from the line of its row."""
 OFF_HEADING_RAD = math.radians(15.0)
-"""Largest angle between the headings of two in a row."""
+"""Greatest angle between the headings of two objects in a row."""
 
 
 def uneven_spacing(view: TopView, categories: frozenset[str] = TABLES) -> Float[np.ndarray, " k"]:
     """Deviation of the spacing over its mean, one number for each row of one kind.
 
-    A row is `LEAST_IN_ROW` or more of one category and one parent whose headings differ from that
-    of the first by at most `OFF_HEADING_RAD` and whose middles lie at most `OFF_LINE_M` from the
-    line through it along its x or its y axis. Spacing is between neighbours along that line.
+    A row has `LEAST_IN_ROW` or more objects of one category and one parent. Their headings differ
+    from that of the first by at most `OFF_HEADING_RAD`, and their middles lie at most `OFF_LINE_M`
+    from the line through the first along its x or its y axis. Spacing is between neighbours along
+    that line.
+
+    Args:
+        view: A scene.
+        categories: Categories whose rows are judged.
     """
     found = []
     for category in sorted(categories):
@@ -38,7 +43,7 @@ def uneven_spacing(view: TopView, categories: frozenset[str] = TABLES) -> Float[
 def _lines(
     view: TopView, rows: Int[np.ndarray, " k"], axes: Float[np.ndarray, "n 2"]
 ) -> Iterator[Float[np.ndarray, " m"]]:
-    """Places along its line of each row's members; each object is in one row at most."""
+    """Yield the places along its line of each row's members; each object is in one row at most."""
     while len(rows) >= LEAST_IN_ROW:
         first = rows[0]
         apart_m = view.centre_m[rows] - view.centre_m[first]

@@ -1,4 +1,4 @@
-"""Stairs: do they lead somewhere?"""
+"""Stairs, which should lead to a level."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from aeroscene.scene.catalogue import BRIDGES, COVERS, LEVELS, ROOMS, SHELLS, ST
 from aeroscene.solids.shapes.structures import RAIL_M
 
 _BORNE_BY_TOP = (COVERS | SHELLS | LEVELS) - WATER - BRIDGES
-"""What one walks on top of."""
+"""Categories on whose tops people walk."""
 
 
 def dead_end_stairs(view: TopView) -> Bool[np.ndarray, " stairs"]:
-    """Whether the top of each flight of stairs meets no level.
+    """True for each flight of stairs whose top meets no level.
 
-    The top is the upper edge of the face towards +x of the box. It meets a level whose outline lies
-    at most `REACH_M` from it and whose height differs by at most `STEP_M`. Levels are the upper
-    sides of covers, terrain, floors, decks, roofs, containers and buildings, the undersides of
-    rooms, and the decks of bridges, `RAIL_M` below their upper sides.
+    The top is the upper edge of the face towards +x of the box. It meets a level if the level's
+    outline is at most `REACH_M` away and its height differs by at most `STEP_M`. Levels are the
+    upper sides of covers, terrain, floors, decks, roofs, containers and buildings, the undersides
+    of rooms, and the decks of bridges, `RAIL_M` below their upper sides.
     """
     stairs = view.rows(STAIRS)
     levels, height_m = _levels(view)
@@ -34,7 +34,7 @@ def dead_end_stairs(view: TopView) -> Bool[np.ndarray, " stairs"]:
 
 
 def _levels(view: TopView) -> tuple[np.ndarray, Float[np.ndarray, " k"]]:
-    """Rows and heights of what stairs may lead to."""
+    """Return rows and heights of the levels that stairs may lead to."""
     tops, rooms, bridges = view.rows(_BORNE_BY_TOP), view.rows(ROOMS), view.rows(BRIDGES)
     heights_m = (view.top_m[tops], view.base_m[rooms], view.top_m[bridges] - RAIL_M)
     return np.concatenate([tops, rooms, bridges]), np.concatenate(heights_m)

@@ -1,4 +1,8 @@
-"""A scene seen from above: outlines of its objects and the heights between which each stands."""
+"""A scene seen from above: outlines of its objects, and the heights between which each stands.
+
+Checks of places ask the same few questions of the same objects. A view computes each answer once,
+for all objects, and on first use.
+"""
 
 from __future__ import annotations
 
@@ -31,7 +35,7 @@ class TopView:
 
     @cached_property
     def use(self) -> tuple[AttributeValue | None, ...]:
-        """What rooms are used as, where the scene says so."""
+        """Use of each room; None for other objects, and if the scene does not state it."""
         return tuple(obj.attributes.get("use") for obj in self.scene.objects)
 
     @cached_property
@@ -45,17 +49,17 @@ class TopView:
         return np.flatnonzero(np.isin(self.arrays.category, numbers))
 
     def is_in(self, categories: Collection[str]) -> Bool[np.ndarray, " n"]:
-        """Whether an object of one of these categories is among each object's ancestors."""
+        """True for objects with an ancestor of one of these categories."""
         return np.any(self.arrays.is_ancestor[self.rows(categories)], axis=0)
 
     def is_on(self, categories: Collection[str]) -> Bool[np.ndarray, " n"]:
-        """Whether the parent of each object is of one of these categories."""
+        """True for objects whose parent has one of these categories."""
         parent = self.arrays.parent
         return np.isin(parent, self.rows(categories)) & (parent != NO_PARENT)
 
     @cached_property
     def is_outdoors(self) -> Bool[np.ndarray, " n"]:
-        """Whether an object is no part and no content of a building or room."""
+        """True for objects that are neither part nor content of a building or room."""
         return np.logical_not(self.is_in(SHELLS | ROOMS))
 
     @cached_property
@@ -65,7 +69,7 @@ class TopView:
 
     @cached_property
     def forward(self) -> Float[np.ndarray, "n 2"]:
-        """Unit vectors along each box's x axis: the side that a thing shows to its user."""
+        """Unit vectors along each box's x axis, the side that an object shows to its user."""
         yaw_rad = self.arrays.yaw_rad
         return np.stack([np.cos(yaw_rad), np.sin(yaw_rad)], axis=1)
 
@@ -76,9 +80,10 @@ class TopView:
 
     @cached_property
     def outline(self) -> np.ndarray:
-        """Outlines as polygons, n of them."""
+        """Outlines of the objects as polygons, seen from above."""
         arrays = self.arrays
         corners = box_corners(arrays.centre_enu_m, arrays.quat_wxyz, arrays.size_m)[..., :2]
+        # A box seen from above is the hull of its eight corners, tilted or not.
         return np.asarray(shapely.convex_hull(shapely.linestrings(corners)))
 
     @cached_property
@@ -94,17 +99,29 @@ class TopView:
     @cached_property
     def _half_height_m(self) -> Float[np.ndarray, " n"]:
         upward = np.abs(rotation_matrix(self.arrays.quat_wxyz)[:, 2])
+        # Tilted boxes reach higher than half of their own height.
         return (upward * self.arrays.size_m).sum(axis=1) / 2
 
     def shared_height_m(
         self, first: Int[np.ndarray, "*k"], second: Int[np.ndarray, "*k"]
     ) -> Float[np.ndarray, "*k"]:
-        """Height that pairs of objects have in common; negative where one is above the other."""
+        """Height that pairs of objects have in common, m; negative for a gap between them.
+
+        Args:
+            first: Rows of the first objects.
+            second: Rows of the second objects.
+        """
         top_m = np.minimum(self.top_m[first], self.top_m[second])
         return top_m - np.maximum(self.base_m[first], self.base_m[second])
 
     def face(self, rows: Int[np.ndarray, " k"], axis: int, sign: int) -> Float[np.ndarray, "k 2 2"]:
-        """Both ends, seen from above, of the upright face towards +x, -x, +y or -y of boxes."""
+        """Ends of an upright face of boxes, seen from above.
+
+        Args:
+            rows: Rows of the objects.
+            axis: 0 for a face across x, 1 for a face across y.
+            sign: 1 or -1, the side of the box.
+        """
         own = (self.forward[rows], self.leftward[rows])
         half_m = self.arrays.size_m[rows] / 2
         middle_m = self.centre_m[rows] + sign * half_m[:, axis, None] * own[axis]
@@ -115,7 +132,17 @@ class TopView:
 def near_pairs(
     first: shapely.Geometry | np.ndarray, second: shapely.Geometry | np.ndarray, apart_m: float
 ) -> tuple[Int[np.ndarray, " k"], Int[np.ndarray, " k"]]:
-    """Which of two lists of geometries lie at most so far apart, as indices into both."""
+    """Find the pairs of two lists of geometries that are at most so far apart.
+
+    Args:
+        first: One list.
+        second: The other.
+        apart_m: Greatest distance.
+
+    Returns:
+        Indices into the first and into the second list, pair by pair.
+    """
+    # `query` gives indices of its argument first, then those of the tree.
     index, other = shapely.STRtree(np.asarray(second)).query(
         first, predicate="dwithin", distance=apart_m
     )
@@ -123,7 +150,8 @@ def near_pairs(
 
 
 def union(outlines: np.ndarray) -> shapely.Geometry:
-    """One geometry of all, prepared for many questions."""
+    """Join outlines to one geometry, which is prepared for many queries."""
     whole = shapely.union_all(outlines)
+    # Prepared geometries keep an index of their edges.
     shapely.prepare(whole)
     return whole

@@ -1,7 +1,7 @@
-"""Walls: do they meet, do they close rooms?
+"""Walls, which should meet each other and close rooms.
 
 An outer wall lies within the rim of a building's box; every other wall is a box of its own. A wall
-counts for what it shares height with.
+counts for objects with which it shares height.
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ from aeroscene.metrics.places.top_view import TopView, near_pairs
 from aeroscene.scene.catalogue import ROOMS, SHELLS, TERRAIN, WALLS
 
 TO_WALL_M = 0.2
-"""Farthest that a wall's outline is from what touches it."""
+"""Greatest distance of a wall's outline from the end that touches it."""
 TO_RIM_M = 0.6
-"""Farthest that the rim of a building's box is from what touches the outer wall within it."""
+"""Greatest distance of the rim of a building's box from the end that touches its outer wall."""
 _JOINT_M = 0.005
 """Half of the widest gap between boxes of one room."""
 WALLED_USES = frozenset(
@@ -27,11 +27,12 @@ WALLED_USES = frozenset(
 
 
 def loose_wall_ends(view: TopView) -> Bool[np.ndarray, " ends"]:
-    """Whether each end of each wall touches neither another wall nor an outer wall.
+    """True for each end of each wall that touches neither another wall nor an outer wall.
 
     An end is the whole upright face at either end of the longer side of the wall's box. It touches
-    where it lies at most `TO_WALL_M` from another wall's outline or at most `TO_RIM_M` from the rim
-    of a building, inside or out. Parapets on raised land are not judged: they end at stairs.
+    if it lies at most `TO_WALL_M` from another wall's outline, or at most `TO_RIM_M` from the rim
+    of a building, inside or outside. Parapets on raised land are not judged, because they end at
+    stairs.
     """
     walls, shells = view.rows(WALLS), view.rows(SHELLS)
     judged = walls[~view.is_on(TERRAIN)[walls]]
@@ -52,13 +53,13 @@ def loose_wall_ends(view: TopView) -> Bool[np.ndarray, " ends"]:
 
 
 def closed_shares(view: TopView) -> Float[np.ndarray, " rooms"]:
-    """Share of the outline of each room with a name that walls close.
+    """Share of the outline of each named room that walls close.
 
-    A stretch is closed where it lies at most `TO_WALL_M` from the outline of a wall or at most
-    `TO_RIM_M` from the rim of a building, of those that share at least half of the room's height.
-    Doors and windows are parts of their walls. Judged are rooms whose use is one of `WALLED_USES`.
-    Rooms in no building, as in layouts from elsewhere, are judged whatever their use, those that
-    touch as one: there several boxes make a room.
+    A stretch is closed if it lies at most `TO_WALL_M` from the outline of a wall or at most
+    `TO_RIM_M` from the rim of a building, and that one shares at least half of the room's height.
+    Doors and windows are parts of their walls. Rooms are judged whose use is one of `WALLED_USES`.
+    Rooms in no building, as in layouts from elsewhere, are judged whatever their use. Those that
+    touch count as one, because there several boxes make a room.
     """
     walls, shells = view.rows(WALLS), view.rows(SHELLS)
     barriers = np.concatenate(
@@ -74,16 +75,18 @@ def closed_shares(view: TopView) -> Float[np.ndarray, " rooms"]:
     counts = view.shared_height_m(rooms[room], barrier_rows[barrier]) >= least_m
     shares = np.zeros(len(rooms))
     for index, ring in enumerate(rings):
+        # Barriers are joined first: where two of them overlap, the outline counts once.
         closing = shapely.union_all(barriers[barrier[counts & (room == index)]])
         shares[index] = shapely.intersection(ring, closing).length / ring.length
     return shares
 
 
 def _judged_rooms(view: TopView) -> tuple[Int[np.ndarray, " k"], np.ndarray]:
-    """A row and the outline of each room whose walls are judged."""
+    """Return a row and the outline of each room whose walls are judged."""
     rooms, is_in_shell = view.rows(ROOMS), view.is_in(SHELLS)
     named = [row for row in rooms[is_in_shell[rooms]] if view.use[row] in WALLED_USES]
     free = rooms[~is_in_shell[rooms]]
+    # Widened a little, so that boxes of one room join.
     tiles = shapely.buffer(view.outline[free], _JOINT_M, join_style="mitre")
     joined = shapely.get_parts(shapely.union_all(tiles))
     tile, whole = near_pairs(shapely.points(view.centre_m[free]), joined, 0.0)

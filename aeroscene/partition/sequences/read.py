@@ -1,4 +1,4 @@
-"""From records to the partition that they are of."""
+"""Reading of records as the partition that they describe."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from aeroscene.partition.tree import (
 
 
 def from_sequence(records: Sequence[Record]) -> Partition:
-    """The partition whose records these are.
+    """Return the partition of a list of records; inverse of `to_sequence`.
 
     Raises:
         PartitionError: If they are not the records of one partition.
@@ -36,12 +36,13 @@ def from_sequence(records: Sequence[Record]) -> Partition:
     reader = _Reader(list(records[len(widths) :]), widths)
     try:
         return reader.partition()
+    # Malformed lists fail somewhere in the reader; all such errors become one.
     except (IndexError, KeyError, TypeError) as error:
         raise PartitionError(f"sequence has a record that does not fit: {error}") from None
 
 
 def read_border(records: Sequence[Record]) -> Border:
-    """The border whose records these are, behind those of the widths that it may name."""
+    """Return the border of a list of records, which begins with the widths that it may name."""
     widths = [record.values[0] for record in records if record.node == "width"]
     reader = _Reader(list(records[len(widths) :]), widths)
     return reader.border(reader.take("border"))
@@ -52,7 +53,7 @@ class _Reader:
         self.records, self.widths, self.at = records, widths, 0
 
     def take(self, *nodes: str) -> Record:
-        """The next record, which is one of these."""
+        """Return the next record, which must have one of these nodes."""
         found = self.records[self.at] if self.at < len(self.records) else None
         if found is None or (nodes and found.node not in nodes):
             name = "ends" if found is None else f"has {found.node!r}"
@@ -90,6 +91,7 @@ class _Reader:
         return Part(record.share)
 
     def many(self, count: int) -> tuple[Node, ...]:
+        # `strip` counts from 1, because 0 means a share.
         return tuple(self.node(self.take()) for _ in range(count))
 
     def node(self, r: Record) -> Node:

@@ -1,4 +1,4 @@
-"""From a partition to its records."""
+"""Writing of a partition as its records."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from aeroscene.partition.tree import (
 
 
 def to_sequence(partition: Partition) -> list[Record]:
-    """The records of a partition."""
+    """Return the records of a partition; `from_sequence` gives it back without loss."""
     widths = _widths_of(partition)
     writer = _Writer({width: number for number, width in enumerate(widths, 1)})
     head = [Record("width", values=(width,)) for width in widths]
@@ -53,6 +53,7 @@ def _widths_of(partition: Partition) -> list[float]:
                 pass
     if isinstance(partition, StoreyPartition):
         parts += (s.part for border in partition.borders for s in border.segments)
+    # Equal widths are one record, in the order of their first use.
     return list(dict.fromkeys(part.value for part in parts if part.is_width))
 
 
@@ -66,7 +67,7 @@ class _Writer:
         return replace(record, share=part.value)
 
     def node(self, node: Node, part: Part | None = None) -> Iterator[Record]:
-        """Records of a node; the first says what part of its parent it is."""
+        """Yield the records of a node; the first states the node's part of its parent."""
         first, *rest = self._whole(node)
         yield self.part(first, part) if part else first
         yield from rest

@@ -1,4 +1,9 @@
-"""Reads a street that bends: pieces that overlap where they turn, and what lies beside them."""
+"""Reading of a street that bends: pieces that overlap where they turn, and covers beside them.
+
+Carriageways are sorted along the street. Strips that follow every carriageway are its lanes, and
+other covers belong to the bank of the nearest piece. Pieces of a real street overlap at a bend; the
+tree holds the middle line without that overlap, and `lane_reach` adds it again.
+"""
 
 from __future__ import annotations
 
@@ -13,12 +18,13 @@ from aeroscene.partition.tree import Bank, Bend, Lane, Leaf, Overlay, PartitionE
 from aeroscene.scene import SceneObject
 from aeroscene.scene.catalogue import ROADS, STRIPS
 
+# Headings that differ by less are aligned.
 _SAME_RAD = 0.01
 _LEAST_LENGTH = 0.6
-"""Least length of a lane as a share of its carriageway's."""
+"""Least length of a lane, as a share of its carriageway's."""
 
 MakeNode = Callable[[SceneObject, float], Leaf | Overlay]
-"""The leaf of a cover in a frame of a heading, rad, with what lies on it."""
+"""Function that makes the leaf of a cover in a frame of a heading, rad, with covers on it."""
 _Lane = tuple[SceneObject, float, float]
 """Object with its right and left edge in the frame of the piece's carriageway, m."""
 
@@ -29,12 +35,12 @@ def fit_bend(
     widths: Widths,
     word: Callable[[SceneObject], str],
 ) -> tuple[Frame, Bend] | None:
-    """The bend that covers form, in the frame of its mean heading; None where there is none.
+    """Fit a bend to covers, in the frame of its mean heading; None if they form none.
 
     Args:
         bodies: Covers side by side.
         node: Makes the leaf of a cover.
-        widths: Takes the widths of the lanes.
+        widths: The widths of the lanes are added to it.
         word: Kind of the leaf that a cover becomes.
 
     Raises:
@@ -55,7 +61,7 @@ def fit_bend(
 
 
 def _chain(roads: list[SceneObject]) -> list[SceneObject]:
-    """Roads in their order along the line through the first and the last of them."""
+    """Sort roads along the line through the two that are furthest apart."""
     if len(roads) < 2:
         return roads
     pairs = [(a, b) for a in roads for b in roads]
@@ -65,15 +71,16 @@ def _chain(roads: list[SceneObject]) -> list[SceneObject]:
 
 
 def _headings(roads: list[SceneObject]) -> list[float]:
-    """Headings along the chain, each within half a turn of the one before.
+    """Return headings along the chain, each within half a turn of the one before.
 
     Raises:
-        PartitionError: If a turn is not below a quarter.
+        PartitionError: If a turn is not from `_SAME_RAD` to 1.2 rad.
     """
     dx, dy = (roads[-1].bbox.p[i] - roads[0].bbox.p[i] for i in (0, 1))
     last = math.atan2(dy, dx)
     headings: list[float] = []
     for road in roads:
+        # A road may have been drawn in either direction, so half turns are removed.
         turn = math.remainder(road.bbox.yaw_rad - last, math.pi)
         last += turn
         headings.append(last)
@@ -84,9 +91,10 @@ def _headings(roads: list[SceneObject]) -> list[float]:
 
 
 def _lanes(road: SceneObject, frame: Frame, others: Sequence[SceneObject]) -> list[list[_Lane]]:
-    """Strips without a gap along a carriageway: right of it and left, each from it outwards."""
+    """Return the strips without a gap along a carriageway: right and left of it, outwards."""
     strips = [(o, frame.bounds_of(frame_of(o.bbox))) for o in others if _is_aligned(o, frame)]
     found: list[list[_Lane]] = [[(road, 0.0, frame.width_m)], [(road, 0.0, frame.width_m)]]
+    # Sorted by their distance from the middle, so that each strip can join the one before.
     for obj, (x0, y0, x1, y1) in sorted(strips, key=lambda s: abs(s[1][1] + s[1][3])):
         overlap = min(x1, frame.length_m) - max(x0, 0.0)
         if obj.category not in STRIPS or overlap < _LEAST_LENGTH * frame.length_m:
@@ -101,7 +109,7 @@ def _lanes(road: SceneObject, frame: Frame, others: Sequence[SceneObject]) -> li
 def _common(
     roads: list[SceneObject], frames: list[Frame], rest: Sequence[SceneObject]
 ) -> list[list[_Lane]]:
-    """For each piece the lanes that all pieces have alike, from right to left."""
+    """Return the lanes of each piece that all pieces have alike, from right to left."""
     sides = [_lanes(road, frame, rest) for road, frame in zip(roads, frames, strict=True)]
     counts = [0, 0]
     for side in (0, 1):
@@ -136,6 +144,7 @@ def _without_banks(
 ) -> Bend:
     turns = [b - a for a, b in pairwise(headings)]
     low, high = lanes[0][0][1], lanes[0][-1][2]
+    # The middle line runs in the middle of all lanes, not of the carriageway.
     middle = (low + high) / 2
     ends = [0.0, *turns, 0.0]
     lengths = [
@@ -202,7 +211,7 @@ def _bank(
     node: MakeNode,
     widths: Widths,
 ) -> Bank:
-    """The tree of covers on one side of a piece, from the lanes' edge to the farthest of them."""
+    """Fit the covers on one side of a piece, from the lanes' edge to the furthest of them."""
     edge = frame.width_m if side else 0.0
     x0, y0, x1, y1 = hull_of(bounds for _, bounds in group)
     hull = (x0, min(y0, edge), x1, max(y1, edge))

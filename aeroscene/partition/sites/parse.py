@@ -1,4 +1,8 @@
-"""Reads the partition of a site off the boxes of its ground covers."""
+"""Reading of a site's partition off the boxes of its ground covers.
+
+Covers side by side divide the site. Covers on another cover divide it, or have a place on it. A
+site whose covers fit no slices, crosses or pinwheels may have a street that bends.
+"""
 
 from __future__ import annotations
 
@@ -15,43 +19,44 @@ from aeroscene.partition.tree import Item, Leaf, Node, Overlay, PartitionError, 
 from aeroscene.scene import Scene, SceneObject
 from aeroscene.scene.catalogue import GROUND, STRIPS
 
-"""Categories that cover the ground."""
+# Headings that differ by less are aligned.
 ALIGNED_RAD = 2e-3
 _CONTAINED = 0.99
-"""Least share of a cover's outline that lies within another that it lies on."""
+"""Least share of a cover's outline within the cover that it lies on."""
 _TILED = 0.6
-"""Least share of a cover that its children cover where they divide it, and are not placed on it."""
+"""Children that cover a smaller share of a cover do not divide it."""
+# Heights that differ by less are equal.
 _ON_TOP_M = 0.006
 
 Word = Callable[[SceneObject], str]
 
 
 def category_word(obj: SceneObject) -> str:
-    """The kind of a leaf: the object's category."""
+    """Return the kind of a leaf: the object's category."""
     return obj.category
 
 
 @dataclass(frozen=True, slots=True)
 class ParsedSite:
-    """A site's partition, and which objects of the scene it stands for."""
+    """A site's partition, and the objects of the scene that it stands for."""
 
     site: SitePartition
     object_ids: frozenset[int]
 
 
 def site_partition(scene: Scene, word: Word = category_word) -> ParsedSite | None:
-    """The partition of a scene's ground, by boxes, categories and parents alone.
+    """Read the partition of a scene's ground, by boxes, categories and parents alone.
 
-    Covers without a parent divide the site; those that divide the upper face of another do so on
-    it; those that lie within another that bears them have a place on it. What a cover carries
-    beside that is no part of the partition.
+    Covers without a parent divide the site. Covers that divide the upper face of another one do so
+    on it. Covers that lie within their bearer have a place on it. Other objects on a cover are no
+    part of the partition.
 
     Args:
         scene: Any scene.
         word: Kind of the leaf that an object becomes.
 
     Returns:
-        None where the ground has no covers.
+        None if the ground has no covers.
 
     Raises:
         PartitionError: If covers overlap in a way that no node has.
@@ -61,6 +66,7 @@ def site_partition(scene: Scene, word: Word = category_word) -> ParsedSite | Non
     if not roots:
         return None
     reader = _Reader(scene, word, Widths(STRIPS))
+    # The longest strip sets the heading of the site, or the longest cover without any strip.
     longest = max(roots, key=lambda o: (o.category in STRIPS, max(o.bbox.s[:2])))
     bodies, carried = reader.stacked(roots)
     try:
@@ -79,7 +85,7 @@ def site_partition(scene: Scene, word: Word = category_word) -> ParsedSite | Non
 
 
 def _is_root(scene: Scene, obj: SceneObject) -> bool:
-    """Whether a cover lies on the bare ground: without a parent, or in continuation of it."""
+    """True if a cover lies on bare ground: without a parent, or continuing one without."""
     if obj.parent_id is None:
         return True
     parent = scene.object_by_id[obj.parent_id]
@@ -98,9 +104,10 @@ class _Reader:
     def stacked(
         self, objects: Sequence[SceneObject]
     ) -> tuple[list[SceneObject], dict[int, list[SceneObject]]]:
-        """Objects that lie side by side, and those that lie on them under the ids of these."""
+        """Return objects side by side, and those that lie on them by the ids of these."""
         bodies: list[SceneObject] = []
         carried: dict[int, list[SceneObject]] = {}
+        # The largest first, so that a host is known before the objects on it.
         for obj in sorted(objects, key=lambda o: -o.bbox.s[0] * o.bbox.s[1]):
             host = next((body for body in bodies if _lies_on(obj, body)), None)
             if host is None:
@@ -116,7 +123,7 @@ class _Reader:
         yaw_rad: float,
         host: Frame | None = None,
     ) -> tuple[Frame, Node]:
-        """The tree of covers side by side, over their hull or over what bears them."""
+        """Return the tree of covers side by side, over their hull or over their bearer."""
         plane = host or Frame(0.0, 0.0, yaw_rad, 0.0, 0.0)
         pieces: list[Piece] = []
         for obj in bodies:
@@ -135,7 +142,7 @@ class _Reader:
     def node(
         self, obj: SceneObject, carried: dict[int, list[SceneObject]], yaw_rad: float | None = None
     ) -> Leaf | Overlay:
-        """A cover's leaf in a frame of a heading, with what lies on it."""
+        """Return a cover's leaf in a frame of a heading, with the covers on it."""
         frame = frame_of(obj.bbox, yaw_rad)
         quarter, _ = nearest_quarter(obj.bbox.yaw_rad - frame.yaw_rad)
         leaf = Leaf(self.word(obj), obj.bbox.s[2], quarter)
@@ -145,7 +152,7 @@ class _Reader:
         return Overlay(leaf, tuple(items)) if items else leaf
 
     def _item(self, obj: SceneObject, host: Frame) -> Item:
-        """A cover that lies on another at a place of its own."""
+        """Return a cover that lies on another at a place of its own."""
         u, v = host.local(obj.bbox.p[0], obj.bbox.p[1])
         size = (obj.bbox.s[0], obj.bbox.s[1])
         turn = obj.bbox.yaw_rad - host.yaw_rad
@@ -154,7 +161,7 @@ class _Reader:
         return Item(self.node(obj, {}), place)
 
     def _divided(self, host: SceneObject, frame: Frame) -> Node | None:
-        """The tree of what covers the upper face of a cover; None where it is mostly bare."""
+        """Return the tree of covers on the upper face of another; None if it is mostly bare."""
         top_m = host.bbox.p[2] + host.bbox.s[2] / 2
         bodies = [
             child
@@ -178,10 +185,11 @@ def _base(obj: SceneObject) -> float:
 
 
 def _lies_on(obj: SceneObject, host: SceneObject) -> bool:
-    """Whether a cover's underside lies on another and within its outline."""
+    """True if a cover's underside lies on another one and within its outline."""
     top_m = host.bbox.p[2] + host.bbox.s[2] / 2
     if abs(_base(obj) - top_m) > _ON_TOP_M:
         return False
+    # Corners 0, 1, 3, 2 go around the lower face.
     inner, outer = (shapely.Polygon(o.bbox.corners()[[0, 1, 3, 2], :2]) for o in (obj, host))
     return outer.intersection(inner).area >= _CONTAINED * inner.area
 

@@ -1,4 +1,4 @@
-"""What a site's partition is, and the covers that it makes."""
+"""The partition of a site, and the covers that it makes."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from aeroscene.scene import OrientedBox
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SitePartition:
-    """How the ground of a site is divided."""
+    """Division of the ground of a site."""
 
     frame: Frame
     tree: Node
@@ -27,11 +27,11 @@ class Cover:
     kind: str
     box: OrientedBox
     leaf: int
-    """Number of its cell, see `aeroscene.partition.cells.cells_of`; of several the first."""
+    """Number of its cell, see `aeroscene.partition.cells.cells_of`; the first of several."""
 
 
 def build_site(site: SitePartition) -> list[Cover]:
-    """The covers of a site in pre-order: side by side, or stacked where one lies on another.
+    """Return the covers of a site in pre-order: side by side, or stacked on each other.
 
     Raises:
         PartitionError: If strips are wider than their frame.

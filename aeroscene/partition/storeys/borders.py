@@ -1,4 +1,4 @@
-"""Reads what stands on a line off the walls there and their openings."""
+"""Reading of the segments of a line off the walls there and their openings."""
 
 from __future__ import annotations
 
@@ -11,13 +11,14 @@ from aeroscene.partition.storeys.storey import NOBODY, OPEN, Border, Line, Segme
 from aeroscene.partition.tree import Axis, parts_of
 from aeroscene.scene import SceneObject
 
+# Distance of a wall's middle from its line, at most.
 _ON_LINE_M = 0.015
 _LEAST_M = 0.02
-"""Stretches shorter than this are rounding."""
+"""Shorter stretches are rounding."""
 _ROUNDING_M = 1e-6
 _DEFAULT_HEAD_M = {"door": 2.4, "window": 2.2}
 _DEFAULT_SILL_M = 0.9
-"""What a wall without these attributes has; see `aeroscene.solids.shapes.shell`."""
+"""Values of a wall without these attributes; see `aeroscene.solids.shapes.shell`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,30 +30,30 @@ class StandingWall:
     quarter: int
 
     def moved(self, dx: float, dy: float) -> StandingWall:
-        """The same wall in a frame with another corner."""
+        """Return the same wall in a frame with another corner."""
         x0, y0, x1, y1 = self.bounds
         return replace(self, bounds=(x0 + dx, y0 + dy, x1 + dx, y1 + dy))
 
     @property
     def axis(self) -> Axis:
-        """Along which it runs: its own y."""
+        """Axis along which it runs: its own y."""
         return "y" if self.quarter % 2 == 0 else "x"
 
     @property
     def span(self) -> tuple[float, float]:
-        """From where to where."""
+        """Begin and end along its axis."""
         x0, y0, x1, y1 = self.bounds
         return (x0, x1) if self.axis == "x" else (y0, y1)
 
     @property
     def middle(self) -> float:
-        """Its other coordinate."""
+        """Coordinate across its axis."""
         x0, y0, x1, y1 = self.bounds
         return (y0 + y1) / 2 if self.axis == "x" else (x0 + x1) / 2
 
     @property
     def thickness_m(self) -> float:
-        """Along its own x."""
+        """Extent along its own x."""
         return self.obj.bbox.s[0]
 
     @property
@@ -66,7 +67,9 @@ class StandingWall:
         return self.obj.bbox.p[2] + self.obj.bbox.s[2] / 2
 
     def openings(self) -> list[_Stretch]:
-        """Its door and its window, from its low end."""
+        """Return its door and its window, from its low end."""
+        # Offsets count along the wall's own y, which points against the frame's axis after these
+        # turns.
         sign = 1.0 if self.quarter in {0, 3} else -1.0
         middle = sum(self.span) / 2
         found: list[_Stretch] = []
@@ -86,9 +89,16 @@ class StandingWall:
 
 
 def stands_on(wall: StandingWall, line: Line, *, is_inset: bool) -> bool:
-    """Whether a wall stands on a line, or beyond it where that is to nobody."""
+    """True if a wall stands on a line, or beyond it if nobody is there.
+
+    Args:
+        wall: The wall.
+        line: The line.
+        is_inset: True if walls stand on their lines; otherwise outer walls stand beyond.
+    """
     low, high = wall.span
-    # A wall reaches over the line beside its own by half of what it meets, an outer one by all.
+    # A wall reaches over the next line by half of the wall that it meets there, an outer one by all
+    # of it. So much overlap does not mean that it stands on that line.
     reach = wall.thickness_m * (0.5 if is_inset else 1.0) + _LEAST_M
     overlap = min(high, line.high) - max(low, line.low)
     least = min(reach, (line.high - line.low) / 2, high - low - _LEAST_M)
@@ -109,11 +119,15 @@ class _Stretch(NamedTuple):
 
 
 def read_border(line: Line, walls: Sequence[StandingWall]) -> Border:
-    """The segments of a line; a wall's end at a corner counts as the line's end."""
+    """Return the segments of a line.
+
+    A wall's end at a corner counts as the line's end, because walls are cut back or longer there.
+    """
     found: list[_Stretch] = []
     at = line.low
     for wall in sorted(walls, key=lambda w: w.span):
         slack = wall.thickness_m + _ON_LINE_M
+        # Ends within a wall's thickness of a corner belong to the corner.
         low, high = wall.span
         low = line.low if low < line.low + slack else low
         high = line.high if high > line.high - slack else high
@@ -134,9 +148,11 @@ def read_border(line: Line, walls: Sequence[StandingWall]) -> Border:
     if not walls or not found:
         return OPEN
     parts = parts_of(
+        # Rounded, so that equal doors share one width.
         [round(stretch.high - stretch.low, 7) for stretch in found],
         [stretch.kind in {"door", "window"} for stretch in found],
     )
     forms = [str(wall.obj.attributes.get("form", "")) for wall in walls]
     segments = (Segment(s.kind, p, s.sill_m, s.head_m) for s, p in zip(found, parts, strict=True))
+    # The most frequent form of the walls stands for all.
     return Border(tuple(segments), max(forms, key=forms.count))

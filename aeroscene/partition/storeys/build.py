@@ -1,4 +1,4 @@
-"""Rooms and walls of a building's storeys, from their partitions."""
+"""Rooms and walls of a building's storeys, built from their partitions."""
 
 from __future__ import annotations
 
@@ -25,19 +25,19 @@ class BuildingPart:
     storey: int
     """Number of its storey."""
     place: int
-    """Number of a room's leaf in the storey, of several the first; of a wall's border."""
+    """Number of a room's leaf in the storey, the first of several; or of a wall's border."""
     openings: dict[str, float] = field(default_factory=dict, hash=False)
     """Attributes of a wall, m: `door_m`, `door_offset_m` and so on."""
 
 
 def build_storeys(storeys: Sequence[StoreyPartition]) -> list[BuildingPart]:
-    """Rooms of each storey in pre-order, then all walls.
+    """Return the rooms of each storey in pre-order, then all walls.
 
     Args:
-        storeys: Those of one building, from the lowest up, in one frame.
+        storeys: Storeys of one building, from the lowest up, in one frame.
 
     Raises:
-        PartitionError: If doors are wider than the line they are in.
+        PartitionError: If doors are wider than their line.
     """
     planned = [plan_walls(storey, number) for number, storey in enumerate(storeys)]
     rooms = [
@@ -45,12 +45,13 @@ def build_storeys(storeys: Sequence[StoreyPartition]) -> list[BuildingPart]:
         for number, (storey, walls) in enumerate(zip(storeys, planned, strict=True))
         for part in _rooms(storey, walls, number)
     ]
+    # Walls of all storeys together, because a high wall may meet those of the storey above.
     walls = fitted([wall for walls in planned for wall in walls])
     return rooms + [_wall_part(wall, storeys[0].frame) for wall in walls]
 
 
 def _rooms(storey: StoreyPartition, walls: Sequence[Wall], number: int) -> list[BuildingPart]:
-    """The rooms, as far as the faces of their walls where these take from them."""
+    """Return the rooms; with inset walls they end at the walls' faces."""
     found: list[BuildingPart] = []
     for leaf, cell in merged_from(storey_cells(storey)):
         bounds = storey.frame.bounds_of(cell.frame)
@@ -64,7 +65,7 @@ def _rooms(storey: StoreyPartition, walls: Sequence[Wall], number: int) -> list[
 
 
 def _inset(bounds: Bounds, walls: Sequence[Wall]) -> Bounds:
-    """A room without half of the walls on its sides, along a whole side where one is on part."""
+    """Shrink a room by half of the walls on its sides, along a whole side even for a short wall."""
     sides = list(bounds)
     for wall in walls:
         at, line = (1 if wall.axis == "x" else 0), wall.line
@@ -77,7 +78,8 @@ def _inset(bounds: Bounds, walls: Sequence[Wall]) -> Bounds:
 
 
 def _wall_part(wall: Wall, frame: Frame) -> BuildingPart:
-    # A wall is long along its own y axis: the frame's y, or minus its x.
+    # A wall is long along its own y axis: along the frame's y, or along minus its x. Offsets along
+    # x therefore change their sign.
     quarter, sign = (0, 1.0) if wall.axis == "y" else (1, -1.0)
     middle = (wall.low + wall.high) / 2
     openings: dict[str, float] = {}

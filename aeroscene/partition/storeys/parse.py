@@ -1,4 +1,9 @@
-"""Reads the partitions of storeys off the boxes of rooms and walls."""
+"""Reading of storeys' partitions off the boxes of rooms and walls.
+
+Rooms of a building end at the faces of their walls, so they do not touch. Each room is first
+widened to the middles of its walls, and the widened rooms divide the storey. Layouts with walls
+outside all rooms keep their rooms as they are; their outer walls stand beyond the lines.
+"""
 
 from __future__ import annotations
 
@@ -19,31 +24,33 @@ from aeroscene.partition.tree import Leaf, PartitionError
 from aeroscene.scene import Scene, SceneObject
 from aeroscene.scene.catalogue import ROOMS, WALLS
 
+# Headings that differ by less are aligned, and undersides of rooms belong to one storey.
 _ALIGNED_RAD = 2e-3
 _SAME_LEVEL_M = 0.3
 _FACE_M = 0.008
-"""A room's side this near to a wall's face ends at it."""
+"""A room's side that is this near to a wall's face ends at it."""
+# Walls that reach further than this beyond all rooms stand outside.
 _OUTSIDE_M = 0.012
 
 Word = Callable[[SceneObject], str]
 
 
 def room_word(obj: SceneObject) -> str:
-    """The kind of a room's leaf: what it is used as, where the scene says so."""
+    """Return the kind of a room's leaf: its use, if the scene states it."""
     attributes = obj.attributes
     return str(attributes.get("use", attributes.get("room_type", "room")))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ParsedBuilding:
-    """The storeys of a building, and which objects of the scene they stand for."""
+    """The storeys of a building, and the objects of the scene that they stand for."""
 
     host_id: int | None
-    """The shell; None for rooms that have none."""
+    """Id of the shell; None for rooms without one."""
     storeys: tuple[StoreyPartition, ...]
-    """From the lowest up."""
+    """Storeys from the lowest up."""
     object_ids: frozenset[int]
-    """Rooms, and walls on their borders."""
+    """Ids of rooms, and of walls on their borders."""
     free_wall_ids: frozenset[int]
     """Walls of the building that stand on no border."""
 
@@ -57,10 +64,14 @@ class _Room:
 
 
 def building_partitions(scene: Scene, word: Word = room_word) -> list[ParsedBuilding]:
-    """The partitions of all buildings that have rooms, by boxes, categories and parents alone.
+    """Read the partitions of all buildings that have rooms.
 
-    Rooms that carry one number in the attribute `room`, as rooms of mapped layouts do whose
-    outline is no rectangle, are one room.
+    Boxes, categories and parents are read, and nothing else. Rooms with the same number in the
+    attribute `room` are one room: mapped layouts cut rooms that are no rectangles into tiles.
+
+    Args:
+        scene: Any scene.
+        word: Kind of the leaf that a room becomes.
 
     Raises:
         PartitionError: If a room is turned against its building or overlaps another.
@@ -70,7 +81,13 @@ def building_partitions(scene: Scene, word: Word = room_word) -> list[ParsedBuil
 
 
 def storey_partitions(scene: Scene, host_id: int | None, word: Word = room_word) -> ParsedBuilding:
-    """The partitions of the storeys of one building, or of rooms without; see the above."""
+    """Read the partitions of the storeys of one building, see `building_partitions`.
+
+    Args:
+        scene: Any scene.
+        host_id: Id of the building; None for rooms without one.
+        word: Kind of the leaf that a room becomes.
+    """
     others = scene.children_by_id[host_id]
     rooms = [obj for obj in others if obj.category in ROOMS]
     head = rooms[0] if host_id is None else scene.object_by_id[host_id]
@@ -98,6 +115,7 @@ def storey_partitions(scene: Scene, host_id: int | None, word: Word = room_word)
             for room, zone in zip(placed, zones, strict=True)
             if abs(room.base_m - level) <= _SAME_LEVEL_M
         ]
+        # A wall belongs to the storey with the nearest level.
         near = [w for w in walls if min(levels, key=lambda at: abs(at - w.base_m)) == level]
         storey, found = _storey(pieces, frame, level, near, is_inset=is_inset)
         storeys.append(storey)
@@ -127,16 +145,18 @@ def _standing(obj: SceneObject, plane: Frame) -> StandingWall | None:
 
 
 def _reaches_out(bounds: Bounds, hull: Bounds) -> bool:
-    """Whether a wall stands outside all rooms: then they end at lines, not at faces of walls."""
+    """True if a wall stands outside all rooms, which then end at lines, not at faces of walls."""
     low = min(bounds[i] - hull[i] for i in (0, 1))
     high = max(bounds[i] - hull[i] for i in (2, 3))
     return low < -_OUTSIDE_M or high > _OUTSIDE_M
 
 
 def _zone(room: _Room, walls: Sequence[StandingWall]) -> Bounds:
-    """A room as far as the middles of the walls about it."""
+    """Return a room widened to the middles of the walls around it."""
     sides = list(room.bounds)
     for wall in walls:
+        # Walls of other storeys do not count; neither do those that touch the room at a corner
+        # only.
         if wall.base_m > room.top_m - 0.1 or wall.top_m < room.base_m + 0.1:
             continue
         across = 1 if wall.axis == "x" else 0
@@ -186,6 +206,7 @@ def _storey(
         level_m=level,
         tree=tree,
         borders=tuple(read_border(n, each) for n, each in zip(lines, on_line, strict=True)),
+        # Thicknesses without any wall are the usual ones.
         wall_m=median(inner) if inner else 0.12,
         outer_m=0.0 if is_inset else (median(outer) if outer else 0.15),
         drop_m=median(drops) if drops else 0.0,

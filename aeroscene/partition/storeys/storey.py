@@ -1,4 +1,4 @@
-"""What a storey's partition is: a tree of rooms and what stands on each line between them."""
+"""The partition of a storey: a tree of rooms, and a border on each line between them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,8 @@ from aeroscene.partition.tree import VOID, Axis, Node, Part, PartitionError
 SegmentKind = Literal["wall", "door", "window", "open"]
 
 NOBODY = -1
-"""Side of a line that no room lies on: a void, or the outside."""
+"""Side of a line without a room: a void, or the outside."""
+# Lines that are nearer than this are one, and shorter ones than the next are none.
 _MEET_M = 1e-5
 _LEAST_M = 0.01
 
@@ -29,16 +30,16 @@ class Segment:
     sill_m: float = 0.0
     """Lower end of a door or window above the wall's underside."""
     head_m: float = 0.0
-    """Upper end likewise."""
+    """Upper end of a door or window above the wall's underside."""
 
 
 @dataclass(frozen=True, slots=True)
 class Border:
-    """What stands on a line, from its low end."""
+    """Segments of a line, from its low end."""
 
     segments: tuple[Segment, ...]
     form: str = ""
-    """Word for the wall's form, such as glass."""
+    """Word for the wall's form, such as `glass`."""
 
 
 OPEN = Border((Segment("open", Part(1.0)),))
@@ -46,7 +47,11 @@ OPEN = Border((Segment("open", Part(1.0)),))
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StoreyPartition:
-    """How one storey is divided into rooms."""
+    """Division of one storey into rooms.
+
+    Raises:
+        PartitionError: If there is not one border for each line.
+    """
 
     frame: Frame
     level_m: float
@@ -57,11 +62,13 @@ class StoreyPartition:
     wall_m: float
     """Thickness of walls between rooms."""
     outer_m: float = 0.0
-    """Thickness of walls to the outside; 0 where a shell stands about the storey."""
+    """Thickness of walls to the outside; 0 if a shell stands around the storey."""
     drop_m: float = 0.0
-    """How far below the level walls beside a void begin: on what stands under the slab's edge."""
+    """Distance below the level at which walls beside a void begin, because they stand under the
+    slab's edge."""
     is_inset: bool = True
-    """Whether rooms end at the faces of their walls; else at the lines, and outer walls beyond."""
+    """True if rooms end at the faces of their walls. Otherwise they end at the lines, and outer
+    walls stand beyond."""
 
     def __post_init__(self) -> None:
         count = len(storey_lines(self))
@@ -71,10 +78,10 @@ class StoreyPartition:
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """Where two rooms meet, or a room and nobody, in the frame of the storey."""
+    """A line on which two rooms meet, or a room and nobody, in the frame of the storey."""
 
     axis: Axis
-    """Along which it runs."""
+    """Axis along which it runs."""
     at: float
     low: float
     high: float
@@ -83,12 +90,15 @@ class Line:
 
 
 def storey_cells(storey: StoreyPartition) -> list[Cell]:
-    """The leaves of a storey in pre-order, void ones too."""
+    """Return the leaves of a storey in pre-order, void ones too."""
     return list(cells_of(storey.tree, storey.frame, storey.level_m))
 
 
 def room_numbers(cells: Sequence[Cell]) -> list[int]:
-    """The room of each leaf, in order of the first leaf; leaves of one merge number are one."""
+    """Return the room of each leaf, numbered by its first leaf; `NOBODY` for void leaves.
+
+    Leaves of one merge number are one room.
+    """
     numbers: dict[tuple[int, int], int] = {}
     return [
         NOBODY
@@ -99,16 +109,26 @@ def room_numbers(cells: Sequence[Cell]) -> list[int]:
 
 
 def storey_lines(storey: StoreyPartition) -> list[Line]:
-    """All lines between rooms: those along x first, by place; to the outside if it has walls."""
+    """Return all lines between rooms: those along x first, sorted by place.
+
+    Lines to the outside are included if the storey has outer walls.
+    """
     cells = storey_cells(storey)
     return find_lines(cells, storey.frame, has_outside=storey.outer_m > 0)
 
 
 def find_lines(cells: Sequence[Cell], frame: Frame, *, has_outside: bool) -> list[Line]:
-    """Lines between leaves of a frame that belong to different rooms."""
+    """Return the lines between leaves of a frame that belong to different rooms.
+
+    Args:
+        cells: Leaves of the storey.
+        frame: Frame of the storey.
+        has_outside: True adds the lines between rooms and the outside.
+    """
     bounds = (frame.bounds_of(cell.frame) for cell in cells)
     rooms = list(zip(room_numbers(cells), bounds, strict=True))
     length, width = frame.length_m, frame.width_m
+    # Four rectangles around the frame stand for the outside.
     beyond = [
         (NOBODY, (-1.0, 0.0, 0.0, width)),
         (NOBODY, (length, 0.0, length + 1.0, width)),
@@ -127,7 +147,7 @@ def find_lines(cells: Sequence[Cell], frame: Frame, *, has_outside: bool) -> lis
 
 
 def _joined(lines: Iterable[Line]) -> list[Line]:
-    """Lines in order, those that go on between the same rooms as one."""
+    """Sort lines, and join those that continue between the same rooms."""
     found: list[Line] = []
     for line in sorted(lines, key=lambda n: (n.axis, round(n.at, 4), n.rooms, n.low)):
         last = found[-1] if found else None

@@ -1,7 +1,7 @@
-"""Walls on the lines between rooms: where they begin and end, and what opens in them.
+"""Walls on the lines between rooms: their ends, heights and openings.
 
-Walls along y run through corners and walls along x end at their faces, so that none overlap. With
-`is_inset` they stand in the middle of their lines; else those to nobody stand beyond theirs.
+Walls along y run through corners, and walls along x end at their faces, so that none overlap. With
+`is_inset` walls stand in the middle of their lines; otherwise walls to nobody stand beyond theirs.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from aeroscene.partition.storeys.storey import (
 )
 from aeroscene.partition.tree import Axis, part_lengths
 
+# Ends that are nearer than this meet.
 _POINT_M = 1e-3
 
 
@@ -46,7 +47,7 @@ class Wall:
     top_m: float
     thickness_m: float
     beyond: int = 0
-    """Side of the line on which it stands: -1 or 1; 0 for on it."""
+    """Side of the line on which it stands, -1 or 1; 0 for on the line."""
     openings: tuple[Opening, ...] = ()
     form: str = ""
     storey: int = 0
@@ -55,12 +56,12 @@ class Wall:
 
     @property
     def axis(self) -> Axis:
-        """Along which it runs."""
+        """Axis along which it runs."""
         return self.line.axis
 
     @property
     def bounds(self) -> Bounds:
-        """Its outline."""
+        """Its outline in the storey's frame."""
         middle = self.line.at + self.beyond * self.thickness_m / 2
         low, high = middle - self.thickness_m / 2, middle + self.thickness_m / 2
         if self.axis == "x":
@@ -68,7 +69,7 @@ class Wall:
         return (low, self.low, high, self.high)
 
     def ends(self) -> tuple[tuple[float, float], tuple[float, float]]:
-        """Points of the line where it begins and ends."""
+        """Return the points of the line at which it begins and ends."""
         at = self.line.at
         return (
             ((self.low, at), (self.high, at))
@@ -78,7 +79,14 @@ class Wall:
 
 
 def plan_walls(storey: StoreyPartition, number: int = 0) -> list[Wall]:
-    """Walls of a storey of a number, as long as stretches of lines; `fitted` lets them meet."""
+    """Return the walls of a storey, as long as their stretches of lines.
+
+    `fitted` then lets them meet at corners.
+
+    Args:
+        storey: The storey.
+        number: Its number, which the walls keep.
+    """
     cells = storey_cells(storey)
     heights = dict(zip(room_numbers(cells), cells, strict=True))
     found: list[Wall] = []
@@ -94,14 +102,21 @@ def plan_walls(storey: StoreyPartition, number: int = 0) -> list[Wall]:
 
 
 def wall_heights(line: Line, cells: dict[int, Cell], drop_m: float) -> tuple[float, float]:
-    """Underside and top of a wall: as high as both rooms, lower beside a void by a slab."""
+    """Return underside and top of a wall.
+
+    It is as high as the lower of both rooms. Beside a void it begins lower by the thickness of a
+    slab.
+    """
     rooms = [cells[room] for room in line.rooms if room != NOBODY]
     base = max(cell.base_m for cell in rooms) - (drop_m if len(rooms) == 1 else 0.0)
     return base, min(cell.top_m for cell in rooms)
 
 
 def _runs(plain: Wall, segments: Sequence[Segment]) -> list[Wall]:
-    """A wall for each run of segments that are not open, with at most a door and a window each."""
+    """Return a wall for each run of segments that are not open.
+
+    Each has at most one door and one window.
+    """
     line = plain.line
     lengths = part_lengths(tuple(s.part for s in segments), line.high - line.low)
     edges = [line.low, *(line.low + at for at in accumulate(lengths[:-1])), line.high]
@@ -116,6 +131,8 @@ def _runs(plain: Wall, segments: Sequence[Segment]) -> list[Wall]:
             is_going_on = True
         if segment.kind != "wall":
             last = found[-1]
+            # A wall object has attributes for one door and one window, so a second door begins a
+            # new wall.
             if any(o.segment.kind == segment.kind for o in last.openings):
                 cut = (last.openings[-1].high + low) / 2
                 found[-1] = replace(last, high=cut)
@@ -127,13 +144,13 @@ def _runs(plain: Wall, segments: Sequence[Segment]) -> list[Wall]:
 
 
 def fitted(walls: Sequence[Wall]) -> list[Wall]:
-    """Walls cut back or reaching out where they meet.
+    """Return walls that are cut back or extended where they meet.
 
-    An inner one that is then shorter than it is thick is none; an outer one closes a step of the
-    outline, however short.
+    An inner wall that is then shorter than it is thick is left out. An outer wall stays however
+    short, because it closes a step of the outline.
 
     Args:
-        walls: Those of all storeys of a building, since walls of different ones may meet.
+        walls: Walls of all storeys of a building, because walls of different storeys may meet.
     """
     found: list[Wall] = []
     for wall in walls:
@@ -155,7 +172,7 @@ def _is_same(a: tuple[float, float], b: tuple[float, float]) -> bool:
 
 
 def _reach(wall: Wall, end: int, met: list[Wall]) -> float:
-    """How far a wall goes on beyond an end; negative where it is cut back."""
+    """Length by which a wall continues beyond an end; negative if it is cut back."""
     outwards = -1 if end == 0 else 1
     if wall.beyond:
         return _outer_reach(wall, outwards, [o for o in met if o.beyond and o.axis != wall.axis])
@@ -166,13 +183,18 @@ def _reach(wall: Wall, end: int, met: list[Wall]) -> float:
     half = max(other.thickness_m for other in across) / 2
     if wall.axis == "x":
         return -half
+    # Of two walls along y in one line, the later one runs through the corner.
     point = wall.ends()[end]
     is_passed_on = end == 1 and any(o.axis == "y" and _is_same(o.ends()[0], point) for o in met)
     return -half if is_passed_on else half
 
 
 def _outer_reach(wall: Wall, outwards: int, across: list[Wall]) -> float:
-    """Round a corner of the room the wall along y; in a corner of the outside the one along x."""
+    """Return how far an outer wall continues at a corner.
+
+    Around a convex corner of the house the wall along y is extended; in a concave corner the wall
+    along x is cut back.
+    """
     for other in across:
         if wall.axis == "y" and other.beyond == outwards:
             return other.thickness_m
@@ -182,6 +204,6 @@ def _outer_reach(wall: Wall, outwards: int, across: list[Wall]) -> float:
 
 
 def _turns_in(wall: Wall, other: Wall) -> bool:
-    """Whether another wall runs on the side on which a wall stands beyond its line."""
+    """True if another wall runs on the side on which a wall stands beyond its line."""
     middle = (other.low + other.high) / 2
     return (middle - wall.line.at) * wall.beyond > 0

@@ -1,1 +1,1 @@
-"""From a scene's boxes to relations: which hold, rows and grids, tables with their chairs."""
+"""Reading of relations off a scene's boxes: those that hold, rows and grids, tables with chairs."""

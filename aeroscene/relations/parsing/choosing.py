@@ -1,4 +1,9 @@
-"""Which of the relations that hold is an object's: one fixed priority."""
+"""Choice of one relation among those that hold for an object, by a fixed priority.
+
+Several relations usually hold: a bench at a wall is also scattered in its room. The relation that
+pins most axes says most, so it is chosen. A fixed order decides ties, because the model has to
+learn one answer.
+"""
 
 from __future__ import annotations
 
@@ -14,36 +19,36 @@ from aeroscene.scene import Scene, SceneObject
 from aeroscene.scene.catalogue import ROOMS, ROUND, SEATS, SIGNALS, STAIRS, VEHICLES
 
 STEP_M = 0.25
-"""Largest step between the top of stairs and the level that they lead up to."""
+"""Greatest step between the top of stairs and the level that they lead up to."""
 Choice = tuple[Relation, int | None]
-"""A relation and the id of its host."""
+"""A relation, and the id of its host."""
 
 
 class Ground:
-    """What relations are read from: outlines, categories, and what stands already."""
+    """Everything that relations are read from: outlines, categories, and the objects so far."""
 
     def __init__(self, scene: Scene, standing: Standing) -> None:
-        """Look at every box from above once."""
+        """Compute the outline of every box once."""
         self.scene = scene
         self.standing = standing
         self._outlines = {obj.id: footprint(obj.bbox) for obj in scene.objects}
 
     def outline(self, object_id: int | None) -> Rectangle:
-        """An object seen from above; None is the bare world."""
+        """Return an object's outline as seen from above; None stands for the ground."""
         return WORLD if object_id is None else self._outlines[object_id]
 
     def foot(self, obj: SceneObject) -> Rectangle:
-        """What of an object its place is read from."""
+        """Return the footprint from which an object's place is read, see `foot_m`."""
         return Rectangle(self.outline(obj.id).place, foot_m(obj.category_id, obj.bbox.s))
 
     def is_top(self, object_id: int | None) -> bool:
-        """Whether an object is furniture, which bears things on top."""
+        """True if an object is furniture, which bears other objects on top."""
         if object_id is None:
             return False
         return is_furniture(self.scene.object_by_id[object_id].category_id)
 
     def is_step(self, obj: SceneObject, object_id: int | None) -> bool:
-        """Whether the top of something is as high as another object's level."""
+        """True if the top of an object is as high as another object's level, within `STEP_M`."""
         if object_id is None:
             return False
         other = self.scene.object_by_id[object_id]
@@ -51,15 +56,20 @@ class Ground:
         return abs(top_m - level_m(other.category, other.bbox)) <= STEP_M
 
     def category(self, object_id: int | None) -> str:
-        """The category of an object; nothing for the bare world."""
+        """Return the category of an object; empty for the ground."""
         return "" if object_id is None else self.scene.object_by_id[object_id].category
 
 
 def best_relation(ground: Ground, obj: SceneObject, outline: Rectangle) -> Choice:
-    """The relation of an object, or of a group of its kind with some outline.
+    """Return the relation of an object, or of a group of its kind.
 
-    The one that pins most; of those that pin as much the first of `Kind`, and its likeliest host.
-    What stands beside roads, or leads up to levels, does so before all.
+    It is the relation that pins most axes. Among equals the first of `Kind` counts, and its
+    likeliest host. Traffic lights and stairs are beside their roads and levels before all else.
+
+    Args:
+        ground: Scene and objects so far.
+        obj: The object, or one of the group.
+        outline: Its outline, or the group's.
     """
     choices = list(_choices(ground, obj, outline))
     if obj.category in SIGNALS | STAIRS:
@@ -70,13 +80,15 @@ def best_relation(ground: Ground, obj: SceneObject, outline: Rectangle) -> Choic
 def _preference(choice: Choice) -> tuple[int, int, bool, int]:
     relation, _ = choice
     is_u, is_v, is_yaw = relation.pinned
+    # Pinned axes first; a smaller kind and rank is better, so both are negated.
     return is_u + is_v, -relation.kind, is_yaw, -relation.host
 
 
 def _choices(ground: Ground, obj: SceneObject, outline: Rectangle) -> Iterator[Choice]:
-    """Relations that hold."""
+    """Yield the relations that hold."""
     parent_id = obj.parent_id
     parent, is_top = ground.outline(parent_id), ground.is_top(parent_id)
+    # This one always holds, so there is always a choice.
     yield fits.scatter(parent, outline, Kind.ON if is_top else Kind.SCATTER), parent_id
     if parent_id is not None:
         is_walled = ground.category(parent_id) in ROOMS
@@ -95,7 +107,7 @@ def _choices(ground: Ground, obj: SceneObject, outline: Rectangle) -> Iterator[C
 
 
 def _kinds(obj: SceneObject, *, is_top: bool) -> list[Kind]:
-    """Relations that an object may have to what is not its parent."""
+    """Return the relations that an object may have to hosts other than its parent."""
     if is_top or obj.category in SIGNALS | STAIRS:
         return [Kind.SIDE]
     return [Kind.SIDE, Kind.OVER, Kind.FACING] + [Kind.LANE] * (obj.category in VEHICLES)

@@ -1,4 +1,9 @@
-"""Which relations hold between two rectangles, by their places alone."""
+"""Relations that hold between two rectangles, by their places alone.
+
+Every test has a tolerance, and a tolerance that is too wide pins objects by chance. Where there is
+little room to move, it is therefore a share of that room. The gaps were checked against the same
+objects at random places (docs/scene_model.md).
+"""
 
 from __future__ import annotations
 
@@ -21,41 +26,49 @@ from aeroscene.relations.relation import (
 )
 
 TOLERANCE_M = 0.1
-"""What a relation pins may be off by so much, and still holds."""
+"""Greatest deviation of a pinned axis from the relation's own place."""
 TOLERANCE_RAD = math.radians(5.0)
 _FLUSH_M = 0.06
-"""The same for ends that are in line."""
+"""Greatest deviation of ends that are in line."""
 _SMALL_M = 0.03
-"""Both among small things on a top."""
+"""Both tolerances among small objects on a top."""
 _PLAY_SHARE = 0.125
 _LEAST_M = 0.02
-"""Where there is little play a tolerance is a share of it, from this on: else all were pinned."""
+"""With little play a tolerance is `_PLAY_SHARE` of it, but at least this; otherwise all objects
+would be pinned."""
 _EDGE_SHARE = 0.35
 """Share of the play from the middle to a side that counts as being at the side."""
 _OVERHANG_M = 3.0
-"""How far past the end of a road its traffic lights stand."""
+"""Distance past the end of a road at which its traffic lights may stand."""
 _FACING_M = 5.0
-"""Farthest that two things face each other."""
+"""Greatest distance between two objects that face each other."""
 
 Manner = Literal["thing", "way", "verge", "small"]
-"""Beside what: another thing; a way or structure, where any place along it will do; a road, also
-past its ends; another small thing on the same top, near by chance."""
+"""Kind of the host beside which an object stands: another object; a way or structure, along which
+any place will do; a road, also past its ends; another small object on the same top, which may be
+near by chance."""
 
 
 def quadrant_of(turn_rad: float) -> int:
-    """Quarter turns of a heading, or that it is free."""
+    """Return the quarter turns of a heading; `ANY_TURN` if it is off all of them."""
     quadrant, rest_rad = nearest_quadrant(turn_rad)
     return quadrant if abs(rest_rad) <= TOLERANCE_RAD else ANY_TURN
 
 
 def gap_class(gap_m: float, tolerance_m: float, middles_m: Sequence[float] = GAPS_M) -> Gap:
-    """The class of gaps that a gap is in; `Gap.FREE` outside all."""
+    """Return the class of a gap; `Gap.FREE` outside of all classes.
+
+    Args:
+        gap_m: The gap; negative for an overlap.
+        tolerance_m: Greatest distance from the middle of a class.
+        middles_m: Middles of the classes.
+    """
     index = min(range(len(middles_m)), key=lambda k: abs(gap_m - middles_m[k]))
     return Gap(index) if abs(gap_m - middles_m[index]) <= tolerance_m else Gap.FREE
 
 
 def scatter(host: Rectangle, child: Rectangle, kind: Kind = Kind.SCATTER) -> Relation:
-    """The relation that always holds: somewhere within."""
+    """Return the relation that always holds: somewhere within."""
     turn_rad = host.place.local(child.place)[2]
     return Relation(kind=kind, quadrant=quadrant_of(turn_rad))
 
@@ -68,14 +81,15 @@ def inside(
     is_top: bool = False,
     is_walled: bool = False,
 ) -> Iterator[Relation]:
-    """Edges, corners and middles of what bears or holds an object.
+    """Yield the edges, corners and middles of a bearer at which an object stands.
 
     Args:
-        host: The outline of the bearer.
-        child: The outline of the object.
-        is_round: Whether the object has no front, so that its heading is no matter.
-        is_top: Whether the bearer is a piece of furniture.
-        is_walled: Whether it has walls about it, against which things stand or not.
+        host: Outline of the bearer.
+        child: Outline of the object.
+        is_round: True if the object has no front, so that its heading does not matter.
+        is_top: True if the bearer is a piece of furniture.
+        is_walled: True if it has walls around it: objects stand against them or do not, so there is
+            one class of gaps.
     """
     if quadrant_of(host.place.local(child.place)[2]) == ANY_TURN and not is_round:
         return
@@ -87,6 +101,7 @@ def inside(
         tolerance_u_m, tolerance_v_m = (_tolerance_m(play) for play in play_m)
         gaps_m = GAPS_M[:1] if is_walled else _edge_gaps_m(play_m[0])
         gap = gap_class(play_m[0] - u_m, tolerance_u_m, gaps_m)
+        # Middle lines are the same from opposite sides, so two sides are enough.
         if gap == Gap.FREE and side < N_SIDES // 2 and abs(u_m) <= tolerance_u_m:
             gap = Gap.MIDDLE
         if gap == Gap.FREE:
@@ -103,7 +118,7 @@ def inside(
 
 
 def _edge_gaps_m(play_m: float) -> Sequence[float]:
-    """Classes of gaps that are near a side, for so much play between middle and side."""
+    """Return the classes of gaps that are near a side, for the play between middle and side."""
     return [gap_m for gap_m in GAPS_M if gap_m <= max(GAPS_M[0], _EDGE_SHARE * play_m)]
 
 
@@ -114,13 +129,13 @@ def _tolerance_m(play_m: float) -> float:
 def beside(
     host: Rectangle, child: Rectangle, manner: Manner = "thing", *, is_round: bool = False
 ) -> Iterator[Relation]:
-    """Sides of another object, in line with it or not.
+    """Yield the sides of another object at which an object stands, in line with it or not.
 
     Args:
-        host: The outline of the other.
-        child: The outline of the object.
-        manner: What the two are to each other.
-        is_round: Whether the object has no front, so that its heading is no matter.
+        host: Outline of the other object.
+        child: Outline of the object.
+        manner: Kind of the host.
+        is_round: True if the object has no front, so that its heading does not matter.
     """
     tolerance_m, flush_m, gaps_m = TOLERANCE_M, _FLUSH_M, GAPS_M
     if manner == "small":
@@ -136,17 +151,19 @@ def beside(
             continue
         align = Align.FREE
         if abs(abs(v_m) - abs(half_m[1] - reach_m[1])) <= flush_m and gap == Gap.TOUCH:
+            # The end at which a longer object is flush lies on the other side of its middle.
             is_high = (v_m > 0) == (half_m[1] > reach_m[1])
             align = Align.HIGH if is_high else Align.LOW
         if abs(v_m) <= flush_m:
             align = Align.CENTRE
         is_along = abs(v_m) <= half_m[1] + (_OVERHANG_M if manner == "verge" else 0.0)
+        # Without alignment, nearness means something only along ways, or if the two touch.
         if align != Align.FREE or (is_along and (manner in {"way", "verge"} or gap == Gap.TOUCH)):
             yield Relation(kind=Kind.SIDE, side=side, gap=gap, align=align, quadrant=quadrant)
 
 
 def over(host: Rectangle, child: Rectangle) -> Iterator[Relation]:
-    """Middle over middle."""
+    """Yield the relation of a middle over a middle, if it holds."""
     u_m, v_m, turn_rad = host.place.local(child.place)
     if max(abs(u_m), abs(v_m)) <= TOLERANCE_M:
         quadrant = quadrant_of(turn_rad)
@@ -154,16 +171,20 @@ def over(host: Rectangle, child: Rectangle) -> Iterator[Relation]:
 
 
 def facing(host: Rectangle, child: Rectangle) -> Iterator[Relation]:
-    """Before the front of another, turned to it."""
+    """Yield the relation before the front of another, turned to it, if it holds."""
     u_m, v_m, turn_rad = host.place.local(child.place)
     gap_m = u_m - host.half_m[0] - child.half_m[0]
     is_facing = quadrant_of(turn_rad) == 2 and abs(v_m) <= TOLERANCE_M
+    # Nearer than that the object is beside the other.
     if is_facing and GAPS_M[-1] < gap_m <= _FACING_M:
         yield Relation(kind=Kind.FACING, align=Align.CENTRE, quadrant=2)
 
 
 def lane(road: Rectangle, child: Rectangle) -> Iterator[Relation]:
-    """In a lane, headed along the road; the side of it counts from the heading."""
+    """Yield the lane of a road in which an object is headed along it.
+
+    The side counts from the heading, so right-hand traffic is the same in both directions.
+    """
     for side in (0, 2) if road.half_m[0] >= road.half_m[1] else (1, 3):
         u_m, v_m, turn_rad = road.from_side(side).local(child.place)
         length_m, width_m = road.reach_m(side)
@@ -175,7 +196,10 @@ def lane(road: Rectangle, child: Rectangle) -> Iterator[Relation]:
 
 
 def seat(table: Rectangle, child: Rectangle) -> tuple[int, float, float] | None:
-    """Side of a table that a chair is drawn up to, place along it and gap, m; None if it is not."""
+    """Return the side of a table at which a chair stands, its place along it and its gap, m.
+
+    None if the chair does not stand at the table.
+    """
     for side in range(N_SIDES):
         u_m, v_m, turn_rad = table.from_side(side).local(child.place)
         if quadrant_of(turn_rad) != 2:

@@ -1,4 +1,4 @@
-"""Reads the relations of a scene off its boxes, categories and parents."""
+"""Reading of a scene's relations off its boxes, categories and parents."""
 
 from __future__ import annotations
 
@@ -31,20 +31,20 @@ def scene_relations(
     *,
     is_related: bool = True,
 ) -> tuple[Unit, ...]:
-    """What the objects of a scene are to their hosts, in drawing order.
+    """Read the relations of a scene's objects to their hosts, in drawing order.
 
-    Coarse objects come first, then stairs, then fine ones. Parents come before what stands on them,
-    and of what has one parent the larger first, chairs last, so that a host always comes before
-    what refers to it. Only boxes, categories and parents are read.
+    Coarse objects come first, then stairs, then fine ones. Parents come before the objects on them.
+    Of the objects on one parent the larger come first and chairs last, so that a host always comes
+    before the objects that refer to it. Only boxes, categories and parents are read.
     `aeroscene.relations.placing.place` gives the boxes back.
 
     Args:
         scene: Any scene.
         given: Ids of the objects that need no relation, in the order in which they stand; by
             default all coarse ones.
-        alike: What objects of one row or grid share, their category at least.
-        is_related: Whether relations are looked for; else each object is by itself, and strewn
-            where it is on what bears it.
+        alike: Key that objects of one row or grid share, their category at least.
+        is_related: True looks for relations. Otherwise each object is by itself, at its place on
+            its bearer.
     """
     if given is None:
         given = [obj.id for obj in scene.objects if obj.is_coarse]
@@ -53,7 +53,7 @@ def scene_relations(
 
 @dataclass(frozen=True, slots=True)
 class _Group:
-    """What is drawn at once, before its relation is known."""
+    """Objects that are drawn at once, before their relation is known."""
 
     objects: Sequence[SceneObject]
     array: Array | None
@@ -61,9 +61,10 @@ class _Group:
 
     @property
     def order(self) -> tuple[bool, float, int, int]:
-        """Coarse ones first, then by size."""
+        """Sorting key: coarse objects first, then by size."""
         first = self.objects[0]
         area_m2 = first.bbox.s[0] * first.bbox.s[1]
+        # Rounded, so that equal objects stay in the order of their ids.
         return not first.is_coarse, -round(area_m2, 3), first.category_id, first.id
 
 
@@ -79,14 +80,16 @@ class _Reader:
         self._queue: list[int | None] = []
 
     def units(self) -> Iterator[Unit]:
-        """Units turn by turn and parent by parent; what they bear follows later."""
+        """Yield units turn by turn and parent by parent; objects on them follow later."""
         self._queue.append(None)
         n_reached = 0
         for turn in range(N_TURNS):
+            # The queue grows while it is walked through: new objects are bearers, too.
             for number, parent_id in enumerate(self._queue):
                 children = self._scene.children_by_id.get(parent_id, ())
                 if number >= n_reached:
                     given = (child.id for child in children if child.id in self._rank)
+                    # Given objects are no units, but they bear others.
                     self._queue += sorted(given, key=self._rank.__getitem__)
                     n_reached += 1
                 due = [child for child in children if self._is_due(child, turn)]
@@ -105,7 +108,7 @@ class _Reader:
             self._drawn.add(member.id)
 
     def _units_on(self, parent_id: int | None, objects: list[SceneObject]) -> Iterator[Unit]:
-        """Units of one parent: rows and grids and single things by size, then chairs."""
+        """Yield the units of one parent: rows, grids and single objects by size, then chairs."""
         if not self._is_related:
             yield from self._strewn(objects, parent_id)
             return
@@ -113,6 +116,7 @@ class _Reader:
         chairs = {obj.id: obj for obj in objects if obj.category in SEATS}
         if not chairs:
             return
+        # All chairs of a parent have the same possible tables.
         category_id = next(iter(chairs.values())).category_id
         hosts = self._ground.standing.possible_hosts(Kind.SEAT, category_id, parent_id)
         tables = {host: self._ground.outline(host) for host in hosts if host is not None}
@@ -125,14 +129,14 @@ class _Reader:
         yield from self._related(list(chairs.values()), parent_id)
 
     def _related(self, objects: Sequence[SceneObject], parent_id: int | None) -> Iterator[Unit]:
-        """Units by the relation that their outlines have."""
+        """Yield units with the relation that their outlines have."""
         for group in sorted(self._groups(objects, parent_id), key=lambda group: group.order):
             relation, host_id = best_relation(self._ground, group.objects[0], group.outline)
             residual = residual_of(relation, self._ground.outline(host_id), group.outline)
             yield self._unit(group, relation, host_id, residual)
 
     def _strewn(self, objects: Sequence[SceneObject], parent_id: int | None) -> Iterator[Unit]:
-        """Each object by itself, somewhere on what bears it."""
+        """Yield each object by itself, somewhere on its bearer."""
         groups = [_Group([obj], None, self._ground.foot(obj)) for obj in objects]
         relation = Relation(kind=Kind.SCATTER)
         for group in sorted(groups, key=lambda group: group.order):
@@ -140,14 +144,14 @@ class _Reader:
             yield self._unit(group, relation, parent_id, residual)
 
     def _groups(self, objects: Sequence[SceneObject], parent_id: int | None) -> Iterator[_Group]:
-        """Rows and grids of one kind, and what is in none."""
+        """Yield rows and grids of one kind, and the objects that are in none."""
         kinds: defaultdict[Hashable, list[SceneObject]] = defaultdict(list)
         for obj in objects:
             kinds[self._alike(obj)].append(obj)
         for alike in kinds.values():
             feet = [self._ground.foot(obj) for obj in alike]
             left = set(range(len(alike)))
-            # What lies on furniture is laid by seats, or strewn.
+            # Objects on furniture are laid by seats or strewn, so rows among them are chance.
             is_top = self._ground.is_top(parent_id)
             for lattice in [] if is_top else find_lattices(feet):
                 members = [alike[index] for index in lattice.members]
@@ -160,7 +164,7 @@ class _Reader:
     def _unit(
         self, group: _Group, relation: Relation, host_id: int | None, residual: Residual
     ) -> Unit:
-        """The unit, with what each member's place adds to it."""
+        """Return the unit, with the difference of each member's place from its cell."""
         parent_id = group.objects[0].parent_id
         parent = None if parent_id is None else self._scene.object_by_id[parent_id].bbox
         unit = Unit(
@@ -183,7 +187,7 @@ class _Reader:
 
 
 def _member(obj: SceneObject, parent: OrientedBox | None) -> Member:
-    """An object by itself, its height from the nearer of its parent's top and underside."""
+    """Return an object by itself, its height from the nearer of its parent's top and underside."""
     box = obj.bbox
     low_m, top_m = levels_m(parent)
     base_m, _ = levels_m(box)
@@ -191,6 +195,7 @@ def _member(obj: SceneObject, parent: OrientedBox | None) -> Member:
     tilt = None
     if not box.is_upright:
         w, _, _, z = quat_from_yaw(box.yaw_rad)
+        # The heading is removed from the left; a rotation about tilted axes remains.
         a, b, c, d = quat_product((w, 0.0, 0.0, -z), box.q)
         tilt = (a, b, c, d)
     return Member(

@@ -1,4 +1,9 @@
-"""Rows and grids of equal objects."""
+"""Rows and grids of equal objects.
+
+From each object and a few pitches to its neighbours a lattice is grown step by step. The one with
+the most members wins, and the search goes on among the rest. Each step starts from the member that
+was found last, so that small deviations do not add up.
+"""
 
 from __future__ import annotations
 
@@ -16,12 +21,12 @@ from aeroscene.relations.relation import MAX_ROWS, Array
 
 MIN_MEMBERS = 3
 _FULL_SHARE = 0.6
-"""Least share of the places of a row or grid that are taken."""
+"""Least share of the places of a row or grid that have a member."""
 _SAME_M = 0.05
 _SAME_SHARE = 0.1
-"""Sizes are equal that differ by less, in metres or as a share."""
+"""Sizes are equal if they differ by less, in metres or as a share."""
 _MAX_PITCHES = 3
-"""Neighbours along an axis that a pitch is tried with."""
+"""Number of neighbours along an axis whose distance is tried as pitch."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,13 +34,16 @@ class Lattice:
     """A row or grid that was found."""
 
     members: tuple[int, ...]
-    """Indices, in the order of the array's places."""
+    """Indices of the rectangles, in the order of the array's places."""
     array: Array
     middle: Place
 
 
 def find_lattices(rectangles: Sequence[Rectangle]) -> list[Lattice]:
-    """Rows and grids of equal ones, the largest first, each rectangle in one at most."""
+    """Find rows and grids of equal rectangles, the largest first.
+
+    Each rectangle is in one at most.
+    """
     found: list[Lattice] = []
     for alike in _alike(rectangles):
         left = alike
@@ -50,7 +58,7 @@ def find_lattices(rectangles: Sequence[Rectangle]) -> list[Lattice]:
 
 
 def _alike(rectangles: Sequence[Rectangle]) -> list[list[int]]:
-    """Rectangles by size and heading."""
+    """Group rectangles by size and heading."""
     groups: list[list[int]] = []
     for index, rectangle in enumerate(rectangles):
         for group in groups:
@@ -67,7 +75,7 @@ def _alike(rectangles: Sequence[Rectangle]) -> list[list[int]]:
 
 
 def _half_turned(turn_rad: float) -> float:
-    """A turn without the half turns in it: a row may have its members look both ways."""
+    """Return a turn without its half turns, because members of a row may look both ways."""
     return math.remainder(turn_rad, math.pi)
 
 
@@ -77,7 +85,7 @@ def _is_same(first_m: Half, second_m: Half) -> bool:
 
 
 def _largest(rectangles: Sequence[Rectangle]) -> Lattice | None:
-    """The row or grid with the most members among equal rectangles."""
+    """Return the row or grid with the most members among equal rectangles."""
     origin, points, is_turned = _points(rectangles)
     best: dict[int, tuple[int, int]] = {}
     for start in range(len(points)):
@@ -92,7 +100,7 @@ def _largest(rectangles: Sequence[Rectangle]) -> Lattice | None:
 def _points(
     rectangles: Sequence[Rectangle],
 ) -> tuple[Place, Float[np.ndarray, "n 2"], list[bool]]:
-    """A frame with the heading of equal rectangles, their middles in it, which look back in it."""
+    """Return a frame with the mean heading, the middles in it, and which of them look back."""
     turns = [rectangles[0].place.local(other.place)[2] for other in rectangles]
     mean_rad = float(np.mean([_half_turned(turn_rad) for turn_rad in turns]))
     origin = rectangles[0].place.moved(0.0, 0.0, mean_rad)
@@ -101,7 +109,7 @@ def _points(
 
 
 def _pitches(points: Float[np.ndarray, "n 2"], start: int, axis: int) -> list[float]:
-    """Distances to the nearest ones ahead along an axis."""
+    """Return the distances to the nearest rectangles ahead along an axis."""
     apart = points - points[start]
     ahead = apart[(np.abs(apart[:, 1 - axis]) <= TOLERANCE_M) & (apart[:, axis] > TOLERANCE_M)]
     return np.sort(ahead[:, axis])[:_MAX_PITCHES].tolist()
@@ -110,9 +118,10 @@ def _pitches(points: Float[np.ndarray, "n 2"], start: int, axis: int) -> list[fl
 def _grown(
     points: Float[np.ndarray, "n 2"], start: int, pitch_m: tuple[float, ...]
 ) -> dict[int, tuple[int, int]]:
-    """Row and column of each point that is reached from one in steps, over a hole at most."""
+    """Return row and column of each point reached from one in steps, over one hole at most."""
     cells, taken, reached = {start: (0, 0)}, {(0, 0)}, [start]
     jumps = [(hop, 0) for hop in (1, -1, 2, -2)] + [(0, hop) for hop in (1, -1, 2, -2)]
+    # The list grows while it is walked through.
     for index in reached:
         for jump in jumps:
             step_m = np.multiply(jump, pitch_m)
@@ -129,7 +138,7 @@ def _grown(
 
 
 def _is_full(cells: dict[int, tuple[int, int]]) -> bool:
-    """Whether places are few enough and mostly taken."""
+    """True if the places are few enough and mostly have members."""
     rows, columns = np.ptp(list(cells.values()), axis=0) + 1
     return max(rows, columns) <= MAX_ROWS and len(cells) >= _FULL_SHARE * rows * columns
 
@@ -140,7 +149,7 @@ def _fitted(
     cells: dict[int, tuple[int, int]],
     origin: Place,
 ) -> Lattice | None:
-    """The array through points by least squares; None where one is off its place."""
+    """Fit the array through points by least squares; None if one is off its place."""
     order = sorted(cells, key=lambda index: cells[index])
     steps: Int[np.ndarray, "k 2"] = np.array([cells[index] for index in order])
     steps = steps - steps.min(axis=0)

@@ -1,4 +1,4 @@
-"""Chairs at their tables: all of a table are one group, with one gap and one pitch a side."""
+"""Chairs at their tables: all chairs of a table are one group, with one gap and even pitches."""
 
 from __future__ import annotations
 
@@ -24,7 +24,8 @@ from aeroscene.relations.relation import (
 )
 
 _PITCH_SHARES = (0.6, 1.15)
-"""Distance of neighbouring seats, over that of so many evenly along the whole side."""
+"""Distance of neighbouring seats, over that of equally many seats along the whole side."""
+# Least distance of two seats, and number of pitches that are tried.
 _MIN_PITCH_M = 0.35
 _N_PITCHES = 12
 
@@ -35,7 +36,7 @@ class Seating:
 
     table_id: int
     members: tuple[int, ...]
-    """Ids, in the order of the array's places."""
+    """Ids in the order of the array's places."""
     relation: Relation
     array: Array | None
     """None for a chair that stands at no regular place of the side."""
@@ -54,7 +55,14 @@ class _Chair:
 def find_seats(
     tables: Mapping[int, Rectangle], chairs: Mapping[int, Rectangle]
 ) -> Iterator[Seating]:
-    """The chairs that are drawn up to tables, table by table; outlines under ids."""
+    """Yield the chairs that stand at tables, table by table.
+
+    A chair that could belong to several tables belongs to the one with the smallest gap.
+
+    Args:
+        tables: Outlines of tables by id.
+        chairs: Outlines of chairs by id.
+    """
     drawn_up: defaultdict[int, list[_Chair]] = defaultdict(list)
     for chair_id, outline in chairs.items():
         options: list[tuple[float, int, _Chair]] = []
@@ -72,14 +80,14 @@ def find_seats(
 
 
 def _seated(table_id: int, table: Rectangle, chairs: list[_Chair]) -> list[Seating]:
-    """One group of all chairs that share a gap and stand evenly; the others by themselves."""
+    """Return one group of all chairs that share a gap and stand evenly, and the others alone."""
     middle_m = median(chair.gap_m for chair in chairs)
     even = [chair for chair in chairs if abs(chair.gap_m - middle_m) <= fits.TOLERANCE_M]
     seats: dict[tuple[int, int], _Chair] = {}
     counts, pitch_m = [0, 0], [0.0, 0.0]
     for axis in (0, 1):
         pair = [chair for chair in even if chair.side % 2 == axis]
-        # Seats run against the side on the far one: the same places, seen from there.
+        # On the far side seats count in the other direction, but the places are the same.
         along_m = [(chair.side // 2, chair.along_m) for chair in pair]
         fitted = _fit_seats(along_m, 2 * table.reach_m(axis)[1]) if pair else None
         if fitted is not None:
@@ -111,16 +119,17 @@ def _by_itself(table_id: int, table: Rectangle, chair: _Chair) -> Seating:
 def _fit_seats(
     along_m: Sequence[tuple[int, float]], length_m: float
 ) -> tuple[int, float, list[int]] | None:
-    """Evenly spaced seats along two opposite sides of a table.
+    """Fit evenly spaced seats along two opposite sides of a table.
 
     Args:
         along_m: Side (0 or 1 of the pair) and place from its middle of each chair.
-        length_m: Of the sides.
+        length_m: Length of the sides.
 
     Returns:
-        Seats a side, their pitch in m, and each chair's seat; None where chairs stand unevenly.
+        Seats of a side, their pitch in m, and each chair's seat; None if chairs stand unevenly.
     """
     places = np.array([place for _, place in along_m])
+    # The fewest seats that explain the chairs.
     for count in range(1, MAX_SEATS + 1):
         low_m, high_m = (share * length_m / count for share in _PITCH_SHARES)
         if count > 1 and high_m < _MIN_PITCH_M:
@@ -128,7 +137,7 @@ def _fit_seats(
         for pitch_m in np.linspace(max(low_m, _MIN_PITCH_M), max(high_m, _MIN_PITCH_M), _N_PITCHES):
             seats = np.rint(places / pitch_m + (count - 1) / 2).clip(0, count - 1)
             at = seats - (count - 1) / 2
-            # The pitch that suits these seats best.
+            # Least-squares pitch for these seats.
             best_m = float(at @ places / (at @ at)) if at.any() else float(pitch_m)
             off_m = np.abs(places - at * best_m).max()
             taken = {(side, seat) for (side, _), seat in zip(along_m, seats, strict=True)}

@@ -1,7 +1,8 @@
 """UNet over a set: blocks of pointwise layers and attention among all places, with skips.
 
-Convolutions along the list have a kernel of one and no level is shorter than another: "1D" in
-DiffuScene's name for it is the list. What tells places apart is an embedding that is learnt.
+Convolutions along the list have a kernel of one, and no level is shorter than another: "1D" in
+DiffuScene's name for the network means the list. A set has no order, so a learned embedding tells
+the places apart.
 
 Source: Tang et al. 2024, "DiffuScene", section 3.2 and figure 3.
 """
@@ -21,7 +22,15 @@ from aeroscene.scene import DOMAINS
 
 
 class SetUnet(nn.Module):
-    """Predicts noise, velocity or clean values of a noisy set, given time and domain."""
+    """Predicts noise, velocity or clean values of a noisy set, given time and domain.
+
+    Args:
+        channels: Numbers of a place.
+        places: Number of places; every input has exactly so many.
+        width: Width of a place inside of the network.
+        levels: Blocks on the way down, and as many on the way up.
+        heads: Attention heads; they divide `width`.
+    """
 
     def __init__(self, channels: int, places: int, width: int, levels: int, heads: int) -> None:
         super().__init__()
@@ -34,13 +43,20 @@ class SetUnet(nn.Module):
         self.up = nn.ModuleList(SetBlock(2 * width, width, heads) for _ in range(levels))
         self.norm = nn.LayerNorm(width)
         self.outward = nn.Linear(2 * width, channels)
+        # The untrained network predicts zero.
         nn.init.zeros_(self.outward.weight)
         nn.init.zeros_(self.outward.bias)
 
     def forward(
         self, x_t: Float[Tensor, "batch n c"], t: Float[Tensor, " batch"], batch: TokenBatch
     ) -> Prediction:
-        """Predict for all places, empty ones among them."""
+        """Predict for all places, empty ones among them.
+
+        Args:
+            x_t: Noisy values.
+            t: Time of each scene, 0 clean to 1 noise.
+            batch: Its `domain` is read, and nothing else.
+        """
         condition = self.time(t) + self.domain(batch.domain)
         place = first = self.inward(x_t) + self.place
         kept: list[Tensor] = []
@@ -50,7 +66,8 @@ class SetUnet(nn.Module):
         place = self.middle(place, condition)
         for block, skip in zip(self.up, reversed(kept), strict=True):
             place = block(torch.cat([place, skip], dim=-1), condition)
-        # Most of what is predicted is in what is read: all of the noise, where it hides the rest.
+        # The input goes straight to the last layer: at high noise nearly all of the target is in
+        # it.
         place = torch.cat([functional.silu(self.norm(place)), first], dim=-1)
         return Prediction(self.outward(place))
 
@@ -71,7 +88,7 @@ class SetBlock(nn.Module):
     def forward(
         self, place: Float[Tensor, "batch n c"], condition: Float[Tensor, "batch d"]
     ) -> Float[Tensor, "batch n w"]:
-        """Update all places."""
+        """Update all places; `condition` scales and shifts each channel between the layers."""
         scale, shift = self.condition(condition).unsqueeze(1).chunk(2, dim=-1)
         inner = self.first(functional.silu(self.first_norm(place)))
         inner = self.second_norm(inner) * (1 + scale) + shift

@@ -1,7 +1,7 @@
-"""The prior of what a layout has: the site's extent and the list of categories.
+"""The prior of a layout's contents: the site's extent and the list of categories.
 
-The paper noises categories as it noises positions, though c is in {1..C}: a Gaussian leaves
-nothing to read of a one-hot vector long before positions are settled, so that a network places
-objects without knowing what they are. It also says that categories condition the network, as soft
-embeddings. So they do here, and a small recurrent network draws the list.
+The paper noises categories as it noises positions, though c is in {1..C}. A Gaussian hides a
+one-hot vector long before positions are settled, so the network would place objects without knowing
+their categories. The paper also says that categories condition the network, as soft embeddings. We
+follow the latter: a small recurrent network draws the list, and diffusion draws the boxes for it.
 """

@@ -1,4 +1,4 @@
-"""Sentences as padded tensors."""
+"""Sentences of contents as padded tensors."""
 
 from __future__ import annotations
 
@@ -18,16 +18,17 @@ from aeroscene.scene import DOMAINS
 
 @dataclass(frozen=True)
 class SentenceBatch:
-    """Sentences as padded tensors."""
+    """Sentences as padded tensors, with the domain and wish of each scene."""
 
     token: Int[Tensor, "batch n"]
-    """-1 in padding."""
+    """Token numbers; -1 in padding."""
     place: Int[Tensor, "batch n"]
+    """Place of the list that each token is in, see `sentences`."""
     domain: Int[Tensor, " batch"]
     wish: Float[Tensor, "batch 3"]
 
     def to(self, device: torch.device | str, *, non_blocking: bool = False) -> SentenceBatch:
-        """The same batch on another device."""
+        """Copy the batch to another device."""
         move = {"device": device, "non_blocking": non_blocking}
         return SentenceBatch(
             self.token.to(**move),
@@ -37,7 +38,7 @@ class SentenceBatch:
         )
 
     def pinned(self) -> SentenceBatch:
-        """The same batch in memory that a GPU reads while the processor goes on."""
+        """Copy the batch to page-locked memory, which a GPU reads while the processor goes on."""
         return SentenceBatch(
             self.token.pin_memory(),
             self.place.pin_memory(),
@@ -47,7 +48,7 @@ class SentenceBatch:
 
 
 def sentence_batch(sentences: Sequence[Sentence], wishes: Sequence[Wish]) -> SentenceBatch:
-    """Sentences with what is known of their scenes, padded."""
+    """Pad sentences and add domain and wish of their scenes."""
     length = max(len(each.token) for each in sentences)
     token = np.full((len(sentences), length), -1, dtype=np.int64)
     place = np.zeros((len(sentences), length), dtype=np.int64)

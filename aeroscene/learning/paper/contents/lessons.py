@@ -1,4 +1,4 @@
-"""Training layouts as sentences, in batches."""
+"""Training layouts as sentences of contents, in batches."""
 
 from __future__ import annotations
 
@@ -15,25 +15,25 @@ from aeroscene.learning.paper.training_set import FlatTrainingSet
 
 @dataclass(frozen=True, eq=False)
 class ContentsLessons:
-    """What scenes have, to learn the prior of contents from."""
+    """Training set of the contents model: the same scenes, as sentences."""
 
     scenes: FlatTrainingSet
 
     @property
     def examples(self) -> tuple[FlatLayout, ...]:
-        """The scenes."""
+        """Layouts of the training scenes."""
         return self.scenes.examples
 
     def with_examples(self, examples: Sequence[FlatLayout]) -> ContentsLessons:
-        """Other scenes with the same statistics."""
+        """Return lessons of other scenes with the same statistics."""
         return ContentsLessons(self.scenes.with_examples(examples))
 
     def sample_batch(self, size: int, rng: np.random.Generator) -> SentenceBatch:
-        """Scenes of about as many objects, each turned at random, indoors mirrored too."""
+        """Draw scenes with similar numbers of objects, turned and indoors mirrored at random."""
         return self._batch([random_symmetry(each, rng) for each in self.scenes.alike(size, rng)])
 
     def in_order(self, start: int, size: int) -> SentenceBatch:
-        """Scenes as they are, for measuring."""
+        """Return scenes as they are, for measuring."""
         return self._batch(self.examples[start : start + size])
 
     def _batch(self, layouts: Sequence[FlatLayout]) -> SentenceBatch:

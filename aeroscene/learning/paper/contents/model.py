@@ -1,4 +1,9 @@
-"""The recurrent network that says how likely contents are, and draws them."""
+"""The recurrent network that models contents, and draws them.
+
+A masked softmax allows only tokens that the grammar permits at each step, so every drawn sentence
+can be read. A wish is only a condition, which a draw may miss. Therefore several sentences are
+drawn together, and the nearest to the wish is kept.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +28,8 @@ from aeroscene.learning.wishes import Wish
 from aeroscene.scene import DOMAINS
 
 N_DRAWN = 8
-"""Contents drawn for a wish, of which the one that comes nearest to it is taken."""
+"""Sentences that are drawn for a wish; the nearest one is kept."""
+# A sentence that has not ended by then is read as it is.
 _MOST_TOKENS = 1200
 
 
@@ -47,7 +53,8 @@ class ContentsModel(nn.Module):
         self.register_buffer("permitted", torch.from_numpy(rows), persistent=False)
 
     def forward(self, batch: SentenceBatch) -> Float[Tensor, " batch"]:
-        """Nats of each sentence."""
+        """Negative log-likelihood of each sentence, in nats."""
+        # The input is shifted by one: 0 begins a sentence, and token k is k + 1.
         before = torch.cat([batch.token.new_zeros(len(batch.token), 1), batch.token[:, :-1] + 1], 1)
         feature, _ = self._advance(before.clamp(min=0), batch.place, batch, None)
         step = torch.arange(batch.token.shape[1], device=batch.token.device)
@@ -76,10 +83,16 @@ class ContentsModel(nn.Module):
         is_usable: Bool[np.ndarray, " categories"],
         generator: torch.Generator,
     ) -> Contents:
-        """Contents for a wish, of categories that are usable, by their numbers from 1.
+        """Draw contents for a wish.
 
-        Of `N_DRAWN` sentences the one is taken whose numbers of coarse and fine objects come
-        nearest to the wish.
+        `N_DRAWN` sentences are drawn. The one whose numbers of coarse and fine objects come nearest
+        to the wish is kept.
+
+        Args:
+            wish: Domain and numbers of objects.
+            statistics: Statistics of the training scenes.
+            is_usable: Categories that may be drawn, by their numbers from 1.
+            generator: Source of the draw.
         """
         device = self.permitted.device
         scaled = torch.from_numpy(np.asarray(scaled_wish(wish), dtype=np.float32))
@@ -90,10 +103,12 @@ class ContentsModel(nn.Module):
             wish=scaled.to(device).expand(N_DRAWN, 3),
         )
         banned = torch.zeros(N_TOKENS, dtype=torch.bool, device=device)
+        # Four tokens for each category, one for each quarter turn.
         banned[: 4 * (len(is_usable) - 1)] = torch.from_numpy(~is_usable[1:]).repeat_interleave(4)
         readings = [Reading(statistics) for _ in range(N_DRAWN)]
         before, state = batch.token, None
         for step in range(_MOST_TOKENS):
+            # Finished sentences are padded with a harmless place; what they draw is not read.
             place = [[COARSE_LIST if each.is_done else each.place] for each in readings]
             places = torch.tensor(place, device=device)
             feature, state = self._advance(before, places, batch, state)
@@ -113,5 +128,6 @@ class ContentsModel(nn.Module):
 
 def _off(contents: Contents, wish: Wish) -> int:
     n_fine = len(contents.category) - contents.n_coarse
+    # An empty scene is the last resort.
     empty = 10**6 * (len(contents.category) == 0)
     return abs(contents.n_coarse - wish.n_coarse) + abs(n_fine - wish.n_fine) + empty

@@ -1,15 +1,16 @@
-"""What a layout has, as a sequence of tokens.
+"""Contents of a layout as a sequence of tokens.
 
     half extent east, half extent north, coarse objects..., END, fine objects..., END
 
-A token of an object is its category and its quarter turn. With regions there is one list of fine
+The token of an object is its category and its quarter turn. With regions there is one list of fine
 objects for each coarse one whose category holds any, in their order, and a last one for the site.
 
-| numbers | token |
-|---|---|
-| 0 to 4 C - 1 | an object: 4 (c - 1) + quarter turn |
-| 4 C | END of a list |
-| 4 C + 1 ... | bins of a half extent |
+    numbers      token
+    0 to 4C - 1  an object: 4 (c - 1) + quarter turn
+    4C           END of a list
+    4C + 1 ...   bins of a half extent
+
+Bins are even in the logarithm, since sites go from a room to a district.
 """
 
 from __future__ import annotations
@@ -29,34 +30,44 @@ END = 4 * N_CATEGORIES
 N_BINS = 48
 _FIRST_BIN = END + 1
 N_TOKENS = _FIRST_BIN + N_BINS
+# Half extents of the first bin's lower and the last bin's upper edge.
 _HALVES_M = (0.5, 250.0)
 SITE = N_CATEGORIES + 1
-"""Place of a list that belongs to the site, or to all; others are named by their category."""
+"""Place of the list of the site's own fine objects; other lists have the category of their region
+as place."""
 COARSE_LIST = 0
 """Place of the list of coarse objects."""
 
 
 @dataclass(frozen=True, eq=False)
 class Contents:
-    """What a layout has."""
+    """Contents of a layout: extent, categories, quarter turns and regions."""
 
     half_m: tuple[float, float]
+    """Half extents east and north."""
     category: Int[np.ndarray, " n"]
+    """Numbers of the catalogue, from 1; coarse objects come first."""
     turn: Int[np.ndarray, " n"]
     region: Int[np.ndarray, " n"]
+    """Row of the coarse object that a fine one belongs to, or `NO_REGION`."""
     n_coarse: int
 
 
 @dataclass(frozen=True, eq=False)
 class Sentence:
-    """Contents as tokens, and the place of the list that each of them is in."""
+    """Contents as tokens, and the place of the list that each token is in."""
 
     token: Int[np.ndarray, " n"]
     place: Int[np.ndarray, " n"]
 
 
 def allowed(step: int, place: int) -> Bool[np.ndarray, " tokens"]:
-    """Tokens that may stand at a step within a list."""
+    """Return which tokens may stand at a step within a list.
+
+    Args:
+        step: Number of the token in its sentence; the first two are half extents.
+        place: Place of the list: `COARSE_LIST`, `SITE` or a category.
+    """
     result = np.zeros(N_TOKENS, dtype=bool)
     if step < 2:
         result[_FIRST_BIN:] = True
@@ -69,20 +80,25 @@ def allowed(step: int, place: int) -> Bool[np.ndarray, " tokens"]:
 
 
 def bin_of(half_m: float) -> int:
-    """Token of a half extent."""
+    """Return the token of a half extent in metres; values out of range take the outermost bin."""
     low, high = np.log(_HALVES_M)
     share = (np.log(half_m) - low) / (high - low)
     return _FIRST_BIN + int(np.clip(share * N_BINS, 0, N_BINS - 1))
 
 
 def half_of(token: int, share: float) -> float:
-    """Half extent at a share, 0 to 1, of the bin of a token, m."""
+    """Return the half extent at a share, 0 to 1, of the bin of a token, m."""
     low, high = np.log(_HALVES_M)
     return float(np.exp(low + (high - low) * (token - _FIRST_BIN + share) / N_BINS))
 
 
 def places_of(coarse: Sequence[int], statistics: FlatStatistics) -> list[int]:
-    """Rows of the coarse objects with a list of their own, by their categories; then the site."""
+    """Return the rows of the coarse objects with a list of their own, and `NO_REGION` at the end.
+
+    Args:
+        coarse: Categories of the coarse objects.
+        statistics: Statistics that say which categories hold fine objects.
+    """
     holders = [
         row for row, c in enumerate(coarse) if statistics.has_regions and statistics.holds[c]
     ]
@@ -90,7 +106,12 @@ def places_of(coarse: Sequence[int], statistics: FlatStatistics) -> list[int]:
 
 
 def sentence_of(layout: FlatLayout, statistics: FlatStatistics) -> Sentence:
-    """The contents of a layout as tokens."""
+    """Write the contents of a layout as tokens.
+
+    Args:
+        layout: The layout, coarse objects first.
+        statistics: Statistics that say which categories have a list of their own.
+    """
     _, turn = measured_channels(layout, frames_of(layout, statistics))
     item = 4 * (layout.category - 1) + turn
     n = layout.n_coarse
@@ -107,7 +128,7 @@ def sentence_of(layout: FlatLayout, statistics: FlatStatistics) -> Sentence:
 
 
 class Reading:
-    """Contents that are read token by token."""
+    """Reads contents token by token."""
 
     def __init__(self, statistics: FlatStatistics) -> None:
         self._statistics = statistics
@@ -128,11 +149,11 @@ class Reading:
 
     @property
     def is_done(self) -> bool:
-        """Whether every list is at its end."""
+        """True once every list is at its end."""
         return self._lists is not None and not self._lists
 
     def take(self, token: int, share: float) -> None:
-        """Read a token; `share` says where in its bin a half extent is."""
+        """Read a token; `share` is the place of a half extent in its bin, 0 to 1."""
         if self.step < 2:
             self._half_m.append(half_of(token, share))
         elif token != END:
@@ -140,6 +161,7 @@ class Reading:
             self._region.append(NO_REGION if self._lists is None else self._lists[0])
         elif self._lists is None:
             self._n_coarse = len(self._items)
+            # The coarse list has ended: only now is it known which lists of fine objects follow.
             self._lists = places_of([1 + item // 4 for item in self._items], self._statistics)
         else:
             del self._lists[0]
@@ -147,7 +169,7 @@ class Reading:
 
     @property
     def contents(self) -> Contents:
-        """What was read so far."""
+        """The contents that were read so far."""
         items = np.array(self._items, dtype=int)
         n_coarse = len(items) if self._lists is None else self._n_coarse
         east, north = self._half_m

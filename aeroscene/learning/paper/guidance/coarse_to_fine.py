@@ -10,7 +10,7 @@ from aeroscene.learning.paper.guidance.config import RegionDistance
 from aeroscene.learning.paper.guidance.layout import Layout
 
 _LEAST_DISTANCE_M = 1e-4
-"""Where the distance to a point has no slope."""
+"""Lower bound of the distance to a point, at which it has no slope."""
 
 
 def coarse_to_fine_loss(
@@ -20,13 +20,20 @@ def coarse_to_fine_loss(
 ) -> Float[Tensor, " batch"]:
     """Sum over fine objects of their distance to the region of the nearest coarse object, m.
 
-    `centroid` is the distance to the coarse object's centre, the paper's, which draws all fine
-    objects into one point; `border` that to its box, 0 within its footprint.
+    Args:
+        layout: Objects of a batch.
+        distance: `centroid` is the distance to the coarse object's centre, as in the paper; it
+            draws all fine objects into one point. `border` is the horizontal distance to its box, 0
+            within its footprint.
+        is_hollow: Categories that hold anything, by number. Only these are regions, in scenes that
+            have one: the wall that is nearest to a chair is not its region.
+
+    Returns:
+        One value for each scene; 0 for a scene without coarse objects.
 
     Source: the paper's L_c2f(x_t), section "Coarse-to-Fine Guidance". The region R_coarse(o_i) is
-    that of the coarse object whose centre is nearest, as there. Where a layout knows the regions,
-    these are taken; and of categories only those that `is_hollow` marks, which hold anything, where
-    a scene has one: the wall that is nearest to a chair is not its region.
+    that of the coarse object whose centre is nearest, as there. If a layout knows its regions,
+    these count instead.
     """
     fine = layout.mask & ~layout.is_coarse
     coarse = layout.mask & layout.is_coarse
@@ -47,7 +54,7 @@ def coarse_to_fine_loss(
 
 
 def _to_border(layout: Layout, offset: Tensor, nearest: Tensor) -> Float[Tensor, "batch n"]:
-    """Horizontal distance to the footprint of the region's object."""
+    """Horizontal distance to the footprint of the region's object; 0 inside."""
     pick = nearest[..., None, None].expand(-1, -1, 1, 3)
     x, y = offset.gather(2, pick).squeeze(2)[..., :2].unbind(-1)
     cos, sin = layout.heading.gather(1, nearest[..., None].expand(-1, -1, 2)).unbind(-1)
@@ -55,5 +62,6 @@ def _to_border(layout: Layout, offset: Tensor, nearest: Tensor) -> Float[Tensor,
     local = torch.stack([cos * x + sin * y, cos * y - sin * x], dim=-1)
     outside = (local.abs() - half).clamp(min=0)
     squared = outside.square().sum(-1)
+    # The inner `where` keeps the square root away from 0, where its slope is infinite.
     is_outside = squared > 0
     return torch.where(is_outside, torch.where(is_outside, squared, 1.0).sqrt(), 0.0)

@@ -7,6 +7,7 @@ from typing import Literal
 
 from aeroscene.learning.diffusion.config import DiffusionError, require_choice
 
+# A file that names larger numbers is refused before any memory is taken.
 _MOST = {
     "n_categories": 4086,
     "width": 4096,
@@ -15,7 +16,8 @@ _MOST = {
     "n_parts": 64,
     "batch_size": 4096,
 }
-"""Largest numbers of the semantic prior: checkpoints and settings of others name them."""
+"""Upper bounds of the semantic prior's numbers, because checkpoints and settings of others name
+them."""
 
 _MOST_STEPS = 10_000
 
@@ -31,21 +33,21 @@ class ObjectivesCfg:
     collision_weight: float = 1.0
     coarse_to_fine_weight: float = 1.0
     semantic_weight: float = 0.1
-    """Of the loss in training. The first two weigh the steps of sampling, too; zeros are the rows
-    of the paper's ablation."""
+    """Weight of L_sem in the training loss. The first two weigh the steps of sampling, too; zeros
+    are the rows of the paper's ablation."""
     semantic_step_weight: float = 0.0
-    """Of L_sem in the steps of sampling. At 0.1 it draws walls into rooms, and at 1 neighbours
-    together: the network knows better than P_sem what stands where."""
+    """Weight of L_sem in the steps of sampling. At 0.1 it draws walls into rooms, and at 1
+    neighbours together: the network knows better than P_sem how objects stand."""
     iou: IouKind = "depth"
     iou_tolerance: float = 0.01
-    """delta_d: the IoU from which the paper's collision rate counts a pair; m where `iou` is a
-    depth."""
+    """delta_d: the IoU from which the paper's collision rate counts a pair. It is in m if `iou` is
+    `depth`."""
     softness_m: float = 0.1
     """Softness of the soft IoU."""
     region_distance: RegionDistance = "border"
     """`centroid` is the paper's, whose least value is a heap in the middle of a region."""
     step_size: float = 0.02
-    """eta_0, m: how far one term moves an object in one step at most."""
+    """eta_0, m: the longest displacement of an object by one term in one step."""
     n_steps: int = 40
     """Steps, all of them in the last call."""
     slack: float = 0.5
@@ -82,14 +84,14 @@ class SemanticPriorCfg:
     width: int = 64
     category_width: int = 16
     n_neighbours: int = 8
-    """Pairs are each object with its nearest so many."""
+    """Number of nearest objects with which each object forms pairs."""
     n_parts: int = 8
-    """Gaussians of the mixture."""
+    """Number of Gaussians of the mixture."""
     reach_m: float = 4.0
-    """Middles of the Gaussians are of this order."""
+    """Scale of the middles of the Gaussians."""
     learning_rate: float = 2e-3
     batch_size: int = 16
-    """Scenes."""
+    """Scenes of a training step."""
 
     def __post_init__(self) -> None:
         for name, most in _MOST.items():

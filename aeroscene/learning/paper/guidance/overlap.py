@@ -1,5 +1,9 @@
 """Intersection over union of upright boxes, exact and soft, differentiable.
 
+The exact IoU follows from the polygon that two footprints share and from the overlap of their
+heights. It has no slope where one box lies in the other. The soft IoU and the depth of penetration
+replace it where guidance needs a slope everywhere.
+
 Source of the exact one: Zhou et al. 2019, "IoU Loss for 2D/3D Object Detection", which the paper
 names for its collision guidance.
 """
@@ -16,14 +20,15 @@ from torch.nn.functional import softplus
 _CORNERS = ((1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0))
 _TOUCH_M = 1e-6
 """A corner this far outside still counts as inside, so that equal boxes intersect."""
+# Cross product of two edges below which they count as parallel.
 _PARALLEL = 1e-9
 _KINK = 1e-3
-"""Sines and cosines below which an absolute value is rounded off."""
+"""Sines and cosines below this value get a smooth absolute value."""
 
 
 @dataclass(frozen=True)
 class BoxPairs:
-    """Pairs of upright boxes; each field holds the first ones and the second ones."""
+    """Pairs of upright boxes; each field holds the first and the second boxes."""
 
     center_m: tuple[Float[Tensor, "pairs 3"], Float[Tensor, "pairs 3"]]
     heading: tuple[Float[Tensor, "pairs 2"], Float[Tensor, "pairs 2"]]
@@ -31,7 +36,7 @@ class BoxPairs:
 
 
 def exact_iou(pairs: BoxPairs) -> Float[Tensor, " pairs"]:
-    """Shared volume over joint volume.
+    """Shared volume over joint volume of each pair, 0 to 1.
 
     Its slope is zero where one box lies in the other or the two are apart.
     """
@@ -39,15 +44,16 @@ def exact_iou(pairs: BoxPairs) -> Float[Tensor, " pairs"]:
 
 
 def soft_iou(pairs: BoxPairs, softness_m: float) -> Float[Tensor, " pairs"]:
-    """A surrogate with a slope everywhere: `_soft_shared` over the joint volume."""
+    """Surrogate of the IoU with a slope everywhere: `_soft_shared` over the joint volume."""
     return _over_union(pairs, _soft_shared(pairs, softness_m))
 
 
 def penetration_m(pairs: BoxPairs) -> Float[Tensor, " pairs"]:
-    """How far one box has to move to part the two, below zero where they are apart.
+    """Distance by which one box has to move to part the two, m; negative if they are apart.
 
-    The least overlap along the vertical and the level axes of either box (separating axes). Unlike
-    a volume it has a slope where a thin wall stands all in a bed, and a slab counts as a cupboard.
+    It is the least overlap along the vertical and along the horizontal axes of either box
+    (separating axes). Unlike a volume it has a slope where a thin wall stands entirely in a bed,
+    and a slab counts as much as a cupboard.
     """
     overlaps = [*_overlaps(pairs, 0, 1), *_overlaps(pairs, 1, 0), _overlap_up(pairs)]
     return torch.stack(overlaps).amin(dim=0)
@@ -56,9 +62,9 @@ def penetration_m(pairs: BoxPairs) -> Float[Tensor, " pairs"]:
 def _soft_shared(pairs: BoxPairs, softness_m: float) -> Float[Tensor, " pairs"]:
     """Soft shared volume, m^3.
 
-    The shared volume is a product of soft overlaps along the axes of one box, with the other's
-    extent along them, averaged over the two boxes. For parallel boxes it goes to the exact one as
-    `softness_m` goes to 0; for turned ones it is larger.
+    It is a product of soft overlaps along the axes of one box, with the other's extent along them,
+    averaged over the two boxes. For parallel boxes it goes to the exact one as `softness_m` goes to
+    0; for turned boxes it is larger.
     """
     lower = torch.minimum(pairs.size_m[0][:, 2], pairs.size_m[1][:, 2])
     up = _soft(_overlap_up(pairs), lower, softness_m)
@@ -80,7 +86,7 @@ def _shared_height(pairs: BoxPairs) -> Tensor:
 
 
 def _overlap_up(pairs: BoxPairs) -> Tensor:
-    """Overlap of the heights, below zero where one box is above the other."""
+    """Overlap of the heights; negative if one box is above the other."""
     apart = (pairs.center_m[0][:, 2] - pairs.center_m[1][:, 2]).abs()
     return (pairs.size_m[0][:, 2] + pairs.size_m[1][:, 2]) / 2 - apart
 
@@ -96,7 +102,7 @@ def _soft_area(pairs: BoxPairs, own: int, other: int, softness_m: float) -> Tens
 
 
 def _overlaps(pairs: BoxPairs, own: int, other: int) -> tuple[Tensor, Tensor]:
-    """Overlap along the two level axes of one of the boxes, below zero where there is a gap."""
+    """Overlap along the two horizontal axes of one of the boxes; negative for a gap."""
     cos, sin = pairs.heading[own].unbind(-1)
     offset = (pairs.center_m[other] - pairs.center_m[own])[:, :2]
     along = cos * offset[:, 0] + sin * offset[:, 1]
@@ -110,7 +116,7 @@ def _overlaps(pairs: BoxPairs, own: int, other: int) -> tuple[Tensor, Tensor]:
 
 
 def _shadows(pairs: BoxPairs, own: int, other: int) -> tuple[Tensor, Tensor]:
-    """Extents of the other box along the level axes of one."""
+    """Extents of the other box along the horizontal axes of one box."""
     cos, sin = pairs.heading[own].unbind(-1)
     turned = pairs.heading[other]
     c = _smooth_abs(cos * turned[:, 0] + sin * turned[:, 1])
@@ -120,17 +126,17 @@ def _shadows(pairs: BoxPairs, own: int, other: int) -> tuple[Tensor, Tensor]:
 
 
 def _smooth_abs(x: Tensor) -> Tensor:
-    """Absolute value without a kink, and no smaller.
+    """Absolute value without a kink, and never smaller than the true one.
 
-    Two boxes are parallel to rounding only. With a kink, the sign of what rounding left would turn
-    one of them.
+    Two boxes that should be parallel are so only up to rounding. With a kink, the sign of the
+    rounding error would turn one of them.
     """
     size = x.abs()
     return torch.where(size < _KINK, (x * x / _KINK + _KINK) / 2, size)
 
 
 def _soft(overlap_m: Tensor, most_m: Tensor, softness_m: float) -> Tensor:
-    """Smooth form of the overlap cut to between 0 and the smaller extent."""
+    """Smooth form of the overlap, clipped to between 0 and the smaller extent."""
     below = softplus(overlap_m / softness_m) - softplus((overlap_m - most_m) / softness_m)
     return below * softness_m
 
@@ -138,8 +144,9 @@ def _soft(overlap_m: Tensor, most_m: Tensor, softness_m: float) -> Tensor:
 def footprint_intersection(pairs: BoxPairs) -> Float[Tensor, " pairs"]:
     """Area that two turned rectangles share, m^2.
 
-    The corners of the shared polygon are those corners of either that lie in the other, and the
-    crossings of their edges; sorted by angle about their mean they give the area.
+    The corners of the shared polygon are those corners of either rectangle that lie in the other,
+    and the crossings of their edges. Sorted by angle about their mean they give the area by the
+    shoelace formula.
     """
     first, second = (_corners(pairs, which) for which in (0, 1))
     crossings, crosses = _crossings(first, second)
@@ -147,10 +154,11 @@ def footprint_intersection(pairs: BoxPairs) -> Float[Tensor, " pairs"]:
     valid = torch.cat([_is_in(first, pairs, 1), _is_in(second, pairs, 0), crosses], dim=1)
     weight = valid.to(points)[..., None]
     middle = (points * weight).sum(1, keepdim=True) / weight.sum(1, keepdim=True).clamp(min=1)
-    # What is not a corner goes to one that is: it spans no area there.
+    # Points that are no corners move onto one that is, where they span no area.
     first_valid = valid.to(torch.uint8).argmax(dim=1)
     spare = points.gather(1, first_valid[:, None, None].expand(-1, 1, 2))
     points = torch.where(valid[..., None], points, spare) - middle
+    # Detached: the order of the corners has no slope.
     angle = torch.atan2(points[..., 1].detach(), points[..., 0].detach())
     order = angle.argsort(dim=1)[..., None].expand(-1, -1, 2)
     ring = points.gather(1, order)
@@ -181,11 +189,12 @@ def _is_in(
 def _crossings(
     first: Float[Tensor, "pairs 4 2"], second: Float[Tensor, "pairs 4 2"]
 ) -> tuple[Float[Tensor, "pairs 16 2"], Bool[Tensor, "pairs 16"]]:
-    """Where each edge of one meets each edge of the other, and whether they do."""
+    """Return the points where each edge of one meets each of the other, and whether they do."""
     start, edge = first[:, :, None], (first.roll(-1, dims=1) - first)[:, :, None]
     other, other_edge = second[:, None], (second.roll(-1, dims=1) - second)[:, None]
     turn = _cross(edge, other_edge)
     is_parallel = turn.abs() < _PARALLEL
+    # Parallel edges would divide by zero; their result is masked below.
     safe = torch.where(is_parallel, 1.0, turn)
     along = _cross(other - start, other_edge.expand_as(other - start)) / safe
     beside = _cross(other - start, edge.expand_as(other - start)) / safe

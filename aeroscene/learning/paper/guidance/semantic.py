@@ -1,10 +1,10 @@
 """The paper's semantic constraint guidance, L_sem, with its learned prior.
 
 The paper has P_sem "an MLP estimated from pairwise statistics of the training set" and leaves open
-how. Here it is a density: an MLP gives, for two categories, a mixture of Gaussians over the
-displacement from one object to its neighbour, in the axes of the first. Its slope therefore points
-to where the second belongs. A classifier of real against exchanged pairs, which stood here before,
-has no such slope: guided by it, scenes became less plausible.
+how. Here it is a density. For two categories an MLP gives a mixture of Gaussians over the
+displacement from one object to its neighbour, in the axes of the first. The slope of a density
+points to where the second object belongs. A classifier of real against exchanged pairs has no such
+slope: guided by it, scenes became less plausible.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from aeroscene.learning.paper.guidance.config import SemanticPriorCfg
 from aeroscene.learning.paper.guidance.layout import Layout, turn_back
 
 _N_NUMBERS = 7
-"""Of a Gaussian: share, middle and spread along three axes."""
+"""Numbers of a Gaussian: its share, and middle and spread along three axes."""
 _LOG_SPREAD = (math.log(0.05), math.log(30.0))
 """Logarithms of the least and greatest spread, m."""
 _HALF_LOG_TWO_PI = math.log(2 * math.pi) / 2
@@ -32,11 +32,12 @@ class NeighbourPairs:
     """Pairs of objects of a batch."""
 
     scene: Int[Tensor, " pairs"]
+    """Row of the pair's scene in the batch."""
     first: Int[Tensor, " pairs"]
-    """Slot in the scene."""
+    """Slot of the first object in its scene."""
     second: Int[Tensor, " pairs"]
     displacement_m: Float[Tensor, "pairs 3"]
-    """Way from the first to the second, in the axes of the first."""
+    """Displacement from the first to the second, in the axes of the first."""
 
 
 class SemanticPrior(nn.Module):
@@ -57,11 +58,17 @@ class SemanticPrior(nn.Module):
     def forward(
         self, category: Int[Tensor, "batch n"], pairs: NeighbourPairs
     ) -> Float[Tensor, " pairs"]:
-        """Logarithms of P_sem for pairs, by the categories of all objects."""
+        """Logarithm of P_sem of each pair.
+
+        Args:
+            category: Categories of all objects of the batch.
+            pairs: Pairs of these objects.
+        """
         embedded = self.embedding(category)
         known = [embedded[pairs.scene, slot] for slot in (pairs.first, pairs.second)]
         found = self.mlp(torch.cat(known, dim=-1)).unflatten(-1, (self.cfg.n_parts, _N_NUMBERS))
         share, middle, log_spread = found.split([1, 3, 3], dim=-1)
+        # A sigmoid keeps spreads in range: a Gaussian on one point would have an endless density.
         log_spread = _LOG_SPREAD[0] + (_LOG_SPREAD[1] - _LOG_SPREAD[0]) * log_spread.sigmoid()
         off = (pairs.displacement_m.unsqueeze(1) - self.cfg.reach_m * middle) / log_spread.exp()
         log_part = -(off.square() / 2 + log_spread + _HALF_LOG_TWO_PI).sum(-1)
@@ -69,9 +76,15 @@ class SemanticPrior(nn.Module):
 
 
 def neighbour_pairs(layout: Layout, n_neighbours: int) -> NeighbourPairs:
-    """Each object with its nearest others."""
+    """Pair each object with its nearest others.
+
+    Args:
+        layout: Objects of a batch.
+        n_neighbours: Greatest number of neighbours of an object.
+    """
     center = layout.center_enu_m
     n = layout.mask.shape[1]
+    # Choosing neighbours has no slope; the displacement below has one.
     apart = (center[:, :, None] - center[:, None]).detach().square().sum(-1)
     taken = ~layout.mask[:, None] | torch.eye(n, dtype=torch.bool, device=center.device)
     apart = apart.masked_fill(taken, torch.inf)
@@ -86,11 +99,11 @@ def neighbour_pairs(layout: Layout, n_neighbours: int) -> NeighbourPairs:
 
 
 def semantic_loss(layout: Layout, prior: SemanticPrior) -> Float[Tensor, " batch"]:
-    """Sum over neighbours of -log P_sem.
+    """Sum over neighbours of -log P_sem, one value for each scene.
 
-    Source: the paper's L_sem(x_t), section "Semantic Constraint Guidance". Its sum runs over all
-    pairs; ours over the nearest ones, whose displacement alone says something (and which cost 5%
-    as much).
+    Source: the paper's L_sem(x_t), section "Semantic Constraint Guidance". The paper's sum runs
+    over all pairs. Ours runs over the nearest ones, because only their displacement is informative,
+    and at 5% of the cost.
     """
     pairs = neighbour_pairs(layout, prior.cfg.n_neighbours)
     unlikely = -prior(layout.category, pairs)
@@ -99,7 +112,7 @@ def semantic_loss(layout: Layout, prior: SemanticPrior) -> Float[Tensor, " batch
 
 
 def prior_loss(prior: SemanticPrior, layout: Layout) -> Float[Tensor, ""]:
-    """How unlikely the prior finds a layout's pairs, nats a pair."""
+    """Mean negative log-likelihood of a layout's pairs, nats a pair."""
     return -prior(layout.category, neighbour_pairs(layout, prior.cfg.n_neighbours)).mean()
 
 
@@ -110,12 +123,20 @@ def train_semantic_prior(
     generator: torch.Generator,
     on_step: Callable[[int, float], None] | None = None,
 ) -> SemanticPrior:
-    """A prior that knows the layouts of a training set, of which `layouts` draws so many scenes.
+    """Train a prior on the layouts of a training set.
 
-    First weights come from the generator, on the layouts' device. After each step
-    `on_step` is called with its number, from 0, and its loss.
+    Args:
+        layouts: Draws a batch of so many scenes.
+        cfg: Shape of the prior and of its training.
+        n_steps: Training steps.
+        generator: Source of the first weights, on the layouts' device.
+        on_step: Called after each step with its number, from 0, and its loss.
+
+    Returns:
+        The prior with frozen weights.
     """
     prior = SemanticPrior(cfg)
+    # PyTorch would draw first weights from its global generator; these come from ours.
     for parameter in prior.parameters():
         if parameter.ndim > 1:
             bound = parameter.shape[1] ** -0.5

@@ -1,4 +1,4 @@
-"""Cross-scale Progressive Attention of the paper, and the masked attention that it is made of."""
+"""The paper's Cross-scale Progressive Attention, and the masked attention that it consists of."""
 
 from __future__ import annotations
 
@@ -11,9 +11,12 @@ from aeroscene.learning.paper.network.routing import Routes
 
 
 class MaskedAttention(nn.Module):
-    """F' = FC(Attn(LN Q, LN K, LN V)) + F, the paper's block, over those keys that a mask allows.
+    """F' = FC(Attn(LN Q, LN K, LN V)) + F, the paper's block, over keys that a mask allows.
 
-    Keys and values are as wide as queries unless `key_width` is given.
+    Args:
+        width: Width of queries.
+        heads: Attention heads; they divide `width`.
+        key_width: Width of keys and values; None is `width`.
     """
 
     def __init__(self, width: int, heads: int, key_width: int | None = None) -> None:
@@ -24,6 +27,7 @@ class MaskedAttention(nn.Module):
         self.key_norm = nn.LayerNorm(key_width)
         self.value_norm = nn.LayerNorm(key_width)
         self.query = nn.Linear(width, width)
+        # A bias of keys adds the same to all logits of a query, which softmax cancels.
         self.key = nn.Linear(key_width, width, bias=False)
         self.value = nn.Linear(key_width, width)
         self.fc = nn.Linear(width, width)
@@ -36,16 +40,21 @@ class MaskedAttention(nn.Module):
         source_weight: Float[Tensor, "batch k 1"] | None = None,
         bias: Float[Tensor, "batch heads q k"] | None = None,
     ) -> Float[Tensor, "batch q d"]:
-        """Let features (Q, and the residual F) ask a source (K and V).
+        """Let features ask a source.
 
-        A row without any allowed key stays as it is; one row of `is_allowed` serves all queries.
-        The source's weights of 1 carry the gate's gradient. `bias` is added to the logits.
+        Args:
+            feature: Q, and the residual F.
+            source: K and V.
+            is_allowed: Keys that each query sees. A query without any key stays as it is; one row
+                serves all queries.
+            source_weight: Weights of 1 that carry the gate's gradient.
+            bias: Added to the logits.
         """
         has_key = is_allowed.any(-1, keepdim=True)
         value = self.value(self.value_norm(source))
         if source_weight is not None:
             value = value * source_weight
-        # A row of False alone would be NaN; its result is dropped below.
+        # A row of False alone would give NaN, so it sees everything; its result is dropped below.
         is_seen = (is_allowed | ~has_key).unsqueeze(1)
         logit = feature.new_zeros(()) if bias is None else bias
         lowest = torch.finfo(logit.dtype).min
@@ -66,8 +75,8 @@ class MaskedAttention(nn.Module):
 class CrossScaleProgressiveAttention(nn.Module):
     """L blocks that alternate: fine tokens ask coarse ones, coarse tokens ask fine ones.
 
-    Tokens of both scales keep their places in one tensor, so that the paper's concatenation of the
-    outputs is already there; the projection follows.
+    Tokens of both scales keep their places in one tensor. The paper's concatenation of the outputs
+    is therefore already there, and the projection follows.
     """
 
     def __init__(self, width: int, heads: int, blocks: int) -> None:
@@ -78,13 +87,14 @@ class CrossScaleProgressiveAttention(nn.Module):
     def forward(
         self, feature: Float[Tensor, "batch n d"], routes: Routes
     ) -> Float[Tensor, "batch n d"]:
-        """F_attn of the features of both branches."""
+        """Return F_attn of the features of both branches."""
         for i, block in enumerate(self.blocks):
             top_down = i % 2 == 0
             is_key = routes.is_coarse if top_down else routes.is_fine
             key_weight = routes.coarse_weight if top_down else routes.fine_weight
             asks = routes.fine_weight if top_down else routes.coarse_weight
             asked = block(feature, feature, is_key.unsqueeze(1), key_weight)
+            # Only tokens of the asking scale change; the weight also passes the gate's gradient on.
             feature = feature + asks * (asked - feature)
         return self.project(feature)
 
@@ -92,7 +102,10 @@ class CrossScaleProgressiveAttention(nn.Module):
 class ScaleAttention(nn.Module):
     """Within-scale mixing by attention, in place of the paper's CNN or GNN (an ablation).
 
-    Where `of_siblings`, tokens see only those of the same parent.
+    Args:
+        width: Width of a token.
+        heads: Attention heads; they divide `width`.
+        of_siblings: True lets tokens see only those of the same parent.
     """
 
     def __init__(self, width: int, heads: int, of_siblings: bool) -> None:
@@ -106,7 +119,13 @@ class ScaleAttention(nn.Module):
         is_member: Bool[Tensor, "batch n"],
         parent: Int[Tensor, "batch n"],
     ) -> Float[Tensor, "batch n d"]:
-        """Features of all tokens; members of the scale are seen."""
+        """Return features of all tokens, which see the members of the scale.
+
+        Args:
+            token: Features of all tokens.
+            is_member: True for tokens of the scale, which may be keys.
+            parent: Slot of each token's parent.
+        """
         is_allowed = is_member.unsqueeze(1)
         if self.of_siblings:
             is_allowed = is_allowed & (parent.unsqueeze(1) == parent.unsqueeze(2))

@@ -1,9 +1,9 @@
 """Coarse branch: F_coarse = CNN_coarse(T_coarse) over a voxel grid.
 
-Tokens are no image, so the 3D CNN needs a grid: features are splatted to the eight voxels around
-each position, convolved there, and gathered back where they came from. Both ways are products with
-one matrix of trilinear weights: at these sizes that is no slower than indexed sums, and unlike
-these it gives the same result every time on a GPU.
+Tokens are no image, so the 3D CNN needs a grid. Features are splatted to the eight voxels around
+each position, convolved there, and gathered back at the same positions. Both directions are
+products with one matrix of trilinear weights. At these sizes that is no slower than indexed sums,
+and unlike these it gives the same result every time on a GPU.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ from torch.nn import functional
 def trilinear_weights(
     position: Float[Tensor, "batch n 3"], shape: tuple[int, int, int], reach: float
 ) -> Float[Tensor, "batch n voxels"]:
-    """Share of each position that lies at each voxel of a grid.
+    """Return the share of each position at each voxel of a grid.
 
     Args:
         position: Positions in channel units; those beyond the grid count as on its border.
-        shape: Voxels along x, y and z, two at least.
+        shape: Voxels along x, y and z, at least two.
         reach: Distance in channel units from the middle to the outermost voxel centres.
 
     Returns:
@@ -31,6 +31,7 @@ def trilinear_weights(
     """
     last = torch.tensor(shape, device=position.device) - 1
     place = ((position.float() / reach).clamp(-1.0, 1.0) + 1.0) / 2.0 * last
+    # At the last voxel the lower neighbour is the one before, so that both exist.
     low = torch.minimum(place.floor(), last - 1.0)
     part = place - low
     shares = torch.zeros(*position.shape[:2], math.prod(shape), device=position.device)
@@ -48,9 +49,9 @@ def splat_mean(
     is_there: Bool[Tensor, "batch n"],
     shares: Float[Tensor, "batch n voxels"],
 ) -> tuple[Float[Tensor, "batch voxels c"], Float[Tensor, "batch voxels 1"]]:
-    """Mean of the features at each voxel, and how many tokens lie there.
+    """Return the mean of the features at each voxel, and the number of tokens there.
 
-    A token that shares its voxels with no other is gathered back as it was.
+    A token that shares its voxels with no other is gathered back unchanged.
     """
     weight = is_there.unsqueeze(-1).to(feature.dtype)
     total = shares.transpose(1, 2) @ torch.cat([feature * weight, weight], -1)
@@ -59,7 +60,14 @@ def splat_mean(
 
 
 class CoarseCnn(nn.Module):
-    """Lightweight 3D CNN over the coarse tokens of a layout; `reach` is half the grid's extent."""
+    """Lightweight 3D CNN over the coarse tokens of a layout.
+
+    Args:
+        width: Width of a token.
+        channels: Width of the features on the grid.
+        shape: Voxels along x, y and z.
+        reach: Half of the grid's extent, in channel units.
+    """
 
     def __init__(
         self, width: int, channels: int, shape: tuple[int, int, int], reach: float
@@ -67,6 +75,7 @@ class CoarseCnn(nn.Module):
         super().__init__()
         self.shape, self.reach = shape, reach
         self.inward = nn.Linear(width, channels)
+        # One more channel holds the number of tokens: the mean alone cannot tell empty from zero.
         self.first = nn.Conv3d(channels + 1, channels, 3, padding=1)
         self.second = nn.Conv3d(channels, channels, 3, padding=1)
         self.outward = nn.Linear(channels, width)
@@ -77,7 +86,13 @@ class CoarseCnn(nn.Module):
         is_coarse: Bool[Tensor, "batch n"],
         position: Float[Tensor, "batch n 3"],
     ) -> Float[Tensor, "batch n d"]:
-        """Features of all tokens; the grid holds the coarse ones."""
+        """Return features of all tokens; the grid holds the coarse ones.
+
+        Args:
+            token: Features of all tokens.
+            is_coarse: True for tokens that are splatted to the grid.
+            position: Positions in channel units.
+        """
         shares = trilinear_weights(position, self.shape, self.reach)
         mean, amount = splat_mean(self.inward(token), is_coarse, shares)
         grid = torch.cat([mean, amount], -1).transpose(1, 2).unflatten(2, self.shape)

@@ -1,11 +1,10 @@
 """Initial layout and hierarchy embedding: from the noisy channels of an object to its token.
 
-A network sees a layout twice: the noisy channels themselves, and the boxes in the world that the
-channels stand for. Of the latter the faces are what matters, since a wall ends where another
-begins and a bed stands against one. Both come as Fourier features, in which equal places have
-equal vectors and small differences are large. A wave that is shorter than the doubt about what it
-tells is no more than noise, and fades: its mean over that doubt is what remains (Barron et al.
-2021, "Mip-NeRF", section 3.1).
+The network sees a layout twice: as the noisy channels, and as the boxes in the world that the
+channels stand for. Of the boxes their faces matter, since a wall ends where another begins and a
+bed stands against one. Both come as Fourier features, in which equal places have equal vectors and
+small differences are large. A wave that is shorter than the doubt about its value is only noise. It
+fades: its mean over that doubt remains (Barron et al. 2021, "Mip-NeRF", section 3.1).
 """
 
 from __future__ import annotations
@@ -25,43 +24,43 @@ from aeroscene.learning.paper.guidance.layout import Layout
 LONGEST_M = 128.0
 """Longest wavelength of a face's Fourier features; each further band halves it."""
 _LONGEST = 16.0
-"""The same for a channel, in spreads."""
+"""Longest wavelength of a channel's Fourier features, in spreads."""
 _N_ALIKE = 64
-"""Slots of one category that are told apart; later ones share the last."""
+"""Number of slots of one category with a vector of their own; later ones share the last."""
 _N_TURNS = 4
 _N_FACES = 6
 _N_SHAPE = 7
-"""Heading, logarithms of the extents, and of the frame's half extents."""
+"""Numbers of the heading (2), of the log extents (3) and of the frame's log half extents (2)."""
 _FACES_M = 8.0
-"""Faces are seen on this scale, beside their waves."""
+"""Scale by which faces are divided, beside their waves."""
 _MOST = 6.0
-"""Channels are cut off at so many spreads: an object may be unlike all that were trained on."""
+"""Channels are clipped at so many spreads, because an object may differ from all in training."""
 _PLACE_SCALE = 0.1
-"""e_pos is so much quieter than as it is written, or keys and values are mostly the index."""
+"""Factor on e_pos. Unscaled, keys and values would consist mostly of the index."""
 
 
 class Seen(NamedTuple):
-    """A noisy layout, and what a formula without parameters makes of it."""
+    """A noisy layout, and the clean layout that a formula without parameters finds in it."""
 
     x: Float[Tensor, "batch n c"]
     """Noisy channels, divided to unit variance."""
     clean: Float[Tensor, "batch n c"]
-    """The formula's clean channels, in spreads."""
+    """Clean channels by the formula, in spreads."""
     doubt: Float[Tensor, "batch n c"]
-    """Their standard deviations about the truth."""
+    """Standard deviations of the clean channels about the truth."""
     boxes: Layout
-    """The boxes of the clean channels."""
+    """Boxes of the clean channels."""
     faces_doubt_m: Float[Tensor, "batch n 6"]
-    """Standard deviations of their faces."""
+    """Standard deviations of the faces of these boxes."""
 
 
 class Embedded(NamedTuple):
-    """The paper's token and what it is the sum of."""
+    """The paper's token and its summands."""
 
     feature: Float[Tensor, "batch n d"]
-    """f^(0), geometry and semantics alone: the routing reads it."""
+    """f^(0), geometry and semantics alone; the routing reads it."""
     token: Float[Tensor, "batch n d"]
-    """h = f^(0) + e_pos + e_dom, and the time."""
+    """h = f^(0) + e_pos + e_dom, plus the time."""
     place: Float[Tensor, "batch n d"]
     """e_pos: the place in the list, and the learned slot among objects of the category."""
 
@@ -70,10 +69,10 @@ class LayoutEmbedding(nn.Module):
     """The paper's h_i = f_i^(0) + e_i^pos + e_i^dom with f_i^(0) = MLP([p, q, s, Emb(c)]).
 
     The category and its quarter turn are given: "a one-hot vector which conditioned as learned
-    soft-embeddings". What a region holds is given too, so that a room is made for its furniture.
-    The place i is counted among real tokens. Beside its sinusoid stand learned vectors for the
-    k-th object of a category that faces one way, from the first and from the last: where all is
-    noise, nothing else tells the four walls of a room from each other.
+    soft-embeddings". The contents of a region are given too, so that a room is made for its
+    furniture. The place i is counted among real tokens. Beside its sinusoid stand learned vectors
+    for the k-th object of a category that faces one way, from the first and from the last. Where
+    all is noise, nothing else tells the four walls of a room from each other.
     """
 
     def __init__(self, cfg: ModelCfg, *, has_regions: bool) -> None:
@@ -94,7 +93,13 @@ class LayoutEmbedding(nn.Module):
         self.from_last = nn.Embedding(_N_ALIKE, cfg.width)
 
     def forward(self, seen: Seen, time: Float[Tensor, "batch n d"], batch: TokenBatch) -> Embedded:
-        """Tokens of a noisy layout."""
+        """Embed a noisy layout.
+
+        Args:
+            seen: The layout, as channels and as boxes.
+            time: Embedded time of each token.
+            batch: Categories, turns, frames and contents of regions.
+        """
         assert batch.turn is not None
         assert batch.frame is not None
         assert batch.held is not None
@@ -113,7 +118,8 @@ class LayoutEmbedding(nn.Module):
             batch.frame[..., 5:7].log(),
             known,
         ]
-        # Rounded to bfloat16, a place of one spread is off by half a hundredth.
+        # In bfloat16 a place of one spread would be off by half a hundredth, so the first layer
+        # runs in single precision.
         with torch.autocast(seen.x.device.type, enabled=False):
             feature = self.mlp(torch.cat(parts, dim=-1).float())
         place = _PLACE_SCALE * sinusoid(batch.mask.cumsum(1) - 1, self.width)
@@ -124,7 +130,7 @@ class LayoutEmbedding(nn.Module):
 
 
 def among_alike(batch: TokenBatch) -> tuple[Int[Tensor, "batch n"], Int[Tensor, "batch n"]]:
-    """How many objects of its category, quarter turn and region come before and after each."""
+    """Count the objects of each one's category, turn and region that come before and after it."""
     assert batch.turn is not None
     same = batch.mask.unsqueeze(1)
     for known in (batch.kind, batch.turn, batch.parent):
@@ -141,7 +147,7 @@ def level_extent_m(boxes: Layout) -> Float[Tensor, "batch n 3"]:
 
 
 def faces_m(boxes: Layout) -> Float[Tensor, "batch n 6"]:
-    """Where the faces of each box are along east, north and up: the lower three, then the upper."""
+    """Faces of each box along east, north and up: the lower three, then the upper three."""
     half = level_extent_m(boxes) / 2
     return torch.cat([boxes.center_enu_m - half, boxes.center_enu_m + half], dim=-1)
 
@@ -152,12 +158,17 @@ def fourier(
     longest: float,
     bands: int,
 ) -> Float[Tensor, "batch n f"]:
-    """Mean sines and cosines of values that are known but for normal doubts, by band.
+    """Mean sines and cosines of values that are known up to normal doubts, by band.
 
-    The first wave is `longest`, and each further one half as long; doubts are standard deviations.
+    Args:
+        value: The values.
+        doubt: Standard deviation of each value.
+        longest: Length of the first wave; each further one is half as long.
+        bands: Number of waves.
     """
     octave = torch.arange(bands, device=value.device, dtype=torch.float32)
     rate = 2 * math.pi / longest * 2.0**octave
     angle = (value.unsqueeze(-1) * rate).flatten(-2)
+    # Mean of a wave over a normal distribution: exp(-(rate sigma)^2 / 2) of the wave at its middle.
     left = (-0.5 * (doubt.unsqueeze(-1) * rate).square()).exp().flatten(-2)
     return torch.cat([left * angle.sin(), left * angle.cos()], dim=-1)

@@ -12,7 +12,12 @@ def radius_graph(
 ) -> Bool[Tensor, "batch n n"]:
     """Spatial adjacency G_fine: pairs of fine tokens at a Euclidean distance <= delta_f.
 
-    Positions and delta_f are in channel units. The adjacency is symmetric, without loops.
+    The adjacency is symmetric, without loops.
+
+    Args:
+        position: Positions of all tokens.
+        is_fine: True for fine tokens.
+        radius: delta_f, in the unit of the positions.
     """
     distance = (position.unsqueeze(2) - position.unsqueeze(1)).float().square().sum(-1)
     near = distance <= radius**2
@@ -50,7 +55,13 @@ class FineGnn(nn.Module):
         is_fine: Bool[Tensor, "batch n"],
         position: Float[Tensor, "batch n 3"],
     ) -> Float[Tensor, "batch n d"]:
-        """Features of all tokens; the fine ones are the graph's nodes."""
+        """Return features of all tokens; the fine ones are the graph's nodes.
+
+        Args:
+            token: Features of all tokens.
+            is_fine: True for the nodes of the graph.
+            position: Positions in the unit of the radius.
+        """
         adjacency = radius_graph(position, is_fine, self.radius).to(token.dtype)
         for layer in self.layers:
             token = layer(token, adjacency)

@@ -27,18 +27,19 @@ from aeroscene.learning.paper.network.routing import LearnedRouting, Routes, giv
 from aeroscene.learning.paper.network.trust import Trust
 from aeroscene.learning.paper.network.unet import Condition, TokenUnet
 
+# A constant channel without noise would divide by zero.
 _LEAST_TOTAL = 1e-6
 _HEIGHT_M = 6.0
-"""Height of the grid's middle to its outermost voxels."""
+"""Distance from the grid's middle to its outermost voxels along the vertical."""
 
 
 class Levels(NamedTuple):
-    """Signal and noise of each token; what is given has no noise."""
+    """Signal and noise of each token; given tokens have no noise."""
 
     alpha: Float[Tensor, "batch n 1"]
     sigma: Float[Tensor, "batch n 1"]
     variance: Float[Tensor, "batch n c"]
-    """v, of the clean channels of the token's category."""
+    """v, variance of the clean channels of the token's category."""
 
     @property
     def total(self) -> Float[Tensor, "batch n c"]:
@@ -49,16 +50,16 @@ class Levels(NamedTuple):
 class LayoutDenoiser(nn.Module):
     """Sections 3.2 to 3.4 of the paper in their order, each part a module of its own.
 
-    The UNet does not predict eps from nothing. What is best without looking at any other object is
+    The UNet does not predict eps from nothing. The best prediction that looks at no other object is
     a formula,
 
         eps = sigma / V x_t + alpha sqrt(v / V) F(x_t, t) with V = alpha_bar v + sigma^2
 
-    and v the variance of a channel; the UNet's output is F, zero at first, so that no training
-    can end worse than the formula on scenes that it learns from. On others it can, and `Trust` says
-    how far F is followed there. Source: the preconditioning of Karras et al. 2022, "Elucidating
-    the Design Space of Diffusion-Based Generative Models", section 5, for eps. The paper's
-    equations for eps stay as they are.
+    where v is the variance of a channel and F is zero. The UNet's output is F. It is zero at first,
+    so that no training ends worse than the formula on scenes that it learns from. On other scenes
+    it can, so `Trust` limits how far F is followed there. Source: the preconditioning of Karras et
+    al. 2022, "Elucidating the Design Space of Diffusion-Based Generative Models", section 5, for
+    eps. The paper's equations for eps stay as they are.
     """
 
     variance: Tensor
@@ -86,12 +87,19 @@ class LayoutDenoiser(nn.Module):
         t: Float[Tensor, " batch"],
         batch: TokenBatch,
     ) -> Prediction:
-        """Predict the noise in a batch of layouts; what is given is read from the batch."""
+        """Predict the noise in a batch of layouts; given objects are read from the batch.
+
+        Args:
+            x_t: Noisy channels.
+            t: Time of each scene, 0 clean to 1 noise.
+            batch: Categories, turns, frames and given objects.
+        """
         levels, time = self._levels(x_t, t, batch)
         if batch.given is not None and batch.x0 is not None:
             x_t = torch.where(batch.given.unsqueeze(-1), batch.x0.to(x_t), x_t)
         total = levels.total
-        # The formula's clean layout: grid, graph and embedding find the boxes in it.
+        # Grid, graph and embedding find boxes in the formula's clean layout, since noisy channels
+        # have none.
         seen = self._seen(x_t, levels, batch)
         boxes = seen.boxes
         feature, token, place = self.embedding(seen, time, batch)
@@ -104,6 +112,7 @@ class LayoutDenoiser(nn.Module):
             self.nearness(boxes, batch),
         )
         learned = self.unet(torch.cat([token, fused], dim=-1), condition)
+        # Scales F so that its target has unit variance at every noise.
         gain = levels.alpha * (levels.variance / total).sqrt()
         if self.trust is not None:
             gain = gain * self.trust(levels.alpha, levels.sigma)
@@ -117,7 +126,7 @@ class LayoutDenoiser(nn.Module):
         boxes = self._read(clean, batch)
         half_m = boxes.size_m * doubt[..., SCALE] * self._read.spread_of(batch)[..., SCALE] / 2
         doubt_m = (doubt[..., POSITION] * self._read.metres_of(batch)).square() + half_m.square()
-        # Frames and boxes are turned: east and north share what is not known.
+        # Frames and boxes are turned about the vertical, so east and north share their doubt.
         level_m = doubt_m[..., :2].mean(-1, keepdim=True).expand_as(doubt_m[..., :2])
         faces_m = torch.cat([level_m, doubt_m[..., 2:]], dim=-1).sqrt().repeat(1, 1, 2)
         return Seen(x_t / total.sqrt(), clean, doubt, boxes, faces_m)
@@ -125,7 +134,7 @@ class LayoutDenoiser(nn.Module):
     def _levels(
         self, x_t: Tensor, t: Tensor, batch: TokenBatch
     ) -> tuple[Levels, Float[Tensor, "batch n d"]]:
-        """Noise of each token, and the embedding of its time."""
+        """Return the noise of each token, and the embedding of its time."""
         clean = torch.zeros_like(batch.mask) if batch.given is None else batch.given
         alpha, sigma = (each.to(x_t)[:, None] for each in self._schedule.signal_and_noise(t))
         levels = Levels(
@@ -156,13 +165,13 @@ class LayoutDenoiser(nn.Module):
 
 
 def _where(branch: nn.Module, boxes: Layout, batch: TokenBatch) -> Tensor:
-    """What a branch places tokens by: parents, shares of the site's half extents, or metres."""
+    """Return a branch's coordinates of tokens: parents, metres, or shares of the site."""
     if isinstance(branch, ScaleAttention):
         return batch.parent
     if isinstance(branch, FineGnn):
         return boxes.center_enu_m
     assert batch.frame is not None
-    # Coarse objects have the site's frame.
+    # Slot 0 is coarse if there is any, and coarse objects have the site's frame.
     site = torch.cat(
         [batch.frame[:, :1, 5:7], batch.frame.new_full((len(batch.frame), 1, 1), _HEIGHT_M)], -1
     )

@@ -1,11 +1,12 @@
-"""Tokenizability and the gate that sends tokens to the coarse or to the fine branch.
+"""Tokenizability, and the gate that sends tokens to the coarse or to the fine branch.
 
-| symbol | name | unit |
-|---|---|---|
-| f^(0) | features of a token before position and domain | - |
-| tau | tokenizability: sigma(w^T MLP(f^(0))) | [0, 1] |
-| gamma | learned threshold | [0, 1] |
-| T_coarse, T_fine | tokens with tau < gamma, and with tau >= gamma | - |
+    symbol           name                                               range
+    f^(0)            features of a token before position and domain     -
+    tau              tokenizability: sigma(w^T MLP(f^(0)))              [0, 1]
+    gamma            learned threshold                                  [0, 1]
+    T_coarse, T_fine tokens with tau < gamma, and with tau >= gamma     -
+
+The paper routes by a hard comparison of tau with gamma. See `LearnedRouting` for its gradient.
 """
 
 from __future__ import annotations
@@ -19,11 +20,11 @@ from torch import Tensor, nn
 from aeroscene.learning.batch import TokenBatch
 
 GATE_TEMPERATURE = 0.1
-"""Width of the soft gate in units of tau: what gradients of the hard one are replaced by."""
+"""Width of the soft gate in units of tau, whose gradient replaces that of the hard gate."""
 
 
 class Routes(NamedTuple):
-    """Which branch each token takes; padding takes none."""
+    """The branch of each token; padding takes none."""
 
     is_coarse: Bool[Tensor, "batch n"]
     is_fine: Bool[Tensor, "batch n"]
@@ -31,7 +32,7 @@ class Routes(NamedTuple):
     """1 for coarse tokens and 0 for others, with the gradient of the soft gate."""
     fine_weight: Float[Tensor, "batch n 1"]
     tokenizability: Float[Tensor, "batch n"] | None
-    """tau; None where the routes were given."""
+    """tau; None if the routes were given."""
 
 
 class LearnedRouting(nn.Module):
@@ -50,17 +51,18 @@ class LearnedRouting(nn.Module):
         self.gamma = nn.Parameter(torch.tensor(0.5))
 
     def forward(self, feature: Float[Tensor, "batch n d"], real: Bool[Tensor, "batch n"]) -> Routes:
-        """Routes of tokens by their features f^(0)."""
+        """Route tokens by their features f^(0)."""
         tau = torch.sigmoid(self.w_tau(self.mlp(feature)).squeeze(-1)).float()
         is_fine = tau >= self.gamma
         soft = torch.sigmoid((tau - self.gamma) / GATE_TEMPERATURE)
+        # The value is the hard gate; the gradient is the soft one's.
         gate = (is_fine.to(soft.dtype) - soft.detach() + soft).unsqueeze(-1)
         there = real.unsqueeze(-1)
         return Routes(~is_fine & real, is_fine & real, (1 - gate) * there, gate * there, tau * real)
 
 
 def given_routes(batch: TokenBatch) -> Routes:
-    """Routes by the slots of a batch: a skeleton knows which of its tokens are coarse."""
+    """Route tokens by the slots of a batch, which knows its coarse tokens."""
     slot = torch.arange(batch.mask.shape[1], device=batch.mask.device)
     is_coarse = batch.mask & (slot < batch.n_coarse_slots)
     is_fine = batch.mask & ~is_coarse

@@ -1,11 +1,11 @@
-"""How far the network's correction of the formula is followed, by noise and kind of channel.
+"""Share of the network's correction of the formula that is followed, by noise and kind of channel.
 
-A network that has learnt scenes for long corrects the formula too boldly in scenes that it has not
-seen, above all where noise hides nearly everything. The share s of its correction that suits other
-scenes best has a closed form: with the formula's guess e and the correction d, the squared error of
-e + s d is least at s = <eps - e, d> / <d, d>. It is fitted once, at the end of a training, on half
-of the held-out scenes, and taken a standard error lower, so that no group of channels is worse than
-the formula at any noise.
+A network that has long learned its scenes corrects the formula too boldly in scenes that it has not
+seen, above all where noise hides nearly everything. The best share s of its correction has a closed
+form. With the formula's guess e and the correction d, the squared error of e + s d is least at s =
+<eps - e, d> / <d, d>. The share is fitted once, at the end of a training, on half of the held-out
+scenes. It is taken one standard error lower, so that no group of channels is worse than the formula
+at any noise.
 """
 
 from __future__ import annotations
@@ -31,6 +31,7 @@ GROUPS: Mapping[str, slice] = {
     "extents": SCALE,
 }
 """Channels that are judged and trusted together."""
+# A fixed seed, so that the same weights always get the same shares.
 _SEED = 11
 _LEAST = 1e-12
 
@@ -39,7 +40,7 @@ Denoiser = Callable[[Tensor, Tensor, TokenBatch], Tensor]
 
 
 class Trust(nn.Module):
-    """Share of the correction that is followed; 1 everywhere where none was fitted."""
+    """Share of the correction that is followed; 1 everywhere if none was fitted."""
 
     logs: Tensor
     shares: Tensor
@@ -56,7 +57,8 @@ class Trust(nn.Module):
     def forward(
         self, alpha: Float[Tensor, "batch n 1"], sigma: Float[Tensor, "batch n 1"]
     ) -> Float[Tensor, "batch n c"]:
-        """Shares at the noise of each token."""
+        """Return the shares at the noise of each token, for each channel."""
+        # Given tokens have no noise, so their ratio is 0 and takes the last row.
         ratio = (sigma / alpha).clamp(NOISE_TO_SIGNAL[-1], NOISE_TO_SIGNAL[0])
         log = ratio.log().squeeze(-1)
         above = torch.bucketize(log, self.logs).clamp(1, len(self.logs) - 1)
@@ -68,13 +70,16 @@ class Trust(nn.Module):
 def fitted_trust(
     predict: Denoiser, variance: Tensor, batches: Iterable[TokenBatch], schedule: Schedule
 ) -> tuple[TrustRow, ...]:
-    """The best shares on scenes that a network has not learnt from.
+    """Fit the best shares on scenes that a network has not learned from.
 
     Args:
         predict: The network, with a trust of 1.
         variance: Variance of the clean channels of each category, (categories, channels).
         batches: Layouts with their clean channels.
         schedule: Noise schedule.
+
+    Returns:
+        One row for each ratio of `NOISE_TO_SIGNAL`; shares from 0 to 1.
     """
     kept = list(batches)
     return tuple(_shares(predict, variance, kept, schedule, ratio) for ratio in NOISE_TO_SIGNAL)
@@ -88,6 +93,7 @@ def _shares(
     noise_to_signal: float,
 ) -> TrustRow:
     time = time_of(schedule, noise_to_signal)
+    # The same noise at every ratio, so that shares vary smoothly between them.
     generator = torch.Generator().manual_seed(_SEED)
     along = torch.zeros(len(batches), len(GROUPS))
     square = torch.zeros_like(along)
@@ -106,12 +112,13 @@ def _shares(
 def _cautious(
     along: Float[Tensor, "batches groups"], square: Float[Tensor, "batches groups"]
 ) -> Float[Tensor, " groups"]:
-    """The ratio of two sums, less its standard error: too bold costs more than too shy.
+    """Ratio of two sums less its standard error, because too bold costs more than too shy.
 
-    The error is that of the jackknife over batches.
+    The error is the jackknife's over batches.
     """
     best = along.sum(0) / square.sum(0).clamp(min=_LEAST)
     n = len(along)
+    # One batch gives no error.
     if n < 2:
         return best
     without = (along.sum(0) - along) / (square.sum(0) - square).clamp(min=_LEAST)
@@ -124,13 +131,20 @@ def formula(
     variance: Float[Tensor, "batch n c"],
     schedule: Schedule,
 ) -> Float[Tensor, "batch n c"]:
-    """The best guess of the noise of each channel by itself, eps = sigma x_t / V."""
+    """Best guess of the noise of each channel by itself, eps = sigma x_t / V.
+
+    Args:
+        x_t: Noisy channels.
+        time: Time of all scenes.
+        variance: Variance v of the clean channels; V = alpha_bar v + sigma^2.
+        schedule: Noise schedule.
+    """
     alpha, sigma = schedule.signal_and_noise(time)
     return sigma / (alpha**2 * variance + sigma**2) * x_t
 
 
 def time_of(schedule: Schedule, noise_to_signal: float) -> Float[Tensor, ""]:
-    """The time of training at which the ratio is nearest."""
+    """Return the training time at which sigma / sqrt(alpha_bar) is nearest to a ratio."""
     log = schedule.log_alpha_bar[1:]
     log_ratio = (torch.log(-torch.expm1(log)) - log) / 2
     step = int((log_ratio - math.log(noise_to_signal)).abs().argmin()) + 1
@@ -140,7 +154,17 @@ def time_of(schedule: Schedule, noise_to_signal: float) -> Float[Tensor, ""]:
 def noisy(
     batch: TokenBatch, schedule: Schedule, time: Float[Tensor, ""], generator: torch.Generator
 ) -> tuple[Tensor, Tensor, Tensor]:
-    """A noisy batch, its noise, and which channels are free."""
+    """Noise a batch at one time.
+
+    Args:
+        batch: Layouts with `x0` and `weight`.
+        schedule: Noise schedule.
+        time: Time of all scenes.
+        generator: Source of the noise, on the processor.
+
+    Returns:
+        The noisy channels, their noise, and 1 for channels that are free.
+    """
     assert batch.x0 is not None
     assert batch.weight is not None
     is_free = (batch.weight > 0).to(batch.x0)

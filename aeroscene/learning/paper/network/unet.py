@@ -14,13 +14,14 @@ from aeroscene.learning.paper.network.attention import MaskedAttention
 
 @dataclass(frozen=True)
 class Condition:
-    """What every level of the UNet reads."""
+    """Input of every level of the UNet beside the places."""
 
     time: Float[Tensor, "batch n d"]
-    """Time and domain, of each token: what is given has no noise."""
+    """Time and domain of each token; given tokens have the time without noise."""
     feature: Float[Tensor, "batch n d"]
     """F_attn, the keys and values of the cross-attention."""
     is_token: Bool[Tensor, "batch 1 n"]
+    """True for real tokens, which may be keys."""
     nearness: Float[Tensor, "batch heads n n"]
     """Bias of the self-attention."""
 
@@ -28,9 +29,9 @@ class Condition:
 class ResidualBlock(nn.Module):
     """Two pointwise convolutions along the list with time between them, then attention.
 
-    Self-attention among the places, as diffusion UNets have it, then the paper's cross-attention
-    on F_attn. A list of objects has no neighbours along it, so that a wider kernel or a stride
-    would mix strangers.
+    Self-attention among the places comes first, as diffusion UNets have it, then the paper's
+    cross-attention on F_attn. A list of objects has no neighbours along it, so a wider kernel or a
+    stride would mix strangers.
     """
 
     def __init__(self, inward: int, width: int, condition: int, heads: int) -> None:
@@ -51,7 +52,7 @@ class ResidualBlock(nn.Module):
         scale, shift = self.time(condition.time).chunk(2, dim=-1)
         inner = self.first(functional.silu(self.first_norm(place)))
         inner = self.second_norm(inner) * (1 + scale) + shift
-        # The sum of all blocks stays in single precision where products of matrices are not.
+        # The sum of all blocks stays in single precision, even if matrix products use bfloat16.
         place = self.skip(place).float() + self.second(functional.silu(inner))
         place = self.within(place, place, condition.is_token, bias=condition.nearness)
         return self.across(place, condition.feature, condition.is_token)
@@ -60,8 +61,14 @@ class ResidualBlock(nn.Module):
 class TokenUnet(nn.Module):
     """1-D UNet: levels of `ResidualBlock`s inward, one in the middle, as many outward.
 
-    `condition` is the width of time and of F_attn; `widths` are those of the levels, outermost
-    first. Each level on the way out reads what its counterpart on the way in found.
+    Each level on the way out reads the result of its counterpart on the way in.
+
+    Args:
+        inward: Width of an input place.
+        channels: Width of an output place.
+        condition: Width of time and of F_attn.
+        widths: Widths of the levels, outermost first.
+        heads: Attention heads; they divide every width.
     """
 
     def __init__(
@@ -80,7 +87,8 @@ class TokenUnet(nn.Module):
             for b, w in zip(below, reversed(widths), strict=True)
         )
         self.norm = nn.LayerNorm(widths[0])
-        # A way from what is read to the output that passes no LayerNorm, which forgets its size.
+        # The input also goes past the LayerNorm, which would forget its size, straight to the
+        # output.
         self.outward = nn.Linear(2 * widths[0], channels)
         nn.init.zeros_(self.outward.weight)
         nn.init.zeros_(self.outward.bias)
@@ -88,7 +96,7 @@ class TokenUnet(nn.Module):
     def forward(
         self, place: Float[Tensor, "batch n i"], condition: Condition
     ) -> Float[Tensor, "batch n c"]:
-        """Predict for each place of a list; zero before any training."""
+        """Predict for each place of a list; the result is zero before training."""
         place = first = self.inward(place).float()
         kept = []
         for block in self.down:

@@ -1,1 +1,1 @@
-"""From a program to its scene."""
+"""Decoding of a program to its scene."""

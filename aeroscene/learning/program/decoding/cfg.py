@@ -7,10 +7,11 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, kw_only=True)
 class DecodingCfg:
-    """What decoding does beyond reading numbers; taken away, it shows what it brings."""
+    """Corrections that decoding makes beyond reading numbers; an ablation turns one off."""
 
     makes_room: bool = True
-    """Whether what would overlap goes to the nearest free place that its relation leaves open."""
+    """True moves objects that would overlap to the nearest free place that their relation leaves
+    open."""
     mends: bool = True
-    """Whether things come where their category has to be: boats afloat, vehicles in their lanes,
+    """True puts objects where their category has to be: boats afloat, vehicles in their lanes,
     plates before chairs, chairs turned to their tables."""

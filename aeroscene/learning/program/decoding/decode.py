@@ -1,7 +1,9 @@
-"""Decodes programs: covers, then what stands on them, storeys in buildings, and so on down.
+"""Decoding of programs: covers, then objects on them, storeys in buildings, and so on downwards.
 
-It gives a scene for any program, so that a draw of a model needs no luck. The modules of
-`structures` and `units` say what is done with what does not fit.
+Every program gives a scene, so that a draw of a model needs no luck. Objects are built from the
+ground up, because the bearer of an object must be there before it. A program that was read off a
+scene gives that scene back. The modules of `structures` and `units` say how they treat objects that
+do not fit.
 """
 
 from __future__ import annotations
@@ -64,16 +66,17 @@ from aeroscene.scene.catalogue import (
 from aeroscene.scene.origin import ALTITUDE_M, LATITUDE_DEG, LONGITUDE_DEG
 
 _FIXED = GROUND | BUILDING_PARTS | STAIRS | POSTS
-"""What lies where it was drawn, whatever stands there."""
+"""Categories that stay where they were drawn, whatever else is there."""
 _HOLDING = GROUND | ROOMS
-"""What holds all that is drawn on it or in it."""
+"""Categories that hold everything drawn on or in them."""
 _INNER = 0.5
-"""Share of length and width about the middle that is free where something is not deep in others."""
+"""Share of length and width about the middle that must be free, so that an object is not deep in
+others."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class DecodedProgram:
-    """A scene, and which of its objects each token stands for."""
+    """A scene, and the ids of the objects that each token stands for."""
 
     scene: Scene
     object_ids: tuple[tuple[int, ...], ...]
@@ -82,7 +85,14 @@ class DecodedProgram:
 def decode(
     program: Program, scene_id: str = "program", seed: int = 0, cfg: DecodingCfg | None = None
 ) -> DecodedProgram:
-    """The scene of a program, whatever its numbers; without interaction areas."""
+    """Build the scene of a program, without interaction areas.
+
+    Args:
+        program: Any program, whatever its numbers.
+        scene_id: Name of the scene.
+        seed: Seed that the scene states.
+        cfg: Corrections of the program; None makes all of them.
+    """
     builder = Builder(program, cfg)
     builder.build()
     draft = builder.draft
@@ -111,24 +121,24 @@ def decode(
 
 
 class Builder:
-    """Puts one object after the other."""
+    """Builds a scene object by object."""
 
     def __init__(self, program: Program, cfg: DecodingCfg | None = None) -> None:
         self._program = with_own_sizes(program)
         self._cfg = cfg or DecodingCfg()
         self.draft = Draft(self._program)
         self._buildings: dict[int | None, DecodedBuilding] = {}
-        """Those with storeys, by what they are in."""
+        """Buildings with storeys, by the object that they are in."""
         self._overhead = Overhead()
         self._n_given = 0
-        """Objects that stand as they are, and do not move."""
+        """Number of objects that stand already and do not move."""
         self._last_m: dict[What, Vector3] = {}
-        """Extents of the last unit of each kind of thing."""
+        """Extents of the last unit of each key, which the next may copy."""
 
     def build(self) -> None:
-        """Everything, from the ground up: turn by turn, and object by object as it was read.
+        """Build everything from the ground up, in turns and in the order of reading.
 
-        Where any objects are given, so are all that partitions make.
+        If any objects are given, then all objects that partitions make are given too.
         """
         draft, kinds = self.draft, self._program.kinds
         n_given = self._n_given = len(draft.objects)
@@ -138,7 +148,9 @@ class Builder:
             for place in draft.children[0]:
                 if kinds[place].node == "site":
                     add_site(draft, place, self._buildings.get(None))
+        # The queue grows while it is walked through: new objects may bear others.
         queue: list[int | None] = [None, *range(len(draft.objects))]
+        # Chairs come in the last turn, when the tables that they stand at have their places.
         for turn in range(N_TURNS):
             for number, bearer in enumerate(queue):
                 before = len(draft.objects)
@@ -146,10 +158,12 @@ class Builder:
                     self._add_storeys(bearer)
                     n_built += 1
                 for place in draft.below(bearer, "unit"):
+                    # This turn also includes units of earlier turns whose bearer is new.
                     if turn_of(CATEGORY_IDS[kinds[place].category]) > turn:
                         continue
                     if not draft.made[place]:
                         self._add_unit(place, bearer)
+                    # Given units count as the last of their key, for units that copy extents.
                     elif draft.made[place][0] < n_given:
                         given = draft.objects[draft.made[place][0]]
                         self._last_m[kinds[place].what] = given.bbox.s
@@ -168,7 +182,7 @@ class Builder:
             draft.move(row, replace(box, q=quat_from_yaw(box.yaw_rad + turn_rad)))
 
     def _add_storeys(self, host: int | None) -> None:
-        """Rooms and walls of the storeys in an object."""
+        """Build rooms and walls of the storeys in an object."""
         draft = self.draft
         storeys = draft.below(host, "storey")
         if not storeys:
@@ -185,6 +199,7 @@ class Builder:
             draft.add(
                 token, part.category, "indoor", attributes, part.box, parent=host, bearer=host
             )
+            # Doors need the air before them: no object may stand there.
             air = air_of(part.box, attributes) if part.category in WALLS else None
             if air is not None:
                 draft.neighbours.add_air(air)
@@ -192,9 +207,11 @@ class Builder:
     def _add_unit(self, place: int, bearer: int | None) -> None:
         program, draft = self._program, self.draft
         kind = program.unit(place)
+        # A boat that was drawn on land goes to the first water.
         if kind.category in AFLOAT and draft.standing.category(bearer) not in WATER:
             bearer = next((obj.id for obj in draft.objects if obj.category in WATER), bearer)
         is_roof = kind.category in ROOFS and bearer is None and bearer in self._buildings
+        # A house with storeys has one roof; further ones are not built.
         if is_roof and self._overhead.has_roof:
             return
         unit = read_unit(draft, place, bearer, self._last_m.get(kind.what))
@@ -225,7 +242,7 @@ class Builder:
             )
 
     def _lay_slabs(self, host: int | None) -> None:
-        """Upper slabs and roofs as rooms and walls ask for, in place of those that were drawn."""
+        """Lay upper slabs and roofs as rooms and walls need them, in place of the drawn ones."""
         building = self._buildings.get(host)
         for place, slab in [] if building is None else self._overhead.laid(building):
             kind = self._program.unit(place)
@@ -236,7 +253,7 @@ class Builder:
             )
 
     def _boxes(self, unit: Unit, kind: Kind) -> list[OrientedBox]:
-        """The boxes of a unit as its relation has them, but for those without a place."""
+        """Return the boxes of a unit by its relation, without those that have no place."""
         draft = self.draft
         boxes = member_boxes(unit, draft.box)
         if not self._cfg.mends:
@@ -251,7 +268,7 @@ class Builder:
     def _with_its_room(
         self, unit: Unit, kind: Kind, boxes: Sequence[OrientedBox], table: int | None
     ) -> list[OrientedBox]:
-        """A unit's boxes where they have room, with what they belong to or by themselves."""
+        """Return a unit's boxes in a free place, together with its group or by itself."""
         draft = self.draft
         if table is not None:
             return drawn_up(draft, boxes, table, self._n_given)
@@ -262,17 +279,18 @@ class Builder:
         return self._free(unit, kind, boxes) if found is None else found
 
     def _free(self, unit: Unit, kind: Kind, boxes: Sequence[OrientedBox]) -> list[OrientedBox]:
-        """A unit's boxes where they have room: as its relation has it, or else nearby.
+        """Return a unit's boxes where they have room: by the relation, or else nearby.
 
-        Where there is room enough for what their category keeps free of its own, there. Where
-        there is none for all, those that have some, or that are at least not deep in others; the
-        start pad whatever is there.
+        Places count first that keep the clearance of the category. If there is no room for all
+        boxes, those remain that have some, or at least are not deep in others. The start pad always
+        stays.
         """
         draft, neighbours = self.draft, self.draft.neighbours
         taken = draft.taken(unit.parent_id)
         clearance_m = self._program.clearances.of(kind.category)
         tries: list[tuple[Blocks, int | None]] = [(taken, None)]
         if any(clearance_m):
+            # Clearances are wishes, so only the first way is tried with them.
             kept_free = neighbours.kept_free(kind.category, clearance_m)
             tries.insert(0, (np.concatenate([taken, kept_free]), 1))
         is_backed = self._cfg.mends and asks_for_wall(draft, unit, kind.category)
@@ -295,7 +313,7 @@ class Builder:
         *,
         needs_wall: bool,
     ) -> list[OrientedBox] | None:
-        """A unit's boxes by the first of the ways that its relation leaves open, if any."""
+        """Return a unit's boxes by the first way that has room; None if none has."""
         draft = self.draft
         within = draft.extent(unit.parent_id)
         for turns, ways in islice(open_ways(unit, draft.outline(unit.host_id)), n_ways):

@@ -1,4 +1,4 @@
-"""Decodes what is new in a program among objects that stand already, none of which moves."""
+"""Decoding of a program's new objects among objects that stand already, none of which moves."""
 
 from __future__ import annotations
 
@@ -14,14 +14,22 @@ from aeroscene.scene import Scene
 
 
 def furnish(program: Program, given: Given, scene_id: str, seed: int) -> Scene:
-    """A given scene with what else a program has, whatever its numbers; without areas.
+    """Add the other objects of a program to a given scene, without areas.
 
-    What is given keeps its id and is as it was; new objects come after it, with greater ids.
+    Given objects keep their ids and stay as they are. New objects come after them, with greater
+    ids.
+
+    Args:
+        program: Program of given and new objects, whatever its numbers.
+        given: The objects that stand, and their tokens.
+        scene_id: Name of the scene.
+        seed: Seed that the scene states.
     """
     builder = Builder(program)
     builder.draft.begin_with(given)
     builder.build()
     kept, made = given.scene, builder.draft.objects
+    # A draft numbers objects by their place; the scene keeps the given ids.
     ids = [obj.id for obj in kept.objects]
     first_id = max(given.first_id, 1 + max(ids, default=-1))
     ids += range(first_id, first_id + len(made) - len(ids))
@@ -33,6 +41,7 @@ def furnish(program: Program, given: Given, scene_id: str, seed: int) -> Scene:
     ]
     objects = tuple(replace(obj, scene_id=scene_id) for obj in (*kept.objects, *new))
     scene = replace(kept, scene_id=scene_id, seed=seed, objects=objects, interaction_areas=())
+    # A new start pad moves the start of the flight; otherwise it stays.
     pad = start_pad(new)
     if pad is None:
         return scene

@@ -1,1 +1,1 @@
-"""From a scene to its program."""
+"""Encoding of a scene as its program."""

@@ -1,4 +1,4 @@
-"""What bears what: covers under objects without a parent, and objects that boxes were read off."""
+"""Bearers of objects: covers under objects without a parent, and objects behind built boxes."""
 
 from __future__ import annotations
 
@@ -13,23 +13,31 @@ from aeroscene.scene import OrientedBox, Scene, SceneObject
 from aeroscene.scene.catalogue import GROUND, WALLS
 
 BUILT_M = 0.02
-"""A partition builds what it was read off again within so much."""
+"""A partition rebuilds the boxes that it was read from to within this distance."""
 _ON_M = 0.5
-"""Farthest above or below a cover's top that what stands on it begins."""
+"""Greatest distance of an object's underside from the top of the cover that bears it."""
 
 
 @dataclass(frozen=True, slots=True)
 class Bearers:
-    """Covers of the ground, and which of them bears each object that has no parent."""
+    """Covers of the ground, and the cover that bears each object without a parent."""
 
     covers: frozenset[int]
     bearer: dict[int, int]
 
 
 def covers_under(scene: Scene, given: Sequence[int]) -> Bearers:
-    """The cover under the middle of each object without a parent: whose top is nearest to it."""
+    """Find the cover under the middle of each object without a parent.
+
+    Among several the one with the nearest top counts.
+
+    Args:
+        scene: The scene.
+        given: Ids of objects that partitions build.
+    """
     objects = scene.object_by_id
     covers = [objects[i] for i in given if objects[i].category in GROUND]
+    # Floors in buildings are covers, too, but stand in their own hierarchy.
     covers = [cover for cover in covers if cover.domain == "outdoor"]
     known = frozenset(given)
     found: dict[int, int] = {}
@@ -48,17 +56,18 @@ def covers_under(scene: Scene, given: Sequence[int]) -> Bearers:
 
 
 def _is_over(box: OrientedBox, cover: OrientedBox) -> bool:
-    """Whether the middle of a box is over a cover."""
+    """True if the middle of a box is over a cover."""
     outline = footprint(cover)
     u_m, v_m, _ = outline.place.local(footprint(box).place)
     return abs(u_m) <= outline.half_m[0] and abs(v_m) <= outline.half_m[1]
 
 
 def find_boxes(boxes: Sequence[OrientedBox], objects: Sequence[SceneObject]) -> list[SceneObject]:
-    """The object that each box was read off: the nearest, each once.
+    """Return the object that each built box was read from: the nearest, each once.
 
     Raises:
-        ProgramError: If an object and its box are further apart than they may be.
+        ProgramError: If a box is further from its object than it may be, or two boxes share an
+            object.
     """
     if len(boxes) != len(objects):
         raise ProgramError(
@@ -69,6 +78,7 @@ def find_boxes(boxes: Sequence[OrientedBox], objects: Sequence[SceneObject]) -> 
     built, wanted = (
         np.array([box.corners() for box in some]) for some in (boxes, [obj.bbox for obj in objects])
     )
+    # Distance of the lower and of the upper corners: the larger one counts.
     low = np.linalg.norm(built.min(1)[:, None] - wanted.min(1), axis=2)
     far = np.maximum(low, np.linalg.norm(built.max(1)[:, None] - wanted.max(1), axis=2))
     nearest = far.argmin(axis=1)
@@ -85,5 +95,5 @@ def find_boxes(boxes: Sequence[OrientedBox], objects: Sequence[SceneObject]) -> 
 
 
 def _joint_m(obj: SceneObject) -> float:
-    """How far the ends of a wall may differ: which of two walls has their corner is no matter."""
+    """Allowance for the ends of walls: either of two walls may own their common corner."""
     return min(obj.bbox.s[:2]) if obj.category in WALLS else 0.0

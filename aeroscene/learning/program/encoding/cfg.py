@@ -6,18 +6,18 @@ import msgspec
 
 
 class EncodingCfg(msgspec.Struct, frozen=True, kw_only=True):
-    """What programs say of scenes; taken away, it shows what it brings.
+    """Details of scenes that programs keep; an ablation leaves one out.
 
-    Checkpoints keep it: what a model completes is encoded as its training was.
+    Checkpoints store it, so that a scene to complete is encoded as the training scenes were.
     """
 
     has_partitions: bool = True
-    """Whether covers, rooms and walls are read as parts of the site and of storeys. Else each of
-    them is an object by itself, with a place and a size."""
+    """True reads covers, rooms and walls as parts of the site and of storeys. Otherwise each is an
+    object by itself, with a place and a size."""
     has_relations: bool = True
-    """Whether objects are read by what they are to their hosts, rows and grids at once. Else each
-    of them has a place in the frame of what bears it."""
+    """True reads objects by their relation to a host, and rows and grids as one. Otherwise each has
+    a place in the frame of its bearer."""
 
 
 WHOLE = EncodingCfg()
-"""All of it, as programs are."""
+"""The full encoding."""

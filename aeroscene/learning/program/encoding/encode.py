@@ -1,4 +1,4 @@
-"""Encodes scenes: partitions first, then units on what these make, in one tree."""
+"""Encoding of scenes: partitions first, then units on the objects that these make, in one tree."""
 
 from __future__ import annotations
 
@@ -44,27 +44,32 @@ from aeroscene.scene.catalogue import ROOMS
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class EncodedProgram:
-    """A program, and what it was read off."""
+    """A program with the objects that it was read from."""
 
     program: Program
     object_ids: tuple[tuple[int, ...], ...]
-    """For each token the objects of the scene that it stands for."""
+    """Ids of the objects that each token stands for."""
     choices: Float[np.ndarray, "n 4 4"]
-    """Channels that may count from several things, from each of them; NaN where there is none."""
+    """Values of `REFERENCED` channels from each reference; NaN where one does not exist."""
     gaps: Mapping[str, Float[np.ndarray, "k 2"]]
-    """Of each category what `gaps_between` finds between its units."""
+    """Result of `gaps_between` for the units of each category."""
     hosts: tuple[str, ...]
-    """For each token what the host of its unit is, see `companions`; empty for other tokens."""
+    """Key of the host of each unit, see `companions`; empty for other tokens."""
 
 
 def encode(scene: Scene, cfg: EncodingCfg = WHOLE) -> EncodedProgram:
-    """The program of a scene, by boxes, categories, parents and the attributes that shape.
+    """Write a scene as a program.
 
-    A scene with a relief is encoded as it lies on flat ground.
+    Boxes, categories, parents and shaping attributes are read, and nothing else. A scene with a
+    relief is encoded as it lies on flat ground.
+
+    Args:
+        scene: Any scene.
+        cfg: Details that the program keeps.
 
     Raises:
         PartitionError: If covers, rooms or walls overlap in a way that no partition has.
-        ProgramError: If an object is not built again from the partition that it was read into.
+        ProgramError: If an object is not rebuilt from the partition that it was read into.
     """
     scene = level(scene)
     root = Node(scene_kind(scene.domain, scene.theme))
@@ -73,6 +78,7 @@ def encode(scene: Scene, cfg: EncodingCfg = WHOLE) -> EncodedProgram:
     buildings = building_partitions(scene, Word.of) if cfg.has_partitions else []
     for building in buildings:
         encoder.add_building(building)
+    # Units come after all partitions, because they stand on the objects of these.
     encoder.add_units()
     encoder.hang_storeys(buildings)
     nodes, _, _ = in_order(root)
@@ -101,14 +107,14 @@ class _Encoder:
     cfg: EncodingCfg
     site: Rectangle = field(default=BARE_SITE)
     given: list[int] = field(default_factory=list)
-    """Objects that the partitions make, in the order in which they are built."""
+    """Ids of the objects that partitions make, in the order in which they are built."""
     bearer: dict[int | None, tuple[Node, int]] = field(default_factory=dict)
-    """The node that stands for each object, and which of its objects it is."""
+    """Node of each object, and the object's number among those of the node."""
     storeys: list[list[Node]] = field(default_factory=list)
-    """Of each building."""
+    """Nodes of the storeys of each building."""
 
     def add_site(self) -> None:
-        """The covers of the ground."""
+        """Add the covers of the ground."""
         self.bearer[None] = self.root, 0
         parsed = site_partition(self.scene, Word.of) if self.cfg.has_partitions else None
         if parsed is None:
@@ -127,7 +133,7 @@ class _Encoder:
                 node.kind = msgspec.structs.replace(node.kind, is_root=True)
 
     def add_building(self, parsed: ParsedBuilding) -> None:
-        """The rooms and walls of a building's storeys."""
+        """Add the rooms and walls of a building's storeys."""
         host = self.site
         below_m = 0.0
         if parsed.host_id is not None:
@@ -141,6 +147,7 @@ class _Encoder:
             nodes.append(made[0])
             cells.append(made[1])
             borders.append(made[2])
+            # The next storey's level counts from this one's.
             below_m = storey.level_m
         self.storeys.append(nodes)
         parts = build_storeys(parsed.storeys)
@@ -154,13 +161,14 @@ class _Encoder:
                 self._stand_for(obj, borders[part.storey][part.place], 0)
 
     def _stand_for(self, obj: SceneObject, node: Node, piece: int) -> None:
+        # A merged leaf and each piece of a lane are several objects of one node.
         self.bearer[obj.id] = node, max(piece, len(node.ids))
         self.given.append(obj.id)
         node.ids.append(obj.id)
         node.looks.append(looks(obj))
 
     def add_units(self) -> None:
-        """All other objects, below what bears them."""
+        """Add all other objects below their bearers."""
         scene = self.scene
         view = self._view()
         objects = view.object_by_id
@@ -168,6 +176,7 @@ class _Encoder:
         with_rooms = {obj.parent_id for obj in scene.objects if obj.category in ROOMS}
 
         def alike(obj: SceneObject) -> Hashable:
+            # Objects with openings or rooms of their own cannot be members of a group.
             is_single = openings(obj) or obj.id in with_rooms
             return obj.category, obj.domain, shaping(obj), obj.id if is_single else None
 
@@ -189,7 +198,7 @@ class _Encoder:
         return host_key(self._object(host_id).category, self.bearer[host_id][0].kind.relation)
 
     def hang_storeys(self, buildings: Sequence[ParsedBuilding]) -> None:
-        """Storeys below their buildings, before all else there."""
+        """Hang storeys below their buildings, before everything else there."""
         for building, nodes in zip(buildings, self.storeys, strict=True):
             above, member = self.bearer[building.host_id]
             for node in nodes:
@@ -197,7 +206,7 @@ class _Encoder:
             above.children[:0] = nodes
 
     def _view(self) -> Scene:
-        """The scene with what stands on a cover, and has no parent, as its child."""
+        """Return the scene in which objects on a cover, without a parent, are its children."""
         under = covers_under(self.scene, self.given)
         first = [replace(self._object(i), parent_id=None) for i in self.given if i in under.covers]
         known = {obj.id for obj in first}

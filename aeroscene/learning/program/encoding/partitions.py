@@ -1,4 +1,9 @@
-"""Partitions as nodes of a program."""
+"""Partitions as nodes of a program.
+
+A partition is a sequence of records. Here it becomes a tree of nodes below the site or a storey,
+and each border of a room becomes a child of the room's first leaf. A border that is all wall or all
+open needs no segments, which shortens most programs.
+"""
 
 from __future__ import annotations
 
@@ -18,15 +23,15 @@ from aeroscene.partition.storeys.storey import NOBODY, Line, room_numbers, store
 from aeroscene.relations.plane import Rectangle, nearest_quadrant
 
 Cells = list[tuple[Node, int]]
-"""The node of each leaf of a partition, and which of its objects it is."""
+"""Node of each leaf of a partition, and the number of its object among the node's."""
 _SAME_LOGIT = 1e-3
-"""Logs of shares that differ by less are of equal parts."""
+"""Logs of shares that differ by less belong to equal parts."""
 SIDES = {("y", True): 0, ("x", True): 1, ("y", False): 2, ("x", False): 3}
-"""Side of a room by the axis of a line there, and whether the room is on its lower side."""
+"""Side of a room, by the axis of a line there and True if the room is on its lower side."""
 
 
 def site_node(site: SitePartition) -> tuple[Node, Cells]:
-    """The node of a site's partition with everything below it, and its leaves' nodes."""
+    """Return the node of a site's partition with everything below it, and its leaves' nodes."""
     head, found = _grown(to_sequence(site))
     quarters, own_rad = nearest_quadrant(site.frame.yaw_rad)
     is_turned = abs(own_rad) > SAME_RAD
@@ -39,19 +44,21 @@ def site_node(site: SitePartition) -> tuple[Node, Cells]:
 def storey_node(
     storey: StoreyPartition, host: Rectangle, below_m: float, *, is_first: bool
 ) -> tuple[Node, Cells, list[Node]]:
-    """The node of a storey's partition, its leaves' nodes, and those of its borders.
+    """Return the node of a storey's partition, its leaves' nodes, and those of its borders.
 
     Args:
         storey: The partition.
         host: The building, or the site, seen from above.
-        below_m: Level from which the storey's counts: of the storey below, or of the building.
-        is_first: Whether it says where the frame is; the storeys above have the same.
+        below_m: Level from which the storey's level counts: of the storey below, or of the
+            building.
+        is_first: True if it states the frame; the storeys above have the same.
     """
     records = to_sequence(storey)
     n_tree = next((i for i, r in enumerate(records) if r.node == "border"), len(records))
     head, found = _grown(records)
     head.kind = msgspec.structs.replace(head.kind, is_first=int(is_first))
     head.channels[1:11] = _storey_values(storey, host, below_m)
+    # The frame's six channels are stated by the lowest storey alone.
     if not is_first:
         head.channels[1:7] = math.nan
     borders = _add_borders(storey, records[n_tree:], found)
@@ -78,7 +85,10 @@ def _storey_values(storey: StoreyPartition, host: Rectangle, below_m: float) -> 
 
 
 def _grown(records: Sequence[Record]) -> tuple[Node, Cells]:
-    """The node of a head, with its widths and its tree below it; widths say what has them."""
+    """Return the node of a head, with its widths and its tree below it.
+
+    A width is labelled with the category of its first user.
+    """
     n_widths = sum(record.node == "width" for record in records)
     nested = nest(iter(records[n_widths:]))
     tree = _with_nodes(nested, math.nan)
@@ -91,7 +101,7 @@ def _grown(records: Sequence[Record]) -> tuple[Node, Cells]:
 
 
 def _first_use(records: Sequence[Record], strip: int) -> str:
-    """What has a width first: the category of the next leaf, lane or segment."""
+    """Return the first user of a width: the category of the next leaf, lane or segment."""
     at = next((i for i, record in enumerate(records) if record.strip == strip), len(records))
     for record in records[at:]:
         if record.node in {"leaf", "lane", "segment"} and record.kind:
@@ -100,7 +110,7 @@ def _first_use(records: Sequence[Record], strip: int) -> str:
 
 
 def _with_nodes(nested: Nested[None], logit: float, *, is_even: bool = False) -> Nested[Node]:
-    """A record's tree with a node for each of them."""
+    """Build a record's tree with a node for each record."""
     record = nested.record
     logits = [math.nan] * len(nested.children)
     even = [False] * len(nested.children)
@@ -109,6 +119,7 @@ def _with_nodes(nested: Nested[None], logit: float, *, is_even: bool = False) ->
         logits[low:high] = share_logits([part.share for part in parts])
         even[low:high] = _are_even(parts, logits[low:high])
     node = Node(_kind(record, is_even=is_even), channels_of(record))
+    # An even part copies a share, so it has no number.
     node.channels[0] = math.nan if is_even else logit
     children = [
         _with_nodes(child, own, is_even=same)
@@ -119,7 +130,7 @@ def _with_nodes(nested: Nested[None], logit: float, *, is_even: bool = False) ->
 
 
 def _are_even(parts: Sequence[Record], logits: Sequence[float]) -> list[bool]:
-    """Which parts of a side have the share of the last one before them that is the same."""
+    """Mark the parts of a side that copy the share of the last equal part before them."""
     last: dict[tuple[str, str], float] = {}
     found: list[bool] = []
     for part, logit in zip(parts, logits, strict=True):
@@ -132,6 +143,7 @@ def _are_even(parts: Sequence[Record], logits: Sequence[float]) -> list[bool]:
 
 def _kind(record: Record, *, is_even: bool = False) -> Kind:
     said: dict[str, Any] = {"is_even": True} if is_even else {}
+    # Words of objects are JSON arrays; other words are plain names.
     if record.kind.startswith("["):
         word = Word.read(record.kind)
         said["category"] = word.category
@@ -148,7 +160,7 @@ def _kind(record: Record, *, is_even: bool = False) -> Kind:
 
 
 def _add_borders(storey: StoreyPartition, records: list[Record], found: Cells) -> list[Node]:
-    """Nodes of a storey's borders, each below the leaf of a room that it is on."""
+    """Build the nodes of a storey's borders, each below the leaf of its room."""
     sequence = iter(records)
     rooms = first_leaves(room_numbers(storey_cells(storey)))
     borders: list[Node] = []
@@ -159,7 +171,7 @@ def _add_borders(storey: StoreyPartition, records: list[Record], found: Cells) -
             nested.children.clear()
         node = _with_nodes(nested, math.nan).token
         owner, side, beyond = owner_of(line, rooms, len(found))
-        # One that is all open, or all wall, needs no segments.
+        # A border that is all open or all wall needs no segments.
         arity = 0 if is_wall else nested.record.arity
         category = "wall" if is_wall else "mixed" if arity else "open"
         node.kind = msgspec.structs.replace(node.kind, category=category, arity=arity, side=side)
@@ -169,7 +181,7 @@ def _add_borders(storey: StoreyPartition, records: list[Record], found: Cells) -
 
 
 def first_leaves(rooms: Sequence[int]) -> dict[int, int]:
-    """The first leaf of each room, from the room of each leaf."""
+    """Return the first leaf of each room, from the room of each leaf."""
     leaves: dict[int, int] = {}
     for leaf, room in enumerate(rooms):
         leaves.setdefault(room, leaf)
@@ -177,12 +189,13 @@ def first_leaves(rooms: Sequence[int]) -> dict[int, int]:
 
 
 def owner_of(line: Line, rooms: dict[int, int], n_leaves: int) -> tuple[int, int, int]:
-    """The leaf that a line belongs to, on which side of it, and how many leaves on what is beyond.
+    """Return the leaf that owns a line, its side, and the number of leaves to the room beyond.
 
-    The latter is 0 where nobody is.
+    The last is 0 if no room is beyond.
     """
     low, high = line.rooms
     if low == NOBODY:
         return rooms[high], SIDES[line.axis, False], 0
+    # Counted onwards and around, so that the number is never negative.
     beyond = 0 if high == NOBODY else (rooms[high] - rooms[low]) % n_leaves
     return rooms[low], SIDES[line.axis, True], beyond

@@ -1,4 +1,4 @@
-"""Units as nodes of a program."""
+"""Units as nodes of a program: an object, or a group of equal ones, in relation to its host."""
 
 from __future__ import annotations
 
@@ -46,8 +46,8 @@ from aeroscene.relations.relation import Kind as RelationKind
 from aeroscene.scene import OrientedBox, SceneObject, Vector3
 
 SAME_M = 0.002
-"""Members of a group that differ by less have no numbers of their own, nor has what differs by less
-from the last one that is the same."""
+"""Differences below this do not count: members of a group need no numbers of their own, and a unit
+copies the extents of the last."""
 SAME_RAD = math.radians(0.05)
 """Headings that are off quarter turns by less are not turned."""
 
@@ -59,14 +59,14 @@ def unit_node(
     roots: frozenset[int],
     last_m: Vector3 | None = None,
 ) -> Node:
-    """The node of a unit, with one below it for each member where they differ.
+    """Return the node of a unit, with a child for each member if members differ.
 
     Args:
         unit: The unit.
         objects: All objects of the scene under their ids.
-        site: The scene from above: the host of what has none.
+        site: The scene from above: the host of objects without one.
         roots: Ids of the objects that have no parent in the scene.
-        last_m: Extents of the last unit before it that is the same; None for the first one.
+        last_m: Extents of the last unit with the same key; None for the first one.
     """
     first = objects[unit.members[0].id]
     members = [objects[member.id] for member in unit.members]
@@ -87,6 +87,7 @@ def unit_node(
     node.channels[OPENING] = opening_values(first)
     tilt = unit.members[0].tilt_wxyz
     if tilt is not None:
+        # Channels keep the tilt about x and y alone.
         rotation = Rotation.from_quat(tilt, scalar_first=True)
         node.channels[TILT] = rotation.as_rotvec()[:2]
     if unit.is_group:
@@ -95,13 +96,13 @@ def unit_node(
 
 
 def unit_size_m(unit: Unit) -> Vector3:
-    """Extents of a unit's largest member, axis by axis."""
+    """Return the extents of a unit's largest member, axis by axis."""
     x_m, y_m, z_m = np.array([member.size_m for member in unit.members]).max(axis=0).tolist()
     return x_m, y_m, z_m
 
 
 def _as_last(size_m: Vector3, last_m: Vector3 | None) -> AsLast:
-    """Which extents are those of the last unit."""
+    """Return the name of the extents that equal those of the last unit."""
     if last_m is None:
         return ""
     is_same = [abs(own - last) <= SAME_M for own, last in zip(size_m, last_m, strict=True)]
@@ -138,9 +139,10 @@ def _put_place(
     objects: Mapping[int, SceneObject],
     site: Rectangle,
 ) -> None:
-    """Channels of the unit's residual and pitch."""
+    """Write the channels of the unit's residual and pitch."""
     relation, residual, array = unit.relation, unit.residual, unit.array
     host = site if unit.host_id is None else footprint(objects[unit.host_id].bbox)
+    # Seats go around the table, so their group has no extent of its own.
     half_m = halves_m[0] if relation.kind == RelationKind.SEAT else array_half_m(array, halves_m)
     reach_m = reach_of(relation, residual.yaw_rad, half_m)
     (u0, u1), (v0, v1) = scales(relation, host, reach_m)
@@ -152,19 +154,27 @@ def _put_place(
         extents_m = pitch_base_m(relation.kind, halves_m)
         counts = (array.rows, array.columns)
         c[PITCH] = [
+            # A row of one has no pitch.
             pitch_m - extent_m if count > 1 else math.nan
             for pitch_m, extent_m, count in zip(array.pitch_m, extents_m, counts, strict=True)
         ]
 
 
 def pitch_base_m(kind: RelationKind, halves_m: Sequence[Half]) -> Half:
-    """Extents of a member that a pitch is beyond: at a table along the sides."""
+    """Return the extents of a member beyond which a pitch counts.
+
+    Seats of a table stand side by side, so both directions take their width.
+    """
     x_m, y_m = (2 * max(half_m[axis] for half_m in halves_m) for axis in (0, 1))
     return (y_m, y_m) if kind == RelationKind.SEAT else (x_m, y_m)
 
 
 def unit_yaw_rad(unit: Unit, objects: Mapping[int, SceneObject]) -> float:
-    """The heading that sizes are read along: of the first member without its own noise."""
+    """Return the heading along which sizes are read.
+
+    It is the heading of the first member without its own noise, so that all members of a group
+    agree.
+    """
     host_rad = 0.0 if unit.host_id is None else objects[unit.host_id].bbox.yaw_rad
     turn = 0 if unit.relation.quadrant == ANY_TURN else unit.relation.quadrant
     return host_rad + (unit.relation.side + turn) * QUARTER + unit.residual.yaw_rad
@@ -177,12 +187,13 @@ def _members(
     base_m: float,
     kind: UnitKind,
 ) -> list[Node]:
-    """A node for each member, or none where all are alike."""
+    """Return a node for each member, or none if all are alike."""
     found: list[Node] = []
     differs = False
     for member, obj in zip(unit.members, members, strict=True):
         node = Node(MemberKind("member", kind.category, kind.domain, relation=kind.relation))
         c, residual = node.channels, member.residual
+        # Members state their difference from the first member.
         rise_m = underside_m(obj.bbox) - base_m
         c[[U, V, RISE]] = residual.u_m, residual.v_m, rise_m
         c[COS], c[SIN] = math.cos(residual.yaw_rad), math.sin(residual.yaw_rad)
@@ -198,7 +209,7 @@ def _numbers(residual: Residual) -> tuple[float, float, float]:
 
 
 def opening_values(obj: SceneObject) -> list[float]:
-    """Openings of an object, NaN where it has none; offsets over half its length."""
+    """Return the openings of an object, NaN where it has none; offsets over half its length."""
     values: list[float] = []
     for name in OPENINGS:
         value = obj.attributes.get(name, math.nan)
@@ -208,7 +219,7 @@ def opening_values(obj: SceneObject) -> list[float]:
 
 
 def underside_m(box: OrientedBox) -> float:
-    """Height of the lower face of a box, as if it were upright."""
+    """Return the height of the lower face of a box, as if it were upright."""
     return box.p[2] - box.s[2] / 2
 
 

@@ -1,4 +1,4 @@
-"""Where a training's batches come from: fixed scenes, or the grammar's, streamed without end.
+"""Batches of a training: from fixed scenes, or from scenes that the grammar makes without end.
 
-Batch k depends on the seed and on k alone, whichever way it is made.
+Batch k depends on the seed and on k alone in both cases, so that a training can be resumed exactly.
 """

@@ -1,6 +1,6 @@
-"""Scenes that follow the first stretch: made by the grammar, encoded, kept in files for a resume.
+"""Scenes after the first stretch: made by the grammar, encoded, and kept in files for a resume.
 
-This is what a worker process does, so nothing here needs PyTorch.
+Worker processes run this module, so nothing here needs PyTorch.
 """
 
 from __future__ import annotations
@@ -22,10 +22,9 @@ from aeroscene.scene.io import read_scene, write_scene
 FOLDER = "stream"
 
 Encoder = Callable[[Scene, Wish], Any]
-"""Scene, and what it has, to example of a vocabulary and statistics that it carries along.
-
-It is pickled once for each worker process; raises `UnencodableError` where a scene has no example.
-"""
+"""Function from a scene and its wish to an example, which carries vocabulary and statistics along.
+It is pickled once for each worker process, and raises `UnencodableError` for a scene that has no
+example."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,27 +33,30 @@ class Fresh:
 
     number: int
     example: Any
-    """None where the scene is skipped."""
+    """Its example; None if the scene is skipped."""
     reason: str = ""
-    """Why it is."""
+    """Reason for skipping it."""
 
 
 def numbers_after(last: int) -> Iterator[int]:
-    """Numbers of the training split beyond a number, without end."""
+    """Yield the numbers of the training split beyond a number, without end."""
     return (number for number in count(last + 1) if scene_split(number) == "train")
 
 
 def scene_file(folder: Path, number: int) -> Path:
-    """File that keeps a scene in the folder of a training; other sources have other files."""
+    """Return the file that keeps a scene in the folder of a training.
+
+    Its name contains a digest of the grammar's sources, so that other sources have other files.
+    """
     return folder / FOLDER / f"{number}-{curation_digest()}.json.gz"
 
 
 def fresh_example(encode: Encoder, folder: Path, number: int) -> Fresh:
-    """Scene of a number as an example: from its file where there is one, else made now.
+    """Return the example of a scene: from its file if there is one, else made now.
 
-    Its areas are not derived, which would take four fifths of the time: nothing is learned of
-    them but how many there are, and it counts as having as many as it may. A file that cannot be
-    written costs time on a resume, not the scene.
+    Its landing areas are not derived, which would take four fifths of the time. Only their number
+    is learned, and the scene counts as having as many as it may. If the file cannot be written, a
+    resume takes longer, but the scene is not lost.
     """
     scene = _scene(folder, number)
     wish = replace(Wish.of(scene), n_areas=most_landing_areas(number))
@@ -70,6 +72,7 @@ def _scene(folder: Path, number: int) -> Scene:
     try:
         return read_scene(path)
     except SceneError:
+        # No file yet, or a damaged one: make the scene.
         pass
     scene = curate_layout(number)
     try:

@@ -1,4 +1,4 @@
-"""The batches of a training, ready to be drawn, and closed at its end."""
+"""The batches of a training, open while it runs, and closed at its end."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from aeroscene.learning.training.config import TrainCfg
 
 @dataclass(frozen=True)
 class OpenBatches:
-    """Batches, and the stream that they come from where there is one."""
+    """Batches, and their stream if there is one."""
 
     batches: Batches
     stream: StreamedBatches | None
@@ -26,29 +26,36 @@ class OpenBatches:
 
 @dataclass(frozen=True, kw_only=True)
 class Supply:
-    """Where the batches of a part come from."""
+    """Source of the batches of a part."""
 
     scenes: FirstStretch
-    """The scenes that there are."""
+    """The scenes that are there from the start."""
     encode: Encoder
     last_number: int | None
-    """Number after which the grammar goes on; None where it does not."""
+    """Number after which the grammar continues; None without a stream."""
     folder: Path
     """Folder of the training."""
     n_workers: int
     stage: str
     """Name of the part."""
     is_last: bool
-    """Whether no other part will ask for the same scenes."""
+    """True if no other part will need the same scenes."""
 
 
 @contextmanager
 def open_batches(
     supply: Supply, cfg: TrainCfg, device: torch.device, step: int, wants_stop: Callable[[], bool]
 ) -> Iterator[OpenBatches]:
-    """Batches from a step on; a thread makes them ahead where another device computes.
+    """Open batches from a step on, and close them at the end of the block.
 
-    Other arguments are those of `StreamedBatches`.
+    On a GPU a thread makes them ahead of the training.
+
+    Args:
+        supply: Source of the batches.
+        cfg: Size of a batch, uses of a scene, seed.
+        device: Device that computes.
+        step: Step from which the training continues.
+        wants_stop: Asked while batches wait for scenes.
     """
     with ExitStack() as stack:
         stream = None
@@ -70,10 +77,11 @@ def open_batches(
             )
             batches = stream
         if device.type != "cpu":
+            # The stack closes the thread before the stream that it reads.
             batches = stack.enter_context(Prefetched(batches, device))
         yield OpenBatches(batches, stream)
 
 
 def stream_stage(part: str) -> str:
-    """Name of the log's lines about the stream of a part."""
+    """Return the name of the log's lines about the stream of a part."""
     return f"stream of {part}"

@@ -1,4 +1,4 @@
-"""Batches made by a thread ahead of the training, on the device already."""
+"""Batches that a thread makes ahead of the training, and puts on its device."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ import torch
 from aeroscene.learning.training.batches.source import Batch, Batches
 
 _AHEAD = 2
-"""Batches: one that is being made while one waits."""
+"""Batches ahead: one that is being made while one waits."""
 
 
 class Prefetched:
-    """The same batches, made while the device computes; closed, it ends its thread."""
+    """The same batches, made while the device computes; closing it ends the thread."""
 
     def __init__(self, batches: Batches, device: torch.device) -> None:
         self._batches = batches
@@ -25,7 +25,8 @@ class Prefetched:
         self._pending: deque[tuple[int, Future[Batch]]] = deque()
 
     def __call__(self, step: int) -> Batch:
-        """Batch of a step on the device; raises what making it raises."""
+        """Return the batch of a step on the device; raises what making it raises."""
+        # Another step than expected: batches that were made ahead are of no use.
         if not self._pending or self._pending[0][0] != step:
             self._pending.clear()
         begin = self._pending[-1][0] + 1 if self._pending else step
@@ -34,7 +35,7 @@ class Prefetched:
         return self._pending.popleft()[1].result()
 
     def __enter__(self) -> Self:
-        """The batches themselves."""
+        """Return the batches themselves."""
         return self
 
     def __exit__(
@@ -43,7 +44,8 @@ class Prefetched:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        """End the thread; a batch that it is making is made first."""
+        """End the thread, after the batch that it is making."""
+        # Wait, because a stream under the thread must not be closed while it is read.
         self._thread.shutdown(wait=True, cancel_futures=True)
 
     def _made(self, step: int) -> Batch:

@@ -13,10 +13,9 @@ from aeroscene.learning.writer.batch import LessonBatch
 
 Batch = TokenBatch | LessonBatch | SentenceBatch
 Batches = Callable[[int], Batch]
-"""Batch of a step, counted from 0, on the processor; steps are asked for in ascending order.
-
-Raises `StoppedError` where the user wants the training to end before the batch is made.
-"""
+"""Function from the number of a step, from 0, to its batch on the processor. Steps are asked for in
+ascending order. It raises `StoppedError` if the user wants the training to end before the batch is
+made."""
 
 
 class StoppedError(Exception):
@@ -27,15 +26,15 @@ class Scenes(Protocol):
     """Scenes to train on, varied at random."""
 
     def sample_batch(self, size: int, rng: np.random.Generator) -> Batch:
-        """Scenes drawn from the set, on the processor."""
+        """Draw scenes from the set, on the processor."""
         ...
 
 
 def batch_generator(seed: int, step: int) -> np.random.Generator:
-    """Random generator of the batch of a step."""
+    """Return the random generator of the batch of a step."""
     return np.random.default_rng([seed, step, 0])
 
 
 def drawn_from(scenes: Scenes, size: int, seed: int) -> Batches:
-    """Batches of so many of these scenes."""
+    """Return batches of so many of these scenes."""
     return lambda step: scenes.sample_batch(size, batch_generator(seed, step))

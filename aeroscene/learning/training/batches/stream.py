@@ -1,16 +1,17 @@
 """Batches of scenes that the grammar makes without end, ahead of the training.
 
-symbol  meaning                                                     unit
-k       step, from 0
-B       scenes a batch
-R       uses of a scene, on average, before it is renewed
-P       scenes in the pool: as many as the first stretch has
-o_k     scenes that have left the pool before step k: floor(k B / R)
+    symbol  meaning
+    k       step, from 0
+    B       scenes of a batch
+    R       uses of a scene, on average, before it is renewed
+    P       scenes in the pool: as many as the first stretch has
+    o_k     scenes that have left the pool before step k: floor(k B / R)
 
-The stream is the first stretch (the training split that is there, which also fixes vocabulary and
-statistics) and, after it, the training numbers beyond. Batch k is drawn from places o_k to
-o_k + P of the stream, so it depends on the seed and on k alone, whatever the number of workers.
-A scene with an object of a kind that the first stretch has not leaves its place empty.
+A network memorises a fixed set of scenes, while new ones cost little. The stream is the first
+stretch (the training split that is there, which also fixes vocabulary and statistics) and, after
+it, the training numbers beyond. Batch k is drawn from places o_k to o_k + P of the stream, so it
+depends on the seed and on k alone, whatever the number of workers. A scene with an object of a kind
+that the first stretch lacks leaves its place empty.
 """
 
 from __future__ import annotations
@@ -39,24 +40,24 @@ from aeroscene.processes import WorkerDiedError, Workers
 _AHEAD = 64
 """Scenes made before they are needed."""
 _LEAST_SHARE = 0.5
-"""Share of the pool that must hold scenes: with less the grammar has become another."""
+"""Share of the pool that must hold scenes; with less the grammar has become another."""
 
 
 class FirstStretch(Scenes, Protocol):
-    """The scenes that there are before the stream, and what standardises those of the stream."""
+    """The scenes before the stream, whose statistics standardise those of the stream."""
 
     @property
     def examples(self) -> tuple[Any, ...]:
-        """Their examples, in the order of their numbers."""
+        """Examples of the scenes, in the order of their numbers."""
         ...
 
     def with_examples(self, examples: tuple[Any, ...]) -> Scenes:
-        """Other examples with the same vocabulary and statistics."""
+        """Return other examples with the same vocabulary and statistics."""
         ...
 
 
 class StreamedBatches:
-    """Batches of a stream from a step on; closed, it ends its workers."""
+    """Batches of a stream from a step on; closing it ends its workers."""
 
     def __init__(
         self,
@@ -77,19 +78,21 @@ class StreamedBatches:
         Args:
             first: The first stretch.
             encode: Scene to example of the same vocabulary and statistics.
-            last: Number after which the stream goes on.
+            last: Number after which the stream continues.
             cfg: Size of a batch, uses of a scene, seed.
             folder: Folder of the training: its log, and files of the scenes in the pool.
-            step: Step that the training goes on from.
-            n_workers: Processes.
+            step: Step from which the training continues.
+            n_workers: Number of processes.
             wants_stop: Asked while batches wait for scenes.
-            stage: Name of the lines of the log about the stream.
-            keeps_files: Whether files of scenes that have gone by stay, for another part's stream.
+            stage: Name of the log's lines about the stream.
+            keeps_files: True keeps files of scenes that have left the pool, for another part's
+                stream.
         """
         self._first, self._cfg, self._folder, self._wants_stop = first, cfg, folder, wants_stop
         self._stage, self._keeps_files = stage, keeps_files
         self._size = len(first.examples)
         begin = self._place(step)
+        # A resumed stream leaves out the scenes that had left the pool before.
         n_passed = max(0, begin - self._size)
         self._pool: deque[Fresh] = deque(Fresh(-1, each) for each in first.examples[begin:])
         self._end = begin + len(self._pool)
@@ -103,7 +106,7 @@ class StreamedBatches:
         self._fresh: Workers[int, Fresh] = Workers(work, numbers, n_workers, _AHEAD)
 
     def __call__(self, step: int) -> Batch:
-        """Batch of a step.
+        """Return the batch of a step.
 
         Raises:
             StoppedError: If the user wants the training to end.
@@ -114,7 +117,7 @@ class StreamedBatches:
         return self._scenes.sample_batch(self._cfg.batch_size, generator)
 
     def __enter__(self) -> Self:
-        """The batches themselves."""
+        """Return the batches themselves."""
         return self
 
     def __exit__(
@@ -127,7 +130,7 @@ class StreamedBatches:
         self._fresh.close()
 
     def figures(self, step: int) -> dict[str, float]:
-        """Scenes used before a step, how often on average, and what was waited for them."""
+        """Return the number of scenes used before a step, their mean uses, and the time waited."""
         n_scenes = self._place(max(0, step - 1)) + self._size
         return {
             "scenes": n_scenes,
@@ -137,7 +140,7 @@ class StreamedBatches:
         }
 
     def _place(self, step: int) -> int:
-        """The o_k of a step."""
+        """Return o_k of a step."""
         return step * self._cfg.batch_size // self._cfg.scene_uses
 
     def _move_to(self, step: int) -> None:
@@ -149,6 +152,7 @@ class StreamedBatches:
         while len(self._pool) > self._size:
             self._drop(self._pool.popleft())
         self._step = step
+        # Rebuilding the set takes time, so it happens only if the pool has changed.
         if self._is_stale:
             self._scenes = self._first.with_examples(self._examples())
             self._is_stale = False
@@ -175,6 +179,7 @@ class StreamedBatches:
 
     def _drop(self, fresh: Fresh) -> None:
         self._is_stale = True
+        # Scenes of the first stretch have number -1 and no file here.
         if fresh.number >= 0 and not self._keeps_files:
             scene_file(self._folder, fresh.number).unlink(missing_ok=True)
 
@@ -189,12 +194,12 @@ class StreamedBatches:
         return found
 
     def _begin_log(self, step: int) -> None:
-        """Say what the stream is; what was skipped before the step is in the log already."""
+        """Log the stream's settings; scenes skipped before the step are in the log already."""
         forget_after(self._folder, self._stage, step)
         self._n_skipped = sum(
             line.get("stage") == self._stage and "reason" in line for line in read_log(self._folder)
         )
-        # Step `step` is not taken yet: what it brings in is logged by it.
+        # Step `step` is not taken yet, so its own scenes are logged when it is.
         self._logged_to = self._place(step - 1) + self._size if step else 0
         line = {"stage": self._stage, "step": step, "scene_uses": self._cfg.scene_uses}
         append_line(self._folder, line | {"pool": self._size})

@@ -1,4 +1,4 @@
-"""A scene in the making: its objects so far, who stands near them, and what may bear them."""
+"""A scene under construction: its objects, their neighbours, and their possible supports."""
 
 from aeroscene.learning.program.decoding.draft.draft import Draft, Given
 

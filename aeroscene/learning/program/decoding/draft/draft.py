@@ -1,4 +1,4 @@
-"""A scene in the making: its objects so far, and the tokens that they stand for."""
+"""A scene under construction: its objects so far, and the tokens that they stand for."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ class Given:
 
     scene: Scene
     object_ids: Mapping[int, tuple[int, ...]]
-    """Those of each token that stands for any; some may have no token."""
+    """Ids of the objects of each token; some objects may have no token."""
     first_id: int = 0
-    """Least id of what is new; ids of objects that have gone are not used again."""
+    """Least id of new objects; ids of removed objects are not used again."""
 
 
 @dataclass(eq=False)
 class Draft:
-    """The objects so far; the id of one is its place in the order."""
+    """The objects so far; the id of each is its place in the order."""
 
     program: Program
     objects: list[SceneObject] = field(default_factory=list)
@@ -48,15 +48,16 @@ class Draft:
         self.made: list[list[int]] = [[] for _ in self.program.kinds]
         """Objects of each token."""
         self._place_of: list[tuple[int | None, int]] = []
-        """The token of each object, and which of the token's objects it is."""
+        """Token of each object, and the object's number among those of the token."""
         self.pitches_m: dict[int, tuple[float, float]] = {}
-        """Of each token that stands for an array what is between its rows, and its columns."""
+        """Pitches between rows and between columns of each token that stands for an array."""
         heads = ((self.program.kinds[i], self.program.channels[i]) for i in self.children[0])
         sites = (site_rectangle(kind, c) for kind, c in heads if isinstance(kind, SiteKind))
+        # A program without covers has no site; a bare square stands for it.
         self._site = next(sites, BARE_SITE)
 
     def begin_with(self, given: Given) -> None:
-        """Let objects stand that are given, in the order of their scene."""
+        """Add given objects, in the order of their scene."""
         number_of: dict[int | None, int | None] = {None: None}
         for number, obj in enumerate(given.scene.objects):
             number_of[obj.id] = number
@@ -64,6 +65,7 @@ class Draft:
             self.objects.append(replace(obj, id=number, parent_id=parent))
             self.neighbours.add(obj.bbox, obj.category, parent)
             self._place_of.append((None, 0))
+            # The air before given doors stays free, too.
             air = air_of(obj.bbox, obj.attributes) if obj.category in WALLS else None
             if air is not None:
                 self.neighbours.add_air(air)
@@ -78,15 +80,16 @@ class Draft:
                 self.standing.add(number, category_id, bearer, table)
 
     def _bearer(self, place: int) -> int | None:
-        """The object that bears those of a token: of the first token above that stands for any."""
+        """Return the bearer of a token's objects, from the nearest token above with objects."""
         while place:
             member, place = int(self.program.member[place]), int(self.program.parent[place])
             if self.made[place]:
+                # The drawn number may exceed the number of objects: the last one counts.
                 return self.made[place][min(member, len(self.made[place]) - 1)]
         return None
 
     def _table(self, place: int, category_id: int, bearer: int | None) -> int | None:
-        """The table of chairs that are given."""
+        """Return the table of given chairs, or None."""
         kind = self.program.kinds[place]
         if kind.relation != Kind.SEAT.name:
             return None
@@ -95,26 +98,34 @@ class Draft:
         return hosts[rank] if rank < len(hosts) else None
 
     def below(self, bearer: int | None, node: str) -> list[int]:
-        """Tokens of a node on an object; on the last of its token those of objects not there."""
+        """Return the tokens of a node on an object.
+
+        The last object of a token also bears the tokens of objects that were not made.
+
+        Args:
+            bearer: Id of the object; None for the ground.
+            node: Node of the tokens, such as `unit`.
+        """
         place, number = (0, 0) if bearer is None else self._place_of[bearer]
         if place is None:
             return []
+        # A draw may name a member that was not made: its objects go to the last one.
         is_last = place == 0 or number == len(self.made[place]) - 1
         found = (i for i in self.children[place] if self.program.kinds[i].node == node)
         members = ((i, int(self.program.member[i])) for i in found)
         return [i for i, member in members if member == number or (is_last and member > number)]
 
     def box(self, object_id: int | None) -> OrientedBox | None:
-        """The box of an object; None of the bare world."""
+        """Return the box of an object; None for the ground."""
         return None if object_id is None else self.objects[object_id].bbox
 
     def base_m(self, object_id: int | None) -> float:
-        """Height of an object's underside; 0 of the bare world."""
+        """Return the height of an object's underside; 0 for the ground."""
         box = self.box(object_id)
         return 0.0 if box is None else box.p[2] - box.s[2] / 2
 
     def host_key(self, object_id: int | None) -> str:
-        """What an object is as a host, see `aeroscene.learning.program.companions`."""
+        """Return the key of an object as a host, see `aeroscene.learning.program.companions`."""
         if object_id is None:
             return host_key("", "")
         place = self._place_of[object_id][0]
@@ -122,32 +133,39 @@ class Draft:
         return host_key(self.objects[object_id].category, relation)
 
     def group_of(self, object_id: int) -> list[int]:
-        """The objects of an object's token, itself among them."""
+        """Return the objects of an object's token, itself among them."""
         place = self._place_of[object_id][0]
         return [object_id] if place is None else list(self.made[place])
 
     def pitch_m(self, object_id: int) -> tuple[float, float] | None:
-        """Pitch of the array that an object is of; None where it is of none that was drawn."""
+        """Return the pitch of an object's array; None if it was not drawn as one."""
         place = self._place_of[object_id][0]
         return None if place is None else self.pitches_m.get(place)
 
     def outline(self, object_id: int | None) -> Rectangle:
-        """An object from above; the site for None."""
+        """Return an object from above; the site for None."""
         return self._site if object_id is None else footprint(self.objects[object_id].bbox)
 
     def tiles(self, room: int) -> list[Rectangle]:
-        """All tiles of the room that an object is one of, from above."""
+        """Return all tiles of the room to which an object belongs, from above."""
         return [footprint(self.objects[number].bbox) for number in self._tiles(room)]
 
     def extent(self, bearer: int | None) -> Rectangle | None:
-        """How far what an object bears may reach: of a tile as far as any of its room does."""
+        """Return the outline that a bearer's objects keep to.
+
+        For a tile of a room it is the hull of all tiles of that room. The ground has no limit:
+        None.
+        """
         if bearer is None:
             return None
         tiles = self.tiles(bearer)
         return tiles[0] if len(tiles) == 1 else hull(tiles)
 
     def is_borne(self, bearer: int | None, boxes: Sequence[OrientedBox]) -> bool:
-        """Whether the middles of boxes are on the tiles of a room that has several."""
+        """True if the middles of boxes are on tiles of the bearer's room.
+
+        A room of one tile needs no test, because its outline limits the shift already.
+        """
         tiles = [] if bearer is None else self.tiles(bearer)
         return len(tiles) < 2 or all(is_on_any(box, tiles) for box in boxes)
 
@@ -160,12 +178,18 @@ class Draft:
     def taken(
         self, bearer: int | None, without: Sequence[int] = (), *, has_air: bool = True
     ) -> Blocks:
-        """What is in the way of what comes onto an object: no other tile of the same room is."""
+        """Return the obstacles of an object on a bearer.
+
+        Args:
+            bearer: Id of the bearer, which is no obstacle, and neither are other tiles of its room.
+            without: Ids of further objects that are none, such as those that move along.
+            has_air: False leaves out the air before doors.
+        """
         tiles = [] if bearer is None else self._tiles(bearer)
         return self.neighbours.taken(bearer, [*without, *tiles], has_air=has_air)
 
     def let_tiles_bear(self) -> None:
-        """Give what stands in another tile of its room than its own the one that it is in."""
+        """Give each object in another tile of its room the tile that it is in as parent."""
         objects = self.objects
         parents, boxes = [obj.parent_id for obj in objects], [obj.bbox for obj in objects]
         for row, tile in strayed_to(tile_groups(objects), parents, boxes).items():
@@ -183,22 +207,23 @@ class Draft:
         bearer: int | None,
         table: int | None = None,
     ) -> None:
-        """Put an object at the end.
+        """Append an object.
 
         Args:
-            place: Its token, whose looks it has; None for none.
-            category: What it is.
+            place: Place of its token, whose looks it gets; None for none.
+            category: Its category.
             domain: Its domain.
             attributes: Its attributes beside its looks.
-            box: Its place.
-            parent: Id of what it belongs to.
-            bearer: Id of what it stands on.
-            table: Id of the table that it is a seat of.
+            box: Its box.
+            parent: Id of its parent in the scene.
+            bearer: Id of the object that it stands on.
+            table: Id of the table at which it is a seat.
         """
         number = len(self.objects)
         looks: dict[str, AttributeValue] = {}
         if place is not None:
             drawn = self.program.looks[place] if self.program.looks else ()
+            # A group with one drawn look repeats it for all members.
             looks = drawn[min(len(self.made[place]), len(drawn) - 1)] if drawn else {}
             self.made[place].append(number)
         self._place_of.append((place, 0 if place is None else len(self.made[place]) - 1))
@@ -219,6 +244,6 @@ class Draft:
         self.standing.add(number, category_id, bearer, table)
 
     def move(self, object_id: int, box: OrientedBox) -> None:
-        """Put an object elsewhere."""
+        """Move an object to another box."""
         self.objects[object_id] = replace(self.objects[object_id], bbox=box)
         self.neighbours.move(object_id, box)

@@ -1,7 +1,9 @@
-"""Free places for units among what stands already, by ways that their relations leave open.
+"""Free places for units among the objects so far, by ways that their relations leave open.
 
-Nothing changes where nothing has to: what was read off a scene stays as it is. Of a unit without
-such a place what overlaps others is left out, or what is deep in them where all of it overlaps.
+Drawn places overlap now and then. A unit that overlaps something tries shifts of growing length,
+first along the directions that its relation leaves free, and takes the first free one. A unit that
+was read off a scene is free already and stays exactly where it is. If a unit finds no place, its
+members that overlap others are left out; if all do, those that are deep in others.
 """
 
 from __future__ import annotations
@@ -22,22 +24,24 @@ from aeroscene.scene import OrientedBox
 
 Shift = tuple[float, float]
 Ways = tuple[float, ...] | None
-"""Headings along which boxes may go, both ways; None for all."""
+"""Headings along which boxes may go, forwards and backwards; None for all."""
 _STILL: Shift = (0.0, 0.0)
+# Shifts begin at this step, grow by this factor, and end at this length, m.
 _STEP_M, _GROWTH, _MOST_M = 0.05, 1.12, 8.0
+# Directions that are tried if all are open.
 _SPOKES = 16
 _SIDES: Mapping[Kind, tuple[int, ...]] = MappingProxyType(
     {Kind.EDGE: (0, 1, 3, 2), Kind.SIDE: (0, 2, 1, 3)}
 )
 """Quarter turns about the host, the likeliest first: to the next wall, or in line with the host."""
 _IN_LINE = (0, 2)
-"""The same for what is headed as its host is: to its other side, not before it."""
+"""Quarter turns of units with their host's heading: to its other side, not before it."""
 _DEEP_M = 0.004
-"""Depth up to which boxes only touch: what documents round."""
+"""Depth up to which boxes only touch, because documents round."""
 
 
 class Neighbours:
-    """What stands already."""
+    """Boxes of the objects so far, in arrays for fast tests."""
 
     def __init__(self) -> None:
         self._rows: list[tuple[float, ...]] = []
@@ -46,25 +50,28 @@ class Neighbours:
         self._air: list[tuple[float, ...]] = []
 
     def add(self, box: OrientedBox, category: str, parent: int | None) -> None:
-        """Let the next object stand; ids are its place in the order."""
+        """Append an object; its id is its place in the order."""
         self._rows.append(_row(box))
         self._categories.append(category)
         self._parents.append(parent)
 
     def move(self, number: int, box: OrientedBox) -> None:
-        """Let an object stand elsewhere."""
+        """Replace the box of an object."""
         self._rows[number] = _row(box)
 
     def add_air(self, box: OrientedBox) -> None:
-        """Keep a box free of everything that comes from now on."""
+        """Keep a box free of all objects that come later."""
         self._air.append(_row(box))
 
     def taken(
         self, bearer: int | None, without: Sequence[int] = (), *, has_air: bool = True
     ) -> Blocks:
-        """All that stands but for some, and what bears them and all that it belongs to.
+        """Return the obstacles of an object on a bearer: all objects but its ancestors.
 
-        With what is kept free of everything, unless `has_air` is False.
+        Args:
+            bearer: Id of the bearer, which is left out together with its own bearers.
+            without: Ids of further objects to leave out.
+            has_air: False leaves out the air that must stay free.
         """
         is_other = np.ones(len(self._rows), dtype=bool)
         is_other[list(without)] = False
@@ -75,18 +82,18 @@ class Neighbours:
         return np.concatenate([rows, np.array(self._air, dtype=BLOCK)]) if has_air else rows
 
     def rows(self, numbers: Sequence[int]) -> Blocks:
-        """Some of what stands, by its places in the order."""
+        """Return some objects by their places in the order."""
         return np.array([self._rows[number] for number in numbers], dtype=BLOCK)
 
     def of(self, categories: Container[str]) -> Blocks:
-        """All that stands of some categories."""
+        """Return all objects of some categories."""
         rows = [
             r for r, each in zip(self._rows, self._categories, strict=True) if each in categories
         ]
         return np.array(rows, dtype=BLOCK)
 
     def kept_free(self, category: str, clearance_m: tuple[float, float]) -> Blocks:
-        """What a category keeps free of its own: ahead, behind and beside all that stands."""
+        """Return the space that a category keeps free of its own: ahead, behind and beside each."""
         is_alike = np.array([each == category for each in self._categories], dtype=bool)
         rows = np.array(self._rows, dtype=BLOCK)[is_alike]
         longer, wider = rows.copy(), rows.copy()
@@ -101,18 +108,24 @@ def free_shift(
     within: Rectangle | None,
     ways_rad: Ways,
 ) -> Shift | None:
-    """The least shift of boxes onto what bears them where they overlap nothing; None without one.
+    """Return the least shift after which boxes are on their bearer and overlap nothing.
 
     Args:
-        group: The boxes.
-        taken: What stands already.
-        within: What bears them; where they are too long for it they stay as they are.
-        ways_rad: Where they may go.
+        group: The boxes, which move as one.
+        taken: Obstacles.
+        within: Outline of the bearer. Boxes that are too long for it stay as they are along that
+            axis.
+        ways_rad: Headings along which they may go.
+
+    Returns:
+        East and north in m, or None if there is no such shift.
     """
     rows = np.array([_row(box) for box in group], dtype=BLOCK)
+    # First onto the bearer, then away from obstacles.
     onto = np.zeros(2) if within is None else _way_onto(rows, within)
     rows["x_m"] += onto[0]
     rows["y_m"] += onto[1]
+    # Obstacles that no shift can reach are removed before the search.
     taken = _near(rows, taken)
     if _is_free(rows, taken):
         return (float(onto[0]), float(onto[1]))
@@ -127,7 +140,13 @@ def free_shift(
 
 
 def free_of(taken: Blocks, group: Sequence[OrientedBox], inner: float = 1.0) -> list[OrientedBox]:
-    """The boxes that overlap nothing that is taken, with a share of their length and width."""
+    """Return the boxes that overlap no obstacle.
+
+    Args:
+        taken: Obstacles.
+        group: The boxes.
+        inner: Share of length and width about the middle that has to be free.
+    """
     found: list[OrientedBox] = []
     for box in group:
         row = np.array([_row(box)], dtype=BLOCK)
@@ -139,10 +158,11 @@ def free_of(taken: Blocks, group: Sequence[OrientedBox], inner: float = 1.0) -> 
 
 
 def open_ways(unit: Unit, host: Rectangle) -> Iterator[tuple[int, Ways]]:
-    """What a unit may try, the least change first: quarter turns about its host, and ways to go.
+    """Yield the ways that a unit may try, the least change first.
 
-    First it keeps what its relation pins; then it goes along its side of the host, out of a corner
-    along either edge; then anywhere, but for what stands at an edge.
+    A way is a number of quarter turns about the host, and the headings along which to shift. First
+    the unit keeps everything that its relation pins. Then it goes along its side of the host, out
+    of a corner along either edge. Last it goes anywhere, unless it stands at an edge.
     """
     relation = unit.relation
     is_u_pinned, is_v_pinned, _ = relation.pinned
@@ -154,6 +174,7 @@ def open_ways(unit: Unit, host: Rectangle) -> Iterator[tuple[int, Ways]]:
         outwards_rad = host.place.yaw_rad + (relation.side + turns) * QUARTER
         own = [outwards_rad] * (not is_u_pinned) + [outwards_rad + QUARTER] * (not is_v_pinned)
         yield turns, tuple(own)
+    # With both axes pinned there was no shift above: let it slide along its side.
     if is_u_pinned and is_v_pinned:
         for turns in sides:
             outwards_rad = host.place.yaw_rad + (relation.side + turns) * QUARTER
@@ -164,7 +185,11 @@ def open_ways(unit: Unit, host: Rectangle) -> Iterator[tuple[int, Ways]]:
 
 
 def turned(unit: Unit, turns: int) -> Unit:
-    """A unit after quarter turns about its host; what is headed as its host is stays so."""
+    """Turn a unit by quarter turns about its host.
+
+    A unit with its host's heading keeps it: a shelf in a row of shelves must not turn its back to
+    the aisle on the other side.
+    """
     if turns == 0:
         return unit
     relation = unit.relation
@@ -175,19 +200,24 @@ def turned(unit: Unit, turns: int) -> Unit:
 
 
 def _is_in_line(relation: Relation) -> bool:
-    """Whether something beside its host is headed as that is, as shelves along a wall are."""
+    """True if a unit beside its host has the host's heading, as shelves along a wall have."""
     is_headed = relation.kind == Kind.SIDE and relation.quadrant != ANY_TURN
     return is_headed and (relation.side + relation.quadrant) % N_SIDES == 0
 
 
 def way_onto(group: Sequence[OrientedBox], outline: Rectangle) -> Shift:
-    """The least shift that brings boxes onto an outline, along each axis that they fit on."""
+    """Return the least shift of boxes onto an outline.
+
+    Args:
+        group: The boxes, which move as one.
+        outline: Where they should be. Along an axis for which they are too long, they stay.
+    """
     x_m, y_m = _way_onto(np.array([_row(box) for box in group], dtype=BLOCK), outline).tolist()
     return x_m, y_m
 
 
 def moved(box: OrientedBox, shift: Shift) -> OrientedBox:
-    """A box after a shift."""
+    """Return a box after a shift."""
     if shift == _STILL:
         return box
     return OrientedBox((box.p[0] + shift[0], box.p[1] + shift[1], box.p[2]), box.q, box.s)
@@ -211,7 +241,7 @@ def _middles(rows: Blocks) -> Float[np.ndarray, "k 2"]:
 
 
 def _near(rows: Blocks, taken: Blocks) -> Blocks:
-    """What shares height with a group and is near enough to meet it anywhere."""
+    """Return the obstacles at the height of a group that it may meet after any shift."""
     middle, reach = _middles(rows).mean(axis=0), np.hypot(rows["half_x_m"], rows["half_y_m"])
     own_m = (np.hypot(*(_middles(rows) - middle).T) + reach).max()
     away_m = np.hypot(*(_middles(taken) - middle).T) - np.hypot(
@@ -222,9 +252,10 @@ def _near(rows: Blocks, taken: Blocks) -> Blocks:
 
 
 def _is_free(rows: Blocks, taken: Blocks) -> bool:
-    """Whether a group overlaps nothing by more than a touch."""
+    """True if a group overlaps nothing by more than a touch."""
     less = rows.copy()
     for half_m in ("half_x_m", "half_y_m"):
+        # Boxes thinner than a touch keep a least extent.
         less[half_m] = np.maximum(less[half_m] - _DEEP_M, _DEEP_M)
     less["base_m"] += _DEEP_M
     less["top_m"] -= _DEEP_M
@@ -232,10 +263,11 @@ def _is_free(rows: Blocks, taken: Blocks) -> bool:
 
 
 def _way_onto(rows: Blocks, within: Rectangle) -> Float[np.ndarray, " 2"]:
-    """The least shift that brings a group onto an outline, along each axis that it fits on."""
+    """Least shift that brings a group onto an outline, along each axis that it fits on."""
     low, high, axes = _play(rows, within)
     fits = low <= high
     way = np.where(fits, np.clip(0.0, np.where(fits, low, 0.0), np.where(fits, high, 0.0)), 0.0)
+    # Rounding of documents is no reason to move anything.
     way[np.abs(way) < _DEEP_M] = 0.0
     return way @ axes
 
@@ -243,7 +275,7 @@ def _way_onto(rows: Blocks, within: Rectangle) -> Float[np.ndarray, " 2"]:
 def _stays(
     rows: Blocks, shifts_m: Float[np.ndarray, "s 2"], within: Rectangle
 ) -> Bool[np.ndarray, " s"]:
-    """Which shifts leave a group as far within an outline as it is."""
+    """Mark the shifts that leave a group as far within an outline as it is."""
     low, high, axes = _play(rows, within)
     along = shifts_m @ axes.T
     is_in = (along >= np.minimum(low, 0.0) - 1e-9) & (along <= np.maximum(high, 0.0) + 1e-9)
@@ -253,7 +285,7 @@ def _stays(
 def _play(
     rows: Blocks, within: Rectangle
 ) -> tuple[Float[np.ndarray, " 2"], Float[np.ndarray, " 2"], Float[np.ndarray, "2 2"]]:
-    """Least and greatest shift along an outline's axes that keep a group within; and the axes."""
+    """Return the least and greatest shift along an outline's axes within it, and the axes."""
     yaw_rad = within.place.yaw_rad
     c, s = math.cos(yaw_rad), math.sin(yaw_rad)
     axes = np.array([[c, s], [-s, c]])
@@ -271,7 +303,7 @@ def _play(
 
 
 def _shifts(ways_rad: Ways) -> Iterator[Shift]:
-    """Ways to go, the shortest first."""
+    """Yield shifts, the shortest first."""
     spokes = [spoke * math.tau / _SPOKES for spoke in range(_SPOKES)]
     if ways_rad is not None:
         spokes = [way + turn for way in ways_rad for turn in (0.0, math.pi)]
@@ -280,4 +312,5 @@ def _shifts(ways_rad: Ways) -> Iterator[Shift]:
     while radius_m < _MOST_M:
         for angle in spokes:
             yield radius_m * math.cos(angle), radius_m * math.sin(angle)
+        # Fine steps near, and coarser ones further off.
         radius_m = max(radius_m + _STEP_M, radius_m * _GROWTH)

@@ -1,7 +1,8 @@
-"""What a unit's place has to be whatever its numbers: boats afloat, plates before chairs.
+"""Places that a category requires, whatever a unit's numbers: boats afloat, plates before chairs.
 
-Nothing changes where nothing has to: what was read off a scene stays as it is. What has no such
-place is left out.
+A relation says how an object stands to its host, but not that there is water under a boat. Here
+such objects are moved to the nearest suitable place. Units that were read off a scene have one
+already and stay. An object without any such place is left out.
 """
 
 from __future__ import annotations
@@ -22,15 +23,21 @@ from aeroscene.scene.box import quat_from_yaw
 from aeroscene.scene.catalogue import AFLOAT, BRIDGES, ROADS, SEATS, VEHICLES, WATER
 
 _MIDDLE_M = 0.3
-"""Distance from the middle line of a road within which one drives on neither side."""
+"""Distance from the middle line of a road within which a vehicle is in no lane."""
 _LEAST_OVER = 0.1
-"""Least share of the outline of a bridge over what it crosses."""
+"""Least share of a bridge's outline over the water or road that it crosses."""
 
 
 def mended(
     category: str, boxes: Sequence[OrientedBox], objects: Sequence[SceneObject]
 ) -> list[OrientedBox]:
-    """The boxes of a unit's members where they have to be, among what stands already."""
+    """Return the boxes of a unit's members where their category has to be.
+
+    Args:
+        category: Category of the unit.
+        boxes: Boxes as drawn.
+        objects: Objects so far.
+    """
     if category in AFLOAT:
         waters = _footprints(objects, WATER)
         return [found for box in boxes if (found := _afloat(box, waters))]
@@ -44,29 +51,30 @@ def mended(
 
 
 def drawn_in(boxes: Sequence[OrientedBox], tiles: Sequence[Rectangle]) -> list[OrientedBox]:
-    """The boxes of a unit so that the middle of each is on one of the tiles of what bears it.
+    """Move a unit's boxes so that the middle of each is on a tile of its bearer.
 
-    Where one is not, all go together by the least way onto a tile. Of a group that is too large
-    what is outside even then is left out.
+    All go together by the least shift onto a tile. Members of a group that is too large are left
+    out if they are outside even then.
     """
     if all(is_on_any(box, tiles) for box in boxes):
         return list(boxes)
     if len(boxes) == 1:
         return [_moved_in(boxes[0], tiles)]
+    # The tile with the least shift, of a room that consists of several.
     shift = min((way_onto(boxes, tile) for tile in tiles), key=lambda way: math.hypot(*way))
     inside = [box for each in boxes if is_on_any(box := moved(each, shift), tiles)]
     return inside or [_moved_in(boxes[0], tiles)]
 
 
 def is_on_any(box: OrientedBox, outlines: Sequence[Rectangle]) -> bool:
-    """Whether the middle of a box is on any of some outlines, seen from above."""
+    """True if the middle of a box is on any of some outlines, seen from above."""
     at = footprint(box).place
     local = ((outline.half_m, outline.place.local(at)) for outline in outlines)
     return any(abs(u_m) <= half_m[0] and abs(v_m) <= half_m[1] for half_m, (u_m, v_m, _) in local)
 
 
 def laid_for(plates: Sequence[OrientedBox], objects: Sequence[SceneObject]) -> list[OrientedBox]:
-    """The plates on a table that a chair stands before."""
+    """Return the plates on a table that have a chair before them."""
     chairs = [obj.bbox.p[:2] for obj in objects if obj.category in SEATS]
     return [
         plate
@@ -87,14 +95,15 @@ def _polygon(outline: Rectangle) -> shapely.Polygon:
 
 
 def _share_on(box: OrientedBox, outlines: Sequence[Rectangle]) -> float:
-    """Share of a box, seen from above, that lies on any of some outlines."""
+    """Return the share of a box, seen from above, that lies on any of some outlines."""
     own = _polygon(footprint(box))
+    # Joined first: covers overlap, and shared ground must not count twice.
     whole = shapely.union_all([_polygon(each) for each in outlines])
     return float(shapely.area(shapely.intersection(own, whole)) / own.area)
 
 
 def _afloat(box: OrientedBox, waters: Sequence[Rectangle]) -> OrientedBox | None:
-    """A boat where it is if that is water, else on the nearest that is large enough for it."""
+    """Return a boat's box: unchanged on water, else on the nearest water that is large enough."""
     if not waters:
         return None
     if _share_on(box, waters) >= LEAST_ON_WATER:
@@ -102,6 +111,7 @@ def _afloat(box: OrientedBox, waters: Sequence[Rectangle]) -> OrientedBox | None
     found = [
         moved
         for water in waters
+        # A boat that is too long for a narrow water may fit across it.
         for turns in (0, 1)
         if (moved := _inside(box, water, turns)) is not None
     ]
@@ -109,7 +119,7 @@ def _afloat(box: OrientedBox, waters: Sequence[Rectangle]) -> OrientedBox | None
 
 
 def _inside(box: OrientedBox, outline: Rectangle, turns: int) -> OrientedBox | None:
-    """A box wholly inside an outline, after quarter turns; None where it has no room."""
+    """Return a box wholly inside an outline, after quarter turns; None if it has no room."""
     at = footprint(box)
     u_m, v_m, turn_rad = outline.place.local(at.place)
     turn_rad += turns * QUARTER
@@ -124,7 +134,7 @@ def _inside(box: OrientedBox, outline: Rectangle, turns: int) -> OrientedBox | N
 
 
 def _moved_in(box: OrientedBox, outlines: Sequence[Rectangle]) -> OrientedBox:
-    """A box inside the outline that takes the least way; in its middle where it has no room."""
+    """Return a box inside the nearest outline; in its middle along axes without room."""
     found: list[OrientedBox] = []
     for outline in outlines:
         at = footprint(box)
@@ -141,7 +151,7 @@ def _moved_in(box: OrientedBox, outlines: Sequence[Rectangle]) -> OrientedBox:
 
 
 def _over(box: OrientedBox, crossed: Sequence[Rectangle]) -> OrientedBox | None:
-    """A bridge where it is if that is over water or road, else over the middle of the nearest."""
+    """Return a bridge's box: unchanged over water or road, else over the nearest one's middle."""
     if not crossed:
         return None
     if _share_on(box, crossed) >= _LEAST_OVER:
@@ -154,12 +164,13 @@ def _over(box: OrientedBox, crossed: Sequence[Rectangle]) -> OrientedBox | None:
 
 
 def _in_lane(box: OrientedBox, roads: Sequence[Rectangle]) -> OrientedBox:
-    """A vehicle on the middle line of a road, moved to the lane that is on its right."""
+    """Move a vehicle on the middle line of a road to the lane on its right."""
     at = footprint(box).place
     for road in roads:
         u_m, v_m, turn_rad = road.place.local(at)
         if abs(u_m) <= road.half_m[0] and abs(v_m) < _MIDDLE_M:
             lane_m = 2 * road.half_m[1] * LANE_RATIOS[1]
+            # Right-hand traffic: along the road's axis the lane lies at negative v.
             if math.cos(turn_rad) >= 0:
                 return _put(box, road.place.moved(u_m, -lane_m))
             return _put(box, road.place.moved(u_m, lane_m, math.pi))
@@ -167,5 +178,5 @@ def _in_lane(box: OrientedBox, roads: Sequence[Rectangle]) -> OrientedBox:
 
 
 def _put(box: OrientedBox, at: Place) -> OrientedBox:
-    """A box at a place, upright."""
+    """Return a box at a place, upright."""
     return OrientedBox((at.x_m, at.y_m, box.p[2]), quat_from_yaw(at.yaw_rad), box.s)

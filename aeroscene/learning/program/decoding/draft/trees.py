@@ -1,8 +1,8 @@
-"""From tokens to records that are those of a partition, whatever the tokens are.
+"""Reading of tokens as the records of a partition, whatever the tokens are.
 
-What does not fit is made to: a slice has as many parts as the token has children, a cross with
-too few cells is a slice, what should be a node and is none is a void leaf, and a strip without a
-width takes a share.
+A writer may draw trees that no partition has. They are made to fit: a slice has as many parts as
+its token has children, a cross with too few cells becomes a slice, a missing node is a void leaf,
+and a strip without a width takes a share.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from aeroscene.partition.tree import VOID
 from aeroscene.relations.plane import QUARTER
 
 Grown = Nested[int | None]
-"""A record with the place of its token; None where a record had to be made up."""
+"""A record with the place of its token; None for a record that had to be made up."""
 
 
 class TreeReader:
@@ -34,7 +34,7 @@ class TreeReader:
         self._n_widths = 0
 
     def head(self, place: int) -> tuple[Grown, list[Record]]:
-        """The record of a site or storey with its tree, and those of its widths."""
+        """Return the record of a site or storey with its tree, and the records of its widths."""
         below = self.children[place]
         kinds = self._program.kinds
         widths = [self._record(each) for each in below if kinds[each].node == "width"]
@@ -46,7 +46,7 @@ class TreeReader:
         return grown, widths
 
     def border(self, place: int, n_widths: int) -> Grown:
-        """The record of a border with its segments."""
+        """Return the record of a border with its segments."""
         found = Grown(self._record(place), place, [])
         for each in self.children[place]:
             if self._program.kinds[each].node == "segment":
@@ -60,6 +60,7 @@ class TreeReader:
         if place is None:
             return 0.0
         kinds = self._program.kinds
+        # An even part copies the share of the last equal part before it.
         if kinds[place].is_even:
             beside = self.children[int(self._program.parent[place])]
             what = same_part(kinds[place])
@@ -78,7 +79,7 @@ class TreeReader:
         return replace(record, values=values)
 
     def _node(self, place: int | None) -> Grown:
-        """A node of a tree with all below it; a void leaf for nothing."""
+        """Return a node of a tree with all below it; a void leaf for None."""
         if place is None:
             return _void()
         record = self._record(place)
@@ -90,6 +91,7 @@ class TreeReader:
             case "cross" | "grid" | "pinwheel":
                 return self._checkered(record, place, nodes)
             case "overlay":
+                # An overlay needs a leaf as its base.
                 is_based = bool(nodes) and nodes[0].record.node == "leaf"
                 items = [self._item(each) for each in below if self._node_of(each) == "item"]
                 base = nodes[0] if is_based else _void()
@@ -105,7 +107,7 @@ class TreeReader:
         return self._program.kinds[place].node
 
     def _checkered(self, record: Record, place: int, nodes: list[Grown]) -> Grown:
-        """A cross or a pinwheel, or a slice of its cells where these do not fill it."""
+        """Return a cross or a pinwheel, or a slice of its cells if they do not fill it."""
         below = self.children[place]
         parts = [Grown(self._record(i), i) for i in below if self._node_of(i) == "part"]
         is_cross = record.node != "pinwheel"
@@ -130,6 +132,7 @@ class TreeReader:
             return Grown(replace(_void().record, strip=record.strip), place)
         banks += [Grown(Record("bank"), None) for _ in range(2 * record.arity - len(banks))]
         for lane in lanes:
+            # A lane without a height is as high as a sidewalk; missing heights repeat the last one.
             known = lane.record.values or (0.15,)
             heights = (*known, *known[-1:] * record.arity)[: record.arity]
             lane.record = replace(lane.record, values=heights, strip=max(1, lane.record.strip))
@@ -145,7 +148,7 @@ class TreeReader:
 
 
 def record_of(kind: Kind) -> Record:
-    """The record of a kind, without numbers."""
+    """Return the record of a kind, without numbers."""
     said = ""
     if kind.node == "border":
         said = str(dict(kind.attributes).get("form", ""))
@@ -164,7 +167,7 @@ def _void() -> Grown:
 
 
 def _limit_strips(grown: Grown, n_widths: int) -> None:
-    """Let strips whose width is not there be shares."""
+    """Turn strips whose width does not exist into shares; lanes take the first width."""
     record = grown.record
     if record.strip > n_widths:
         is_lane = record.node == "lane"
@@ -174,10 +177,11 @@ def _limit_strips(grown: Grown, n_widths: int) -> None:
 
 
 def _settle_shares(grown: Grown, logit: Callable[[int | None], float]) -> None:
-    """Give each part of a side its share: those without a width sum to one."""
+    """Give each part of a side its share; the shares of parts without a width sum to one."""
     record = grown.record
     for low, high in PARTS.get(record.node, lambda _: ())(record):
         parts = grown.children[low:high]
+        # Widths alone would not fill the side: the last one takes the rest.
         if parts and all(part.record.strip for part in parts):
             parts[-1].record = replace(parts[-1].record, strip=0)
         logits = [math.nan if p.record.strip else logit(p.token) for p in parts]

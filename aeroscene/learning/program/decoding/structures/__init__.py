@@ -1,1 +1,1 @@
-"""What partitions decode to: the covers of sites, and the storeys of buildings."""
+"""Decoding of partitions: the covers of sites, and the storeys of buildings."""

@@ -1,4 +1,8 @@
-"""Lines of storeys' trees that run close beside each other, or beside given ones, made one."""
+"""Alignment of storeys' lines: lines close beside each other, or beside given ones, become one.
+
+Shares of a tree are drawn independently, so two cuts that should be one wall end up a hand apart.
+Lines are visited from low to high, and each takes the place of a near one before it.
+"""
 
 from __future__ import annotations
 
@@ -14,19 +18,24 @@ _SAME_M = 1e-4
 
 @dataclass(frozen=True, slots=True)
 class Cut:
-    """A line of a storey's tree, in the storey's frame."""
+    """A line of a storey's tree, in the storey's frame, m."""
 
     at: float
     low: float
     high: float
     is_across_x: bool
-    """Whether it is at some x."""
+    """True if the line is at one x and runs along y."""
 
 
 def snapped(node: Node, length_m: float, width_m: float, nearer_m: float, least_m: float) -> Node:
-    """A storey's tree in which lines that run close beside each other are one.
+    """Return a storey's tree in which lines close beside each other are one.
 
-    Lines that would make a part narrower than `least_m` stay where they are.
+    Args:
+        node: The tree.
+        length_m: Length of the storey's frame.
+        width_m: Width of the storey's frame.
+        nearer_m: Lines that are nearer than this become one.
+        least_m: Lines that would make a part narrower than this stay.
     """
 
     def nearest(cut: Cut, before: Sequence[tuple[Cut, float]]) -> float:
@@ -47,10 +56,14 @@ def aligned(
     pairs: Sequence[tuple[Cut, Cut]],
     least_m: float,
 ) -> Node:
-    """A storey's tree in which some lines are moved to others, each the second of a pair.
+    """Return a storey's tree in which some lines are moved to others.
 
-    The first of a pair lies on a line of the tree; lines that would make a part narrower than
-    `least_m` stay where they are.
+    Args:
+        node: The tree.
+        length_m: Length of the storey's frame.
+        width_m: Width of the storey's frame.
+        pairs: A cut on a line of the tree, and the cut that it moves to.
+        least_m: Lines that would make a part narrower than this stay.
     """
 
     def partner(cut: Cut, _: Sequence[tuple[Cut, float]]) -> float:
@@ -64,7 +77,7 @@ def aligned(
 
 
 def lines_of(node: Node, length_m: float, width_m: float) -> list[Cut]:
-    """The lines of a storey's tree."""
+    """Return the lines of a storey's tree."""
     return [cut for _, cut in _cuts(node, (0.0, 0.0, length_m, width_m))]
 
 
@@ -74,11 +87,12 @@ def _with_lines(
     place: Callable[[Cut, Sequence[tuple[Cut, float]]], float],
     least_m: float,
 ) -> Node:
-    """The tree with each line where `place` puts it, which is told of the lines before it."""
+    """Return the tree with each line where `place` puts it, given the lines before it."""
     whole = (0.0, 0.0, *sides_m)
     cuts = list(_cuts(node, whole))
     found: list[tuple[Cut, float]] = []
     places: dict[_Owner, float] = {}
+    # From low to high, so that a line can only join one that has its place already.
     for owner, cut in sorted(cuts, key=lambda each: (each[1].is_across_x, each[1].at)):
         places[owner] = place(cut, found)
         found.append((cut, places[owner]))
@@ -86,7 +100,7 @@ def _with_lines(
 
 
 _Owner = tuple[int, bool, int]
-"""Identity of a node, whether the cut is at some x, and its number there."""
+"""Identity of a node, True if the cut is at one x, and the number of the cut there."""
 
 
 def _cuts(node: Node, bounds: Bounds) -> Iterator[tuple[_Owner, Cut]]:
@@ -94,6 +108,7 @@ def _cuts(node: Node, bounds: Bounds) -> Iterator[tuple[_Owner, Cut]]:
     edges = _edges(node, bounds)
     if edges is None:
         return
+    # Cuts across y come first, as `is_x` counts from False.
     for is_x, along in enumerate(reversed(edges)):
         low, high = (y0, y1) if is_x else (x0, x1)
         for number, at in enumerate(along[1:-1]):
@@ -103,7 +118,7 @@ def _cuts(node: Node, bounds: Bounds) -> Iterator[tuple[_Owner, Cut]]:
 
 
 def _edges(node: Node, bounds: Bounds) -> tuple[list[float], list[float]] | None:
-    """Cut places of a slice or cross along x and along y, with both ends."""
+    """Return the cuts of a slice or cross along x and along y, with both ends."""
     x0, y0, x1, y1 = bounds
     match node:
         case Slice(axis="x"):
@@ -128,7 +143,7 @@ def _cells(edges: tuple[list[float], list[float]]) -> list[Bounds]:
 def _moved(
     node: Node, before: Bounds, after: Bounds, places: dict[_Owner, float], least_m: float
 ) -> Node:
-    """The tree in other bounds, its lines at their new places."""
+    """Return the tree in other bounds, with its lines at their new places."""
     edges = _edges(node, before)
     if edges is None:
         return node
@@ -137,6 +152,7 @@ def _moved(
         low, high = (after[0], after[2]) if is_x else (after[1], after[3])
         inner = [places[id(node), is_x, number] for number in range(len(along) - 2)]
         new = [low, *inner, high]
+        # A part would be too narrow: keep the proportions instead.
         if min(b - a for a, b in pairwise(new)) < least_m:
             size = along[-1] - along[0]
             new = [low + (at - along[0]) / size * (high - low) for at in along]

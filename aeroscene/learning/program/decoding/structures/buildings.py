@@ -38,10 +38,11 @@ Place = int | None
 WALL = Border((Segment("wall", Part(1.0)),))
 _ROOM_M = 0.3
 """Least width of a room between its walls."""
+# Least thickness of a wall, and least side of a storey.
 _LEAST_WALL_M = 0.02
 _LEAST_SIDE_M = 1.0
 _STOREY_M = 1.2
-"""Least height of an upper storey's floor above the first."""
+"""Least height of an upper storey's floor above the first one's."""
 _SAME_M = 1e-3
 
 
@@ -55,50 +56,58 @@ class DecodedBuilding:
     """Rooms and walls, each with its token."""
 
     def is_upper(self, slab: OrientedBox) -> bool:
-        """Whether a slab is one of the upper storeys."""
+        """True if a slab belongs to an upper storey."""
         top_m = slab.p[2] + slab.s[2] / 2
         return bool(self.levels[1:]) and top_m - self.levels[0].base_m > _STOREY_M
 
     def under_rooms(self, slab: OrientedBox) -> OrientedBox:
-        """A slab at the level of the rooms of the first storey, where it is near that."""
+        """Return a slab at the level of the first storey's rooms.
+
+        A slab that lies a storey or more off is another one's and stays.
+        """
         z_m = self.levels[0].base_m - slab.s[2] / 2
         if not _SAME_M < abs(z_m - slab.p[2]) < _STOREY_M:
             return slab
         return replace(slab, p=(*slab.p[:2], z_m))
 
     def upper_slabs(self, n_slabs: int) -> list[OrientedBox]:
-        """Slabs under the rooms above the first storey, as nearly `n_slabs` as rooms allow."""
+        """Return slabs under the rooms above the first storey, about `n_slabs` of them."""
         return upper_slabs(self.levels, self.frame, [part for part, _ in self.parts], n_slabs)
 
     def with_one_ceiling(self) -> DecodedBuilding:
-        """The same where no building says how high its storeys are: by most rooms and walls."""
+        """Return the building with one ceiling height, that of most rooms and walls.
+
+        It is for houses without a building around them, which would state their heights.
+        """
         level = with_one_ceiling([part for part, _ in self.parts])
         tokens = (token for _, token in self.parts)
         return replace(self, parts=tuple(zip(level, tokens, strict=True)))
 
     def roofs(self, thickness_m: float) -> list[OrientedBox]:
-        """Tiles of a roof over all rooms and walls."""
+        """Return the tiles of a roof over all rooms and walls."""
         return roofs_over([part for part, _ in self.parts], self.frame, thickness_m)
 
 
 def build_building(
     program: Program, reader: TreeReader, storeys: Sequence[int], host: Rectangle, base_m: float
 ) -> DecodedBuilding:
-    """The rooms and walls of a building's storeys.
+    """Build the rooms and walls of a building's storeys.
 
     Args:
         program: The program.
         reader: Reads its records.
         storeys: Places of the storeys' tokens, from the lowest up.
         host: The building, or the site, seen from above.
-        base_m: Its underside.
+        base_m: Height of its underside.
     """
     frame = _frame(program.channels[storeys[0], 1:11].tolist(), host)
     drawn: list[_Storey] = []
     for place in storeys:
+        # The level of each storey counts from the one below.
         base_m += float(program.channels[place, 7])
         drawn.append(_Storey(program, reader, place, frame, base_m))
     levels = [Level(storey.tree, storey.level_m, storey.wall_m) for storey in drawn]
+    # Trees are drawn storey by storey and have to be fitted upon each other before walls are built.
     trees = stacked(levels, frame, max(storey.least_m for storey in drawn))
     parts = build_storeys(
         [storey.partition(tree) for storey, tree in zip(drawn, trees, strict=True)]
@@ -121,7 +130,7 @@ def _frame(values: Sequence[float], host: Rectangle) -> Frame:
 
 
 class _Storey:
-    """One storey; it keeps which tokens its leaves and borders are."""
+    """One storey, with the tokens of its leaves and borders."""
 
     def __init__(
         self, program: Program, trees: TreeReader, place: int, frame: Frame, level_m: float
@@ -143,11 +152,11 @@ class _Storey:
         self._border_places: list[Place] = []
 
     def token(self, part: BuildingPart) -> Place:
-        """Place of the token of a room or wall of this storey."""
+        """Return the place of the token of a room or wall of this storey."""
         return (self._leaves if part.category in ROOMS else self._border_places)[part.place]
 
     def partition(self, tree: Node) -> StoreyPartition:
-        """The storey with a tree that differs from its own in numbers only."""
+        """Return the storey with a tree that differs from its own in numbers only."""
         found = list(cells_of(tree, self.frame, self.level_m))
         lines = find_lines(found, self.frame, has_outside=self._outer_m > 0)
         return StoreyPartition(
@@ -162,7 +171,10 @@ class _Storey:
         )
 
     def _borders(self, lines: Sequence[Line], rooms: Sequence[int]) -> list[Border]:
-        """A border for each line: what was drawn between the two rooms, else what closes rooms."""
+        """Return a border for each line: the drawn one of its two rooms, or a default.
+
+        A room whose drawn borders all have walls gets walls at its other lines, too.
+        """
         children = self._trees.children
         kinds = self._program.kinds
         known: defaultdict[tuple[int, int, int], list[int]] = defaultdict(list)
@@ -186,7 +198,7 @@ class _Storey:
         return found
 
     def _closed(self, known: Mapping[tuple[int, int, int], Sequence[int]]) -> list[bool]:
-        """Whether all borders that were drawn of each leaf's room have walls."""
+        """Mark the leaves whose room has walls at all of its drawn borders."""
         found: list[set[bool]] = [set() for _ in self._leaves]
         for (leaf, _, beyond), places in known.items():
             for place in places:
@@ -207,7 +219,7 @@ class _Storey:
 
 
 def _with_room(border: Border, length_m: float, wall_m: float) -> Border:
-    """A border whose doors and windows fit into the line; else a wall."""
+    """Return a border if its doors and windows fit into the line, else a wall."""
     fixed_m = sum(segment.part.value for segment in border.segments if segment.part.is_width)
     if fixed_m <= 0 or fixed_m + wall_m < length_m:
         return border

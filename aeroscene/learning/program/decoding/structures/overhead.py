@@ -1,4 +1,8 @@
-"""Upper slabs and roofs: drawn like all things, but laid as the rooms and walls under them are."""
+"""Upper slabs and roofs: drawn like all objects, but laid as rooms and walls under them need.
+
+Slabs and roofs are drawn before the walls under them are known. Their tokens are therefore
+collected, and boxes that fit the finished rooms replace the drawn ones.
+"""
 
 from __future__ import annotations
 
@@ -10,21 +14,21 @@ from aeroscene.learning.program.decoding.structures.buildings import DecodedBuil
 from aeroscene.scene import OrientedBox
 
 Drawn = tuple[int, OrientedBox]
-"""A token and its box."""
+"""Place of a token, and its box."""
 
 
 @dataclass(slots=True)
 class Overhead:
-    """What was drawn of one building, until its storeys are built."""
+    """Drawn slabs and roofs of one building, until its storeys are built."""
 
     slabs: list[Drawn] = field(default_factory=list)
     roofs: list[Drawn] = field(default_factory=list)
-    """Of a house of rooms alone, without a building about them."""
+    """Roofs of a house of rooms alone, without a building around them."""
     has_roof: bool = False
-    """Whether the house has its roof, so that no more is laid."""
+    """True once the house has its roof; no other is laid then."""
 
     def laid(self, building: DecodedBuilding) -> list[Drawn]:
-        """What is laid in place of what was drawn, which is forgotten."""
+        """Return the slabs and roofs to lay, and forget the drawn ones."""
         found: list[Drawn] = []
         if self.slabs:
             found += _nearest(building.upper_slabs(len(self.slabs)), self.slabs)
@@ -36,7 +40,7 @@ class Overhead:
 
 
 def _nearest(boxes: Sequence[OrientedBox], drawn: Sequence[Drawn]) -> Iterator[Drawn]:
-    """Boxes, each for the token whose own was nearest."""
+    """Yield boxes, each with the token whose own box was nearest."""
     for box in boxes:
         away_m = [math.dist(box.p, own.p) for _, own in drawn]
         yield drawn[away_m.index(min(away_m))][0], box

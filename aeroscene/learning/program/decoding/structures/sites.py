@@ -17,13 +17,20 @@ from aeroscene.relations.plane import footprint
 from aeroscene.scene import OrientedBox, SceneObject
 
 _Cover = tuple[int, Word, OrientedBox]
-"""A cover with its token and what it is."""
+"""Place of a cover's token, its word, and its box."""
+# Least side of a cover, and greatest gap between a cover and the one that bears it.
 _LEAST_COVER_M = 0.05
 _ON_M = 1e-6
 
 
 def add_site(draft: Draft, place: int, house: DecodedBuilding | None = None) -> None:
-    """Add the covers of the site whose token is at a place, about the house that stands on it."""
+    """Add the covers of a site to the draft, around the house that stands on it.
+
+    Args:
+        draft: Changed.
+        place: Place of the site's token.
+        house: House of rooms and walls on the site, if there is one.
+    """
     grown, widths = draft.trees.head(place)
     tokens = cells(grown)
     plain = from_sequence([*widths, *grown.flat()])
@@ -44,7 +51,7 @@ def add_site(draft: Draft, place: int, house: DecodedBuilding | None = None) -> 
 
 
 def _about(draft: Draft, house: DecodedBuilding, drawn: list[_Cover]) -> list[_Cover]:
-    """The same covers laid anew about a house, where they are one yard that bears nothing."""
+    """Lay the same covers anew around a house, if they are one yard that bears nothing."""
     words = {word for _, word, _ in drawn}
     if len(words) != 1 or any(draft.children[token] for token, _, _ in drawn):
         return drawn
@@ -53,7 +60,7 @@ def _about(draft: Draft, house: DecodedBuilding, drawn: list[_Cover]) -> list[_C
 
 
 def _under(objects: Sequence[SceneObject], box: OrientedBox, word: Word) -> int | None:
-    """The cover that bears another; else the last before it of its category."""
+    """Return the cover that bears another, or the last one of its category before it."""
     base_m = box.p[2] - box.s[2] / 2
     found: int | None = None
     for obj in objects:

@@ -1,6 +1,7 @@
-"""Makes partition trees buildable: strips that fit, and parts wide enough.
+"""Buildable partition trees: strips that fit their side, and parts that are wide enough.
 
-Nothing changes where nothing has to: what was read off a scene stays as it is.
+Strips have widths of their own in metres, and no network learns that their sum is at most the side.
+Trees that were read off a scene fit already and stay as they are.
 """
 
 from __future__ import annotations
@@ -25,7 +26,14 @@ _SAME_M = 1e-4
 
 
 def settled(node: Node, length_m: float, width_m: float, least_m: float) -> Node:
-    """A tree whose parts fill a frame, each at least so wide where there is room."""
+    """Return a tree whose parts fill a frame, each wide enough if there is room.
+
+    Args:
+        node: The tree.
+        length_m: Length of the frame.
+        width_m: Width of the frame.
+        least_m: Least width of a part with a share.
+    """
     match node:
         case Slice():
             is_x = node.axis == "x"
@@ -64,13 +72,24 @@ def settled(node: Node, length_m: float, width_m: float, least_m: float) -> Node
 
 
 def fitting(parts: tuple[Part, ...], side_m: float, least_m: float) -> tuple[Part, ...]:
-    """Parts that a side has room for."""
+    """Return parts for which a side has room.
+
+    Strips that are too wide together shrink alike. Then parts that are too narrow take width from
+    the wider ones.
+
+    Args:
+        parts: Parts of the side, with shares or widths.
+        side_m: Length of the side.
+        least_m: Least width of a part with a share.
+    """
     fixed_m = sum(part.value for part in parts if part.is_width)
     n_free = sum(not part.is_width for part in parts)
     room_m = side_m - least_m * n_free
     if fixed_m > room_m:
+        # Strips take at most half of a side that is too short for all.
         most_m = max(room_m, side_m / 2)
         parts = tuple(
+            # A thousandth less, so that rounding leaves something for the shares.
             replace(part, value=part.value * min(1.0, most_m / fixed_m) * 0.999)
             if part.is_width
             else part
@@ -102,11 +121,12 @@ def _item_size(place: Place | None, length_m: float, width_m: float) -> tuple[fl
 
 
 def _inside(place: Place, length_m: float, width_m: float) -> Place:
-    """A place no larger than what it is on, its middle where it does not reach over."""
+    """Return a place no larger than its bearer, moved so that it does not reach over."""
     x_m, y_m = min(place.size_m[0], length_m), min(place.size_m[1], width_m)
     u, v = x_m / length_m / 2, y_m / width_m / 2
     x = min(max(place.x_share, min(u, 0.5)), max(1 - u, 0.5))
     y = min(max(place.y_share, min(v, 0.5)), max(1 - v, 0.5))
+    # Places at an angle keep their middle; the limits hold for places along the axes.
     if place.yaw_rad % 1.5707963267948966 > _SAME_M:
         x, y = place.x_share, place.y_share
     return replace(place, x_share=x, y_share=y, size_m=(x_m, y_m))
@@ -115,6 +135,7 @@ def _inside(place: Place, length_m: float, width_m: float) -> Place:
 def _pinwheel_sizes(node: Pinwheel, length_m: float, width_m: float) -> list[tuple[float, float]]:
     west, east, south, north = node.cuts
     middle = (east - west, north - south)
+    # Arms go around the middle, clockwise or counter-clockwise.
     if node.is_mirrored:
         arms = [(1 - west, south), (1 - east, 1 - south), (east, 1 - north), (west, north)]
     else:

@@ -1,7 +1,7 @@
-"""The yard about a house of rooms and walls alone.
+"""The yard around a house that consists of rooms and walls alone.
 
-Where a yard ends and where walls stand are numbers of two partitions, each drawn for itself: the
-yard is laid anew about the walls.
+The border of the yard and the walls of the house are numbers of two partitions, each drawn by
+itself. The yard is therefore laid anew around the finished walls.
 """
 
 from __future__ import annotations
@@ -17,20 +17,24 @@ from aeroscene.partition.frames import Bounds, frame_of, hull_of, nearest_quarte
 from aeroscene.scene import OrientedBox
 
 _TILE_M = 60.0
-"""Longest tile, as in layouts that were mapped."""
+"""Longest tile, as in mapped layouts."""
 _SAME_M = 1e-4
 _ALIGNED_RAD = 1e-3
 _WHOLE = 0.85
-"""Share of a yard's rectangle that covers and house fill together: less is meant to be bare."""
+"""Share of a yard's rectangle that covers and house fill together; with less, gaps are meant."""
 
 
 def laid_about(
     house: DecodedBuilding, covers: Sequence[OrientedBox]
 ) -> list[tuple[OrientedBox, int]] | None:
-    """Tiles of a yard's covers about a house, each with the cover that lay there most.
+    """Return tiles of a yard around a house, each with the number of the cover that it replaces.
+
+    Args:
+        house: The house.
+        covers: Boxes of the yard's covers.
 
     Returns:
-        None where the covers are no yard of one level in line with the house.
+        None if the covers are no yard of one level in line with the house.
     """
     frame = house.frame
     bases_m = {round(box.p[2] - box.s[2] / 2, 4) for box in covers}

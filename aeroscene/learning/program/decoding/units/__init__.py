@@ -1,1 +1,1 @@
-"""What stands on covers: where a unit goes, and what of it has room."""
+"""Decoding of units on covers: their places, and the members that have room."""

@@ -1,4 +1,4 @@
-"""What stands at the edge of a room has a wall there; some edges of open rooms have none."""
+"""Walls behind units at the edge of a room, because some edges of open rooms have none."""
 
 from __future__ import annotations
 
@@ -17,28 +17,30 @@ from aeroscene.scene.catalogue import ROOMS, SEATS, SHELLS, WALLS
 from aeroscene.solids.shapes.facade import WALL_M
 
 _BACK = 2
-"""Quarter turns from the way out of a room to the heading of what has its back to the edge."""
+"""Quarter turns from the outward direction of a room to the heading of a unit with its back
+there."""
+# Greatest distance of a back from its wall.
 _OFF_WALL_M = 0.3
 _SAME_ROW_M = 0.1
-"""Distance within which the foremost things of a group stand in one row."""
+"""The foremost members of a group within this distance stand in one row."""
 
 
 def asks_for_wall(draft: Draft, unit: Unit, category: str) -> bool:
-    """Whether a unit has its back to an edge of a room, and is what has a wall there."""
+    """True if a unit has its back to an edge of a room and its category needs a wall there."""
     relation = unit.relation
     has_back = relation.kind == Kind.EDGE and relation.quadrant == _BACK
     is_in_room = draft.standing.category(unit.host_id) in ROOMS
-    # Seats stand along the edges of open rooms too: one in three of the corpus' chairs there.
+    # Seats do not need one: a third of the corpus' chairs at edges of open rooms have no wall.
     return has_back and is_in_room and category not in SEATS
 
 
 def has_wall(draft: Draft, unit: Unit, boxes: Sequence[OrientedBox]) -> bool:
-    """Whether a group at an edge of a room has a wall at each of those that stand foremost.
+    """True if each of the foremost members of a group at an edge of a room has a wall there.
 
     Args:
-        draft: What stands already.
+        draft: Objects so far.
         unit: The group, with the side of the room that it is at.
-        boxes: Where the group would stand.
+        boxes: Boxes of the group at the tried place.
     """
     walls, shells = (draft.neighbours.of(names) for names in (WALLS, SHELLS))
     room, side = draft.outline(unit.host_id), unit.relation.side
@@ -49,12 +51,14 @@ def has_wall(draft: Draft, unit: Unit, boxes: Sequence[OrientedBox]) -> bool:
         at = footprint(box)
         reach_m, _ = turned_reach_m(at.half_m, at.place.yaw_rad - outwards_rad)
         low_m = box.p[2] - box.s[2] / 2
+        # The outermost point of each box, towards the edge, with the heights of the box.
         end = box.p[0] + c * reach_m, box.p[1] + s * reach_m
         ends.append((*end, low_m, low_m + box.s[2]))
     found = np.array(ends)
     along_m = found[:, :2] @ (c, s)
     front = found[along_m > along_m.max() - _SAME_ROW_M]
     is_at_wall = (_outside_m(front, walls) <= _OFF_WALL_M) & _shares_height(front, walls)
+    # The shell of a building counts as a wall from either side of its outline.
     is_at_rim = (np.abs(_outside_m(front, shells)) <= _OFF_WALL_M + WALL_M) & _shares_height(
         front, shells
     )

@@ -1,4 +1,4 @@
-"""What moves together to have room: chairs with their table, shelves that stand back to back."""
+"""Groups that move together to find room: chairs with their table, shelves back to back."""
 
 from __future__ import annotations
 
@@ -18,20 +18,24 @@ from aeroscene.scene import OrientedBox
 _BEHIND = 2
 """Side of a host, and quarter turns of a heading away from it."""
 _SAME_PITCH_M = 0.6
-"""Pitches that differ by less are meant to be the same: what is apart by more is so on purpose."""
+"""Pitches that differ by less are meant to be equal; greater differences are on purpose."""
 
 
 def moved_with(
     draft: Draft, boxes: Sequence[OrientedBox], others: Sequence[int], n_given: int
 ) -> list[OrientedBox] | None:
-    """Boxes where they have room, other objects moved with them; None where nothing makes it.
+    """Return boxes where they have room after other objects have moved with them.
 
     Args:
-        draft: What stands already; the others go elsewhere in it.
-        boxes: Those that come.
-        others: Ids of objects that move as they do, all on the same bearer.
-        n_given: How many objects stand as they are, and do not move.
+        draft: Objects so far; the others are moved in it.
+        boxes: Boxes that come.
+        others: Ids of the objects that move along, all on the same bearer.
+        n_given: Number of given objects, which do not move.
+
+    Returns:
+        None if there is no room, or an object is given. Nothing has moved then.
     """
+    # Given objects have the lowest ids.
     if min(others) < n_given:
         return None
     bearer = draft.standing.bearer(others[0])
@@ -49,7 +53,14 @@ def moved_with(
 def drawn_up(
     draft: Draft, chairs: Sequence[OrientedBox], table: int, n_given: int
 ) -> list[OrientedBox]:
-    """Chairs that have room, their table moved with them where that makes it."""
+    """Return the chairs that have room, after their table has moved with them if that helps.
+
+    Args:
+        draft: Objects so far; the table may be moved in it.
+        chairs: Boxes of the chairs.
+        table: Id of their table.
+        n_given: Number of given objects, which do not move.
+    """
     boxes = moved_with(draft, chairs, [table], n_given)
     if boxes is not None:
         return boxes
@@ -57,7 +68,7 @@ def drawn_up(
 
 
 def backed_by(draft: Draft, unit: Unit) -> list[int]:
-    """The group of what a unit of the same kind stands back to back with; empty for all else."""
+    """Return the group to which a unit of the same kind stands back to back; empty for others."""
     relation, host = unit.relation, unit.host_id
     if host is None or relation.kind != Kind.SIDE:
         return []
@@ -70,12 +81,13 @@ def backed_by(draft: Draft, unit: Unit) -> list[int]:
 def back_to_back(
     draft: Draft, unit: Unit, others: Sequence[int], n_given: int
 ) -> list[OrientedBox] | None:
-    """The boxes of a unit at the backs of others, which go with it; None without room.
+    """Return the boxes of a unit at the backs of others, which move with it; None without room.
 
-    The pitch of a group is that of the other if it is about the same. What is outside of a room
-    that is too small for both is left out.
+    The pitch of a group is that of the other one if it is about the same. Members outside of a room
+    that is too small for both are left out.
     """
     drawn = member_boxes(_as_even_as(unit, draft.pitch_m(others[0])), draft.box)
+    # Both groups move as one, so an overlap between them would stay.
     if len(free_of(draft.neighbours.rows(others), drawn)) < len(drawn):
         return None
     boxes = moved_with(draft, drawn, others, n_given)
@@ -86,7 +98,7 @@ def back_to_back(
 
 
 def _as_even_as(unit: Unit, pitch_m: tuple[float, float] | None) -> Unit:
-    """A unit whose array has a pitch if its own is about that."""
+    """Return a unit whose array takes a pitch if its own is about the same."""
     array = unit.array
     if array is None or pitch_m is None:
         return unit

@@ -1,7 +1,7 @@
 """Units from their tokens: the inverse of `aeroscene.learning.program.encoding.units`.
 
-A host that does not stand is the next one of the ranks; where there is none the unit is scattered
-in the middle of its bearer.
+If the host that was drawn does not exist, the nearest rank counts. If there is no host at all, the
+unit is scattered on its bearer.
 """
 
 from __future__ import annotations
@@ -47,6 +47,7 @@ from aeroscene.scene.box import MIN_SIZE_M
 from aeroscene.scene.catalogue import ROOMS, STAIRS
 
 BoxOf = Callable[[int | None], OrientedBox | None]
+# Limits of the distance between neighbours of an array.
 _MOST_PITCH_M = 30.0
 _LEAST_PITCH_M = 0.05
 LEAST_RISE_M = 0.15
@@ -54,13 +55,13 @@ LEAST_RISE_M = 0.15
 
 
 def read_unit(draft: Draft, token: int, bearer: int | None, last_m: Vector3 | None = None) -> Unit:
-    """The unit that a token is, on what bears it.
+    """Build the unit of a token, on its bearer.
 
     Args:
-        draft: The program, and what is made of it already.
+        draft: The program, and the objects so far.
         token: Place of the unit's token.
-        bearer: Id of the object that bears it; None for the bare world.
-        last_m: Extents of the last unit that is the same, for what is as large; None without one.
+        bearer: Id of the object that bears it; None for the ground.
+        last_m: Extents of the last unit with the same key, which it may copy; None without one.
     """
     program, box_of = draft.program, draft.box
     kind = program.unit(token)
@@ -83,10 +84,12 @@ def read_unit(draft: Draft, token: int, bearer: int | None, last_m: Vector3 | No
     if last_m is not None:
         as_last = set(AS_LAST_AXES[kind.as_last])
         if relation.kind == Kind.SIDE and kind.category in STAIRS:
-            # Stairs are as high as the level that they lead to, whatever the last ones were.
+            # Stairs are as high as their level asks, even if the other extents copy the last
+            # stairs'.
             as_last.discard(2)
         x_m, y_m, z_m = (last_m[i] if i in as_last else size_m[i] for i in range(3))
         size_m = x_m, y_m, z_m
+    # A group whose array has only holes would have no members.
     shape = _shape(program, token, relation.kind)
     n_members = len(shape.array().cells(relation.kind)) if kind.is_group else 1
     own_m = base_m - _low_m(around.bearer)
@@ -110,10 +113,10 @@ def read_unit(draft: Draft, token: int, bearer: int | None, last_m: Vector3 | No
 
 
 def with_own_sizes(program: Program) -> Program:
-    """A program in which what is as large as the last one has numbers too, if none came before.
+    """Give sizes to units that copy the last one, in case none comes before them.
 
-    They are those of the first unit that is the same and has its own. What is drawn in one order
-    and built in another may well come first.
+    They are those of the first unit with the same key that has its own. A unit that is drawn later
+    may be built earlier, because building goes from the ground up.
     """
     channels, references = program.channels.copy(), program.references.copy()
     like: dict[What, int] = {}
@@ -130,16 +133,26 @@ def with_own_sizes(program: Program) -> Program:
 
 
 def member_boxes(unit: Unit, box_of: BoxOf) -> list[OrientedBox]:
-    """The boxes of a unit's members, in order."""
+    """Return the boxes of a unit's members, in order."""
     ids = (unit.parent_id, unit.host_id)
     hosts = {each: box for each in ids if each is not None and (box := box_of(each)) is not None}
+    # Negative ids cannot meet those of hosts.
     made = [replace(member, id=-1 - index) for index, member in enumerate(unit.members)]
     boxes = place([replace(unit, members=tuple(made))], hosts)
     return [boxes[member.id] for member in made]
 
 
 def openings_of(program: Program, place: int, box: OrientedBox) -> dict[str, AttributeValue]:
-    """Openings of a unit's object, within the wall that they are in."""
+    """Return the openings of a unit's object, limited to the wall that they are in.
+
+    Args:
+        program: The program.
+        place: Place of the unit's token.
+        box: Box of the object.
+
+    Returns:
+        Attributes of the object, in m.
+    """
     values = dict(zip(OPENINGS, program.channels[place, OPENING].tolist(), strict=True))
     half_m = box.s[1] / 2
     found: dict[str, AttributeValue] = {}
@@ -147,6 +160,7 @@ def openings_of(program: Program, place: int, box: OrientedBox) -> dict[str, Att
         value = 0.0 if math.isnan(values[name]) else values[name]
         if name.endswith("offset_m"):
             width_m = values[name.replace("offset_m", "m")]
+            # The offset leaves half of the opening's width at either end.
             play = max(0.0, 1.0 - (0.0 if math.isnan(width_m) else width_m) / 2 / half_m)
             value = min(max(value, -play), play) * half_m
         else:
@@ -157,10 +171,10 @@ def openings_of(program: Program, place: int, box: OrientedBox) -> dict[str, Att
 
 
 def _related(draft: Draft, token: int, bearer: int | None) -> tuple[Relation, int | None]:
-    """The relation of a unit and its host: of the rank that was drawn, or the last before it.
+    """Return the relation of a unit and its host.
 
-    Of stairs it is the next of those that are higher than what bears them, of all else the nearest
-    that such a unit may have.
+    The host is the one of the drawn rank, or the last before it. For stairs it is the next host
+    that is higher than their bearer, for other units the nearest rank with a suitable host.
     """
     program, standing, box_of = draft.program, draft.standing, draft.box
     kind = program.unit(token)
@@ -178,7 +192,7 @@ def _related(draft: Draft, token: int, bearer: int | None) -> tuple[Relation, in
 
 
 def _is_higher(host: int | None, bearer: int | None, standing: Standing, box_of: BoxOf) -> bool:
-    """Whether the level of a host is above the ground that something stands on."""
+    """True if the level of a host is above the ground that an object stands on."""
     box, ground = box_of(host), box_of(bearer)
     if box is None or ground is None:
         return box is not None
@@ -188,7 +202,7 @@ def _is_higher(host: int | None, bearer: int | None, standing: Standing, box_of:
 
 
 def _shape(program: Program, token: int, kind: Kind) -> Shape:
-    """The array of a group, without holes where these leave nothing."""
+    """Return the array of a group, without its holes if they leave nothing."""
     shape = program.shapes[token]
     return shape if shape.array().cells(kind) else shape._replace(holes=())
 
@@ -201,7 +215,7 @@ def _members(
     rise_m: float,
     n_members: int,
 ) -> list[Member]:
-    """Members of a unit: all alike, or as their own tokens say."""
+    """Return the members of a unit: all alike, or by their own tokens."""
     plain = Member(
         id=0,
         category_id=CATEGORY_IDS[program.kinds[token].category],
@@ -216,6 +230,7 @@ def _members(
     for index in range(n_members):
         c = np.nan_to_num(program.channels[places[min(index, len(places) - 1)]])
         x_m, y_m, z_m = (
+            # At most e times as large as the unit: a wild number must not fill the room.
             max(MIN_SIZE_M, extent * math.exp(min(log, 1.0)))
             for extent, log in zip(size_m, c[SIZE].tolist(), strict=True)
         )
@@ -240,7 +255,7 @@ def _array(
         for gap_m, extent_m, count in zip(gaps_m, extents_m, shape[:2], strict=True)
     ]
     if kind == Kind.SEAT:
-        # Every chair has the table before it.
+        # Chairs at the ends of a side still stand at their table.
         sides_m = reversed(outline.half_m)
         most_m = [
             2 * half_m / (count - 1) if count > 1 else 0.0
