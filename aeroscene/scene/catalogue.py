@@ -1,8 +1,11 @@
-"""The 23 coarse and 47 fine categories: real sizes, what carries them, which roles they have.
+"""The 23 coarse and 47 fine categories: real sizes, what carries them, and their roles.
 
-The paper gives the numbers of categories, not their names. Sizes are ranges of full local
-extents in metres, x forwards (the side a thing shows to its user or its direction of travel),
-y to the left, z up; outliers of generated scenes are judged against them.
+The paper gives the numbers of categories, but not their names. Sizes are ranges of full local
+extents in metres: x forwards (the side that an object shows to its user, or its direction of
+travel), y to the left, z up. Generated scenes are checked for outliers against these ranges.
+
+Other modules ask for roles and never for names of categories. A new category therefore needs a row
+here and no change elsewhere.
 """
 
 from __future__ import annotations
@@ -21,7 +24,7 @@ Range = tuple[float, float]
 
 @dataclass(frozen=True, slots=True)
 class Category:
-    """What every object of a kind has in common."""
+    """Properties that all objects of a category share."""
 
     id: int
     name: str
@@ -33,11 +36,12 @@ class Category:
     height_m: Range
     """Range of the extent along z."""
     supports: tuple[Support, ...]
-    """What objects of this kind stand on, hang on or lie in."""
+    """Kinds of surface or container that objects of this category stand on, hang on or lie in."""
     surface: str
-    """What a drone's landing gear meets on top of it."""
+    """Material on top of it that a drone's landing gear touches."""
     roles: frozenset[str]
-    """What it is to other objects, people and drones; the sets below say what each word means."""
+    """Roles that it plays for other objects, people and drones; the sets below explain each word.
+    """
 
 
 _Row = tuple[str, Range, Range, Range, str, str, str]
@@ -141,7 +145,7 @@ def _category(number: int, row: _Row) -> Category:
 CATALOGUE: Mapping[int, Category] = {
     number: _category(number, row) for number, row in enumerate(_COARSE + _FINE, 1)
 }
-"""Categories under their ids: 1 to 23 coarse, 24 to 70 fine."""
+"""Categories under their ids: 1 to 23 are coarse, 24 to 70 fine."""
 
 
 @cache
@@ -193,7 +197,7 @@ PARKING = _with("parking")
 ROADS = _with("road")
 WATER = _with("water")
 STRIPS = _with("strip")  # a cover of a width in metres, which goes on end to end
-WAYS = _with("way")  # a cover that leads from place to place
+WAYS = _with("way")  # a cover that leads from one place to another
 
 # Things outdoors
 VEHICLES = _with("vehicle")  # keeps to its lane on a road
