@@ -1,4 +1,4 @@
-"""What there is to know of scenes without opening them, and sets of scenes that tell it."""
+"""Summaries of scenes, and sets of scenes that have one for each."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Split = Literal["train", "test"]
 
 
 class SceneSummary(msgspec.Struct, frozen=True, kw_only=True):
-    """What there is to know of a scene without opening it."""
+    """Facts about a scene that are known without opening it."""
 
     index: int
     """Number of the scene in its set."""
@@ -27,14 +27,14 @@ class SceneSummary(msgspec.Struct, frozen=True, kw_only=True):
     n_coarse: int
     n_fine: int
     n_small: int
-    """Landing areas by the largest class of drone that fits."""
+    """Number of landing areas whose largest class of drone is small."""
     n_medium: int
     n_large: int
     n_perching: int
 
     @property
     def n_landing(self) -> int:
-        """Landing areas of all classes."""
+        """Number of landing areas of all classes."""
         return self.n_small + self.n_medium + self.n_large
 
 
@@ -42,11 +42,15 @@ Entry = TypeVar("Entry", bound=SceneSummary)
 
 
 class SceneSet(Protocol[Entry]):
-    """Scenes that are read one by one: a dataset in a folder, or the scenes that ship."""
+    """Scenes that are read one by one: a dataset in a folder, or the scenes that ship.
+
+    Metrics and the learner take any set; a set is cheap to pass to other processes, because it
+    holds summaries only.
+    """
 
     @property
     def title(self) -> str:
-        """What to call the set in a sentence."""
+        """Name of the set in a sentence."""
         ...
 
     @property
@@ -60,7 +64,7 @@ class SceneSet(Protocol[Entry]):
         ...
 
     def select(self, indices: Container[int]) -> SceneSet[Entry]:
-        """The scenes whose numbers are among these; with none, what a process needs to read."""
+        """The scenes whose numbers are among these; with none, all that a process needs to read."""
         ...
 
     def read(self, entry: Entry) -> Scene:
@@ -73,7 +77,7 @@ class SceneSet(Protocol[Entry]):
 
 
 def summarise(scene: Scene, index: int) -> SceneSummary:
-    """What there is to know of a scene that has this number in its set."""
+    """Summarise a scene that has this number in its set."""
     n_coarse = sum(obj.is_coarse for obj in scene.objects)
     n_landing = Counter(area.drone_class for area in scene.landing_areas)
     return SceneSummary(

@@ -1,4 +1,4 @@
-"""What stands and drives on streets: bus stops, footbridges, traffic, lamps, trees, benches."""
+"""Furniture and vehicles of streets: bus stops, footbridges, traffic, lamps, trees, benches."""
 
 from __future__ import annotations
 
@@ -33,7 +33,8 @@ class Streets:
     _stops: list[tuple[Placed, Placed]] = field(default_factory=list)
 
     def structures(self) -> Iterator[None]:
-        """Carriageways and sidewalks are laid already: a footbridge, shelters at bus stops."""
+        """A footbridge and shelters at bus stops; carriageways and sidewalks are laid already."""
+        # A shorter road has no room for the bridge's stairs.
         roads = [road for road in self.site.roads if road.placed.size[0] > 30]
         if roads and self.draw.chance(self.bridge_chance):
             self._bridge(roads[0])
@@ -49,6 +50,7 @@ class Streets:
         u = (1 if self.draw.chance(0.5) else -1) * self.draw.between(0.4, 0.6) * placed.size[0] / 2
         end = min(_FLIGHT_M[1], walk_m - 0.5)
         reach = placed.size[1] / 2 + end
+        # Both ends must stand on sidewalks.
         walks = [self._walk_at(placed.frame.point(u, sign * (reach - end / 2))) for sign in (-1, 1)]
         base = placed.base + 0.15
         size = (2 * reach, 2.4, _BRIDGE_Z[0])
@@ -75,7 +77,7 @@ class Streets:
         return None
 
     def _shelter(self, walk: Placed) -> None:
-        """A roof over the wait for a bus."""
+        """A roof over the people who wait for a bus."""
         u = self.draw.between(-0.3, 0.3) * walk.size[0]
         colour = {"colour": self.draw.one_of(("blue", "green", "red"))}
         size = (1.5, self.draw.between(3.2, 4.4), 2.7)
@@ -87,7 +89,7 @@ class Streets:
             self._stops.append((walk, shelter))
 
     def details(self) -> Iterator[None]:
-        """Signals, then by turns traffic, lamps and what else stands on the sidewalks."""
+        """Signals, then in turn traffic, lamps and other objects on the sidewalks."""
         for junction in self.site.junctions:
             self._signal(junction)
             yield
@@ -122,7 +124,7 @@ class Streets:
         return None
 
     def _light(self, walk: Placed) -> Iterator[None]:
-        """Lamps in a row."""
+        """Lamps in a row, in random order so that a sparse scene has some everywhere."""
         length, width, _ = walk.size
         count = max(1, round(length / _LAMP_STEP_M))
         height = self.draw.between(5.0, 6.5)

@@ -17,16 +17,21 @@ _PARAPET = (0.25, 0.6)
 """Thickness and height of the wall on a terrace's edge, m."""
 _STAIRS_M = 2.4
 _RAMP_M = 2.1
-"""Widths of the ways up."""
+"""Widths of stairs and ramp."""
 _TREAD_PER_RISE = 1.75
 _RUN_PER_RISE = 8.0
-"""Length of stairs and of a ramp for each metre of height."""
+"""Length of stairs, and of a ramp, for each metre of height."""
 _LEAST_DEPTH_M = 14.0
 
 
 def raise_terrace(builder: Builder, draw: Draw, parcel: Parcel) -> Parcel:
-    """Lift a parcel above the street behind a strip of green; the parcel itself if too shallow."""
+    """Lift a parcel above the street behind a strip of green.
+
+    Returns:
+        The parcel on its terrace; the given one if it is too shallow or no longer flat.
+    """
     height = draw.between(0.55, 1.3)
+    # The strip has room for the stairs, or the ramp beside them.
     strip_m = round(max(_RAMP_M, _TREAD_PER_RISE * height) + draw.between(0.5, 1.0), 2)
     depth = round(parcel.depth - strip_m, 2)
     if depth - _PARAPET[0] < _LEAST_DEPTH_M or parcel.rise or parcel.level:
@@ -56,7 +61,7 @@ def raise_terrace(builder: Builder, draw: Draw, parcel: Parcel) -> Parcel:
 
 
 def _join(builder: Builder, draw: Draw, parcel: Parcel, strip: Placed, block: Placed) -> None:
-    """Stairs and perhaps a ramp up to a terrace, and a parapet between them."""
+    """Place stairs and perhaps a ramp up to a terrace, and a parapet between them."""
     height = block.top - strip.top
     edge = strip.size[1]
     half = parcel.width / 2
@@ -68,6 +73,7 @@ def _join(builder: Builder, draw: Draw, parcel: Parcel, strip: Placed, block: Pl
     gaps = [(stairs_u, _STAIRS_M)]
     long = round(_RUN_PER_RISE * height, 2)
     far = -side * (half - 0.3)
+    # A ramp of one in eight needs half of the front.
     if draw.chance(0.6) and long < half + 0.1 * half:
         low_end = far + side * long
         spot = parcel.frame.moved(
@@ -84,7 +90,7 @@ def _join(builder: Builder, draw: Draw, parcel: Parcel, strip: Placed, block: Pl
 def _parapet(
     builder: Builder, parcel: Parcel, block: Placed, edge: float, gaps: list[tuple[float, float]]
 ) -> None:
-    """Walls along a terrace's edge, but for the gaps (middle, width)."""
+    """Place walls along a terrace's edge, apart from the gaps (middle, width)."""
     thick, height = _PARAPET
     at = -parcel.width / 2
     for middle, width in [*sorted(gaps), (parcel.width / 2 + 0.5, 1.0)]:
@@ -115,7 +121,7 @@ class Slope:
         yield
 
     def _lay_path(self, u: float) -> None:
-        """Paving a little above the grass, at the hill's own slope."""
+        """Lay paving a little above the grass, at the hill's own slope."""
         ground, parcel = self.ground, self.ground.parcel
         ground.builder.place(
             "terrain",

@@ -1,8 +1,9 @@
 """Streets of a district, and the blocks between them.
 
 Streets lead from border to border. Those to the east are laid in one piece, those to the north from
-one of these to the next, so that all ends meet. Here and there a piece is left out: two blocks
-become one, and streets end at others.
+one of these to the next, so that all ends meet. A piece is left out here and there: two blocks
+become one, and streets
+end at others.
 """
 
 from __future__ import annotations
@@ -20,12 +21,12 @@ from aeroscene.corpus.curation.site import PARKING_LANE_M, Site
 from aeroscene.solids.shapes.forms import FORMS
 
 _BLOCK_M = 54.0
-"""About the side of a block, with half of the streets around it."""
+"""Typical side of a block, with half of the streets around it."""
 _UNEVEN = 0.14
 """Share by which a street lies off its even place."""
 _CARRIAGEWAYS_M = (5.6, 6.0, 6.4, 7.0)
 _PARKED_CHANCE = 0.5
-"""How often vehicles are parked along a street on both sides."""
+"""Probability that vehicles are parked along a street on both sides."""
 _JOINED_CHANCE = 0.2
 
 
@@ -35,7 +36,7 @@ class Block:
 
     area: Rectangle
     street_sides: tuple[Side, ...]
-    """Sides along which a street runs; at the others the district ends."""
+    """Sides along which a street runs; the district ends at the others."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +44,7 @@ class Network:
     """Streets of a district."""
 
     site: Site
-    """Site that the carriageways are laid on."""
+    """Site of the carriageways."""
     blocks: tuple[Block, ...]
 
 
@@ -60,7 +61,7 @@ def lay_network(sides_m: tuple[float, float], rng: np.random.Generator) -> Netwo
 
     Args:
         sides_m: Sides along east and north.
-        rng: Draws where streets run and how wide they are.
+        rng: Draws places and widths of the streets.
     """
     half_x, half_y = sides_m[0] / 2, sides_m[1] / 2
     builder = Builder("streets")
@@ -88,7 +89,7 @@ def _lay(site: Site, street: _Street, frame: Frame, length: float, zebra_end: in
 
 
 def _streets(side_m: float, rng: np.random.Generator) -> list[_Street]:
-    """Streets across one direction, at uneven distances."""
+    """Draw streets across one direction, at uneven distances."""
     n_blocks = max(2, round(side_m / _BLOCK_M))
     even = side_m / n_blocks
     found: list[_Street] = []
@@ -101,7 +102,7 @@ def _streets(side_m: float, rng: np.random.Generator) -> list[_Street]:
 
 
 def _kept(streets: Sequence[_Street], rng: np.random.Generator) -> list[_Street]:
-    """Streets of a row of blocks but for some, never two of them side by side, and at least one."""
+    """Leave some streets of a row of blocks out, never two side by side, and never all."""
     kept: list[_Street] = []
     was_left_out = False
     for street in streets:
@@ -114,7 +115,7 @@ def _kept(streets: Sequence[_Street], rng: np.random.Generator) -> list[_Street]
 def _spans(
     streets: Sequence[_Street], half: float, sides: tuple[Side, Side]
 ) -> list[tuple[float, float, tuple[Side, ...]]]:
-    """Intervals between streets and borders, and at which of their ends a street is."""
+    """Intervals between streets and borders, each with its ends at which a street runs."""
     found: list[tuple[float, float, tuple[Side, ...]]] = []
     low, low_sides = -half, ()
     for street in streets:

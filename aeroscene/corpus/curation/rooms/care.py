@@ -11,7 +11,7 @@ from aeroscene.corpus.curation.rooms.tables import seats
 
 _BED_M = (2.05, 0.95, 0.62)
 _BED_PITCH_M = 2.4
-"""Distance between the middles of beds side by side: a nightstand, a chair and a way between."""
+"""Distance between the middles of beds side by side, with a nightstand, a chair and a passage."""
 
 
 def furnish_ward(room: Interior) -> Iterator[None]:
@@ -25,6 +25,7 @@ def furnish_ward(room: Interior) -> Iterator[None]:
         spot = frame.moved(at, _BED_M[0] / 2 + GAP_M, pi / 2)
         bed = room.stand("bed", spot, _BED_M, look={"form": "posts"})
         beds += [bed] if bed else []
+    # A ward too small for a row has one bed at any wall.
     if not beds:
         bed = room.against(room.some_side(), "bed", _BED_M)
         beds += [bed] if bed else []

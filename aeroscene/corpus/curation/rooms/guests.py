@@ -1,4 +1,4 @@
-"""Rooms in which guests eat, and where their meals are made."""
+"""Rooms in which guests eat, and the kitchens that cook for them."""
 
 from __future__ import annotations
 
@@ -31,8 +31,9 @@ def furnish_restaurant(room: Interior) -> Iterator[None]:
 
 
 def _tables(room: Interior, size: tuple[float, float, float], *, laid_every: int) -> Iterator[None]:
-    """Tables with four chairs on a grid that fills the room; some of them laid, two at a time."""
+    """Place tables with four chairs on a grid that fills the room; lay some, two at a time."""
     found: list[tuple[Placed, list[Placed]]] = []
+    # Rows that have a table, and ends of rows (place and side) that were interrupted.
     begun: set[float] = set()
     ended: set[tuple[float, bool]] = set()
     for u, v in middle_first(room.spots(*_TABLE_PITCH_M, (1.35, 1.05))):

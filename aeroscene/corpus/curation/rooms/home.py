@@ -20,7 +20,7 @@ from aeroscene.corpus.curation.rooms.tables import lay, lay_all, seats, stand_ta
 
 _ENDS = ("left", "right")
 _SMALL_M2 = 12.0
-"""Rooms up to this size have a bed for one, and a small table."""
+"""Area up to which rooms have a bed for one, and a small table."""
 
 
 def furnish_living(room: Interior) -> Iterator[None]:
@@ -96,7 +96,7 @@ def furnish_bedroom(room: Interior) -> Iterator[None]:
 
 
 def _flank(room: Interior, bed: Placed | None) -> list[Placed]:
-    """Nightstands on either side of a bed's head."""
+    """Nightstands on both sides of a bed's head, as far as they fit."""
     if bed is None:
         return []
     found: list[Placed] = []
@@ -136,8 +136,9 @@ def furnish_kitchen(room: Interior) -> Iterator[None]:
 
 
 def _kitchen_line(room: Interior) -> list[Piece]:
-    """What a kitchen's wall holds: two worktops where there is space for both, else one."""
+    """Furniture of a kitchen's wall: two worktops if there is space for both, else one."""
     draw = room.draw
+    # Without the fridge and the stove.
     space = max(room.room.size[:2]) - 1.4
     count = 2 if space >= 2.7 else 1
     tops = [

@@ -1,4 +1,4 @@
-"""Rooms in which people come together: lobbies, lounges, gardens, gyms, courts."""
+"""Rooms in which people meet: lobbies, lounges, gardens, gyms, courts."""
 
 from __future__ import annotations
 
@@ -73,6 +73,7 @@ def furnish_corridor(room: Interior) -> Iterator[None]:
     """Benches, plants, shallow cabinets and bins along the walls; the middle stays free."""
     draw = room.draw
     x, y, _ = room.room.size
+    # The long sides: furniture at the ends would block the passage.
     sides = [side for side in room.sides if (side in _FLANKS) == (x >= y)] or list(room.sides)
     for _ in range(2):
         cabinet = room.against(draw.one_of(sides), "cabinet", (0.38, draw.between(0.8, 1.2), 0.85))
@@ -139,6 +140,7 @@ def furnish_changing(room: Interior) -> Iterator[None]:
 def furnish_court(room: Interior) -> Iterator[None]:
     """A playing field before rows of seats, with team benches and gear along the other walls."""
     draw = room.draw
+    # Seats of spectators take one long wall, everything else the others.
     stand = room.long_side()
     others = [side for side in room.sides if side != stand] or [stand]
     yield from room.in_ranks(stand, "bench", (0.45, 1.9, 0.85), 2, pitch=1.05)

@@ -58,10 +58,12 @@ def furnish_racks(room: Interior) -> Iterator[None]:
 def furnish_goods(room: Interior) -> Iterator[None]:
     """Blocks of pallets with lanes between, a van, a packing table, crates and bins in rows."""
     draw = room.draw
+    # Every fifth pallet is bare, with a box on it.
     for number, (u, v) in enumerate(room.spots(3.9, 1.4, 1.6, is_tight=True)):
         height = 0.15 if draw.chance(0.2) else draw.between(0.5, 1.3)
         for shift in (-0.66, 0.66):
             pallet = room.put("pallet", u + shift, v, (1.25, 1.15, height))
+            # Two pallets side by side make a block; a lane follows.
             if pallet and height < 0.2:
                 room.on(pallet, "box", 0.5, 0.5)
         if number % 2:
@@ -92,7 +94,7 @@ def furnish_storage(room: Interior) -> Iterator[None]:
 
 
 def _aisle_rims(turn: float) -> tuple[float, float]:
-    """How far shop shelves keep from the walls across their rows and along them."""
+    """Distance of shop shelves from the walls, across their rows and along them."""
     return (1.5, 1.6) if turn == 0.0 else (1.6, 1.5)
 
 

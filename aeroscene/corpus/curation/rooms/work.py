@@ -13,7 +13,7 @@ from aeroscene.corpus.curation.rooms.lines import stand_pair
 from aeroscene.corpus.curation.rooms.tables import seats, stand_table
 
 _DESK_M2 = 9.0
-"""Floor of an office for each desk."""
+"""Area of an office for each desk."""
 
 
 def furnish_office(room: Interior) -> Iterator[None]:
@@ -77,6 +77,7 @@ def furnish_meeting(room: Interior) -> Iterator[None]:
     """A long table with chairs and what people bring, a screen on a cabinet, shelves."""
     draw = room.draw
     x, y, _ = room.room.size
+    # 1.3 m to the walls at both ends, for chairs and people behind them.
     long = min(2.6, max(1.6, max(x, y) - 2.6))
     size = (1.15, round(draw.between(0.85, 1.0) * long, 2), 0.74)
     turn = pi / 2 if x > y else 0.0
@@ -101,7 +102,7 @@ def furnish_meeting(room: Interior) -> Iterator[None]:
 
 
 def _bring(room: Interior, table: Placed | None, chair: Placed) -> None:
-    """A laptop, a book or a cup before a chair of a table, the laptop's screen towards it."""
+    """Lay a laptop, a book or a cup before a chair, a laptop's screen towards it."""
     if table is None:
         return
     name = room.draw.one_of(("laptop", "cup", "book"))
@@ -144,6 +145,7 @@ def furnish_classroom(room: Interior) -> Iterator[None]:
     strew(room, room.against("back", "cabinet", (0.4, 1.8, 1.0)), PAPERS, 2)
     yield
     size = (0.82, 1.4, 0.74)
+    # The tables begin behind the teacher's desk and its chair.
     spots = [(u, v) for u, v in room.spots(1.9, 1.9, 1.25, is_tight=True) if u > -x / 2 + 2.9]
     for u, v in spots[:15]:
         table = room.put("table", u, v, size, turn=pi)
@@ -169,6 +171,7 @@ def furnish_library(room: Interior) -> Iterator[None]:
     draw = room.draw
     size = (0.34, 1.8, draw.between(1.9, 2.15))
     spots = room.spots(2.3, 1.85, (1.5, 1.6), is_tight=True)
+    # Six tenths of the floor for shelves, the rest for readers.
     stacks = spots[: max(2, round(0.6 * len(spots)))]
     shelves: list[Placed] = []
     for u, v in stacks:

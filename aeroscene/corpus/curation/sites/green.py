@@ -11,11 +11,11 @@ from aeroscene.corpus.curation.parcels import Rectangle, cut_unequal
 from aeroscene.corpus.curation.site import Site
 
 _PARCEL_M = 38.0
-"""About the width of parcels between paths."""
+"""Typical width of parcels between paths."""
 
 
 def lay_green_edge(site: Site, rng: np.random.Generator) -> None:
-    """A street along the southern border; north of it parcels in two rows with a path between."""
+    """Lay a street along the southern border, and parcels in two rows north of it."""
     hx, hy, w = site.half_x, site.half_y, site.road_m
     road = -hy + site.walk_m + w / 2
     site.lay_sidewalk(Frame(0, road - w / 2, pi), 2 * hx)
@@ -29,7 +29,7 @@ def lay_green_edge(site: Site, rng: np.random.Generator) -> None:
 
 
 def lay_paths(site: Site, rng: np.random.Generator) -> None:
-    """Paths that cross: no street at all."""
+    """Lay paths that cross, without any street."""
     hx, hy, w = site.half_x, site.half_y, site.walk_m
     y = float(rng.uniform(-0.2, 0.2)) * hy
     site.lay_sidewalk(Frame(0, y - w / 2, 0), 2 * hx)
