@@ -1,6 +1,7 @@
 """New objects in a region of a scene that stays as it is: they find room, or they go.
 
-`aeroscene generate --redo SCENE --region ...` must not touch anything outside of the region. Everything
+`aeroscene generate --redo SCENE --region ...` must not touch anything outside of the region.
+Everything
 given is therefore pinned, and a new object that conflicts with it is moved or dropped.
 """
 
