@@ -29,7 +29,7 @@ class Fields:
         """
         self._plain, self._file, self._path, self._error = plain, file, path, error
         self._others: dict[str, Any] = {}
-        """Fields that a merged table takes from another one, whose place in the file is the fallback."""
+        """Fields that a merged table takes from another one, found at the fallback's place."""
         self._fallback = path
         self._asked: list[str] = []
 

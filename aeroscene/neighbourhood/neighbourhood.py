@@ -1,9 +1,8 @@
 """Neighbours of a scene: houses, trees and streets around its flight volume.
 
-Houses and trees
-stand in a ring around the flight volume and never in it. They are no objects of the scene: nothing
-is measured or counted of them, and no landing area lies on them. Streets are paint: nothing
-collides with them, so that they may begin at a road's end within the volume.
+Houses and trees stand in a ring around the flight volume and never in it. They are no objects of
+the scene: nothing is measured or counted of them, and no landing area lies on them. Streets are
+paint: nothing collides with them, so that they may begin at a road's end within the volume.
 
 The neighbours are a pure function of the scene, so that every process sees the same ones without
 storing them.
