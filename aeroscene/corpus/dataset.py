@@ -75,7 +75,7 @@ class Dataset:
 
     @property
     def title(self) -> str:
-        """Name of the set in a sentence."""
+        """Name of the set in a sentence, in its messages and tables."""
         return "corpus"
 
     @property
@@ -84,15 +84,15 @@ class Dataset:
         return self.folder
 
     def of_split(self, split: Split) -> Dataset:
-        """The scenes for training, or those for testing."""
+        """Select the scenes for training, or those for testing; their order stays."""
         return Dataset(self.folder, tuple(e for e in self.entries if e.split == split))
 
     def select(self, indices: Container[int]) -> Dataset:
-        """The scenes whose numbers are among these."""
+        """Select the scenes whose numbers are among these, as far as they are there."""
         return Dataset(self.folder, tuple(e for e in self.entries if e.index in indices))
 
     def path(self, entry: SceneEntry) -> Path:
-        """File of a scene."""
+        """File of a scene; it may be missing while a build is under way."""
         return self.folder / entry.file
 
     def read(self, entry: SceneEntry) -> Scene:
@@ -103,6 +103,7 @@ class Dataset:
         """
         path = self.path(entry)
         scene = read_scene(path)
+        # Reading has checked that it is a scene; this checks that it is the one that was made.
         if _sha256(path) != entry.sha256:
             raise DatasetError(
                 f"scene file {str(path)!r} is not the one that the manifest lists (another "
@@ -136,7 +137,14 @@ def open_dataset(folder: str | Path) -> Dataset:
 
 
 def shortfall(dataset: Dataset) -> str | None:
-    """Describe in one line which scenes of the corpus a folder lacks; None if it holds all."""
+    """Describe in one line which scenes of the corpus a folder lacks.
+
+    Args:
+        dataset: Dataset of the corpus.
+
+    Returns:
+        The line, which names the command that makes the others; None if all scenes are there.
+    """
     n_listed = len(dataset.entries)
     n_there = sum(dataset.path(entry).is_file() for entry in dataset.entries)
     if n_there == n_listed and n_there >= CORPUS_SIZE:
@@ -197,7 +205,7 @@ def _read_journal(folder: Path) -> Iterator[SceneEntry]:
 
 
 def journal_line(entry: SceneEntry) -> bytes:
-    """Line of the journal for a scene that is finished."""
+    """Line of the journal for a scene that is finished; the line's end tells that it is whole."""
     return msgspec.json.encode(entry) + b"\n"
 
 
@@ -228,6 +236,7 @@ def make_scene(folder: Path, index: int) -> SceneEntry:
 
     try:
         scene = curate_scene(index)
+    # A note keeps the type of the error, and tells which of a thousand scenes it was.
     except Exception as error:
         error.add_note(f"while curating scene {index}")
         raise
@@ -254,6 +263,7 @@ def store_scene(
         Entry for the manifest.
     """
     file = f"{SCENES}/{scene.scene_id}.json.gz"
+    # The file first: an entry without its file would describe a scene that does not exist.
     write_scene(scene, folder / file)
     return SceneEntry(
         **msgspec.structs.asdict(summarise(scene, scene.seed if index is None else index)),
@@ -265,7 +275,7 @@ def store_scene(
 
 
 def is_whole(folder: Path, entry: SceneEntry) -> bool:
-    """Return true if a scene's file is there, byte for byte."""
+    """Return true if a scene's file is there, byte for byte; a file that cannot be read is not."""
     try:
         return _sha256(folder / entry.file) == entry.sha256
     except OSError:

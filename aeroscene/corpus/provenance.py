@@ -45,9 +45,11 @@ def sources_digest(package: Path, without: Sequence[str] = _NO_PART_OF_A_SCENE) 
         without: Files and folders in it; by default all that curation does not need.
     """
     digest = hashlib.sha256()
+    # Sorted, because folders list their files in no order that two machines share.
     for path in sorted(package.rglob("*.py")):
         name = path.relative_to(package)
         if not any(name.is_relative_to(part) for part in without):
+            # The name too, so that a file that was moved changes the digest.
             digest.update(name.as_posix().encode())
             digest.update(path.read_bytes())
     return digest.hexdigest()[:16]

@@ -40,7 +40,7 @@ class SceneFiles:
         return self.folder
 
     def select(self, indices: Container[int]) -> SceneFiles:
-        """The scenes whose numbers are among these."""
+        """Select the scenes whose places among the names are among these."""
         return SceneFiles(self.folder, tuple(e for e in self.entries if e.index in indices))
 
     def read(self, entry: FileEntry) -> Scene:
@@ -49,6 +49,7 @@ class SceneFiles:
         Raises:
             SceneError: If the file is missing, damaged, or no scene.
         """
+        # Generated files may lack areas, which are derived as they are read.
         return read_scene(self.folder / entry.file, derive_interaction_areas)
 
 
@@ -57,10 +58,14 @@ def open_folder(folder: str | Path) -> Dataset | SceneFiles:
 
     Without a manifest every file is read, because nothing else says what it contains.
 
+    Args:
+        folder: The folder.
+
     Raises:
         SceneError: If there is neither, or one of the files is no scene.
     """
     folder = Path(folder)
+    # Without scene files the error of a missing dataset is the one that helps.
     names = [] if is_dataset(folder) or not folder.is_dir() else _scene_files(folder)
     if not names:
         return open_dataset(folder)

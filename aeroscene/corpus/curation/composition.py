@@ -21,11 +21,17 @@ class Place(Protocol):
     """One place of a scene: a parcel, a street, a floor of rooms."""
 
     def structures(self) -> Iterator[None]:
-        """Place coarse objects: ground, buildings, rooms, fences."""
+        """Grow coarse objects: ground, buildings, rooms, fences.
+
+        Each step leaves the place whole; the first one makes it recognisable.
+        """
         ...
 
     def details(self) -> Iterator[None]:
-        """Place fine objects: furniture, plants, vehicles."""
+        """Grow fine objects: furniture, plants, vehicles.
+
+        They are asked for after the structures of all places, and after the home pad.
+        """
         ...
 
 
@@ -56,6 +62,7 @@ def fill(growths: Iterable[Iterator[None]], is_full: Callable[[], bool]) -> None
     """
     growing = [growth for growth in growths if _step(growth)]
     while growing and not is_full():
+        # A copy, because places that have ended leave the list.
         for growth in tuple(growing):
             if is_full():
                 return

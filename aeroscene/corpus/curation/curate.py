@@ -66,7 +66,16 @@ class Budget:
 
 
 def curate_scene(index: int) -> Scene:
-    """Return scene `index` of the procedural corpus; equal on every call."""
+    """Return scene `index` of the procedural corpus; equal on every call.
+
+    Args:
+        index: Number of the scene, which is its seed and decides on its domain.
+
+    Raises:
+        NoGroundError: If no site of its theme has the parcels that it needs.
+        NoStartError: If no place is open for the home pad.
+    """
+    # Streams of their own: the land changes nothing of the layout, and the size nothing of both.
     scene = raise_relief(curate_layout(index), _streams(index)[2])
     areas = derive_interaction_areas(scene, limits=_budget(index).areas)
     return replace(scene, interaction_areas=areas)

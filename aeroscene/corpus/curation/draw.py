@@ -11,7 +11,10 @@ from aeroscene.scene.catalogue import by_name
 
 
 class Draw:
-    """One stream of randomness, with the questions that the grammar asks."""
+    """One stream of randomness, with the questions that the grammar asks.
+
+    Numbers come in whole centimetres, so that files have few digits.
+    """
 
     def __init__(self, rng: np.random.Generator) -> None:
         self._rng = rng
@@ -25,11 +28,11 @@ class Draw:
         return int(self._rng.integers(low, high + 1))
 
     def chance(self, probability: float) -> bool:
-        """Return true with a probability."""
+        """Return true with a probability, 0 to 1."""
         return bool(self._rng.random() < probability)
 
     def one_of(self, options: Sequence[str]) -> str:
-        """Draw one of some names, all equally likely."""
+        """Draw one of some names; a name that occurs twice is twice as likely."""
         return options[int(self._rng.integers(len(options)))]
 
     def shuffled(self, options: Sequence[int]) -> list[int]:

@@ -17,7 +17,7 @@ INWARD = QUARTER
 
 @dataclass(frozen=True, slots=True)
 class Frame:
-    """An origin and a heading in the world's horizontal plane."""
+    """An origin and a heading in the world's horizontal plane; the heading turns from east, rad."""
 
     x: float
     y: float
@@ -29,7 +29,13 @@ class Frame:
         return (self.x + c * u - s * v, self.y + s * u + c * v)
 
     def moved(self, u: float, v: float, turn: float = 0.0) -> Frame:
-        """A frame at a local place, turned by an angle in rad."""
+        """Give the frame at a local place.
+
+        Args:
+            u: Place along the frame's x axis, m.
+            v: Place along its y axis, m.
+            turn: Angle by which the new frame is turned, rad, counter-clockwise.
+        """
         x, y = self.point(u, v)
         return Frame(x, y, self.yaw + turn)
 

@@ -78,11 +78,18 @@ def furnish_room(builder: Builder, draw: Draw, space: RoomSpace, kind: str = "")
     kind = space.kind or kind
     room = Interior(builder, draw, space)
     yield from FURNISHINGS[kind](room)
+    # The furniture of the use is exhausted first; the rest is taken from what any room may have.
     yield from furnish_rest(room, kind)
 
 
 def settle(builder: Builder, space: RoomSpace, growth: Iterator[None]) -> None:
-    """Let a room's furniture grow until it looks lived in, and leave the rest for later."""
+    """Let a room's furniture grow until it looks lived in, and leave the rest for later.
+
+    Args:
+        builder: Builder of the scene, whose fine objects are counted.
+        space: Room.
+        growth: Steps of `furnish_room`, which are not exhausted.
+    """
     area = space.placed.size[0] * space.placed.size[1]
     wanted = builder.n_fine + _SETTLED * USES[space.kind].per_100_m2 * area / 100.0
     for _ in growth:

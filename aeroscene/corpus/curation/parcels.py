@@ -41,7 +41,11 @@ class Rectangle:
     y1: float
 
     def side_frame(self, side: Side) -> tuple[Frame, float, float]:
-        """Frame in the middle of a side with v inwards, the side's length, and the depth."""
+        """Give a side's frame and sizes.
+
+        Returns:
+            Frame in the middle of the side with v inwards, the side's length, and the depth, m.
+        """
         x, y = (self.x0 + self.x1) / 2, (self.y0 + self.y1) / 2
         width, depth = self.x1 - self.x0, self.y1 - self.y0
         return {
@@ -52,7 +56,12 @@ class Rectangle:
         }[side]
 
     def without(self, side: Side, strip: float) -> Rectangle:
-        """The rectangle without a strip along one side."""
+        """Give the rectangle without a strip along one side.
+
+        Args:
+            side: Side.
+            strip: Width of the strip, m; less than the rectangle has there.
+        """
         x0, y0, x1, y1 = self.x0, self.y0, self.x1, self.y1
         return {
             "south": Rectangle(x0, y0 + strip, x1, y1),
@@ -112,6 +121,7 @@ def cut_unequal(
     """
     if width < _WHOLE_M:
         return [(-width / 2, width / 2)]
+    # Drawn to be rather fewer than would fit.
     count = max(2, round(width / piece_m + float(rng.uniform(-0.8, 0.3))))
     shares = rng.uniform(0.75, 1.35, count)
     borders = np.concatenate([[0.0], np.cumsum(shares / shares.sum())]) * width - width / 2

@@ -39,7 +39,7 @@ __all__ = ["STOREY_M", "RoomSpace", "Shell", "raise_shell"]
 
 @dataclass(frozen=True, slots=True)
 class Shell:
-    """A building with its rooms."""
+    """A building, its rooms and its height."""
 
     building: Placed
     rooms: tuple[RoomSpace, ...]
@@ -88,6 +88,7 @@ def raise_shell(
     if shell is None:
         return None
     rooms: list[RoomSpace] = []
+    # The queue goes on from storey to storey, so that all kinds occur before one repeats.
     waiting = deque(kinds)
     for storey in range(storeys):
         rooms += _fit_out_storey(builder, draw, shell, storey, storeys, waiting)
@@ -108,6 +109,7 @@ def _fit_out_storey(
     borders = find_borders(zones)
     rooms: list[RoomSpace | None] = []
     for zone, margin in zip(zones, insets(zones, borders), strict=True):
+        # Rooms may lack space for their zone; walls and doors are those of the zones.
         finish = draw.one_of(FINISHES.get(zone.kind, ("floor_tiles",)))
         rooms.append(lay_room(builder, shell, zone, margin, finish))
     raise_walls(builder, draw, shell, zones, borders, choose_doors(zones, borders))
@@ -132,6 +134,7 @@ def _keep_openings_free(builder: Builder, shell: Placed, storeys: int) -> None:
         foot = shell.base + storey * STOREY_M
         for bay in range(plan.n_bays):
             low, high = plan.opening(bay)
+            # In front and behind: openings of both long sides lie opposite each other.
             for sign in (-1, 1):
                 is_door = sign > 0 and storey == 0 and bay == door_bay
                 # A little above the sill, so that furniture below the window does not count.

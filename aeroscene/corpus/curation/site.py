@@ -25,7 +25,7 @@ SIDEWALK_M = 0.15
 VERGE_M = 0.12
 WATER_M = 0.15
 PARKING_LANE_M = 2.2
-"""Heights of the surfaces above the ground."""
+"""Width of a lane for parked vehicles; above it, heights of the surfaces above the ground."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +39,14 @@ class Road:
     """End along x where people cross, 0 for neither."""
 
     def lane(self, side: int) -> float:
-        """Middle of the lane for moving traffic on a side, m along y."""
+        """Middle of the lane for moving traffic on a side.
+
+        Args:
+            side: Side along y, -1 or 1.
+
+        Returns:
+            Place along y, m; parked vehicles take a part of the width.
+        """
         low, high = (
             sign * (self.placed.size[1] / 2 - (PARKING_LANE_M if sign in self.parking else 0.0))
             for sign in (-1, 1)
@@ -78,16 +85,23 @@ class Site:
 
     @property
     def half_extent(self) -> tuple[float, float]:
+        # A turned rectangle reaches as far as its corners.
         """Half sides of the upright rectangle around the turned plan, m."""
         c, s = abs(math.cos(self.frame.yaw)), abs(math.sin(self.frame.yaw))
         return (c * self.half_x + s * self.half_y, s * self.half_x + c * self.half_y)
 
     def world(self, frame: Frame) -> Frame:
-        """A frame of the plan in the world."""
+        """Give a frame of the plan in the world, where objects are placed."""
         return self.frame.moved(frame.x, frame.y, frame.yaw)
 
     def raise_land(self, area: Rectangle, level: float, finish: str, wall: str) -> Land:
         """Raise ground on a rectangle of the plan; its sides are retaining walls.
+
+        Args:
+            area: Rectangle.
+            level: Height of the raised ground, m.
+            finish: Finish of its upper face.
+            wall: Material of its sides.
 
         Returns:
             The raised land, or the flat one if there is no space.
@@ -100,7 +114,15 @@ class Site:
         return Land(level, block) if block else FLAT
 
     def fill_with_water(self, area: Rectangle, quay: Side) -> Placed | None:
-        """Fill a rectangle of the plan with water, seen from the quay on one of its sides."""
+        """Fill a rectangle of the plan with water.
+
+        Args:
+            area: Rectangle.
+            quay: Side from which people see it, and at which boats are moored.
+
+        Returns:
+            The water; None if there is no space.
+        """
         frame, width, depth = area.side_frame(quay)
         spot = self.world(frame).moved(0, depth / 2)
         size = (width, depth, WATER_M)
@@ -154,7 +176,18 @@ class Site:
         after: Placed | None = None,
         height: float = SIDEWALK_M,
     ) -> Placed | None:
-        """Lay a sidewalk whose kerb lies on the x axis of a frame of the plan; see `lay_road`."""
+        """Lay a sidewalk whose kerb lies on the x axis of a frame of the plan.
+
+        Args:
+            frame: Middle of the kerb; the sidewalk lies on the side of positive y.
+            length: Length along x, m.
+            land: Ground that carries it.
+            after: Sidewalk that this one continues, and may overlap at the bend.
+            height: Height of its surface above the land, m.
+
+        Returns:
+            The sidewalk, or None if it does not fit.
+        """
         spot = self.world(frame).moved(0, self.walk_m / 2)
         size, look = (length, self.walk_m, height), self._form("sidewalk")
         strip = self.builder.place(
@@ -182,6 +215,7 @@ class Site:
             frame, length, _ = rest.side_frame(side)
             self.lay_sidewalk(frame, length, land=block.land)
             rest = rest.without(side, self.walk_m)
+        # The street that the parcels face; the other streets run along their sides or backs.
         front = str(rng.choice(list(block.street_sides)))
         self.part(rest, front, rng, land=block.land, uses=block.uses)
 
@@ -194,7 +228,15 @@ class Site:
         land: Land = FLAT,
         uses: tuple[str, ...] = (),
     ) -> None:
-        """Cut a rectangle across its front into unequal parcels; a wanted use keeps it whole."""
+        """Cut a rectangle across its front into unequal parcels; a wanted use keeps it whole.
+
+        Args:
+            area: Rectangle.
+            front: Side at the street.
+            rng: Draws the cuts.
+            land: Ground that carries the parcels.
+            uses: Kinds of places of which the plan wants one here.
+        """
         frame, width, depth = area.side_frame(front)
         for low, high in [(-width / 2, width / 2)] if uses else cut_unequal(width, rng):
             at = self.world(frame.moved((low + high) / 2, 0))

@@ -20,6 +20,7 @@ Scripts for SDKs take off and fly some 10 m to a side without looking.
 """
 _OPEN_ABOVE_M = 3.5
 """Lowest height of that air above the pad."""
+# Distance between the spots that are tried, and the most whose openness is measured.
 _GRID_M = 1.5
 _MAX_SPOTS = 16
 _KERB_M = 0.16
@@ -44,6 +45,7 @@ def place_start(builder: Builder, draw: Draw, site_half: tuple[float, float]) ->
     Raises:
         NoStartError: If no spot is free of structures.
     """
+    # In any order, so that starts are not always on grass.
     order = [_GROUNDS[index] for index in draw.shuffled(range(len(_GROUNDS)))]
     for name in (*order, _LAST_RESORT):
         spots = [
@@ -91,6 +93,7 @@ def _is_open(
         return False
     side = 2 * FREE_RADIUS_M
     base = _top(ground) + _KERB_M
+    # Above the kerbs, and up to a height that nothing in the corpus reaches.
     return builder.is_free(frame.moved(u, v), (side, side, FREE_HEIGHT_M), base)
 
 
@@ -119,6 +122,7 @@ def _pad(builder: Builder, ground: SceneObject, u: float, v: float) -> Placed | 
         "landing_pad", spot, (PAD_M, PAD_M, 0.05), parent=bearer, within=bearer, look=look
     )
     if pad:
+        # A narrow shaft from the ground, and a wide one above the height of cars and hedges.
         for radius_m, base in ((FREE_RADIUS_M, pad.top), (open_m, bearer.top + _OPEN_ABOVE_M)):
             size = (2 * radius_m, 2 * radius_m, FREE_HEIGHT_M)
             builder.reserve(pad.frame, size, base)
@@ -126,5 +130,9 @@ def _pad(builder: Builder, ground: SceneObject, u: float, v: float) -> Placed | 
 
 
 def start_yaw(pad: Placed) -> float:
-    """Heading of a vehicle on the pad in rad: towards the middle of the site."""
+    """Heading of a vehicle on the pad, towards the middle of the site.
+
+    Returns:
+        Angle from east, rad, counter-clockwise.
+    """
     return math.atan2(-pad.frame.y, -pad.frame.x)

@@ -24,7 +24,7 @@ _FLIGHT_M = (6.0, 1.2)
 
 @dataclass(slots=True)
 class Streets:
-    """All streets of a site."""
+    """Furniture and vehicles of all streets of a site."""
 
     builder: Builder
     draw: Draw
@@ -33,7 +33,7 @@ class Streets:
     _stops: list[tuple[Placed, Placed]] = field(default_factory=list)
 
     def structures(self) -> Iterator[None]:
-        """A footbridge and shelters at bus stops; carriageways and sidewalks are laid already."""
+        """Grow a footbridge and shelters at bus stops; carriageways and sidewalks are there."""
         # A shorter road has no room for the bridge's stairs.
         roads = [road for road in self.site.roads if road.placed.size[0] > 30]
         if roads and self.draw.chance(self.bridge_chance):
@@ -47,6 +47,7 @@ class Streets:
     def _bridge(self, road: Road) -> None:
         """A footbridge from sidewalk to sidewalk with a flight of stairs at each end."""
         placed, walk_m = road.placed, self.site.walk_m
+        # Off the middle, where streets meet.
         u = (1 if self.draw.chance(0.5) else -1) * self.draw.between(0.4, 0.6) * placed.size[0] / 2
         end = min(_FLIGHT_M[1], walk_m - 0.5)
         reach = placed.size[1] / 2 + end
@@ -89,7 +90,7 @@ class Streets:
             self._stops.append((walk, shelter))
 
     def details(self) -> Iterator[None]:
-        """Signals, then in turn traffic, lamps and other objects on the sidewalks."""
+        """Grow signals, then in turn traffic, lamps and other objects on the sidewalks."""
         for junction in self.site.junctions:
             self._signal(junction)
             yield
@@ -99,6 +100,7 @@ class Streets:
         growths += [self._light(walk) for walk in self.site.sidewalks]
         growths += [self._plant(verge) for verge in self.site.verges]
         growths += [self._furnish(walk) for walk in self.site.sidewalks]
+        # In any order, so that a scene that fills up early does not lack the same kind every time.
         yield from in_turn(*(growths[index] for index in self.draw.shuffled(range(len(growths)))))
 
     def _wait_at_stops(self) -> Iterator[None]:
@@ -115,6 +117,7 @@ class Streets:
                 yield
 
     def _road_beside(self, walk: Placed, u: float) -> Road | None:
+        # A metre before the kerb, on the carriageway.
         x, y = walk.frame.point(u, -walk.size[1] / 2 - 1.0)
         for road in self.site.roads:
             along, across = road.placed.frame.local(x, y)
@@ -145,6 +148,7 @@ class Streets:
             size = (crown, crown, self.draw.between(4.5, 6.5))
             self._stand(verge, "tree", u, 0.0, size, {"form": form})
             yield
+            # Halfway between two trees.
             self._stand(verge, "bush", u + length / count / 2, 0.0, (0.9, 1.4, 0.8))
             yield
 
@@ -183,6 +187,7 @@ class Streets:
 
     def _signal(self, junction: Frame) -> None:
         """Traffic lights on the sidewalk corners around a crossing."""
+        # Every light of a crossing has one height.
         height = self.draw.between(3.0, 3.8)
         for walk in self.site.sidewalks:
             if abs(sin(walk.frame.yaw - junction.yaw)) > 0.5:

@@ -27,6 +27,11 @@ _LEAST_DEPTH_M = 14.0
 def raise_terrace(builder: Builder, draw: Draw, parcel: Parcel) -> Parcel:
     """Lift a parcel above the street behind a strip of green.
 
+    Args:
+        builder: Builder of the scene.
+        draw: Randomness.
+        parcel: Flat parcel.
+
     Returns:
         The parcel on its terrace; the given one if it is too shallow or no longer flat.
     """
@@ -53,6 +58,7 @@ def raise_terrace(builder: Builder, draw: Draw, parcel: Parcel) -> Parcel:
         _join(builder, draw, parcel, strip, block)
     return replace(
         parcel,
+        # Places begin behind the parapet.
         frame=frame.moved(0, _PARAPET[0]),
         depth=round(depth - _PARAPET[0], 2),
         level=height,
@@ -82,6 +88,7 @@ def _join(builder: Builder, draw: Draw, parcel: Parcel, strip: Placed, block: Pl
         size = (long, _RAMP_M, height)
         look = {"form": "ramp", "finish": "paving"}
         ramp = builder.place("terrain", spot, size, parent=strip, look=look)
+        # Open at the ramp's upper end.
         if ramp:
             gaps.append((far + side * 0.9, 2.2))
     _parapet(builder, parcel, block, edge, gaps)
@@ -93,6 +100,7 @@ def _parapet(
     """Place walls along a terrace's edge, apart from the gaps (middle, width)."""
     thick, height = _PARAPET
     at = -parcel.width / 2
+    # A gap beyond the end closes the last piece.
     for middle, width in [*sorted(gaps), (parcel.width / 2 + 0.5, 1.0)]:
         low, high = at, middle - width / 2
         at = middle + width / 2
@@ -109,7 +117,7 @@ class Slope:
     ground: Ground
 
     def structures(self) -> Iterator[None]:
-        """The hill, a path up it, a platform to look from."""
+        """Grow the hill, a path up it, and a platform to look from."""
         ground, draw = self.ground, self.ground.draw
         ground.cover("lawn")
         yield
@@ -134,7 +142,7 @@ class Slope:
         )
 
     def details(self) -> Iterator[None]:
-        """Trees and bushes between benches that look down the hill."""
+        """Grow trees and bushes between benches that look down the hill."""
         ground, draw = self.ground, self.ground.draw
         half, depth = ground.parcel.width / 2, ground.parcel.depth
         for _ in range(6):

@@ -14,7 +14,7 @@ from aeroscene.solids.shapes.materials import PAINT_COLOURS
 
 _SLOT_M = 11.0
 """Length of road for each place in which a vehicle may drive."""
-_BUSY = 0.4
+_BUSY = 0.4  # share of the places that are taken
 _STOP_M = 4.3
 """Distance from the end of a road with a crossing to the waiting vehicle's bumper."""
 _BAY_M = 6.2
@@ -24,7 +24,13 @@ _WIDE_M = 2.7
 
 
 def drive(builder: Builder, draw: Draw, road: Road) -> Iterator[None]:
-    """Place one moving vehicle in each step; some of the places in both lanes stay empty."""
+    """Place one moving vehicle in each step; some of the places in both lanes stay empty.
+
+    Args:
+        builder: Builder of the scene.
+        draw: Randomness.
+        road: Carriageway.
+    """
     length = road.placed.size[0]
     count = max(1, int(length // _SLOT_M))
     spots = list(product((-1, 1), range(count)))
@@ -41,7 +47,7 @@ def drive(builder: Builder, draw: Draw, road: Road) -> Iterator[None]:
 
 
 def wait(builder: Builder, draw: Draw, road: Road) -> Iterator[None]:
-    """Place up to two vehicles before the crossing, bumper to bumper."""
+    """Place up to two vehicles before the crossing, bumper to bumper; see `drive`."""
     if not road.zebra_end:
         return
     end = road.zebra_end
@@ -55,8 +61,12 @@ def wait(builder: Builder, draw: Draw, road: Road) -> Iterator[None]:
 
 
 def park(builder: Builder, draw: Draw, road: Road) -> Iterator[None]:
-    """Park vehicles along the kerb, two in each step, headed like the lane beside them."""
+    """Park vehicles along the kerb, two in each step, headed like the lane beside them.
+
+    Lanes that the site does not reserve for parking stay free; see `drive`.
+    """
     length, width, _ = road.placed.size
+    # Four metres at both ends of the street stay free.
     count = int((length - 8.0) // _BAY_M)
     spots = list(product(road.parking, range(count)))
     parked = 0
@@ -75,7 +85,15 @@ def park(builder: Builder, draw: Draw, road: Road) -> Iterator[None]:
 
 
 def call_bus(builder: Builder, draw: Draw, road: Road, u: float, side: int) -> None:
-    """Place a bus at a stop."""
+    """Place a bus at a stop.
+
+    Args:
+        builder: Builder of the scene.
+        draw: Randomness.
+        road: Carriageway beside the stop.
+        u: Place of the stop along it, m.
+        side: Side of the carriageway, -1 or 1.
+    """
     _place(builder, draw, road, "bus", draw.size_of("bus", 0.3), (u, side))
 
 

@@ -66,7 +66,13 @@ class GrowingBlock:
 
 
 def theme_of(block: Block, half_sides_m: tuple[float, float], rng: np.random.Generator) -> Theme:
-    """Draw the theme of a block by its distance from the middle of the district."""
+    """Draw the theme of a block by its distance from the middle of the district.
+
+    Args:
+        block: Block.
+        half_sides_m: Half sides of the district, along east and north.
+        rng: Draws the theme, and whether its certain places are certain here.
+    """
     area = block.area
     x, y = (area.x0 + area.x1) / 2, (area.y0 + area.y1) / 2
     # Divided by the root of two, so that a corner of the district has share 1.
@@ -77,12 +83,21 @@ def theme_of(block: Block, half_sides_m: tuple[float, float], rng: np.random.Gen
 
 
 def begin_homes(block: GrowingBlock, parcel: Parcel, rng: np.random.Generator) -> list[Place]:
-    """Begin dwellings on a parcel."""
+    """Begin dwellings on a parcel, and add them to the block's places.
+
+    Args:
+        block: Block of the parcel.
+        parcel: Open parcel of the block.
+        rng: Draws everything of the parcel.
+
+    Returns:
+        The places, none of whose objects stand yet.
+    """
     return _begin_alone(block, parcel, HOMES, rng)
 
 
 def begin_green(block: GrowingBlock, parcel: Parcel, rng: np.random.Generator) -> list[Place]:
-    """Begin a place without buildings on a parcel."""
+    """Begin a place without buildings on a parcel; see `begin_homes`."""
     return _begin_alone(block, parcel, GREEN, rng)
 
 
@@ -111,6 +126,7 @@ def begin_block(
         rng: Draws everything of the block.
         n_storeys: Storeys of a furnished tower on its widest parcel; None for no tower.
     """
+    # Streams of their own, so that one part may draw more without changing the others.
     cut, choice, tower, streets = rng.spawn(4)
     builder = Builder("block")
     area = block.area
@@ -138,7 +154,7 @@ def begin_block(
 
 
 def has_tower_room(block: Block) -> bool:
-    """Return true if a block is large enough for a tower."""
+    """Return true if a block is wide enough for a tower; the least parcel is half of it."""
     area = block.area
     return min(area.x1 - area.x0, area.y1 - area.y0) > 2 * LEAST_M[1]
 
@@ -166,6 +182,7 @@ def _part(site: Site, rest: Rectangle, land: Land, rng: np.random.Generator) -> 
     if across < _TWO_ROWS_M:
         site.part(rest, front, rng, land=land)
         return
+    # Unequal rows, because real blocks are; centimetres, because files have no more digits.
     first = round(across * float(rng.uniform(0.44, 0.56)), 2)
     site.part(rest.without(back, across - first), front, rng, land=land)
     site.part(rest.without(front, first), back, rng, land=land)

@@ -74,6 +74,7 @@ def compose_district(request: DistrictRequest, scene_id: str | None = None) -> S
         DistrictError: If the ground has no room for what is asked for.
     """
     growth = _grow_structures(request)
+    # The third number names the stream: 1 for details, 2 for homes.
     rng = np.random.default_rng((_SEED_SPACE, request.seed, 1))
     pad = _place_start(growth, request, rng)
     _grow_details(growth, request.wanted_objects, rng)
@@ -91,6 +92,7 @@ def _grow_structures(request: DistrictRequest) -> _Growth:
     found: list[int] = []
     for attempt in range(_TRIES):
         growth = _begin(request)
+        # Structures must leave a part of the number for furniture, trees and cars.
         most = _STRUCTURES_SHARE * request.wanted_objects
         walks = [block.walks.structures() for block in growth.blocks]
         places = [place.structures() for block in growth.blocks for place in block.places]
@@ -161,6 +163,7 @@ def _place_start(growth: _Growth, request: DistrictRequest, rng: np.random.Gener
         try:
             return place_start(block.builder, Draw(rng), half)
         except NoStartError:
+            # The block has no open place; the next one inwards may have.
             continue
     raise DistrictError(
         f"outline {request.sides_m[0]:g},{request.sides_m[1]:g} has no open place to start from "
@@ -196,6 +199,7 @@ def _joined(growth: _Growth, request: DistrictRequest, pad: Placed, scene_id: st
             parent_id = None if parent is None else first + parent
             objects.append(replace(obj, id=first + obj.id, scene_id=scene_id, parent_id=parent_id))
     half_x, half_y = request.sides_m[0] / 2, request.sides_m[1] / 2
+    # Over the highest object, as in every outdoor scene.
     top = max(obj.bbox.p[2] + obj.bbox.s[2] / 2 for obj in objects)
     is_mixed = any(obj.domain == "indoor" for obj in objects)
     return Scene(
@@ -234,4 +238,5 @@ def _limits(n_blocks: int, n_areas: int | None) -> AreaLimits:
     n_landing = sum(usual[name] for name in ("small", "medium", "large"))
     # All classes shrink alike; perching areas are not counted as landing areas.
     share = min(1.0, n_areas / n_landing)
+    # Rounded down, so that their sum does not exceed the wish.
     return AreaLimits(**{name: int(share * count) for name, count in usual.items()})

@@ -2,8 +2,7 @@
 
 Streets lead from border to border. Those to the east are laid in one piece, those to the north from
 one of these to the next, so that all ends meet. A piece is left out here and there: two blocks
-become one, and streets
-end at others.
+become one, and streets end at others.
 """
 
 from __future__ import annotations
@@ -32,7 +31,7 @@ _JOINED_CHANCE = 0.2
 
 @dataclass(frozen=True, slots=True)
 class Block:
-    """Ground between streets."""
+    """Ground between streets, which is to be filled with places."""
 
     area: Rectangle
     street_sides: tuple[Side, ...]
@@ -41,7 +40,7 @@ class Block:
 
 @dataclass(frozen=True, slots=True)
 class Network:
-    """Streets of a district."""
+    """Streets of a district, and the ground between them."""
 
     site: Site
     """Site of the carriageways."""
@@ -62,11 +61,15 @@ def lay_network(sides_m: tuple[float, float], rng: np.random.Generator) -> Netwo
     Args:
         sides_m: Sides along east and north.
         rng: Draws places and widths of the streets.
+
+    Returns:
+        The carriageways, in a builder of their own, and the blocks between them.
     """
     half_x, half_y = sides_m[0] / 2, sides_m[1] / 2
     builder = Builder("streets")
     builder.enclose((-half_x, -half_y), (half_x, half_y))
     style = {name: str(rng.choice(list(FORMS[name]))) for name in ("road", "sidewalk")}
+    # One width of sidewalk and one form of street for all, as a town has.
     walk_m = round(float(rng.uniform(2.0, 2.8)), 2)
     site = Site(builder, Frame(0.0, 0.0, 0.0), half_x, half_y, 6.0, walk_m, style=style)
     columns, rows = _streets(sides_m[0], rng), _streets(sides_m[1], rng)
@@ -74,9 +77,11 @@ def lay_network(sides_m: tuple[float, float], rng: np.random.Generator) -> Netwo
         _lay(site, street, Frame(0.0, street.middle, 0.0), sides_m[0], 0)
     blocks: list[Block] = []
     for low, high, sides in _spans(rows, half_y, ("south", "north")):
+        # Drawn anew for each row of blocks, so that streets to the north end at others.
         kept = _kept(columns, rng)
         for street in kept:
             middle = Frame(street.middle, (low + high) / 2, pi / 2)
+            # People cross at the end that meets another street.
             _lay(site, street, middle, high - low, 1 if "north" in sides else -1)
         for west, east, flanks in _spans(kept, half_x, ("west", "east")):
             blocks.append(Block(Rectangle(west, low, east, high), (*sides, *flanks)))
@@ -90,6 +95,7 @@ def _lay(site: Site, street: _Street, frame: Frame, length: float, zebra_end: in
 
 def _streets(side_m: float, rng: np.random.Generator) -> list[_Street]:
     """Draw streets across one direction, at uneven distances."""
+    # Two blocks at least, so that there is a street.
     n_blocks = max(2, round(side_m / _BLOCK_M))
     even = side_m / n_blocks
     found: list[_Street] = []
@@ -97,6 +103,7 @@ def _streets(side_m: float, rng: np.random.Generator) -> list[_Street]:
         middle = number * even - side_m / 2 + float(rng.uniform(-_UNEVEN, _UNEVEN)) * even
         parking = (-1, 1) if rng.random() < _PARKED_CHANCE else ()
         width = float(rng.choice(_CARRIAGEWAYS_M)) + PARKING_LANE_M * len(parking)
+        # Centimetres, because carriageways become objects.
         found.append(_Street(round(middle, 2), round(width, 2), parking))
     return found
 

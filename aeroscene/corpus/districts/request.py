@@ -78,6 +78,7 @@ class DistrictRequest:
         """Refuse more, or fewer, objects and buildings than the ground can carry."""
         ground_m2 = math.prod(self.sides_m)
         where = "outline {:g},{:g}".format(*self.sides_m)
+        # Indoor objects of the tower need no ground.
         least = max(int(OBJECTS.low), math.ceil(ground_m2 / M2_PER_OBJECT[1])) + self._n_indoors
         most = min(int(OBJECTS.high), int(ground_m2 / M2_PER_OBJECT[0]) + self._n_indoors)
         if self.n_objects is not None and not least <= self.n_objects <= most:
@@ -92,7 +93,10 @@ class DistrictRequest:
 
     @property
     def sides_m(self) -> tuple[float, float]:
-        """Sides along east and north, m: as asked for, or as the other wishes need."""
+        """Sides along east and north, m: as asked for, or as the other wishes need.
+
+        A request without any of them gets a district of `_PLAIN_SIDE_M`.
+        """
         if self.outline_m is not None:
             return self.outline_m
         ground_m2 = _PLAIN_SIDE_M**2
@@ -107,10 +111,11 @@ class DistrictRequest:
 
     @property
     def wanted_objects(self) -> int:
-        """Number of objects that it gets."""
+        """Number of objects of the district: the wish, or the usual number for its ground."""
         if self.n_objects is not None:
             return self.n_objects
         usual = round(math.prod(self.sides_m) / _USUAL_M2_PER_OBJECT)
+        # Houses bring their objects with them, however little ground they have.
         usual = max(usual, _OBJECTS_PER_HOUSE * (self.n_houses or 0))
         return min(usual + self._n_indoors, int(OBJECTS.high))
 

@@ -46,7 +46,7 @@ def compose_indoor(builder: Builder, rng: np.random.Generator) -> Composition:
 
 
 def draw_plan(draw: Draw, theme: Theme) -> FloorPlan:
-    """Size, height and zones of a building of a theme."""
+    """Draw size, height and zones of a building of a theme."""
     length_m, width_m, roof_m = theme.size_m
     is_tall = draw.chance(theme.tall_chance)
     share = theme.tall_share if is_tall else 1.0

@@ -78,5 +78,13 @@ THEMES: Mapping[str, Theme] = {
 
 
 def compose_mixed(builder: Builder, rng: np.random.Generator) -> Composition:
-    """Compose one of the themes that have a building to enter."""
+    """Compose one of the themes that have a building to enter.
+
+    Args:
+        builder: Empty builder of the scene.
+        rng: Randomness of the layout.
+
+    Raises:
+        NoGroundError: If no site of the drawn theme has the parcels that it needs.
+    """
     return compose_theme(builder, rng, THEMES)

@@ -124,5 +124,13 @@ THEMES: Mapping[str, Theme] = {
 
 
 def compose_outdoor(builder: Builder, rng: np.random.Generator) -> Composition:
-    """Compose one of the themes of the open air."""
+    """Compose one of the themes of the open air.
+
+    Args:
+        builder: Empty builder of the scene.
+        rng: Randomness of the layout.
+
+    Raises:
+        NoGroundError: If no site of the drawn theme has the parcels that it needs.
+    """
     return compose_theme(builder, rng, THEMES)

@@ -49,6 +49,7 @@ from aeroscene.corpus.curation.streets import Streets
 from aeroscene.corpus.curation.terrain import Slope, raise_terrace
 from aeroscene.corpus.curation.water import Basin
 
+# At least so high is the flight volume; tall objects raise it.
 _CEILING_M = 22.0
 _TRIES = 20
 
@@ -70,10 +71,11 @@ class Kind:
     """Form and height (m) of its fences where the site ends."""
 
     def fits(self, parcel: Parcel) -> bool:
-        """Return true if a parcel is large enough."""
+        """Return true if a parcel is large enough, in width and in depth."""
         return parcel.width >= self.width and parcel.depth >= self.depth
 
 
+# Least width and depth of the ground of each, m.
 KINDS: Mapping[str, Kind] = {
     "offices": Kind(Offices, 17, 18, border=("hedge", 1.2)),
     "houses": Kind(Houses, 16, 15, border=("boards", 1.5)),
@@ -188,7 +190,12 @@ def _suits(kinds: Sequence[str], parcel: Parcel) -> bool:
 
 
 def draw_one(rng: np.random.Generator, weights: Mapping[str, float]) -> str:
-    """Draw one of some names by their weights, which need not sum to one."""
+    """Draw one of some names by their weights, which need not sum to one.
+
+    Args:
+        rng: Draws the name.
+        weights: Weight of each name; one at least is above 0.
+    """
     shares = np.array(list(weights.values()))
     return list(weights)[int(rng.choice(len(shares), p=shares / shares.sum()))]
 
@@ -196,7 +203,17 @@ def draw_one(rng: np.random.Generator, weights: Mapping[str, float]) -> str:
 def choose_places(
     builder: Builder, site: Site, theme: Theme, rng: np.random.Generator
 ) -> list[Place]:
-    """Choose a place for every parcel, larger parcels first."""
+    """Choose a place for every parcel, larger parcels first.
+
+    Args:
+        builder: Builder of the scene.
+        site: Site with its parcels.
+        theme: Theme that chooses.
+        rng: Draws kinds, terraces and the streams of the places.
+
+    Returns:
+        Places in the order of the parcels' areas; none of their objects stand yet.
+    """
     parcels = sorted(site.parcels, key=lambda parcel: -parcel.width * parcel.depth)
     streams = rng.spawn(len(parcels))
     lifts = Draw(rng)
@@ -219,8 +236,10 @@ def _choose_kinds(
     parcels: Sequence[Parcel], theme: Theme, rng: np.random.Generator
 ) -> Iterator[str]:
     """First the kinds that the plan wants, then the theme's certain ones, then chance."""
+    # One of each row, drawn before any parcel is looked at.
     waiting = [str(rng.choice(list(row))) for row in theme.always]
     for parcel in parcels:
+        # The larger parcels come first, so that a certain place gets the best ground.
         certain = [*parcel.uses] or [name for name in waiting if KINDS[name].fits(parcel)][:1]
         fitting = {n: w for n, w in theme.others.items() if KINDS[n].fits(parcel)}
         if certain:
@@ -233,7 +252,13 @@ def _choose_kinds(
 
 
 def grow_nature(builder: Builder, site: Site, rng: np.random.Generator) -> list[Place]:
-    """Plants and boats beside the parcels: slopes and water."""
+    """Begin plants and boats beside the parcels: on slopes and water.
+
+    Args:
+        builder: Builder of the scene.
+        site: Site with its slopes and waters.
+        rng: Draws a stream for each of them.
+    """
     streams = rng.spawn(len(site.slopes) + len(site.waters))
     slopes = [Slope(Ground(builder, Draw(streams.pop()), parcel)) for parcel in site.slopes]
     basins = [Basin(builder, Draw(streams.pop()), water) for water in site.waters]

@@ -33,6 +33,7 @@ def _garden(room: Interior) -> Placed | None:
     size = (room.draw.between(2.4, 3.2), room.draw.between(2.6, 4.0), 0.25)
     lawn = _tucked(room, "lawn", size)
     if lawn:
+        # Two bushes at opposite corners leave the middle free.
         half = (size[0] / 2 - 0.8, size[1] / 2 - 0.8)
         room.lie(lawn, "bush", half[0] * 0.8, -half[1] * 0.8, (1.2, 1.2, 1.3))
         room.lie(lawn, "bush", -half[0] * 0.8, half[1] * 0.8, (1.0, 1.0, 1.6))
@@ -82,6 +83,7 @@ def _net(room: Interior) -> Placed | None:
         if side in room.sides:
             continue
         frame, _ = room.wall(side)
+        # Just inside the border; the fence runs along it.
         u, v = room.room.frame.local(*frame.point(0.0, 0.3))
         turn = frame.yaw + pi / 2 - room.room.frame.yaw
         net = room.put("fence", u, v, size, turn, look={"form": "rails"})
@@ -122,6 +124,7 @@ def _container(room: Interior) -> Placed | None:
     # The long side lies along the wall more often than across it.
     turn = pi / 2 if room.draw.chance(0.8) else 0.0
     box = room.against(side, "container", size, turn, _painted(room))
+    # A second container on top needs a hall that leaves air above it.
     if box and room.room.size[2] > 7.0 and room.draw.chance(0.3):
         room.lie(box, "container", 0.0, 0.0, size, look=_painted(room))
     return box
@@ -176,5 +179,10 @@ _PLACES: dict[str, frozenset[str]] = {
 
 
 def suits(feature: str, kind: str) -> bool:
-    """Return true if a structure belongs in a kind of zone."""
+    """Return true if a structure belongs in a kind of zone.
+
+    Args:
+        feature: Name of `FEATURES`.
+        kind: Kind of a zone.
+    """
     return kind in _PLACES[feature]

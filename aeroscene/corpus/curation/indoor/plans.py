@@ -76,6 +76,7 @@ class _Storey:
     def _kinds(self, kinds: Sequence[str]) -> deque[str]:
         """A queue of kinds: the first stays first, the others start from a random one."""
         first, *others = kinds
+        # The first kind is what characterises the building.
         start = self.draw.count(0, max(0, len(others) - 1))
         return deque((first, *others[start:], *others[:start]))
 
@@ -210,10 +211,12 @@ def plan_hall(
     storey = _Storey(draw, programme, roof)
     edge = snapped(-half_x + draw.between(*programme.depth_m))
     first = snapped(edge + max(LEAST_HALL_M, draw.between(*programme.hall_m)))
+    # Two columns need a building that leaves each of them as wide as a hall.
     columns = 2 if half_x - first >= 17.0 else 1
     step = (half_x - first) / columns
     lines = [edge, first, *(snapped(first + i * step) for i in range(1, columns)), half_x]
     rows = [-half_y, snapped(draw.between(-0.03, 0.03) * size[1]), half_y]
+    # In turn, so that neighbours differ.
     halls = cycle(programme.halls)
     for x in pairwise(lines):
         for y in pairwise(rows):
@@ -226,12 +229,19 @@ def plan_hall(
 
 
 def clear_end_m(zone: Zone) -> float:
-    """Length that a zone's open square takes from its longer side if it lies at the end."""
+    """Length that a zone's open square takes from its longer side if it lies at the end.
+
+    Returns:
+        Length, m; 0 if the square lies in the middle, or the zone has none.
+    """
     return zone.open_m + 0.2 if zone.open_m and zone.kind in _DENSE else 0.0
 
 
 def open_place(zone: Zone) -> tuple[float, float]:
-    """Middle of a zone's open square, from the zone's middle; it lies at one end of dense zones."""
+    """Middle of a zone's open square, from the zone's middle, m.
+
+    It lies at one end of dense zones, because a square in the middle would break every row.
+    """
     x, y = zone.size
     reach = (max(x, y) - zone.open_m) / 2 - 0.2 if zone.kind in _DENSE else 0.0
     return (0.0, reach) if y >= x else (reach, 0.0)

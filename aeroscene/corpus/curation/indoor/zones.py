@@ -68,7 +68,7 @@ class Zone:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Border:
-    """Common border of two zones: a vertical rectangle along x or y."""
+    """Common border of two zones: a vertical rectangle along x or y, in the building's frame, m."""
 
     zones: tuple[int, int]
     """Numbers of the zones on the low and on the high side of the line."""
@@ -86,7 +86,15 @@ class Border:
         return self.high - self.low
 
     def spot(self, place: float, across: float | None = None) -> tuple[float, float, float]:
-        """Coordinates and turn of an object at a place on the line, or beside it."""
+        """Place an object on the line, or beside it.
+
+        Args:
+            place: Place along the line, m.
+            across: Other coordinate, m; that of the line by default.
+
+        Returns:
+            Coordinates x and y in the building's frame, and the turn of the object, rad.
+        """
         across = self.at if across is None else across
         return (across, place, 0.0) if self.along == "y" else (place, across, QUARTER)
 
@@ -99,18 +107,23 @@ class Border:
 
 
 def snapped(value: float) -> float:
-    """The nearest middle of a cell, where a line between zones may run."""
+    """The nearest middle of a cell, where a line between zones may run, m."""
     return (floor(value / CELL_M) + 0.5) * CELL_M
 
 
 def find_borders(zones: Sequence[Zone]) -> list[Border]:
-    """All borders between the zones of a plan."""
+    """Find all borders between the zones of a plan.
+
+    Args:
+        zones: Zones; their numbers are those of the borders.
+    """
     found: list[Border] = []
     for (i, a), (j, b) in combinations(enumerate(zones), 2):
         base, top = max(a.level, b.level), min(a.level + a.clear, b.level + b.clear)
         # Zones that share less than a metre of height do not meet.
         if top - base < 1.0:
             continue
+        # Each zone may be the one on the low side.
         for first, second, low, high in ((i, j, a, b), (j, i, b, a)):
             if abs(low.x1 - high.x0) < 1e-6:
                 span = (max(a.y0, b.y0), min(a.y1, b.y1))
@@ -135,7 +148,7 @@ def _border(
 
 
 def barrier(zones: Sequence[Zone], border: Border) -> Barrier:
-    """Barrier between two zones that meet."""
+    """Barrier between two zones that meet: a wall at rooms, a rail where a gallery ends."""
     first, second = (zones[i] for i in border.zones)
     if "room" in {first.role, second.role}:
         return "wall"
@@ -143,7 +156,10 @@ def barrier(zones: Sequence[Zone], border: Border) -> Barrier:
 
 
 def door_width(zone: Zone, border: Border) -> float | None:
-    """Width of a room's door in a border; None if the border is too short for any."""
+    """Width of a room's door in a border, m; None if the border is too short for any.
+
+    Small rooms get narrow doors, although a wide one might fit.
+    """
     for width, least in zip(DOORS_M, _DOOR_ROOM_M, strict=True):
         if min(zone.size) >= least and border.length >= width + 2 * JAMB_M:
             return width
@@ -160,6 +176,7 @@ def choose_doors(zones: Sequence[Zone], borders: Sequence[Border]) -> dict[int, 
         PlanError: If a room meets no zone that is reached.
     """
     doors: dict[int, float] = {}
+    # Zone 0 is the hall in which a flight starts.
     reached = _flow(zones, borders, {0})
     while len(reached) < len(zones):
         best: tuple[int, int, float, int, float, int] | None = None

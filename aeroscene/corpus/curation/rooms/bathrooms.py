@@ -27,7 +27,7 @@ _TUB_M = 1.62
 
 
 def furnish_bathroom(room: Interior) -> Iterator[None]:
-    """A tub or a shower, a toilet and a basin; then towels on a shelf, a cabinet, a bin."""
+    """Stand a tub or a shower, a toilet and a basin; then towels on a shelf, a cabinet, a bin."""
     draw = room.draw
     # The bath needs a corner, and the toilet fits below windows.
     if room.area > _SMALL_M2:
@@ -59,7 +59,7 @@ def furnish_bathroom(room: Interior) -> Iterator[None]:
 
 
 def furnish_washroom(room: Interior) -> Iterator[None]:
-    """A row of toilets along one wall and troughs to wash at along another, bins, a shelf."""
+    """Stand toilets along one wall and troughs to wash at along another, then bins and a shelf."""
     draw = room.draw
     side = room.long_side()
     count = max(1, min(5, int(room.wall(side)[1] // 1.3)))

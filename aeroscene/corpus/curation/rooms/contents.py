@@ -46,7 +46,13 @@ def strew(room: Interior, bearer: Placed | None, names: Sequence[str], count: in
 
 
 def stock(room: Interior, shelf: Placed | None, names: Sequence[str] = BOOKS) -> None:
-    """Fill the boards of an open shelf that its own shape leaves empty: every other one."""
+    """Fill the boards of an open shelf that its own shape leaves empty: every other one.
+
+    Args:
+        room: Room of the shelf.
+        shelf: Open shelf; None does nothing.
+        names: Categories, drawn for each object.
+    """
     if shelf is None:
         return
     boards = shelf_boards(shelf.size[2])
@@ -98,6 +104,7 @@ def _lay_at(room: Interior, bearer: Placed, name: str, u: float, v: float) -> No
     size = _size_on_top(room, name)
     reach_u, reach_v = ((bearer.size[i] - size[i]) / 2 - _RIM_M for i in (0, 1))
     if min(reach_u, reach_v) >= 0:
+        # Millimetres, like all places of objects.
         room.lie(bearer, name, round(u * reach_u, 3), round(v * reach_v, 3), size)
 
 

@@ -24,6 +24,7 @@ def furnish_booths(room: Interior) -> Iterator[None]:
     across, along = deep + 0.3, wide / 2 + 0.2
     rims = (across, along) if along_y else (along, across)
     for u, v in room.spots(*pitch, rims, is_tight=True):
+        # Two stands stand back to back at each place, and face opposite aisles.
         for turn in (0.0, pi) if along_y else (pi / 2, -pi / 2):
             yield from _booth(room, u, v, turn)
     yield from room.line_walls(("plant", "planter", "bench", "bin"), 6)

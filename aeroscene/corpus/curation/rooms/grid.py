@@ -22,6 +22,7 @@ def grid_spots(
     """
     x, y = size
     shift_u, shift_v = 0.0, 0.0
+    # The part that stays free is cut from the longer side, and the rest moves away from it.
     if y >= x:
         y, shift_v = y - clear_end_m, -clear_end_m / 2
     else:
@@ -42,6 +43,7 @@ def _spread(length: float, pitch: float) -> tuple[int, float]:
     """Number of points at least a pitch apart that fit on a length, and their distance."""
     if length < 0:
         return (0, 0.0)
+    # n places have n - 1 distances between them.
     count = int(length // pitch) + 1
     return (count, length / (count - 1) if count > 1 else 0.0)
 

@@ -101,19 +101,19 @@ class Interior:
         return self.room.size[0] * self.room.size[1]
 
     def wall(self, side: str) -> tuple[Frame, float]:
-        """Frame in the middle of a wall's foot with v into the room, and the wall's length."""
+        """Frame in the middle of a wall's foot with v into the room, and the wall's length, m."""
         x, y, _ = self.room.size
         along, across, turn = _WALLS[side]
         frame = self.room.frame.moved(along * x / 2, across * y / 2, turn)
         return frame, y if along else x
 
     def depth(self, side: str) -> float:
-        """Distance from a wall to the opposite one, m."""
+        """Distance from a wall to the opposite one, m, which bounds what may stand before it."""
         x, y, _ = self.room.size
         return x if _WALLS[side][0] else y
 
     def some_side(self) -> str:
-        """A wall by chance."""
+        """Draw a wall, all that the room has being equally likely."""
         return self.draw.one_of(self.sides)
 
     def against(
@@ -136,6 +136,7 @@ class Interior:
             look: Attributes.
         """
         size = size or self._size_of(name)
+        # A random order, with the wanted side before all others.
         others = [self.sides[i] for i in self.draw.shuffled(range(len(self.sides)))]
         for wall in (*(s for s in others if s == side), *(s for s in others if s != side)):
             placed = self._against(wall, name, size, turn, look)
@@ -147,6 +148,7 @@ class Interior:
         self, side: str, name: str, size: Vector3, turn: float, look: Attributes | None
     ) -> Placed | None:
         frame, length = self.wall(side)
+        # A quarter turn exchanges depth and width.
         is_square = abs(turn) % pi < 0.1
         deep, wide = (size[0], size[1]) if is_square else (size[1], size[0])
         reach = length / 2 - wide / 2 - GAP_M
@@ -163,10 +165,22 @@ class Interior:
     def lined(
         self, side: str, name: str, count: int, size: Vector3 | None = None, gap: float = 0.05
     ) -> list[Placed]:
-        """Stand several objects of one size side by side along a wall, from a random place."""
+        """Stand several objects of one size side by side along a wall, from a random place.
+
+        Args:
+            side: Wall to try first.
+            name: Category.
+            count: Most objects.
+            size: Extents; drawn by default.
+            gap: Distance between neighbours, m.
+
+        Returns:
+            The objects that stand, in their order along the wall.
+        """
         size = size or self._size_of(name)
         first = self.against(side, name, size)
         row = [first] if first else []
+        # The row grows to one side until something is in the way, and then to the other.
         for sign in (-1.0, 1.0):
             while row and len(row) < count:
                 end = row[-1] if sign > 0 else row[0]
@@ -184,7 +198,18 @@ class Interior:
         turn: float = 0.0,
         look: Attributes | None = None,
     ) -> Placed | None:
-        """Stand an object freely in the room, at a distance `keep` from everything."""
+        """Stand an object freely in the room.
+
+        Args:
+            name: Category.
+            size: Extents; drawn by default.
+            keep: Least distance from everything, walls too, m.
+            turn: Turn in the room's frame, rad.
+            look: Attributes.
+
+        Returns:
+            The object, or None if the room is too small or some tries found no place.
+        """
         size = size or self._size_of(name)
         x, y, _ = self.room.size
         across, along = (size[0], size[1]) if abs(turn) % pi < 0.1 else (size[1], size[0])
@@ -200,14 +225,24 @@ class Interior:
         return None
 
     def long_side(self) -> str:
-        """The longest wall."""
+        """Name of the longest wall."""
         return max(self.sides, key=lambda side: self.wall(side)[1])
 
     def in_ranks(
         self, side: str, name: str, size: Vector3, ranks: int, pitch: float = 1.0, gap: float = 0.1
     ) -> Iterator[None]:
-        """Stand ranks of equal objects parallel to a wall, facing the room, six a step."""
+        """Stand ranks of equal objects parallel to a wall, facing the room, six a step.
+
+        Args:
+            side: Wall behind the first rank.
+            name: Category.
+            size: Extents.
+            ranks: Number of ranks.
+            pitch: Distance between ranks, m.
+            gap: Distance between neighbours of a rank, m.
+        """
         frame, length = self.wall(side)
+        # Half a metre at both ends, to walk past.
         count = max(0, int((length - 1.0) // (size[1] + gap)))
         for rank in range(ranks):
             for index in range(count):
@@ -219,7 +254,12 @@ class Interior:
             yield
 
     def line_walls(self, names: Sequence[str], count: int) -> Iterator[None]:
-        """Stand a number of objects of some categories against walls, one in each step."""
+        """Stand a number of objects of some categories against walls, one in each step.
+
+        Args:
+            names: Categories, drawn for each object; one that occurs twice is twice as likely.
+            count: Number of objects that are tried.
+        """
         for _ in range(count):
             self.against(self.some_side(), self.draw.one_of(names))
             yield
@@ -234,7 +274,17 @@ class Interior:
         keep: float = GAP_M,
         look: Attributes | None = None,
     ) -> Placed | None:
-        """Stand an object at a place of the room, from its middle."""
+        """Stand an object at a place of the room, from its middle.
+
+        Args:
+            name: Category.
+            u: Place along the room's x axis, m.
+            v: Place along its y axis, m.
+            size: Extents; drawn by default.
+            turn: Turn in the room's frame, rad.
+            keep: Least distance from everything, m.
+            look: Attributes.
+        """
         size = size or self._size_of(name)
         return self.stand(name, self.room.frame.moved(u, v, turn), size, keep, look)
 
@@ -247,11 +297,17 @@ class Interior:
         turn: float,
         size: Vector3 | None = None,
     ) -> Placed | None:
-        """Stand an object at a place in another object's frame."""
+        """Stand an object on the floor at a place in another object's frame, from its middle."""
         return self.stand(name, anchor.frame.moved(u, v, turn), size or self._size_of(name))
 
     def in_front(self, anchor: Placed | None, name: str, gap: float = 0.06) -> Placed | None:
-        """Stand an object before another one's front, facing it."""
+        """Stand an object before another one's front, facing it.
+
+        Args:
+            anchor: Object; None does nothing, which saves callers a test.
+            name: Category.
+            gap: Distance between both, m.
+        """
         if anchor is None:
             return None
         size = self._size_of(name)
@@ -336,7 +392,12 @@ class Interior:
         )
 
     def keep_clear(self, placed: Placed, deep: float) -> None:
-        """Keep the floor before an object's front clear of all that is placed from now on."""
+        """Keep the floor before an object's front clear of all that is placed from now on.
+
+        Args:
+            placed: Object.
+            deep: Depth of the floor that stays clear, m.
+        """
         spot = placed.frame.moved((placed.size[0] + deep) / 2, 0.0)
         self._builder.reserve(spot, (deep, placed.size[1], placed.size[2]), placed.base)
 
@@ -352,9 +413,11 @@ class Interior:
 
         All other moves end here, which adds the room's style to the object's attributes.
         """
+        # Low rooms, such as those under galleries, have no place for high furniture.
         if self.floor + size[2] > self.room.top:
             return None
         if name in _STYLED:
+            # A look that is given goes before the room's style.
             look = {**self._style, **(look or {})}
         if name in self._forms:
             look = {"form": self._forms[name], **(look or {})}

@@ -49,6 +49,7 @@ def _free_start(room: Interior, pieces: Sequence[Piece], wall: str) -> float | N
         at, is_free = start, True
         for _, (deep, wide, high) in pieces:
             spot = frame.moved(at + wide / 2, deep / 2 + GAP_M, QUARTER)
+            # Two gaps, because a piece between others touches them without one.
             is_free = is_free and room.is_free(spot, (deep + 2 * GAP_M, wide + 2 * GAP_M, high))
             at += wide
         if is_free:
@@ -62,6 +63,7 @@ def _stand_line(room: Interior, pieces: Sequence[Piece], wall: str, start: float
     at = start
     for name, size in pieces:
         spot = frame.moved(at + size[1] / 2, size[0] / 2 + GAP_M, QUARTER)
+        # No margin: pieces of a line touch.
         placed = room.stand(name, spot, size, 0.0)
         found += [placed] if placed else []
         at += size[1]
@@ -77,7 +79,20 @@ def stand_pair(
     turn: float,
     look: Attributes | None = None,
 ) -> list[Placed]:
-    """Stand two equal objects back to back in the open, if there is space for both."""
+    """Stand two equal objects back to back in the open, if there is space for both.
+
+    Args:
+        room: Room to furnish.
+        name: Category.
+        u: Middle of the pair along the room's x axis, m.
+        v: Middle of the pair along its y axis, m.
+        size: Extents of one object.
+        turn: Turn of the first object in the room's frame, rad.
+        look: Attributes of each.
+
+    Returns:
+        The objects that stand.
+    """
     middle = room.room.frame.moved(u, v, turn)
     envelope = (2 * size[0] + 2 * GAP_M, size[1] + 2 * GAP_M, size[2])
     if not room.is_free(middle, envelope):

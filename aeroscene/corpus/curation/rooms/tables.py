@@ -20,7 +20,13 @@ LAID_AT_ONCE = 2
 
 
 def stand_table(room: Interior, size: Vector3, turn: float | None = None) -> Placed | None:
-    """Stand a table in the open if there is space, or else against a wall."""
+    """Stand a table in the open if there is space, or else against a wall.
+
+    Args:
+        room: Room to furnish.
+        size: Extents.
+        turn: Turn to try first, 0 or pi / 2, rad; drawn by default.
+    """
     turn = (0.0 if room.draw.chance(0.5) else pi / 2) if turn is None else turn
     for keep in _KEEPS_M:
         for heading in (turn, pi / 2 - turn):
@@ -48,6 +54,7 @@ def seats(room: Interior, table: Placed | None, count: int, name: str = "chair")
     found: list[Placed] = []
     per_side = max(1, int(y // _SEAT_PITCH_M))
     size = room.draw.size_of(name)
+    # In turn on both sides, so that two chairs face each other.
     for index in range(min(count, 2 * per_side)):
         sign = 1 if index % 2 else -1
         v = (index // 2 - (per_side - 1) / 2) * _SEAT_PITCH_M
@@ -77,7 +84,7 @@ def lay(room: Interior, table: Placed | None, chairs: Sequence[Placed]) -> None:
 
 
 def lay_all(room: Interior, table: Placed | None, chairs: Sequence[Placed]) -> Iterator[None]:
-    """Lay places for all chairs, some of them in each step."""
+    """Lay places for all chairs, `LAID_AT_ONCE` in each step."""
     for first in range(0, len(chairs), LAID_AT_ONCE):
         lay(room, table, chairs[first : first + LAID_AT_ONCE])
         yield

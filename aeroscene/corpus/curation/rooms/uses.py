@@ -35,7 +35,7 @@ class Use:
     """Number of fine objects on 100 m2 at which it looks used."""
 
     def draw_area(self, draw: Draw) -> float:
-        """Draw an area of a room, m2."""
+        """Draw an area of a room, m2; all within the range are equally likely."""
         return draw.between(self.least_m2, self.most_m2)
 
 

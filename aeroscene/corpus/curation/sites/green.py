@@ -22,6 +22,7 @@ def lay_green_edge(site: Site, rng: np.random.Generator) -> None:
     site.lay_road(Frame(0, road, 0), 2 * hx)
     site.lay_sidewalk(Frame(0, road + w / 2, 0), 2 * hx)
     low = road + w / 2 + site.walk_m
+    # Both rows face south, across the street or the path before them.
     middle = (low + hy) / 2 + float(rng.uniform(-0.1, 0.1)) * (hy - low)
     site.part(Rectangle(-hx, low, hx, middle), "south", rng)
     site.lay_sidewalk(Frame(0, middle, 0), 2 * hx)
@@ -40,5 +41,6 @@ def lay_paths(site: Site, rng: np.random.Generator) -> None:
             if index:
                 frame, length, _ = area.side_frame("west")
                 site.lay_sidewalk(frame, length)
+                # The path takes its width from the parcel to the east of it.
                 area = area.without("west", w)
             site.part(area, front, rng)

@@ -19,7 +19,15 @@ _TERRACE_M = 17.0
 
 
 def lay_hillside(site: Site, rng: np.random.Generator) -> None:
-    """Lay a street at the foot, a slope with a ramp, and a terrace with a lane above it."""
+    """Lay a street at the foot, a slope with a ramp, and a terrace with a lane above it.
+
+    A deep site has a second slope and terrace above the first. Parcels on terraces stand on raised
+    ground.
+
+    Args:
+        site: Site, which gets roads, slopes and parcels.
+        rng: Randomness of the plan.
+    """
     hx, hy, w = site.half_x, site.half_y, site.road_m
     # Only a deep site has room for parcels below the street.
     foot_m = float(rng.uniform(15.0, 18.0)) if 2 * hy > 64 else 0.0
@@ -82,6 +90,7 @@ def _lay_terrace(
 def lay_quay(site: Site, rng: np.random.Generator) -> None:
     """Lay water along one side of raised ground, with a promenade on its edge."""
     hx, hy = site.half_x, site.half_y
+    # Water takes a strip at the northern border.
     shore = hy - float(rng.uniform(13.0, 20.0))
     level, wall = round(float(rng.uniform(0.6, 1.1)), 2), str(rng.choice(WALLS))
     land = site.raise_land(Rectangle(-hx, -hy, hx, shore), level, "paving", wall)
@@ -94,6 +103,7 @@ def lay_quay(site: Site, rng: np.random.Generator) -> None:
     front = Rectangle(-hx, street + w / 2, hx, edge)
     site.pave(Block(front, ("south",), land), rng)
     south = street - w / 2
+    # A shallow rest has no parcels, and gets a sidewalk alone.
     if south + hy > 14 + site.walk_m:
         site.pave(Block(Rectangle(-hx, -hy, hx, south), ("north",), land), rng)
     else:
@@ -113,6 +123,7 @@ def lay_canal(site: Site, rng: np.random.Generator) -> None:
     half = float(rng.uniform(4.5, 6.5))
     level, wall = round(float(rng.uniform(0.6, 1.0)), 2), str(rng.choice(WALLS))
     x = float(rng.uniform(-0.4, 0.4)) * hx
+    # Half the causeway: a carriageway with a sidewalk on each side.
     dam = w / 2 + site.walk_m
     south = site.raise_land(Rectangle(-hx, -hy, hx, y - half), level, "paving", wall)
     north = site.raise_land(Rectangle(-hx, y + half, hx, hy), level, "paving", wall)
