@@ -1,7 +1,7 @@
-"""The door to AeroScene: `import aeroscene` offers every public name, loaded when it is first used.
+"""The door to AeroScene: `import aeroscene` offers every public name, loaded at its first use.
 
 The names come from the packages that define them: scenes from here, simulation from `flightsim`,
-runs, pilots, recordings and environments from `scenarios`. docs/python.md shows them at work.
+and runs, pilots, recordings and environments from `scenarios`. docs/python.md shows them at work.
 """
 
 from typing import TYPE_CHECKING

@@ -1,4 +1,4 @@
-"""`python -m aeroscene`: the command line, which is of a package that depends on this one."""
+"""`python -m aeroscene`: the command line, from a package that depends on this one."""
 
 import sys
 

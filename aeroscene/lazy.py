@@ -1,8 +1,8 @@
-"""Public names of a package that load what they stand for when they are first used (PEP 562).
+"""Public names of a package that load their modules when they are first used (PEP 562).
 
 `import aeroscene` stays a matter of milliseconds, and reading a scene loads no physics. A package
-says where each name comes from once, in imports under `if TYPE_CHECKING`, and names them for
-readers in `__all__`.
+states the origin of each name once, in imports under `if TYPE_CHECKING`, and lists the names for
+readers in `__all__`. Type checkers and programs therefore read the same lines, and cannot disagree.
 """
 
 from __future__ import annotations
@@ -18,13 +18,16 @@ from pathlib import Path
 def public_names(
     package: str, file: str
 ) -> tuple[Callable[[str], object], Callable[[], list[str]]]:
-    """`__getattr__` and `__dir__` of a package, from the imports that its type checker sees.
+    """Make `__getattr__` and `__dir__` of a package from the imports that its type checker sees.
 
     Args:
         package: Name of the package, its `__name__`.
-        file: Its source, its `__file__`, with one `if TYPE_CHECKING` of absolute imports. A
-            `from other import *` stands for all that `other` names in its `__all__`. A package that
-            has such an import leaves its own `__all__` to `__getattr__`.
+        file: Its source, its `__file__`, with one `if TYPE_CHECKING` of absolute imports. A `from
+            other import *` stands for all names in the `__all__` of `other`. A package with such an
+            import leaves its own `__all__` to `__getattr__`.
+
+    Returns:
+        The two functions, to be assigned at the top of the package.
     """
 
     @cache
@@ -45,6 +48,7 @@ def public_names(
             return sorted(homes())
         if name not in homes():
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
+        # Stored in the package: the next use finds the name without calling this function.
         value = getattr(import_module(homes()[name]), name)
         setattr(sys.modules[package], name, value)
         return value

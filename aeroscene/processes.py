@@ -1,7 +1,7 @@
 """Parallel work on scenes in a number of processes, results in order.
 
-Processes share no state with the parent; see `fresh_processes` for how they start. They ignore
-Ctrl-C and SIGTERM, which are the parent's to handle, and end with the parent however it ends.
+Processes share no state with the parent; `fresh_processes` explains how they start. They ignore
+Ctrl-C and SIGTERM, which the parent handles, and end with the parent however it ends.
 """
 
 from __future__ import annotations
@@ -26,13 +26,13 @@ _T = TypeVar("_T")
 _R = TypeVar("_R")
 
 _PATIENCE_S = 0.5
-"""Time for what a process is at, when it is to end."""
+"""Time for a process to finish its present task when it has to end."""
 _AHEAD_PER_JOB = 3
-"""Tasks queued per process ahead of the results."""
+"""Number of tasks queued for each process ahead of the results."""
 
 
 class WorkerDiedError(RuntimeError):
-    """A process was killed."""
+    """Raised if a process was killed."""
 
 
 def default_jobs() -> int:
@@ -45,11 +45,13 @@ def default_jobs() -> int:
 def run_all(
     function: Callable[[_T], _R], items: Sequence[_T], jobs: int
 ) -> Generator[_R, None, None]:
-    """Results of a function for each item, in order; leaving the iterator ends the processes.
+    """Yield the result of a function for each item, in order.
+
+    Leaving the iterator ends the processes.
 
     Args:
         function: Function at the top level of a module, so that another process finds it.
-        items: Arguments, one per call.
+        items: Arguments, one for each call.
         jobs: Number of processes; 1 works in the present one.
 
     Raises:
@@ -64,22 +66,22 @@ def run_all(
 
 
 class Workers(Generic[_T, _R]):
-    """Processes that work ahead of whoever takes their results, which come in order.
+    """Processes that work ahead of the consumer of their results, which come in order.
 
-    The work begins at once. It keeps `ahead` results made or in the making, so items may be
-    without end.
+    The work begins at once. At most `ahead` results are made or in the making, so there may be any
+    number of items.
     """
 
     def __init__(
         self, function: Callable[[_T], _R], items: Iterable[_T], jobs: int, ahead: int
     ) -> None:
-        """Start.
+        """Start the processes.
 
         Args:
             function: Function at the top level of a module, so that another process finds it.
-            items: Arguments, one per call.
+            items: Arguments, one for each call.
             jobs: Number of processes.
-            ahead: Calls begun or queued before their results are taken.
+            ahead: Number of calls begun or queued before their results are taken.
         """
         self._items = iter(items)
         self._not_ours = set(multiprocessing.active_children())
@@ -102,11 +104,11 @@ class Workers(Generic[_T, _R]):
             raise
 
     def __iter__(self) -> Self:
-        """The results themselves."""
+        """Return this iterator."""
         return self
 
     def __next__(self) -> _R:
-        """The next result; it waits where there is none yet.
+        """Return the next result; wait for it if it is not ready.
 
         Raises:
             WorkerDiedError: If a process was killed, for example for lack of memory.
@@ -119,7 +121,7 @@ class Workers(Generic[_T, _R]):
         return result
 
     def __enter__(self) -> Self:
-        """The results themselves."""
+        """Return this iterator."""
         return self
 
     def __exit__(
@@ -140,10 +142,10 @@ class Workers(Generic[_T, _R]):
 
     def _kill(self) -> None:
         for process in set(multiprocessing.active_children()) - self._not_ours:
-            # Not terminate: what they are asked by SIGTERM they leave to the parent.
+            # Not terminate: they ignore SIGTERM, which is the parent's to handle.
             process.kill()
-        # One that is killed while it hands over a result leaves half of it, and the executor would
-        # wait for the rest as long as this process, too, could write it.
+        # A process that is killed while it hands over a result leaves half of it, and the executor
+        # would wait for the rest as long as this process could write it too.
         with contextlib.suppress(OSError):  # The executor may be closing it at this moment.
             self._results._writer.close()
 
@@ -165,14 +167,14 @@ def _naming_death() -> Iterator[None]:
 
 
 def fresh_processes(*modules: str) -> SpawnContext | ForkServerContext:
-    """How to start processes that have nothing of this one's state.
+    """Context that starts processes without any of this one's state.
 
     On Linux a server, itself a fresh interpreter, imports the modules once and is copied for each
     process. Elsewhere each process is a fresh interpreter that imports them itself, because the
     libraries of macOS do not survive being copied.
 
-    The first call in a process decides what its server imports. A process has the environment that
-    the server began with: give it what has changed, as `become` takes it.
+    The first call in a process decides what its server imports. A process has the environment with
+    which the server began: pass it the changes for `become`.
 
     Args:
         modules: Modules that all processes use.
@@ -198,7 +200,7 @@ def _module_of(function: Callable[..., Any]) -> str:
 
 @contextmanager
 def without_interrupts() -> Iterator[None]:
-    """Block Ctrl-C and SIGTERM; processes started meanwhile inherit that."""
+    """Block Ctrl-C and SIGTERM; processes started in the meantime inherit that."""
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM})
     try:
         yield

@@ -1,6 +1,7 @@
 """Ranges of numbers, declared once with the option: `count: Annotated[int, Range(1, 100)]`.
 
-The check, the line that refuses a number, and the help of the command line all follow from it.
+The check, the message that refuses a number, and the help of the command line all follow from the
+declaration, so that they cannot disagree.
 """
 
 from __future__ import annotations
@@ -20,9 +21,9 @@ class Range:
     high: float = math.inf
     unit: str = ""
     is_above: bool = False
-    """Whether `low` itself is out of the range."""
+    """True if `low` itself is out of the range."""
     word: str = ""
-    """What the option takes instead of a number."""
+    """Word that the option accepts instead of a number."""
 
     def __str__(self) -> str:
         return f"{self._numbers()}, or {self.word}" if self.word else self._numbers()
@@ -41,13 +42,13 @@ class Range:
         return is_high_enough and value <= self.high and value != math.inf
 
     def fault(self, name: str, value: float) -> str | None:
-        """The line that refuses a number under an option's name; None for one of the range."""
+        """Message that refuses a number under an option's name; None for a number in the range."""
         if value in self:
             return None
         return f"{name} {value} is out of range; valid: {self}"
 
     def require(self, name: str, value: float, error: Callable[[str], Exception]) -> None:
-        """Raise what `error` makes of the line of `fault`, unless the number is in the range."""
+        """Raise the exception that `error` makes from a `fault`, unless the number is valid."""
         if fault := self.fault(name, value):
             raise error(fault)
 
@@ -72,10 +73,10 @@ def ranges_of(options: type) -> dict[str, Range]:
 
 
 def out_of_range(options: Any, section: str | None = None) -> Iterator[str]:
-    """Yield a line for each number out of its range, in a dataclass and in those within it.
+    """Yield a message for each number out of its range, in a dataclass and in those within it.
 
-    Values that are no numbers, such as None or `max`, pass. `require_ranges` says what the
-    arguments are.
+    Values that are no numbers, such as None or `max`, pass. The arguments are those of
+    `require_ranges`.
     """
     ranges = ranges_of(type(options))
     for field in fields(options):
@@ -97,12 +98,12 @@ def require_ranges(
 
     Args:
         options: The dataclass.
-        error: Makes the exception of a line.
-        section: What stands before the fields' names in a configuration file, such as `sampler.`;
-            None if they are options of the command line, which have dashes.
+        error: Makes the exception from a message.
+        section: Prefix of the fields' names in a configuration file, such as `sampler.`; None if
+            they are options of the command line, which have dashes.
 
     Raises:
-        Exception: What `error` makes of the first such number.
+        Exception: The exception that `error` makes for the first such number.
     """
     for fault in out_of_range(options, section):
         raise error(fault)

@@ -1,4 +1,8 @@
-"""Sources of scenes: shipped, curated, generated, the field, a file, a layout, a map."""
+"""Sources of scenes: shipped, curated, generated, the field, a file, a layout, a map.
+
+Every command opens scenes by the names that are defined here, and heavy packages are loaded only
+for the kind of scene that was asked for.
+"""
 
 from __future__ import annotations
 
@@ -45,23 +49,23 @@ _LAYOUT_KEYS = (
 
 
 class UnknownSceneError(SceneError):
-    """No scene has that name."""
+    """Raised if no scene has that name."""
 
 
 def load_scene(spec: str, *, skip_invalid: bool = False) -> Scene:
     """Open the scene that a user names.
 
     Args:
-        spec: A number from 0 to 1015 for a scene of the AeroScene dataset, or its name, such as
-            `aeroscene-0042`; `corpus:N`, or `corpus-0042`, for one of the training corpus, which
-            has no last; `gen:SEED` for one that the model makes anew; `district:SEED` for one of
-            320 by 320 m that is composed of blocks; `field` for an open, flat field; `hills` for a
-            hillside with houses and trees; the path of a `.json` or `.json.gz` file that holds a
-            scene of ours, the AeroScene authors' JSON, or a house of 3D-FRONT, ProcTHOR or
-            Holodeck; or `FILE.jsonl#ID`, also gzip, for a scene of a file of neutral layouts or
-            such houses, where ID is its scene_id, what follows the last slash of that, or its
-            number in the file from 0; or `FILE.osm#W,S,E,N`, also `.osm.gz`, `.osm.pbf` and
-            `.geojson`, for a place on a map, where W,S,E,N are degrees, and may be left out for a
+        spec: Name of the scene, one of: a number from 0 to 1015 for a scene of the AeroScene
+            dataset, or its name, such as `aeroscene-0042`; `corpus:N`, or `corpus-0042`, for one of
+            the training corpus, which has no last; `gen:SEED` for one that the model makes anew;
+            `district:SEED` for one of 320 by 320 m that is composed of blocks; `field` for an open,
+            flat field; `hills` for a hillside with houses and trees; the path of a `.json` or
+            `.json.gz` file that holds a scene of ours, the AeroScene authors' JSON, or a house of
+            3D-FRONT, ProcTHOR or Holodeck; `FILE.jsonl#ID`, also gzip, for a scene of a file of
+            neutral layouts or such houses, where ID is its scene_id, the part after its last slash,
+            or its number in the file from 0; `FILE.osm#W,S,E,N`, also `.osm.gz`, `.osm.pbf` and
+            `.geojson`, for a place on a map, where W,S,E,N are degrees and may be left out for a
             small map.
         skip_invalid: Leave out objects of a layout that break a rule, instead of raising.
 
@@ -92,7 +96,7 @@ def load_scene(spec: str, *, skip_invalid: bool = False) -> Scene:
 def canonical_name(spec: str) -> str:
     """The shortest name of the same scene: `42` for `aeroscene-0042`, `corpus:7` for `corpus-0007`.
 
-    Draws follow a scene's name, so that one scene has to have one name wherever trials are named.
+    Draws depend on a scene's name, so that a scene needs one name wherever trials are named.
     """
     own = _SCENE_ID.fullmatch(spec)
     if own is None:
@@ -119,7 +123,7 @@ def _open_number(source: str, number: int) -> Scene:
 
 
 def is_map(spec: str) -> bool:
-    """Whether a name is that of a map file, with or without bounds."""
+    """Return true if a name is that of a map file, with or without bounds."""
     return _MAP.fullmatch(spec) is not None
 
 
@@ -153,8 +157,8 @@ def _derived_areas(scene: Scene) -> tuple[InteractionArea, ...]:
 
 
 def _is_geojson(path: str) -> bool:
-    """Whether a JSON file is a map, by its first bytes."""
-    # A pipe would be waited for, and whoever reads it next would miss what was read here.
+    """Return true if a JSON file is a map, by its first bytes."""
+    # Reading a pipe would block, and take these bytes from the next reader.
     if ".jsonl" in path[-9:] or not Path(path).is_file():
         return False
     try:
@@ -165,7 +169,7 @@ def _is_geojson(path: str) -> bool:
 
 
 def _is_layout(path: str) -> bool:
-    """Whether a file holds layouts, by its name or by what is in it; a damaged scene is none."""
+    """Return true if a file holds layouts, by its name or its content; a damaged scene does not."""
     from aeroscene.layouts.text_file import read_bytes
 
     if ".jsonl" in path[-9:]:
@@ -175,7 +179,7 @@ def _is_layout(path: str) -> bool:
     except SceneError:
         if path.endswith(".gz"):
             raise
-        return False  # Scenes have an error of their own for that.
+        return False  # scenes have an error of their own for that
     if f'"{FORMAT}"'.encode() in data:
         return False
     return any(all(key in data for key in keys) for keys in _LAYOUT_KEYS)
@@ -193,7 +197,7 @@ def _open_layout(path: str, scene_id: str | None, *, skip_invalid: bool) -> Scen
 
 
 def _kept(scene_id: str, make: Callable[[], Scene]) -> Scene:
-    """A scene that takes a second and more to make, from the cache if this very code made it."""
+    """A scene that takes a second or more to make, from the cache if exactly this code made it."""
     folder = cache_folder("scenes")
     # Scenes of exactly this code: another version of it has another folder.
     path = folder and folder / curation_digest() / f"{scene_id}.json"

@@ -1,4 +1,4 @@
-"""Which version of the package is installed."""
+"""Version of the installed package."""
 
 from importlib.metadata import version
 

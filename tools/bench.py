@@ -30,6 +30,7 @@ from scenarios.cli.command_line import parse
 
 PROG = "tools/bench.py"
 
+# The name of a benchmark is that of its module in `measuring` and of its word on the command line.
 NAMES = {
     EstimateBenchCfg: "estimate",
     PlanBenchCfg: "plan",
@@ -62,9 +63,14 @@ class BenchCfg:
 
 
 def main(args: list[str]) -> int:
-    """Parse the command line, run the benchmark and return its exit status."""
+    """Run the benchmark of the command line.
+
+    Returns:
+        Exit status: 0 if every target is met, else 1.
+    """
     cfg = parse(BenchCfg, PROG, args).bench
     name = NAMES[type(cfg)]
+    # Imported here, so that no benchmark waits for the libraries of the others.
     return measure(PROG, name, cfg, importlib.import_module(f"measuring.{name}"))
 
 

@@ -58,20 +58,28 @@ class ShipCfg:
 
 
 def main(cfg: ShipCfg) -> None:
-    """Make, count, pack."""
+    """Make the missing scenes, print the averages, and pack the corpus if it is complete.
+
+    Raises:
+        SceneNumbersError: If the numbers of scenes are not valid.
+        WorkerDiedError: If a process that makes scenes was ended from outside.
+    """
     maker = ModelMaker(cfg.checkpoint, cfg.device) if cfg.maker == "model" else CorpusMaker()
     numbers = scene_numbers(cfg.scenes)
+    # A plan leaves out what the folder already has from the same maker, so that a stopped run goes
+    # on.
     plan = plan_shipped(cfg.folder, numbers, maker)
     with progress_bar("making scenes", len(plan.to_make)) as advance:
         build(plan, cfg.jobs, lambda _: advance())
     dataset = open_dataset(cfg.folder).select(frozenset(numbers))
     _report(terminal(), dataset.entries)
+    # Only a complete corpus is packed: a sample, or a folder of one, gives figures alone.
     if len(dataset.entries) == CORPUS_SIZE:
         _pack(cfg, dataset, maker)
 
 
 def _report(console: Terminal, entries: Sequence[SceneEntry]) -> None:
-    """The averages beside the paper's, and by how much to ask for more or less."""
+    """Print the averages beside the paper's, and by how much to ask for more or less."""
     table = Table("average", title=f"{len(entries):,} scenes", title_justify="left")
     for heading in ("ours", "paper", "off by", "ask for"):
         table.add_column(heading, justify="right")
@@ -80,6 +88,7 @@ def _report(console: Terminal, entries: Sequence[SceneEntry]) -> None:
         if row.is_average:
             table.add_row(row.title, *_cells(row))
     console.print(table)
+    # An entry's attempt counts the draws before it that were rejected.
     n_again = sum(entry.attempt for entry in entries)
     share = n_again / (len(entries) + n_again)
     console.print(f"{n_again} draws were rejected, {share:.1%}")

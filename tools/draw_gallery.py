@@ -30,15 +30,17 @@ from flightsim.world import build_world
 from scenarios.cli.terminal import terminal
 from scenarios.pictures.lettering import label
 
+# A picture of a place fills the page's width; an on-board one has the size of the camera, and a
+# tile is half a place wide.
 _PLACE_PX = (832, 468)
 _ONBOARD_PX = (320, 240)
 _TILE_PX = (416, 300)
 _GENERATED = (36, 48)
 """Numbers of the scenes that show what the model makes; 42 is among them."""
-_COLUMNS = 3
-_CUT_M = 2.6
-_MOST_BYTES = 3_200_000
-_FAR_M = 40.0
+_COLUMNS = 3  # tiles in a row
+_CUT_M = 2.6  # indoors, below the ceiling, so that one sees in
+_MOST_BYTES = 3_200_000  # the pictures are in the repository
+_FAR_M = 40.0  # end of the colour scale of depth
 _ONBOARD = {
     "urban": "Cars under a solar roof; below, a helipad beside a parking space.",
     "waterfront": "The office and the square beyond the street; below, a landing mat on the lawn.",
@@ -64,7 +66,11 @@ class GalleryCfg:
 
 
 def draw(cfg: GalleryCfg) -> None:
-    """Draw and write the pictures, and the page if they are all there."""
+    """Draw and write the pictures, and the page if all sections are drawn.
+
+    Raises:
+        SystemExit: If the pictures together have more bytes than the repository is to bear.
+    """
     console = terminal(stderr=True)
     sections = cfg.only or ("generated", "places", "onboard", "areas", "categories")
     shown: list[Shown] = []
@@ -83,6 +89,7 @@ def draw(cfg: GalleryCfg) -> None:
     console.print(f"{len(files)} pictures, {n_bytes / 1e6:.2f} MB")
     if n_bytes > _MOST_BYTES:
         raise SystemExit(f"the pictures are {n_bytes} bytes; valid: at most {_MOST_BYTES}")
+    # The page shows every section, so that a part of them does not rewrite it.
     if not cfg.only:
         write_page(cfg.page, cfg.out, shown)
 
@@ -159,6 +166,7 @@ def _onboard_strip(number: str) -> np.ndarray:
     scene = load_scene(number)
     world = build_world(scene, airframe_by_name("iris"))
     renderer = open_camera_renderer(world, *_ONBOARD_PX)
+    # The vehicle is put where a view of its forward camera shows most; no flight is needed.
     view = choose_view(world, "forward", _ONBOARD_PX[0] / _ONBOARD_PX[1], renderer)
     x, y, _ = np.subtract(view.target_enu_m, view.eye_enu_m).tolist()
     yaw = math.atan2(y, x)
@@ -175,8 +183,10 @@ def _onboard_strip(number: str) -> np.ndarray:
 
 def _depth_rgb(frame: RgbdFrame) -> np.ndarray:
     """Depth in colours, the nearest red and the farthest blue; black where there is nothing."""
+    # The farthest 3% do not set the scale: a gap between houses would make all else one colour.
     far_m = min(_FAR_M, float(np.quantile(frame.depth_m[np.isfinite(frame.depth_m)], 0.97)))
     low, high = math.log(float(frame.depth_m.min())), math.log(far_m)
+    # By the logarithm, because most of a picture is near.
     near = np.clip((high - np.log(frame.depth_m)) / max(0.05, high - low), 0.0, 1.0)
     rgb = (255 * colormaps["turbo"](near)[..., :3]).astype(np.uint8)
     rgb[~np.isfinite(frame.depth_m)] = 0

@@ -30,11 +30,11 @@ from flightsim.looks.cutting import cut_at
 from flightsim.vehicles.catalogue import airframe_by_name
 from flightsim.world import World, build_world
 
-_TRIAL_PX = (96, 64)
+_TRIAL_PX = (96, 64)  # enough to compare views, and fast
 _JPEG_QUALITY = 85
 _CHASED_M = (-0.5, 0.2, 1.7)
 """Position of the vehicle in the picture: right, down and forward of the eye."""
-_CHASED_YAW_RAD = 0.5
+_CHASED_YAW_RAD = 0.5  # turned aside, so that one sees its length
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,19 +65,24 @@ class DrawCfg:
 
 
 def draw(cfg: DrawCfg) -> None:
-    """Render and write the picture."""
+    """Render the picture that is asked for, and write it to its file."""
     frame, rgb = picture(cfg)
     del frame
     save(rgb, cfg.out)
 
 
 def picture(cfg: DrawCfg) -> tuple[RgbdFrame, np.ndarray]:
-    """The frame, and its picture with what is to be drawn over it."""
+    """Render a picture, with areas over it if they are asked for.
+
+    Returns:
+        The frame without areas, with its depth and camera, and rgb (h, w, 3) uint8 of the picture.
+    """
     has_vehicle = cfg.view == "chase" and cfg.eye_enu_m is None
     scene = load_scene(cfg.scene)
     airframes = [airframe_by_name(cfg.vehicle)] if has_vehicle else []
     world = build_world(scene, *airframes)
     if cfg.cut_height_m is not None:
+        # Only what is drawn is cut: the scene itself, and so the choice of a view, stays whole.
         world = replace(world, solids=cut_at(world.solids, cfg.cut_height_m))
     data = world.new_data()
     view = _view(cfg, world)
@@ -90,19 +95,24 @@ def picture(cfg: DrawCfg) -> tuple[RgbdFrame, np.ndarray]:
     renderer.close()
     if not cfg.areas:
         return frame, frame.rgb
+    # Areas on furniture or a roof that was cut away would hang in the air.
     highest_m = math.inf if cfg.cut_height_m is None else cfg.cut_height_m
     areas = [area for area in scene.interaction_areas if area.centroid[2] <= highest_m]
     return frame, with_areas(frame, areas)
 
 
 def save(rgb: np.ndarray, path: Path) -> None:
-    """Write a picture in the format of its name."""
+    """Write a picture in the format of its name, PNG or JPEG.
+
+    The folder is made if it is missing.
+    """
     path.parent.mkdir(parents=True, exist_ok=True)
     options = {} if path.suffix == ".png" else {"quality": _JPEG_QUALITY, "progressive": True}
     Image.fromarray(rgb).save(path, optimize=True, **options)
 
 
 def _view(cfg: DrawCfg, world: World) -> View:
+    # An eye without a target is no view, so that the preset holds.
     if cfg.eye_enu_m is not None and cfg.target_enu_m is not None:
         return View(cfg.eye_enu_m, cfg.target_enu_m, 55.0)
     trial = open_camera_renderer(world, *_TRIAL_PX)

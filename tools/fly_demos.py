@@ -74,7 +74,21 @@ class FlyCfg:
 
 
 def fly(cfg: FlyCfg, scene: int, vehicle: str) -> dict[str, Any]:
-    """One flight in a process of its own; the object that `--json` prints."""
+    """Fly once, in a process of its own.
+
+    Args:
+        cfg: Settings of all flights.
+        scene: Number of the scene.
+        vehicle: Airframe.
+
+    Returns:
+        The object that `--json` prints, with the errors of tracking if the flight is recorded.
+
+    Raises:
+        SystemExit: If the process printed no result, with what it said on standard error.
+    """
+    # A process each, as a user flies: with no state of an earlier flight, and the speed of a fresh
+    # start.
     command = [sys.executable, "-m", "scenarios.cli.sitl", "--demo", "--json", "--speed", "max"]
     options = {"scene": scene, "vehicle": vehicle, "seed": cfg.seed, "instance": cfg.instance}
     options["autopilot"] = cfg.autopilot
@@ -82,6 +96,7 @@ def fly(cfg: FlyCfg, scene: int, vehicle: str) -> dict[str, Any]:
         options["autopilot-binary"] = cfg.autopilot_binary
     record = cfg.out and cfg.out / f"{vehicle}-{scene}.rrd"
     if record is not None:
+        # Cameras would be most of the file, and tracking needs none.
         options |= {"record": record, "camera-hz": 0}
     for name, value in options.items():
         command += [f"--{name}", str(value)]
@@ -98,7 +113,7 @@ def fly(cfg: FlyCfg, scene: int, vehicle: str) -> dict[str, Any]:
 
 
 def main(cfg: FlyCfg) -> None:
-    """Fly them all and print a table."""
+    """Fly every vehicle in every scene, and print a table of flights, medians and failures."""
     if cfg.out is not None:
         cfg.out.mkdir(parents=True, exist_ok=True)
     first, end = map(int, cfg.scenes.split(":"))
@@ -120,7 +135,11 @@ def main(cfg: FlyCfg) -> None:
 
 
 def medians(results: Sequence[dict[str, Any]]) -> Table:
-    """Medians of the flights of each vehicle that landed within every limit."""
+    """Table of each vehicle's medians over its flights that landed within every limit.
+
+    Args:
+        results: Results of `fly`. A figure that no flight of a vehicle has shows as "-".
+    """
     table = Table("medians", "landed", *MEDIANS.values())
     for vehicle in dict.fromkeys(result["vehicle"] for result in results):
         flown = [result for result in results if result["vehicle"] == vehicle]

@@ -37,8 +37,10 @@ from flightsim.vehicles import Airframe
 from scenarios.trials.measures.estimation import EstimationErrors
 
 N_WAYPOINTS = 10
+# Above all that stands in the scene the circle is free, so that the stack alone is measured.
 _RADIUS_M, _CLEARANCE_M = 15.0, 3.0
 _HOVER_S = 20.0
+# Limits of the errors of a stack's own estimate.
 _MOST_POSITION_RMSE_M, _MOST_ATTITUDE_RMSE_DEG = 1.0, 2.0
 _MOST_THROTTLE_ERROR_PERCENT = 3.0
 _MOST_MISS_M = 2.5
@@ -48,7 +50,10 @@ _PROGRAM = Path(__file__).parent / "waypoints" / "client.py"
 
 
 class Watch:
-    """What is measured in the process that holds the truth; an observer of the run."""
+    """Measurements in the process that holds the truth; an observer of the run.
+
+    The client cannot make them: it sees the stack's estimate only.
+    """
 
     def __init__(self, bench: Testbench, places_enu_m: Sequence[Vector3]) -> None:
         self._bench = bench
@@ -58,8 +63,9 @@ class Watch:
         self._begun: tuple[float, float] | None = None
 
     def __call__(self) -> None:
-        """Look at the 20 ms that have passed."""
+        """Take in the 20 ms that have passed since the last call."""
         bench = self._bench
+        # Before its first answer the stack starts up, which is not the speed of lockstep.
         if self._begun is None and bench.external and bench.external.exchanges.answered:
             self._begun = (time.perf_counter(), bench.plant.time_us)
         self.errors.add(bench.plant.history)
@@ -68,11 +74,11 @@ class Watch:
 
     @property
     def farthest_miss_m(self) -> float:
-        """Distance from the waypoint that was passed the farthest, by the truth."""
+        """Distance from the waypoint that was passed the farthest, by the truth, m."""
         return float(self._miss_m.max())
 
     def real_time_factor(self) -> float:
-        """Simulated over wall time from the stack's first answer until now, without its start."""
+        """Simulated over wall time since the stack's first answer; nan before it."""
         if self._begun is None:
             return math.nan
         began_s, began_us = self._begun
@@ -80,9 +86,10 @@ class Watch:
 
 
 def places(bench: Testbench) -> list[Vector3]:
-    """Ten places on a circle about the start, above all that stands in the scene."""
+    """Ten places on a circle about the vehicle, above all that stands in the scene; ENU, m."""
     x, y, z = bench.plant.truth.position_enu_m
     tops_m = [
+        # Half the height of a turned box: its sides' shares of the vertical.
         box.p[2] + 0.5 * float(np.abs(rotation_matrix(box.q)[2]) @ np.asarray(box.s))
         for box in (thing.bbox for thing in bench.scene.objects)
     ]
@@ -92,7 +99,12 @@ def places(bench: Testbench) -> list[Vector3]:
 
 
 def mission(bench: Testbench, places_enu_m: Sequence[Vector3]) -> list[tuple[float, float, float]]:
-    """The places as a client says them: degrees, and metres above where the vehicle stands."""
+    """Waypoints as MAVLink has them: degrees, and metres above where the vehicle stands.
+
+    Args:
+        bench: Testbench, whose vehicle stands at its start.
+        places_enu_m: Places to fly to.
+    """
     z0 = bench.plant.truth.position_enu_m[2]
     on_earth = [(bench.frame.geodetic_from_enu(place), place[2] - z0) for place in places_enu_m]
     return [(place.latitude_deg, place.longitude_deg, up_m) for place, up_m in on_earth]
@@ -103,6 +115,11 @@ def hover_throttle(name: str, airframe: Airframe, altitude_m: float) -> float:
 
     ArduPilot commands more in thinner air, so that it needs less throttle where the rotors, as
     ours, lose nothing there.
+
+    Args:
+        name: "px4" or "ardupilot".
+        airframe: Airframe.
+        altitude_m: Height above sea level.
     """
     if name == "px4":
         return px4.parameters(airframe)["MPC_THR_HOVER"]
@@ -110,22 +127,31 @@ def hover_throttle(name: str, airframe: Airframe, altitude_m: float) -> float:
 
 
 def _density_ratio(altitude_m: float) -> float:
-    """Density of the standard atmosphere over the one at sea level."""
+    """Density of the standard atmosphere over the one at sea level.
+
+    Source: ISO 2533, troposphere: 288.15 K at sea level, 6.5 K less per km.
+    """
     return (1.0 - 0.0065 * altitude_m / 288.15) ** 4.2559
 
 
 def address(name: str, instance: int) -> str:
-    """Where the stack serves clients, as pymavlink says it."""
+    """Address at which the stack serves clients, in the words of pymavlink.
+
+    Args:
+        name: "px4" or "ardupilot".
+        instance: Number of the stack's process; it shifts all ports.
+    """
+    # PX4 sends to 14540 and up, and all instances from 9 on share the last port.
     if name == "px4":
         return f"udpin:127.0.0.1:{min(14540 + instance, 14549)}"
     return f"tcp:127.0.0.1:{5760 + 10 * instance}"
 
 
 def fly(options: argparse.Namespace) -> dict[str, Any]:
-    """Fly it.
+    """Fly the mission of the command line.
 
     Returns:
-        What was measured; with `fault` where the client or the stack did not get to the end.
+        Row of measurements. Its `fault` is empty if client and stack got to the end.
     """
     cfg = TestbenchCfg(
         autopilot=options.autopilot,
@@ -154,6 +180,7 @@ def fly(options: argparse.Namespace) -> dict[str, Any]:
         altitude_m = bench.frame.geodetic_from_enu(places_enu_m[-1]).altitude_m
         expected = hover_throttle(options.autopilot, bench.airframe, altitude_m)
     wall_s, cpu_s = time.perf_counter() - began_s, time.process_time() - cpu_s
+    # Only now: children count once they have ended, and the stack ends with the testbench.
     children = resource.getrusage(resource.RUSAGE_CHILDREN)
     throttle, client_cpu_s = told.get("hover_throttle", math.nan), told.get("cpu_s", 0.0)
     return {
@@ -176,6 +203,7 @@ def fly(options: argparse.Namespace) -> dict[str, Any]:
         "real_time_factor_with_start": round(sim_s / wall_s, 1),
         "cpu_s": round(cpu_s, 1),
         "stack_cpu_s": round(children.ru_utime + children.ru_stime - client_cpu_s, 1),
+        # The stack's time is what all children took, less the client's.
         "client_cpu_s": round(client_cpu_s, 1),
         "waiting_s": round(wall_s - cpu_s, 1),
     }
@@ -184,7 +212,11 @@ def fly(options: argparse.Namespace) -> dict[str, Any]:
 def _with_client(
     bench: Testbench, options: argparse.Namespace, task: dict[str, Any]
 ) -> dict[str, Any]:
-    """Run until the client ends; what it has told."""
+    """Run the simulation until the client ends.
+
+    Returns:
+        The client's report; only a `fault` if it failed or was not done in time.
+    """
     command = [sys.executable, str(_PROGRAM), options.autopilot]
     with subprocess.Popen(  # noqa: S603 - our own program
         [*command, address(options.autopilot, options.instance)],
@@ -195,12 +227,14 @@ def _with_client(
         assert client.stdin is not None
         client.stdin.write(json.dumps(task))
         client.stdin.close()
+        # `communicate` would flush the closed pipe, and raise.
         client.stdin = None
         try:
             bench.run(
                 _LONGEST_LAP_S * options.laps,
                 until=lambda: client.poll() is not None or bool(bench.fault),
             )
+            # Asked before the client is ended, which is harmless if it has ended by itself.
             is_late = client.poll() is None
         finally:
             client.kill()
@@ -211,7 +245,11 @@ def _with_client(
 
 
 def misses(row: dict[str, Any]) -> list[str]:
-    """Names of the figures that miss their limits."""
+    """Names of the figures that miss their limits.
+
+    Args:
+        row: Row of `fly`.
+    """
     limits = {
         "fault": not row["fault"],
         "farthest_miss_m": row["farthest_miss_m"] <= _MOST_MISS_M,
@@ -224,7 +262,11 @@ def misses(row: dict[str, Any]) -> list[str]:
 
 
 def main() -> int:
-    """Fly as the command line says."""
+    """Fly what the command line asks for, and print the row.
+
+    Returns:
+        Exit status: 1 if a figure misses its limit.
+    """
     parser = argparse.ArgumentParser(
         description="A mission with a real flight stack",
         formatter_class=argparse.ArgumentDefaultsHelpFormatter,

@@ -1,12 +1,12 @@
-"""Files that somebody else made, in a process each: what the command says of them, and its costs.
+"""Files that somebody else made, in a process each: the command's answer to them, and its costs.
 
     python tools/fuzz_files.py                      # all kinds, half an hour on two cores
     python tools/fuzz_files.py --kind scene --kind mesh --jobs 4 --keep /tmp/hostile
 
 A hostile file is refused in one line with status 2, or it is what the command takes it for. Neither
 takes more than 300 MB and 10 s of CPU, leaves a file outside its folder, runs what a folder names,
-or sends the terminal a control character. Prints a table; exit status 1 where a case breaks one
-of these limits.
+or sends the terminal a control character. Prints a table; exit status 1 where a case breaks one of
+these limits.
 """
 
 from __future__ import annotations
@@ -36,8 +36,14 @@ class Trials:
         self.outcomes: list[Outcome] = []
 
     def work(self, log: Path | None) -> None:
-        """Take cases until there are none."""
+        """Take cases, judge them and print the outcomes, until no case is left.
+
+        Args:
+            log: File that a JSON row is appended to for each case; None writes none.
+        """
         while True:
+            # A generator must not be entered by two threads. The files are written here too, so
+            # that one case at a time is in memory: some have tens of megabytes.
             with self._lock:
                 if (found := next(self._cases, None)) is None:
                     return
@@ -45,6 +51,7 @@ class Trials:
                 folder = self._folder / f"{number:03d}-{case.kind}-{case.name}"
                 words = case.write(folder)
             outcome = judge(case.kind, case.name, words, folder)
+            # Deleted at once, because all of them together would fill a small disk.
             if not self._is_kept:
                 shutil.rmtree(folder, ignore_errors=True)
             with self._lock:
@@ -56,7 +63,11 @@ class Trials:
 
 
 def main() -> int:
-    """Try them as the command line says."""
+    """Try the cases of the command line.
+
+    Returns:
+        Exit status: 1 if a case breaks a limit.
+    """
     parser = argparse.ArgumentParser(description="Hostile files for every command that reads any")
     parser.add_argument("--kind", action="append", help="default: every kind")
     parser.add_argument("--name", action="append", help="default: every case of it")
@@ -73,6 +84,7 @@ def main() -> int:
     with tempfile.TemporaryDirectory(prefix="aeroscene-hostile-") as temporary:
         folder = options.keep or Path(temporary)
         trials = Trials(cases, folder, is_kept=options.keep is not None)
+        # Threads suffice, because each waits for a process.
         threads = [
             threading.Thread(target=trials.work, args=(options.log,)) for _ in range(options.jobs)
         ]

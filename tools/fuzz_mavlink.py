@@ -29,6 +29,7 @@ from fuzzing.vehicles import Vehicle
 
 from flightsim.mavlink.personalities import PERSONALITIES
 
+# Limit of docs/results.md; ten million frames moved the hover by less than half a millimetre.
 MOST_DEVIATION_M = 0.05
 MOST_GROWTH_MB = 20.0
 _CHECK_EVERY = 50
@@ -57,12 +58,12 @@ class Row:
     """Greatest distance from where the twin was at the same time; hover only."""
     n_restarts: int
     growth_mb: float
-    """Growth of the process after the first fifth of the frames."""
+    """Number of times that a fresh vehicle took the place of a spent or fallen one."""
     cpu_s: float
 
     @property
     def is_sound(self) -> bool:
-        """Whether every limit is kept."""
+        """True if every limit is kept: no fault, no greater deviation or growth than allowed."""
         holds = self.deviation_m is None or self.deviation_m <= MOST_DEVIATION_M
         return self.n_faults == 0 and holds and self.growth_mb <= MOST_GROWTH_MB
 
@@ -79,6 +80,7 @@ class Siege:
         self._seed = seed
         self._n_clients, self._personality = n_clients, personality
         self._traffic = Traffic(seed, is_obeyed=kind == "wild").frames()
+        # Same seed and same scene: without traffic both fly alike to the last bit.
         self._vehicle = Vehicle(link, n_clients, personality)
         self._twin = Vehicle(None, personality=personality) if kind == "hover" else None
         self._deviation_m = 0.0
@@ -101,6 +103,7 @@ class Siege:
         Raises:
             DeadVehicleError: If an honest client is no longer answered.
             Exception: Whatever ends the loop of the simulation.
+        # Nothing else may tell them apart, so that the twin is stepped whenever the vehicle is.
         """
         self._vehicle.tick(self._traffic)
         self._n_ticks += 1
@@ -111,12 +114,16 @@ class Siege:
         if self._n_ticks % _CHECK_EVERY:
             return
         self._vehicle.require_life()
+        # The check has stepped the vehicle.
         if self._twin is not None:
             self._twin.tick()
+        # Where a twin flies, a vehicle that has come down is no reason to begin again: its
+        # deviation is the finding.
         if self._vehicle.is_spent or (self._twin is None and not self._vehicle.is_flying):
             self._restart()
 
     def _restart(self) -> None:
+        # Frames and faults are those of the vehicle, which goes.
         self._n_before, self._n_restarts = self.n_frames, self._n_restarts + 1
         self._count_faults()
         self._vehicle.close()
@@ -130,7 +137,7 @@ class Siege:
         self._n_faults, self._fault = self._n_faults + faults.n_caught, self._fault or faults.last
 
     def row(self) -> Row:
-        """What became of it so far."""
+        """Row of the outcome so far."""
         faults = self._vehicle.bench.server.faults
         growth = 0 if self._warm_bytes is None else _resident_bytes() - self._warm_bytes
         return Row(
@@ -179,6 +186,7 @@ def fuzz(
         Exception: Whatever ends the loop of the simulation.
     """
     siege = Siege(kind, link, seed, n_clients, personality)
+    # Buffers and caches of a fixed size fill up in the first fifth, which is no leak.
     for part in range(1, _N_PARTS + 1):
         while siege.n_frames < n_frames * part / _N_PARTS:
             siege.tick()
@@ -196,7 +204,11 @@ def _resident_bytes() -> int:
 
 
 def main() -> int:
-    """Fuzz as the command line says."""
+    """Fuzz what the command line asks for, and print a row for each kind and link.
+
+    Returns:
+        Exit status: 1 if a row breaks a limit.
+    """
     parser = argparse.ArgumentParser(description="Hostile MAVLink on each link")
     parser.add_argument("--frames", type=int, default=100_000, help="frames of each row")
     parser.add_argument("--link", choices=LINKS, action="append", help="default: each of them")

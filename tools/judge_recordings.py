@@ -34,7 +34,18 @@ class JudgeCfg:
 
 
 def judge(path: Path) -> dict[str, Any]:
-    """Both verdicts on a flight, and what the second follows from."""
+    """Compare the verdict that a recording has with a second one.
+
+    Args:
+        path: Recording.
+
+    Returns:
+        Both verdicts on the flight, and the findings that the second follows from. The field
+        `agreement` is "agree", "DISAGREE", or "too close" if the second judge cannot tell.
+
+    Raises:
+        ValueError: If the flight has no area.
+    """
     flight = read_recording(path)
     opinion = judge_recording(flight)
     told, found = flight.verdict["success"], opinion.success
@@ -53,7 +64,11 @@ def judge(path: Path) -> dict[str, Any]:
 
 
 def main(cfg: JudgeCfg) -> int:
-    """Judge them all; 1 where a verdict is contradicted."""
+    """Judge all recordings of the command line.
+
+    Returns:
+        Exit status: 1 if a verdict is contradicted.
+    """
     paths = [
         each
         for path in cfg.paths

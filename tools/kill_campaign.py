@@ -18,16 +18,20 @@ from typing import Any
 
 from scenarios.campaigns.store import read_results
 
+# Columns in which no two runs agree.
 TIMES = {"wall_seconds", "cpu_seconds", "trial_cpu_seconds", "real_time_factor"}
 
 
 def command(folder: Path, options: list[str]) -> list[str]:
-    """Command of a campaign in a folder."""
+    """Command line of a campaign in a folder; the same one begins it and goes on with it."""
     return [sys.executable, "-m", "aeroscene", "campaign", "--out", str(folder), *options]
 
 
 def rows_of(folder: Path) -> dict[str, dict[str, Any]]:
     """Rows of a campaign by trial, without times.
+
+    Args:
+        folder: Folder of the campaign.
 
     Raises:
         ValueError: If a trial is there twice.
@@ -45,7 +49,14 @@ def n_rows_of(folder: Path) -> int:
 
 
 def main() -> int:
-    """Fly, kill, go on, compare."""
+    """Fly a campaign whole, kill its twin and go on with it, and compare both.
+
+    Returns:
+        Exit status: 1 if a trial differs or is missing.
+
+    Raises:
+        SystemExit: If a kill lost rows that were there before.
+    """
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n", 1)[0])
     parser.add_argument("folder", type=Path)
     parser.add_argument("--kills", type=int, default=20)
@@ -66,8 +77,10 @@ def main() -> int:
         while not is_early and campaign.poll() is None and n_rows_of(killed) <= before:
             time.sleep(0.05)
         time.sleep(draw.uniform(0.0, cfg.longest))
+        # It has ended by itself before the kill.
         if campaign.poll() is not None:
             break
+        # SIGKILL, so that nothing in the process can clean up.
         campaign.kill()
         campaign.wait()
         n_killed += 1

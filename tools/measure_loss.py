@@ -28,16 +28,16 @@ from flightsim.mavlink.links import UdpLink
 from flightsim.testbench import Testbench, TestbenchCfg
 
 PARTS = ("mission", "parameters", "fence", "rally")
-_GLOBAL, _RELATIVE = 0, 3
+_GLOBAL, _RELATIVE = 0, 3  # MAV_FRAME: height above sea level, and above home
 _N_CORNERS, _N_RALLY = 60, 30
 
 
 @dataclass(frozen=True, kw_only=True)
 class Run:
-    """One client's session."""
+    """Outcome of one client's session."""
 
     outcome: dict[str, str]
-    """What became of each part: equal, different, or why the client gave up."""
+    """For each part "equal", "different", or the reason for which the client gave up."""
     sim_s: float
     n_repeats: int
     n_lost: int
@@ -60,7 +60,7 @@ class Row:
 
     @property
     def is_sound(self) -> bool:
-        """Whether every run ended with all of it equal."""
+        """True if every run ended with every part equal."""
         return all(number == self.n_runs for number in self.n_equal.values())
 
 
@@ -68,7 +68,7 @@ def run(loss: float, seed: int, *, n_items: int = 500, tries: int = 20) -> Run:
     """Transfer everything there and back once.
 
     Args:
-        loss: Share of the datagrams that is lost.
+        loss: Share of the datagrams that is lost, 0 to 1.
         seed: Seed of the losses.
         n_items: Number of mission items.
         tries: Number of times that the client says the same thing before it gives up.
@@ -80,6 +80,8 @@ def run(loss: float, seed: int, *, n_items: int = 500, tries: int = 20) -> Run:
         link = UdpLink(local_port=0, remote_port=proxy.vehicle_port, is_lockstep=True)
         cfg = TestbenchCfg(speed="max")
         with Testbench(load_scene("field"), cfg, has_network=False, links=[[link]]) as bench:
+            # The vehicle needs a moment to start, and its first datagram gives the proxy its
+            # address.
             bench.run(3.0)
             start_us = bench.plant.time_us
             client = PatientClient(bench, proxy, end, tries)
@@ -111,6 +113,7 @@ def _verdict(is_equal: bool) -> str:
 
 
 def _parameters(bench: Testbench) -> dict[str, bytes]:
+    # As a vehicle of PX4 sends them: integers bytewise, others as floats.
     parameters = bench.autopilot.parameters
     return {
         name: struct.pack("<i", int(parameters[name]))
@@ -121,13 +124,20 @@ def _parameters(bench: Testbench) -> dict[str, bytes]:
 
 
 def _places(bench: Testbench, number: int, spread: int) -> list[tuple[int, int]]:
-    """Places near the start, in 1e-7 degrees, of which no two are one."""
+    """Places near the start, latitude and longitude in 1e-7 degrees, no two of them equal.
+
+    Args:
+        bench: Testbench whose scene has the start.
+        number: Number of places.
+        spread: Distance of neighbours in 1e-7 degrees, about a centimetre.
+    """
     scene = bench.scene
     x0, y0 = round(scene.latitude_deg * 1e7), round(scene.longitude_deg * 1e7)
     return [(x0 + spread * (n % 20), y0 + spread * (n // 20)) for n in range(number)]
 
 
 def _mission(bench: Testbench, n_items: int) -> tuple[int, Sequence[Item]]:
+    # All values have an exact form in single precision, so that they come back equal.
     items: list[Item] = [
         (
             _RELATIVE,
@@ -169,7 +179,12 @@ _LISTS: dict[str, Callable[[Testbench, int], tuple[int, Sequence[Item]]]] = {
 
 
 def summed_up(loss: float, runs: Sequence[Run]) -> Row:
-    """Row of all runs at one loss."""
+    """Sum up all runs at one loss.
+
+    Args:
+        loss: Share of the datagrams that was to be lost.
+        runs: Runs, one at least.
+    """
     outcomes = [outcome for run in runs for outcome in run.outcome.values()]
     n_lost = sum(run.n_lost for run in runs)
     return Row(
@@ -185,7 +200,11 @@ def summed_up(loss: float, runs: Sequence[Run]) -> Row:
 
 
 def main() -> int:
-    """Measure as the command line says."""
+    """Measure at the losses of the command line, and print a row for each.
+
+    Returns:
+        Exit status: 1 if a run did not end with every part equal.
+    """
     parser = argparse.ArgumentParser(description="Transfers through a lossy UDP proxy")
     parser.add_argument("--loss", type=float, action="append", help="default: 0, 0.1 and 0.25")
     parser.add_argument("--runs", type=int, default=20, help="runs at each loss")

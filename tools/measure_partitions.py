@@ -1,10 +1,11 @@
-"""How well partition trees fit a corpus, and how exactly they build it again.
+"""Figures of how well partition trees fit a corpus, and how exactly they build it again.
 
     python tools/measure_partitions.py corpus --scenes 0:400
     python tools/measure_partitions.py corpus --scenes 0:100 --jitter-m 0.3   # the null
 
 Prints JSON: shares of sites by the nodes that they take, round trip errors in mm, lengths of the
-sequences and how many symbols they have.
+sequences and how many symbols they have. Jitter tells how much of the fit is due to trees that can
+fit anything: sites whose covers were moved at random should fit badly.
 """
 
 from __future__ import annotations
@@ -34,8 +35,9 @@ from aeroscene.sources import load_scene
 
 
 def hardest(tree: Node) -> str:
-    """The node that a tree needs and simpler ones cannot replace."""
+    """Name of the most general kind of node in a tree, which no simpler kind could replace."""
     nodes = list(walk(tree))
+    # A fallback is the grid that is taken where nothing else fits.
     if any(isinstance(n, Cross) and n.is_fallback for n in nodes):
         return "grid"
     for kind in (Bend, Pinwheel, Overlay):
@@ -45,16 +47,27 @@ def hardest(tree: Node) -> str:
 
 
 def errors_mm(wanted: list[OrientedBox], found: list[OrientedBox]) -> list[float]:
-    """Farthest that a corner of each box lies from the nearest box's."""
+    """For each wanted box, how far its corners lie from the box built in its place, mm.
+
+    Args:
+        wanted: Boxes of the scene.
+        found: Boxes that the tree builds, one at least if any are wanted.
+    """
     if not wanted:
         return []
     nearest = np.atleast_1d(KDTree([b.p for b in found]).query([b.p for b in wanted])[1])
     pairs = [(a.corners(), found[i].corners()) for a, i in zip(wanted, nearest, strict=True)]
+    # Corners may come in another order, so that each takes the nearest one; the worst counts.
     return [1e3 * np.abs(a[:, None] - b[None]).max(axis=2).min(axis=1).max() for a, b in pairs]
 
 
 def jittered(scene: Scene, jitter_m: float) -> Scene:
-    """The same scene with each cover moved by up to a length along both axes."""
+    """Copy of a scene with each cover moved at random along both axes.
+
+    Args:
+        scene: Scene; its seed draws the moves.
+        jitter_m: Greatest move.
+    """
     rng = np.random.default_rng(scene.seed)
     objects = []
     for obj in scene.objects:
@@ -67,7 +80,11 @@ def jittered(scene: Scene, jitter_m: float) -> Scene:
 
 
 def measure(scenes: list[Scene]) -> dict[str, object]:
-    """All figures."""
+    """Measure scenes.
+
+    Returns:
+        Counts of nodes, errors and lengths as median, 95% and maximum, and the number of symbols.
+    """
     counts: Counter[str] = Counter()
     symbols: set[object] = set()
     errors: dict[str, list[float]] = {"covers": [], "rooms_walls": []}
@@ -96,6 +113,7 @@ def measure(scenes: list[Scene]) -> dict[str, object]:
             records = to_sequence(partition)
             counts["sequences not exact"] += from_sequence(records) != partition
             lengths["storey" if partition in partitions else "site"].append(len(records))
+            # A symbol is a record without its numbers.
             symbols |= {replace(record, share=0.0, values=()) for record in records}
     return {
         "counts": dict(sorted(counts.items())),
@@ -108,7 +126,7 @@ def measure(scenes: list[Scene]) -> dict[str, object]:
 
 
 def main() -> None:
-    """Read the arguments, print the figures."""
+    """Measure the scenes of the command line, and print the figures as JSON."""
     parser = argparse.ArgumentParser(description="how well partition trees fit a corpus")
     parser.add_argument("data", help="folder of a corpus, or the word corpus for corpus:N")
     parser.add_argument("--scenes", default="0:100", help="A up to and without B")

@@ -1,4 +1,4 @@
-"""How far flights were from what their pilot planned, by their recordings, whoever flew.
+"""Distances of flights from what their pilot planned, by their recordings, whoever flew.
 
     aeroscene sitl 42 --demo --autopilot px4 --autopilot-binary px4 --speed max --record px4/42.rrd
     python tools/measure_tracking.py px4/*.rrd
@@ -33,7 +33,11 @@ class TrackingCfg:
 
 
 def tracking_errors_m(flight: Recording) -> Float[np.ndarray, " n"]:
-    """Distances from the path in effect, at each recorded moment that has one."""
+    """Distances from the path in effect, at each recorded moment that has one.
+
+    Args:
+        flight: Recording; without plans the result is empty.
+    """
     errors = [np.empty(0)]
     ends_s = [*(plan.begun_s for plan in flight.plans[1:]), np.inf]
     for plan, replaced_s in zip(flight.plans, ends_s, strict=True):
@@ -49,8 +53,9 @@ def tracking_errors_m(flight: Recording) -> Float[np.ndarray, " n"]:
 def _distances_m(
     points_m: Float[np.ndarray, "n 3"], path_m: Float[np.ndarray, "m 3"]
 ) -> Float[np.ndarray, " n"]:
-    """Distances of points from a path of straight pieces."""
+    """Distances of points from a path of straight pieces, m."""
     start_m, piece_m = path_m[:-1], np.diff(path_m, axis=0)
+    # Pieces of no length are points.
     squares = np.maximum(np.sum(piece_m**2, axis=1), 1e-12)
     off_m = points_m[:, None] - start_m
     share = np.clip(np.sum(off_m * piece_m, axis=2) / squares, 0.0, 1.0)
@@ -58,7 +63,11 @@ def _distances_m(
 
 
 def main(cfg: TrackingCfg) -> None:
-    """Print a row for each recording."""
+    """Print a row for each recording.
+
+    Raises:
+        SystemExit: If a recording has no plans.
+    """
     for path in cfg.paths:
         errors_m = tracking_errors_m(read_recording(path))
         if not len(errors_m):

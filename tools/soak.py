@@ -1,4 +1,4 @@
-"""One vehicle that flies for a day: whether memory stays flat.
+"""A day of flights of one vehicle, which shows if memory stays flat.
 
     python tools/soak.py --hours 24                    # about 15 minutes of a core
 
@@ -29,16 +29,16 @@ MOST_GROWTH_MB = 20.0
 _HEIGHT_M = 8.0
 _CORNERS_M = ((30.0, 0.0), (30.0, 25.0), (0.0, 25.0), (0.0, 0.0))
 _LONGEST_FLIGHT_S = 600.0
-_RELATIVE_FRAME = 6
+_RELATIVE_FRAME = 6  # MAV_FRAME_GLOBAL_RELATIVE_ALT_INT
 _HOUR_S = 3600.0
 
 
 class FlightError(RuntimeError):
-    """A flight did not end as it should."""
+    """A command was refused, or a flight did not end on the ground."""
 
 
 class Vehicle:
-    """A vehicle on the field and the companion that commands it."""
+    """A vehicle on the field, and the companion that commands it."""
 
     def __init__(self, seed: int) -> None:
         self.bench = Testbench(
@@ -46,15 +46,16 @@ class Vehicle:
         )
         self._client: MavlinkClient = self.bench.connect()
         self.bench.observers.append(lambda: self._client.update(self.bench.plant.time_us))
+        # The estimator settles before the vehicle lets itself be armed.
         self.bench.run(5.0)
 
     @property
     def time_s(self) -> float:
-        """Simulated time."""
+        """Simulated time since the start, s."""
         return 1e-6 * self.bench.plant.time_us
 
     def fly(self) -> None:
-        """Fly one mission from the ground to the ground.
+        """Fly one mission from the ground to the ground, with a full battery.
 
         Raises:
             FlightError: If a command is refused or the flight does not end.
@@ -69,7 +70,7 @@ class Vehicle:
             raise FlightError(f"still armed {_LONGEST_FLIGHT_S:g} s after the start")
 
     def upload(self) -> None:
-        """Give it the mission: take off, the corners of a rectangle, land."""
+        """Give the vehicle the mission: take off, the corners of a rectangle, land."""
         x, y, _ = self.bench.plant.truth.position_enu_m
         items = [self._item(mavlink.MAV_CMD_NAV_TAKEOFF, x, y, _HEIGHT_M)]
         for east_m, north_m in _CORNERS_M:
@@ -97,7 +98,18 @@ class Vehicle:
 
 
 def soak(hours: float, seed: int) -> bool:
-    """Fly for simulated hours; return whether memory stayed flat after the first of them."""
+    """Fly for simulated hours, and print a row for each.
+
+    Args:
+        hours: Simulated hours.
+        seed: Seed of sensors and wind.
+
+    Returns:
+        True if memory stayed flat after the first hour.
+
+    Raises:
+        FlightError: If a flight does not end as it should.
+    """
     process, cpu_s = psutil.Process(), time.process_time()
     vehicle = Vehicle(seed)
     vehicle.upload()
@@ -109,8 +121,10 @@ def soak(hours: float, seed: int) -> bool:
         if vehicle.time_s < (n_hours + 1) * _HOUR_S:
             continue
         n_hours = int(vehicle.time_s / _HOUR_S)
+        # What only awaits collection is no leak.
         gc.collect()
         now_bytes = process.memory_info().rss
+        # The first hour fills caches and logs of a fixed size.
         first_bytes = first_bytes or now_bytes
         growth_mb = max(growth_mb, 1e-6 * (now_bytes - first_bytes))
         row = {
@@ -126,7 +140,11 @@ def soak(hours: float, seed: int) -> bool:
 
 
 def main() -> int:
-    """Soak as the command line says."""
+    """Soak for the hours of the command line.
+
+    Returns:
+        Exit status: 1 if memory grows beyond the limit.
+    """
     parser = argparse.ArgumentParser(description="Memory of a vehicle that flies for long")
     parser.add_argument("--hours", type=float, default=24.0, help="simulated hours")
     parser.add_argument("--seed", type=int, default=0)

@@ -1,4 +1,4 @@
-"""Trains the paper's presets on the corpus and on other layouts, one after another, on a GPU.
+"""Trainings of the paper's presets on the corpus and on other layouts, in turn, on a GPU.
 
     aeroscene dataset build
     python tools/train_presets.py --minutes 10 --out presets --layouts front3d.jsonl.gz
@@ -26,7 +26,11 @@ is_compiled = {is_compiled}
 
 
 def main() -> int:
-    """Train each preset on each set of layouts."""
+    """Train each preset on each set of layouts that has not been finished.
+
+    Returns:
+        Exit status of the first training that failed, else 0.
+    """
     args = _parsed()
     args.out.mkdir(parents=True, exist_ok=True)
     config = args.out / "gpu.toml"
@@ -41,11 +45,14 @@ def main() -> int:
         words += ["--minutes", f"{args.minutes / len(trainings):.3f}", "--device", args.device]
         words += [] if args.steps is None else ["--steps", str(args.steps)]
         is_begun = (folder / "state.safetensors").exists()
+        # A training that goes on has its settings in its state.
         words += ["--resume"] if is_begun else ["--config", str(config)]
         command = [sys.executable, "-m", "aeroscene", "train", *words]
         status = subprocess.run(command, check=False)  # noqa: S603 - our own command
         if status.returncode:
             return status.returncode
+        # A state is there after the first save, so that it does not tell whether a training is
+        # finished.
         (folder / "done").touch()
     return 0
 

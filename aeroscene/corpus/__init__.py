@@ -1,1 +1,1 @@
-"""Scenes: the grammar that curates the corpus, the files of it, and the scenes that ship."""
+"""Scenes: the grammar that curates the corpus, its files, and the scenes that ship."""

@@ -1,10 +1,13 @@
-"""The corpus as a folder: a file for each scene, and a manifest that says what each one is.
+"""The corpus as a folder: a file for each scene, and a manifest that describes each one.
 
-    DIR/manifest.json                 what is there, with checksums
+    DIR/manifest.json                 the scenes, with checksums
     DIR/scenes/corpus-0042.json.gz    scene 42
     DIR/journal.jsonl                 only while a build is under way, or after it was killed
 
-Nothing in the folder depends on when, where or in which order it was made.
+A build of 1,016 scenes takes long and may be interrupted. Each finished scene is therefore appended
+to the journal, and the next build continues from there. The manifest replaces the journal at the
+end. Nothing in the folder depends on when, where or in which order it was made, so that two builds
+can be compared byte for byte.
 """
 
 from __future__ import annotations
@@ -31,26 +34,26 @@ MANIFEST = "manifest.json"
 JOURNAL = "journal.jsonl"
 SCENES = "scenes"
 _MOST_BYTES = 32 << 20
-"""Length of a manifest; one of 1,016 scenes has 0.5 MB."""
+"""Greatest length of a manifest, bytes; a manifest of 1,016 scenes has 0.5 MB."""
 
 
 class DatasetError(SceneError):
-    """A dataset that cannot be read or made; one line saying where, what and what is valid."""
+    """A dataset that cannot be read or made; one line says where, what and what is valid."""
 
 
 class SceneEntry(
     SceneSummary, frozen=True, kw_only=True, forbid_unknown_fields=True, omit_defaults=True
 ):
-    """What the manifest says of one scene; in the corpus its index is its seed."""
+    """Entry of one scene in the manifest; in the corpus its index is its seed."""
 
     file: Annotated[str, msgspec.Meta(pattern=r"^scenes/[\w.-]+$")]
     """Path below the dataset's folder."""
     sha256: str
     """Digest of the file's bytes, hexadecimal."""
     sources: str
-    """Digest of what made it: the code, see `aeroscene.corpus.provenance`, or model and code."""
+    """Digest of its origin: the code, see `aeroscene.corpus.provenance`, or model and code."""
     attempt: int = 0
-    """Draws of the scene before this one that were rejected."""
+    """Number of draws of the scene before this one that were rejected."""
 
 
 class _Manifest(msgspec.Struct, forbid_unknown_fields=True):
@@ -61,7 +64,10 @@ class _Manifest(msgspec.Struct, forbid_unknown_fields=True):
 
 @dataclass(frozen=True, slots=True)
 class Dataset:
-    """Scenes in a folder; a part of them is a `Dataset` too."""
+    """Scenes in a folder; a part of them is a `Dataset` too.
+
+    Opening reads the manifest only. Scenes are read one by one, when they are asked for.
+    """
 
     folder: Path
     entries: tuple[SceneEntry, ...]
@@ -69,24 +75,24 @@ class Dataset:
 
     @property
     def title(self) -> str:
-        """What to call the set in a sentence."""
+        """Name of the set in a sentence, in its messages and tables."""
         return "corpus"
 
     @property
     def place(self) -> Path:
-        """The folder."""
+        """Folder of the set."""
         return self.folder
 
     def of_split(self, split: Split) -> Dataset:
-        """The scenes for training, or those for testing."""
+        """Select the scenes for training, or those for testing; their order stays."""
         return Dataset(self.folder, tuple(e for e in self.entries if e.split == split))
 
     def select(self, indices: Container[int]) -> Dataset:
-        """The scenes whose numbers are among these."""
+        """Select the scenes whose numbers are among these, as far as they are there."""
         return Dataset(self.folder, tuple(e for e in self.entries if e.index in indices))
 
     def path(self, entry: SceneEntry) -> Path:
-        """The file of a scene."""
+        """File of a scene; it may be missing while a build is under way."""
         return self.folder / entry.file
 
     def read(self, entry: SceneEntry) -> Scene:
@@ -97,6 +103,7 @@ class Dataset:
         """
         path = self.path(entry)
         scene = read_scene(path)
+        # Reading has checked that it is a scene; this checks that it is the one that was made.
         if _sha256(path) != entry.sha256:
             raise DatasetError(
                 f"scene file {str(path)!r} is not the one that the manifest lists (another "
@@ -114,7 +121,7 @@ class Dataset:
 
 
 def open_dataset(folder: str | Path) -> Dataset:
-    """The dataset in a folder, whole or as far as its build has come.
+    """Open the dataset in a folder, whole or as far as its build has come.
 
     Raises:
         DatasetError: If there is none, or its manifest cannot be read.
@@ -130,7 +137,14 @@ def open_dataset(folder: str | Path) -> Dataset:
 
 
 def shortfall(dataset: Dataset) -> str | None:
-    """What a folder lacks of the corpus, in one line; None where it holds all of it."""
+    """Describe in one line which scenes of the corpus a folder lacks.
+
+    Args:
+        dataset: Dataset of the corpus.
+
+    Returns:
+        The line, which names the command that makes the others; None if all scenes are there.
+    """
     n_listed = len(dataset.entries)
     n_there = sum(dataset.path(entry).is_file() for entry in dataset.entries)
     if n_there == n_listed and n_there >= CORPUS_SIZE:
@@ -144,12 +158,13 @@ def shortfall(dataset: Dataset) -> str | None:
 
 
 def read_entries(folder: Path) -> tuple[SceneEntry, ...]:
-    """What is in a folder by its manifest and its journal, in the order of the numbers.
+    """Entries of a folder by its manifest and its journal, in the order of the numbers.
 
     Raises:
         DatasetError: If the manifest cannot be read.
     """
     entries = {entry.index: entry for entry in _read_manifest(folder)}
+    # The journal is newer: a rebuild may have replaced scenes that the manifest lists.
     entries |= {entry.index: entry for entry in _read_journal(folder)}
     return tuple(entries[index] for index in sorted(entries))
 
@@ -190,12 +205,17 @@ def _read_journal(folder: Path) -> Iterator[SceneEntry]:
 
 
 def journal_line(entry: SceneEntry) -> bytes:
-    """What the journal says of a scene that is finished."""
+    """Line of the journal for a scene that is finished; the line's end tells that it is whole."""
     return msgspec.json.encode(entry) + b"\n"
 
 
 def write_manifest(folder: Path, entries: Iterable[SceneEntry]) -> None:
-    """Write the manifest whole or not at all, one scene a line; equal entries give equal bytes."""
+    """Write the manifest whole or not at all, one scene a line; equal entries give equal bytes.
+
+    Args:
+        folder: Folder of the dataset.
+        entries: Entries of all its scenes, in any order.
+    """
     lines = (msgspec.json.encode(e) for e in sorted(entries, key=lambda entry: entry.index))
     head = f'{{"format":"{FORMAT}","version":{VERSION},"scenes":[\n'.encode()
     with replacing(folder / MANIFEST) as file:
@@ -205,6 +225,10 @@ def write_manifest(folder: Path, entries: Iterable[SceneEntry]) -> None:
 def make_scene(folder: Path, index: int) -> SceneEntry:
     """Curate one scene and write its file; the same bytes on every call.
 
+    Args:
+        folder: Folder of the dataset.
+        index: Number of the scene, which is its seed.
+
     Raises:
         OSError: If the file cannot be written.
     """
@@ -212,6 +236,7 @@ def make_scene(folder: Path, index: int) -> SceneEntry:
 
     try:
         scene = curate_scene(index)
+    # A note keeps the type of the error, and tells which of a thousand scenes it was.
     except Exception as error:
         error.add_note(f"while curating scene {index}")
         raise
@@ -230,14 +255,15 @@ def store_scene(
     Args:
         folder: Folder of the dataset.
         scene: The scene.
-        index: Its number in the dataset; None for a scene of the corpus, where that is its seed.
-        sources: What made it; None for the curation code that runs now.
-        attempt: Draws before this one that were rejected.
+        index: Its number in the dataset; None for a scene of the corpus, whose number is its seed.
+        sources: Digest of its origin; None for the curation code that runs now.
+        attempt: Number of draws before this one that were rejected.
 
     Returns:
-        What the manifest should say of it.
+        Entry for the manifest.
     """
     file = f"{SCENES}/{scene.scene_id}.json.gz"
+    # The file first: an entry without its file would describe a scene that does not exist.
     write_scene(scene, folder / file)
     return SceneEntry(
         **msgspec.structs.asdict(summarise(scene, scene.seed if index is None else index)),
@@ -249,7 +275,7 @@ def store_scene(
 
 
 def is_whole(folder: Path, entry: SceneEntry) -> bool:
-    """Whether a scene's file is there, byte for byte."""
+    """Return true if a scene's file is there, byte for byte; a file that cannot be read is not."""
     try:
         return _sha256(folder / entry.file) == entry.sha256
     except OSError:

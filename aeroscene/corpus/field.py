@@ -1,4 +1,4 @@
-"""The scene `field`: open, flat and without obstacles, for flights that need nothing but room."""
+"""The scene `field`: open, flat and without obstacles, for flights that need only space."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ _HALF_M, _CEILING_M = 100.0, 60.0
 _LAWN_M: Vector3 = (60.0, 60.0, 0.1)
 _PAD_M: Vector3 = (2.6, 2.6, 0.06)
 _TARGET_ENU_M = (18.0, 12.0)
-"""Centre of the pad to land on; the one to start from is at the origin."""
+"""Centre of the pad to land on; the pad to start from is at the origin."""
 
 
 def field_scene() -> Scene:
-    """A lawn in an open plain, with a pad to start from and one to land on; the same every time."""
+    """A lawn in an open plain, with a pad to start from and one to land on; always the same."""
     lawn_m = _LAWN_M[2]
     return Scene(
         scene_id=FIELD_NAME,
@@ -42,7 +42,7 @@ def field_scene() -> Scene:
 def _upright(
     number: int, category: str, foot_enu_m: Vector3, size_m: Vector3, **attributes: bool
 ) -> SceneObject:
-    """An upright box by the middle of its lower face."""
+    """An upright box, given by the middle of its lower face."""
     x, y, z = foot_enu_m
     return SceneObject(
         id=number,
@@ -58,6 +58,7 @@ def _upright(
 def _area_on_target(top_m: float) -> InteractionArea:
     """The whole upper face of the pad to land on."""
     (x, y), half_m = _TARGET_ENU_M, _PAD_M[0] / 2
+    # Counter-clockwise from above, as the schema asks for.
     corners = ((-half_m, -half_m), (half_m, -half_m), (half_m, half_m), (-half_m, half_m))
     return InteractionArea(
         id=0,

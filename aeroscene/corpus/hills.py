@@ -1,4 +1,4 @@
-"""The scene `hills`: slopes, terraces and a hollow with houses and trees; the same every time."""
+"""The scene `hills`: slopes, terraces and a hollow with houses and trees; always the same."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _PAD_M, _PAD_RISE_M = 2.6, 0.06
 _HOUSES = (((4.0, -24.0), 0.4, (9.0, 12.0, 5.6)), ((-26.0, 20.0), -0.5, (8.0, 10.0, 4.8)))
 """Place, heading and size of each house."""
 _LEVEL = ((_START, 4.0), (_TARGET, 8.0), *((place, 9.0) for place, _, _ in _HOUSES))
-"""Level ground: its middle and its radius."""
+"""Middle and radius of each piece of level ground."""
 _BANK_M = 9.0
 """Width of the bank around level ground."""
 _N_TREES = 40
@@ -56,12 +56,13 @@ def hills_scene() -> Scene:
 
 
 def _relief() -> Relief:
-    """A slope to the north-east with a knoll, a hollow and ripples, level where things stand."""
+    """A slope to the north-east with a knoll, a hollow and ripples, level below pads and houses."""
     line = np.arange(-_HALF_M, _HALF_M + _SPACING_M / 2, _SPACING_M)
     x, y = line[None, :], line[:, None]
     heights = _open_land_m(x, y)
     for (east, north), radius_m in _LEVEL:
         share = np.clip((np.hypot(x - east, y - north) - radius_m) / _BANK_M, 0.0, 1.0)
+        # A smooth step: without it the bank would have edges at its top and foot.
         share = share**2 * (3.0 - 2.0 * share)
         level_m = float(_open_land_m(np.array(east), np.array(north)))
         heights = level_m + share * (heights - level_m)
@@ -113,7 +114,9 @@ def _standing(
     """An upright object on the lowest ground below it."""
     box = OrientedBox(p=(*place, 0.0), q=quat_from_yaw(yaw_rad), s=size_m)
     corners = np.vstack([box.corners()[:, :2], place])
+    # Houses are sunk to the lowest ground below them, so that no corner hangs in the air.
     foot_m = float(relief.height_m(*corners.T).min())
+    # A trunk is thin: the ground at its middle counts.
     if category == "tree":
         foot_m = float(relief.height_m(*place)) - 0.1
     z = round(foot_m + size_m[2] / 2, 4)

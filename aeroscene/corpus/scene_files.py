@@ -1,4 +1,4 @@
-"""Any folder of scene files, without a manifest: what `aeroscene generate` writes, say."""
+"""Folders of scene files without a manifest, such as those that `aeroscene generate` writes."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from aeroscene.scene.io import read_scene
 
 
 class FileEntry(SceneSummary, frozen=True, kw_only=True):
-    """What there is to know of a scene file; its index is its place among the names."""
+    """Summary of a scene file; its index is its place among the names."""
 
     file: str
     """Name in the folder."""
@@ -31,16 +31,16 @@ class SceneFiles:
 
     @property
     def title(self) -> str:
-        """What to call the set in a sentence."""
+        """Name of the set in a sentence."""
         return "folder"
 
     @property
     def place(self) -> Path:
-        """The folder."""
+        """Folder of the set."""
         return self.folder
 
     def select(self, indices: Container[int]) -> SceneFiles:
-        """The scenes whose numbers are among these."""
+        """Select the scenes whose places among the names are among these."""
         return SceneFiles(self.folder, tuple(e for e in self.entries if e.index in indices))
 
     def read(self, entry: FileEntry) -> Scene:
@@ -49,16 +49,23 @@ class SceneFiles:
         Raises:
             SceneError: If the file is missing, damaged, or no scene.
         """
+        # Generated files may lack areas, which are derived as they are read.
         return read_scene(self.folder / entry.file, derive_interaction_areas)
 
 
 def open_folder(folder: str | Path) -> Dataset | SceneFiles:
-    """The scenes in a folder: a dataset where it has a manifest, else all its scene files.
+    """Open the scenes in a folder: a dataset if it has a manifest, else all its scene files.
+
+    Without a manifest every file is read, because nothing else says what it contains.
+
+    Args:
+        folder: The folder.
 
     Raises:
         SceneError: If there is neither, or one of the files is no scene.
     """
     folder = Path(folder)
+    # Without scene files the error of a missing dataset is the one that helps.
     names = [] if is_dataset(folder) or not folder.is_dir() else _scene_files(folder)
     if not names:
         return open_dataset(folder)
@@ -66,7 +73,7 @@ def open_folder(folder: str | Path) -> Dataset | SceneFiles:
 
 
 def is_dataset(folder: Path) -> bool:
-    """Whether a folder holds a dataset, whole or as far as its build has come."""
+    """Return true if a folder holds a dataset, whole or as far as its build has come."""
     return any((folder / name).exists() for name in (MANIFEST, JOURNAL))
 
 

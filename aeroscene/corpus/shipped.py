@@ -1,6 +1,6 @@
 """The scenes that ship: a zip file of scene documents, each opened by its number.
 
-    provenance.json     what made the scenes, a `Provenance`
+    provenance.json     origin of the scenes, a `Provenance`
     summaries.json      a `SceneSummary` of each scene, in the order of their numbers
     scenes/0042.json    scene 42 as `scene.io` writes it, without the corners of the boxes
 
@@ -43,19 +43,20 @@ class ArchiveError(SceneError):
 
 
 class Provenance(msgspec.Struct, frozen=True, kw_only=True):
-    """What made the scenes of an archive."""
+    """Origin of the scenes of an archive."""
 
     generator: str
     """Name of the maker: the preset of the model, or curation."""
     checkpoint: str
     """SHA-256 of the file with the weights, hexadecimal; empty if there are none."""
     code: str
-    """Version of the package and digest of the sources that determine a scene."""
+    """Version of the package, and digest of the sources that determine a scene."""
     environment: Mapping[str, str]
     """Versions of libraries, device and system, which determine a scene to the last bit."""
     attempts: Mapping[int, int]
-    """Draws that were rejected before the one that ships, by number of scene, where there were
-    any. The seed of a draw is the scene's seed with the number of the attempt."""
+    """Number of draws that were rejected before the one that ships, by number of scene, if there
+    were any. The seed of a draw is the scene's seed with the number of the attempt.
+    """
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,13 +64,13 @@ class ArchivedScenes:
     """Scenes of an archive, all of them or some."""
 
     place: Path
-    """The archive."""
+    """Archive of the set."""
     entries: tuple[SceneSummary, ...]
     """Scenes, in the order of their numbers."""
 
     @property
     def title(self) -> str:
-        """What to call the set in a sentence."""
+        """Name of the set in a sentence."""
         return "shipped scenes"
 
     def of_split(self, split: Split) -> ArchivedScenes:
@@ -98,7 +99,10 @@ class ArchivedScenes:
 
 
 def open_shipped(path: Path | None = None) -> ArchivedScenes:
-    """All scenes of an archive; None stands for the one that comes with the package.
+    """Open all scenes of an archive.
+
+    Args:
+        path: Archive; None stands for the one that comes with the package.
 
     Raises:
         ArchiveError: If the archive is missing or damaged.
@@ -112,10 +116,10 @@ def open_shipped(path: Path | None = None) -> ArchivedScenes:
 
 
 def read_shipped(number: int) -> Scene:
-    """One of the scenes that come with the package, validated: the same on every machine.
+    """Read one of the scenes that come with the package, validated: the same on every machine.
 
     Args:
-        number: From 0 to 1015.
+        number: Number of the scene, 0 to 1015.
 
     Raises:
         SceneError: If there is no such scene, or the archive is missing or damaged.
@@ -125,13 +129,18 @@ def read_shipped(number: int) -> Scene:
 
 @cache
 def shipped_digest() -> str:
-    """SHA-256 of the archive in this package, hexadecimal: which scenes the numbers name."""
+    """SHA-256 of the archive in this package, hexadecimal: it identifies all its scenes."""
     with SHIPPED.open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def write_archive(path: Path, scenes: Iterable[Scene], provenance: Provenance) -> int:
     """Write scenes 0, 1, 2 ... whole or not at all; equal scenes give equal files.
+
+    Args:
+        path: Archive to be replaced.
+        scenes: Scenes in the order of their numbers.
+        provenance: Origin of the scenes.
 
     Returns:
         Size of the file, bytes.
@@ -143,6 +152,7 @@ def write_archive(path: Path, scenes: Iterable[Scene], provenance: Provenance) -
     with replacing(path) as file:
         with ZipFile(file, "w", ZIP_DEFLATED, compresslevel=9) as archive:
             for number, scene in enumerate(scenes):
+                # Corners follow from the boxes; leaving them out makes the archive smaller.
                 text = scene_to_json(scene, with_corners=False)
                 _add(archive, f"scenes/{number:04d}.json", text)
                 summaries.append(summarise(scene, number))
@@ -170,6 +180,7 @@ def _member(path: Path, name: str) -> bytes:
     try:
         archive = _opened(path)
         info = archive.getinfo(name)
+        # A forged size would otherwise fill the memory before it is compared.
         if info.file_size > MOST_JSON_BYTES:
             _damaged(path)
         return archive.read(info)

@@ -1,4 +1,4 @@
-"""What there is to know of scenes without opening them, and sets of scenes that tell it."""
+"""Summaries of scenes, and sets of scenes that have one for each."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ Split = Literal["train", "test"]
 
 
 class SceneSummary(msgspec.Struct, frozen=True, kw_only=True):
-    """What there is to know of a scene without opening it."""
+    """Facts about a scene that are known without opening it."""
 
     index: int
-    """Number of the scene in its set."""
+    """Number of the scene in its set, from 0; it decides on the split."""
     scene_id: str
     split: Split
     domain: SceneDomain
@@ -27,14 +27,14 @@ class SceneSummary(msgspec.Struct, frozen=True, kw_only=True):
     n_coarse: int
     n_fine: int
     n_small: int
-    """Landing areas by the largest class of drone that fits."""
+    """Number of landing areas whose largest class of drone is small."""
     n_medium: int
     n_large: int
     n_perching: int
 
     @property
     def n_landing(self) -> int:
-        """Landing areas of all classes."""
+        """Number of landing areas of all classes; perching areas are not among them."""
         return self.n_small + self.n_medium + self.n_large
 
 
@@ -42,25 +42,29 @@ Entry = TypeVar("Entry", bound=SceneSummary)
 
 
 class SceneSet(Protocol[Entry]):
-    """Scenes that are read one by one: a dataset in a folder, or the scenes that ship."""
+    """Scenes that are read one by one: a dataset in a folder, or the scenes that ship.
+
+    Metrics and the learner take any set; a set is cheap to pass to other processes, because it
+    holds summaries only.
+    """
 
     @property
     def title(self) -> str:
-        """What to call the set in a sentence."""
+        """Name of the set in a sentence, such as "corpus" or "folder"."""
         ...
 
     @property
     def place(self) -> Path:
-        """Folder or file that holds it."""
+        """Folder or file that holds the set, for messages."""
         ...
 
     @property
     def entries(self) -> Sequence[Entry]:
-        """Scenes, in the order of their numbers."""
+        """Summaries of the scenes, in the order of their numbers."""
         ...
 
     def select(self, indices: Container[int]) -> SceneSet[Entry]:
-        """The scenes whose numbers are among these; with none, what a process needs to read."""
+        """Select scenes by their numbers; with none, all that a process needs to read."""
         ...
 
     def read(self, entry: Entry) -> Scene:
@@ -73,7 +77,12 @@ class SceneSet(Protocol[Entry]):
 
 
 def summarise(scene: Scene, index: int) -> SceneSummary:
-    """What there is to know of a scene that has this number in its set."""
+    """Summarise a scene.
+
+    Args:
+        scene: The scene, with its areas.
+        index: Its number in the set, which decides on the split.
+    """
     n_coarse = sum(obj.is_coarse for obj in scene.objects)
     n_landing = Counter(area.drone_class for area in scene.landing_areas)
     return SceneSummary(
@@ -82,6 +91,7 @@ def summarise(scene: Scene, index: int) -> SceneSummary:
         split=scene_split(index),
         domain=scene.domain,
         n_objects=len(scene.objects),
+        # A counter gives 0 for a class that no area has.
         n_coarse=n_coarse,
         n_fine=len(scene.objects) - n_coarse,
         n_small=n_landing["small"],

@@ -1,4 +1,8 @@
-"""Projection of a sampled scene to one that can be flown, at the least displacement."""
+"""Projection of a sampled scene to one that can be built and flown, at the least displacement.
+
+A model samples boxes that overlap a little, float or sink. The projection moves, cuts or drops as
+little as it can until every object is free and supported, and derives the landing areas.
+"""
 
 from aeroscene.feasibility.projection import FeasibilityCfg, Feasible, make_feasible
 from aeroscene.feasibility.report import FeasibilityReport

@@ -1,6 +1,7 @@
 """Boxes of a scene as arrays, and the depths of their overlaps.
 
-Objects of a scene stand upright; a box that tilts is taken by its heading alone.
+Objects of a scene stand upright. A tilted box counts by its heading alone, because separating
+footprints and heights apart is far cheaper than the general case.
 """
 
 from __future__ import annotations
@@ -26,10 +27,11 @@ class Boxes:
     """Half extents along the box's own axes."""
     yaw_rad: Float[np.ndarray, " n"]
     parent: Int[np.ndarray, " n"]
-    """Row of the parent, -1 without one."""
+    """Row of the parent; -1 without one."""
     is_kin: Bool[np.ndarray, "n n"]
-    """Whether two are the same, or one is the other's ancestor, or another tile of a room that is:
-    such may overlap."""
+    """Pairs that may overlap: equal objects, ancestor and descendant, and the tiles of a room with
+    whatever may overlap one of them.
+    """
 
     def __len__(self) -> int:
         return len(self.yaw_rad)
@@ -49,29 +51,34 @@ class Boxes:
 
     @property
     def base_m(self) -> Float[np.ndarray, " n"]:
-        """Heights of the undersides."""
+        """Heights of the undersides, m."""
         return self.centre_m[:, 2] - self.half_m[:, 2]
 
     @property
     def top_m(self) -> Float[np.ndarray, " n"]:
-        """Heights of the upper faces."""
+        """Heights of the upper faces, m."""
         return self.centre_m[:, 2] + self.half_m[:, 2]
 
     def copy(self) -> Boxes:
-        """Boxes that can be moved without moving these."""
+        """Copy that can be moved without moving the original."""
         return Boxes(
             self.centre_m.copy(), self.half_m.copy(), self.yaw_rad.copy(), self.parent, self.is_kin
         )
 
     def corners(self) -> Float[np.ndarray, "n 4 2"]:
-        """Corners of the footprints, counter-clockwise."""
+        """Corners of the footprints, counter-clockwise, m."""
         axes = self.axes_of(np.arange(len(self))) * self.half_m[:, :2, None]
         x, y = axes[:, 0], axes[:, 1]
         return self.centre_m[:, None, :2] + np.stack([x + y, y - x, -x - y, x - y], axis=1)
 
 
 def boxes_of(objects: Sequence[SceneObject]) -> Boxes:
-    """The boxes of objects of which parents come before their children."""
+    """Arrays of the boxes of some objects.
+
+    Args:
+        objects: Objects, parents before their children; the parents of all of them must be
+            included.
+    """
     n = len(objects)
     row = {obj.id: i for i, obj in enumerate(objects)}
     parent = np.array(
@@ -91,7 +98,7 @@ def strangers(
     half_m: Float[np.ndarray, "n 3"],
     yaw_rad: Float[np.ndarray, " n"],
 ) -> Boxes:
-    """Boxes that belong to no object: air to be left free."""
+    """Boxes that belong to no object, such as air that has to stay free; kin of each other."""
     n = len(yaw_rad)
     return Boxes(centre_m, half_m, yaw_rad, np.full(n, -1), np.ones((n, n), dtype=bool))
 
@@ -99,7 +106,7 @@ def strangers(
 def kinship(
     parent: Int[np.ndarray, " n"], tile_group: Int[np.ndarray, " n"]
 ) -> Bool[np.ndarray, "n n"]:
-    """Whether each pair is the same object, or ancestor and descendant; a room is all its tiles."""
+    """True for pairs of the same object, or of ancestor and descendant; a room is all its tiles."""
     is_kin = np.eye(len(parent), dtype=bool)
     for row in range(len(parent)):
         above = int(parent[row])
@@ -113,7 +120,12 @@ def kinship(
 
 
 def joined(boxes: Boxes, obstacles: Boxes | None) -> Boxes:
-    """Boxes with others, strangers to all, behind them; a copy."""
+    """Boxes with others behind them that are strangers to all of the first; a copy.
+
+    Args:
+        boxes: Boxes of objects.
+        obstacles: Further boxes; their rows follow those of the objects.
+    """
     if obstacles is None or not len(obstacles):
         return boxes.copy()
     n, total = len(boxes), len(boxes) + len(obstacles)
@@ -131,14 +143,14 @@ def joined(boxes: Boxes, obstacles: Boxes | None) -> Boxes:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Overlaps:
-    """Pairs of boxes that overlap and must not."""
+    """Pairs of boxes that overlap although they must not."""
 
     pairs: Int[np.ndarray, "k 2"]
     depth_m: Float[np.ndarray, " k"]
-    """Least way, along the plane or the vertical, that parts the two."""
+    """Shortest translation, in the plane or along the vertical, that separates each pair."""
 
     def by_box(self, n: int) -> Float[np.ndarray, " n"]:
-        """The deepest overlap of each of n boxes, 0 without one."""
+        """Depth of the deepest overlap of each of n boxes; 0 without one."""
         deepest = np.zeros(n)
         for column in self.pairs.T:
             np.maximum.at(deepest, column, self.depth_m)
@@ -148,7 +160,13 @@ class Overlaps:
 def forbidden_overlaps(
     boxes: Boxes, least_m: float = 0.0, is_left: Bool[np.ndarray, " n"] | None = None
 ) -> Overlaps:
-    """Pairs that are not kin and overlap by more than `least_m`, of all or of those left."""
+    """Find pairs that are not kin and overlap.
+
+    Args:
+        boxes: Boxes.
+        least_m: Depth up to which an overlap does not count.
+        is_left: Boxes that are considered; all by default.
+    """
     first, second = np.triu_indices(len(boxes), 1)
     is_stranger = ~boxes.is_kin[first, second]
     if is_left is not None:
@@ -156,6 +174,7 @@ def forbidden_overlaps(
     first, second = first[is_stranger], second[is_stranger]
     rise = boxes.half_m[first, 2] + boxes.half_m[second, 2]
     rise -= np.abs(boxes.centre_m[second, 2] - boxes.centre_m[first, 2])
+    # Circles around footprints leave few pairs for the exact test.
     reach = np.hypot(boxes.half_m[:, 0], boxes.half_m[:, 1])
     offset = boxes.centre_m[second, :2] - boxes.centre_m[first, :2]
     near = (rise > least_m) & (np.hypot(*offset.T) < reach[first] + reach[second])
@@ -168,16 +187,23 @@ def forbidden_overlaps(
 def footprint_depth(
     boxes: Boxes, first: Int[np.ndarray, " k"], second: Int[np.ndarray, " k"]
 ) -> Float[np.ndarray, " k"]:
-    """Depth of the overlap of footprints along the best separating axis, m."""
+    """Depth in m to which footprints overlap along the best separating axis; negative if apart."""
     return -separation(boxes, first, second)[0]
 
 
 def separation(
     boxes: Boxes, first: Int[np.ndarray, " k"], second: Int[np.ndarray, " k"]
 ) -> tuple[Float[np.ndarray, " k"], Float[np.ndarray, "k 2"]]:
-    """The widest gap between footprints along an axis of either, and its normal from the first.
+    """Widest gap between footprints along an axis of either box, and its direction.
 
-    The gap is negative where they overlap.
+    Args:
+        boxes: Boxes.
+        first: Rows of the first boxes.
+        second: Rows of the second boxes.
+
+    Returns:
+        Gap in m, negative if the footprints overlap, and the unit normal from the first to the
+        second box.
 
     Source: separating axes, Gottschalk, Lin and Manocha 1996, "OBBTree", in the plane.
     """
@@ -206,6 +232,6 @@ def separation(
 def reach_along(
     boxes: Boxes, rows: Int[np.ndarray, " k"], normal: Float[np.ndarray, "k 2"]
 ) -> Float[np.ndarray, " k"]:
-    """Half the extent of footprints along normals."""
+    """Half the extent of footprints along normals, m."""
     lean = np.abs(np.einsum("kai,ki->ka", boxes.axes_of(rows), normal))
     return np.einsum("ka,ka->k", lean, boxes.half_m[rows, :2])

@@ -1,7 +1,8 @@
 """The unknowns of a projection in the plane: displacements of objects, and cuts at their faces.
 
-Objects move with what they stand on, so a displacement counts relative to that. A cut takes a slice
-off one face of a box and moves nothing else.
+Objects move together with the object that carries them, so a displacement is relative to that. A
+cut takes a slice off one face of a box and moves nothing else. Cuts matter for surfaces: moving a
+lawn out of a road would carry its trees along, cutting it leaves them where they are.
 
 | symbol | name | unit |
 |---|---|---|
@@ -20,26 +21,40 @@ from aeroscene.feasibility.roles import cuttable, least_m
 from aeroscene.scene.catalogue import GROUND
 
 NARROW_M = 8.0
-"""Cuts of sides that are shorter than this cost more and may not go as deep."""
+"""Length of a side from which cuts cost less and may go deeper."""
 DEEPEST_CUT = (0.2, 0.6)
-"""Share of a side, narrow and wide, that both its cuts may take."""
+"""Share of a side, narrow and wide, that both its cuts together may take."""
 _CUT_COST = 0.3
-"""A metre cut off a wide side, in displaced objects."""
+"""Cost of a metre cut off a wide side, in displaced objects."""
 _NO_CUT_M = 1e-9
 _GROUND_FACTOR = 3.0
-"""Cost of moving ground, for which all else makes room, over that of moving its objects."""
+"""Cost of moving ground, relative to that of moving its objects: everything else makes room for it.
+"""
 
 
 class Changes:
-    """The unknowns, their costs, and rows of demands upon them."""
+    """The unknowns, their costs, and rows of demands on them.
+
+    Attributes:
+        carries: One if a movable object (column) carries an object (row), else zero.
+        width: Number of unknowns.
+        is_cuttable: True for objects that have cuts among the unknowns.
+        costs: Cost of a metre of each unknown.
+    """
 
     def __init__(self, layout: Layout, began: Boxes, movable: Int[np.ndarray, " m"]) -> None:
-        """Set up the unknowns; in `began`, obstacles stand behind the boxes of the layout."""
+        """Set up the unknowns.
+
+        Args:
+            layout: Layout to be changed.
+            began: Boxes before any change, with obstacles behind those of the layout.
+            movable: Rows of the objects that may move or be cut.
+        """
         n, m = len(layout.boxes), len(movable)
         self._began = began
         self._movable = movable
         self.carries: Float[np.ndarray, "n m"] = np.zeros((len(began), m))
-        """Whether a movable object (column) carries an object (row)."""
+        """One if a movable object (column) carries an object (row)."""
         self.carries[:n] = layout.moves_with[:, movable]
         is_cuttable = np.array([cuttable(layout.objects[row]) for row in movable], dtype=bool)
         self._cut_of, self._cut_axis = np.nonzero(is_cuttable.reshape(m, 2))
@@ -47,6 +62,7 @@ class Changes:
         spare = self._sides() - least[self._cut_of, self._cut_axis]
         self._spare_m: Float[np.ndarray, " c"] = spare.clip(min=0.0)
         c = len(self._cut_of)
+        # Two displacements for each movable object, and a cut at both ends of each cuttable side.
         self.width = 2 * m + 2 * c
         self._column = np.full((len(began), 4), -1)
         rows = movable[self._cut_of]
@@ -64,11 +80,11 @@ class Changes:
         return np.concatenate([moves, moves, cuts, cuts])
 
     def _sides(self) -> Float[np.ndarray, " c"]:
-        """Lengths of the sides that may be cut."""
+        """Lengths of the sides that may be cut, m."""
         return 2 * self._began.half_m[self._movable[self._cut_of], self._cut_axis]
 
     def sizes(self, x: Float[np.ndarray, " v"]) -> Float[np.ndarray, " v"]:
-        """Size of each change; both parts of a displacement count as one."""
+        """Size of each change; both components of a displacement count as one."""
         m = len(self._movable)
         moved = np.hypot(x[:m], x[m : 2 * m])
         return np.concatenate([moved, moved, np.abs(x[2 * m :])])
@@ -84,6 +100,7 @@ class Changes:
             # Contradicting demands may ask for more than there is.
             share = np.minimum(1.0, self._spare_m / np.maximum(high + low, _NO_CUT_M))
             high, low = high * share, low * share
+            # A cut at one end moves the middle by half of it, and shortens the half extent by half.
             offset = now.axes_of(rows)[np.arange(c), axis] * ((low - high) / 2)[:, None]
             np.add.at(now.centre_m[:, :2], rows, offset)
             np.subtract.at(now.half_m, (rows, axis), (high + low) / 2)
@@ -92,7 +109,7 @@ class Changes:
     def shifts(
         self, rows: Int[np.ndarray, " k"], normal: Float[np.ndarray, "k 2"]
     ) -> Float[np.ndarray, "k v"]:
-        """Displacements of objects along normals."""
+        """Coefficients of the unknowns in the displacements of objects along normals."""
         m = len(self._movable)
         found = np.zeros((len(rows), self.width))
         carries = self.carries[rows]
@@ -107,16 +124,17 @@ class Changes:
         normal: Float[np.ndarray, "k 2"],
         sign: float = 1.0,
     ) -> None:
-        """Add to demands what cuts at the faces of objects towards normals give."""
+        """Add to demands the room that cuts at the faces of objects towards normals give."""
         axes = self._began.axes_of(rows)
         for axis in range(2):
             lean = np.einsum("ki,ki->k", axes[:, axis], normal)
+            # The face that looks towards the normal.
             column = self._column[rows, np.where(lean > 0, axis, axis + 2)]
             k = np.flatnonzero(column >= 0)
             demands[k, column[k]] += sign * np.abs(lean[k])
 
     def cut_limits(self) -> tuple[Float[np.ndarray, "k v"], Float[np.ndarray, " k"]]:
-        """Demands that cuts take away, and not too much; with their bounds."""
+        """Demands that cuts are not negative, and not too deep; with their bounds."""
         m, c = len(self._movable), len(self._cut_of)
         demands = np.zeros((3 * c, self.width))
         demands[:, 2 * m :] = np.vstack([np.eye(2 * c), -np.hstack([np.eye(c), np.eye(c)])])

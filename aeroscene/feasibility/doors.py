@@ -1,4 +1,4 @@
-"""Openings of walls fit into their walls, and let a drone through where a wall is large enough."""
+"""Openings: they fit into their walls, and let a drone pass if the wall is large enough."""
 
 from __future__ import annotations
 
@@ -15,29 +15,29 @@ from aeroscene.scene import AttributeValue, OrientedBox
 from aeroscene.scene.catalogue import WALLS
 
 _JAMB_M = 0.15
-"""Least wall beside an opening."""
+"""Least width of wall beside an opening."""
 _LEAST_DOOR_M = (1.65, 2.2)
-"""Width and height that a drone flies through with some room to spare: an Iris takes 1.6 m."""
+"""Width and height through which a drone flies with some margin: an Iris takes 1.6 m."""
 _CORPUS_DOOR_M = 1.5
 """Width of the doors of the corpus' partitions, which stay as they are."""
 _LINTEL_M = 0.05
 _SAME_M = 1e-4
-"""Lengths that documents do not tell apart."""
+"""Difference up to which lengths are equal in documents."""
 _APRON_M = 1.3
-"""Depth of the air that stays free on either side, as curation keeps it."""
+"""Depth of the air that stays free on either side, as in curation."""
 _LEAST_APRON_M = 0.3
-"""The same where a room is too small: a step, which real bedrooms leave before their bed."""
+"""The same in a room that is too small: a step, which real bedrooms leave before their bed."""
 _SILL_M = 0.1
 """Height below which an object before a door is not in the way."""
 
 
 def door_air(layout: Layout) -> Boxes:
-    """The air before and behind each door of a wall, which furniture leaves free."""
+    """The air before and behind each door of a wall, which furniture has to leave free."""
     return _boxes_of(list(_airs(layout).values()))
 
 
 def yield_to_furniture(layout: Layout) -> None:
-    """Let doors have less air where a room has no place for what stands in it.
+    """Give doors less air if a room has no place for the furniture in it.
 
     A bed in the doorway of a small bedroom stays: its door keeps the air down to the bed, but never
     less than a step.
@@ -47,6 +47,7 @@ def yield_to_furniture(layout: Layout) -> None:
     pairs = layout.overlaps(TOUCH_M, obstacles).pairs
     found = [(row, walls[other - n]) for row, other in pairs.tolist() if row < n <= other]
     for row, wall in found:
+        # Furniture that finds a place elsewhere moves there instead.
         if not layout.is_fine[row] or find_place(layout, row, int(layout.host[row]), obstacles):
             continue
         clear_m = max(_clear_m(layout, row, wall), _LEAST_APRON_M)
@@ -77,7 +78,7 @@ def _boxes_of(air: Sequence[OrientedBox]) -> Boxes:
 
 
 def _clear_m(layout: Layout, row: int, wall: int) -> float:
-    """Distance of an object from the middle of a wall, across it."""
+    """Distance of an object from the middle of a wall, across the wall, m."""
     boxes = layout.boxes
     across = boxes.frame(wall)[0]
     offset_m = float(across @ (boxes.centre_m[row, :2] - boxes.centre_m[wall, :2]))
@@ -88,20 +89,30 @@ def _clear_m(layout: Layout, row: int, wall: int) -> float:
 def air_of(
     wall: OrientedBox, openings: Mapping[str, AttributeValue], apron_m: float = _APRON_M
 ) -> OrientedBox | None:
-    """The air before and behind the door of a wall, so deep on either side; None without a door."""
+    """Box of air before and behind the door of a wall.
+
+    Args:
+        wall: Box of the wall, which runs along its own y.
+        openings: Attributes of the wall.
+        apron_m: Depth of the air on either side.
+
+    Returns:
+        The box, or None for a wall without a door.
+    """
     width = openings.get("door_m", 0.0)
     if not isinstance(width, int | float) or width <= 0:
         return None
     offset_m, yaw_rad = float(openings.get("door_offset_m", 0.0)), wall.yaw_rad
     x = wall.p[0] - math.sin(yaw_rad) * offset_m
     y = wall.p[1] + math.cos(yaw_rad) * offset_m
+    # The air begins above thresholds and carpets.
     height_m = _LEAST_DOOR_M[1] - _SILL_M
     z = wall.p[2] - wall.s[2] / 2 + _SILL_M + height_m / 2
     return OrientedBox((x, y, z), wall.q, (2 * apron_m, float(width) + 0.2, height_m))
 
 
 def fit_openings(layout: Layout) -> None:
-    """Clamp doors and windows to the walls as they have become."""
+    """Clamp doors and windows to the walls in their present sizes."""
     for row in layout.rows(WALLS):
         own = layout.objects[row].attributes
         _, length, height = (2 * layout.boxes.half_m[row]).tolist()
@@ -120,9 +131,11 @@ def _fit(
     if not isinstance(width, int | float) or width <= 0:
         return
     widest = length_m - 2 * _JAMB_M
+    # Doors of a model are widened to a drone; those of the corpus are not.
     is_ours = name == "door" and abs(float(width) - _CORPUS_DOOR_M) > _SAME_M
     least = _LEAST_DOOR_M[0] if is_ours else 0.0
     fitted = min(max(float(width), least), widest)
+    # A wall without room for an opening loses it.
     if fitted <= 0:
         for key in ("m", "offset_m", "height_m", "sill_m"):
             attributes.pop(f"{name}_{key}", None)
@@ -144,7 +157,7 @@ def _fit_head(attributes: dict[str, AttributeValue], name: str, height_m: float)
 
 
 def _set(attributes: dict[str, AttributeValue], key: str, value: float) -> None:
-    """Write a length if it has changed by more than documents tell."""
+    """Write a length if it has changed by more than documents can show."""
     old = attributes.get(key)
     if not isinstance(old, int | float) or abs(float(old) - value) > _SAME_M:
         attributes[key] = round(value, 4)

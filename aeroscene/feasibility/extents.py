@@ -1,4 +1,4 @@
-"""The flight volume: it holds what lies a little beyond it; indoors it is the building, if any."""
+"""The flight volume: it includes ground a little beyond it; indoors it fits the building."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from aeroscene.feasibility.layout import Layout
 from aeroscene.scene.catalogue import BUILDINGS
 
 _MOST_GROWTH_M = 4.0
-"""Greatest distance that each side of an open flight volume moves out for ground beyond it."""
+"""Greatest distance by which each side of an open flight volume moves out for ground beyond it."""
 _MOST_SIDE_M = 100.0
 _HEADROOM_M = 10.0
-"""Flight volume above the highest thing under open sky."""
+"""Height of the flight volume above the highest object under open sky."""
 _SAME_M = 1e-3
 
 
 def fit_extent(layout: Layout) -> None:
-    """Move the sides of the flight volume, before anything is pushed back into it."""
+    """Set the sides of the flight volume, before anything is pushed back into it."""
     shell = _shell(layout)
     if shell is None:
         _grow(layout)
@@ -27,9 +27,9 @@ def fit_extent(layout: Layout) -> None:
 
 
 def _shell(layout: Layout) -> int | None:
-    """The largest building of an indoor scene; None where the scene lies under open sky.
+    """Row of the largest building of an indoor scene; None for a scene under open sky.
 
-    Rooms of other layouts stand side by side on the ground, with a yard about them.
+    Rooms of other layouts lie side by side on the ground, with a yard around them.
     """
     if layout.scene.domain != "indoor":
         return None
@@ -38,7 +38,7 @@ def _shell(layout: Layout) -> int | None:
 
 
 def _hug(layout: Layout, shell: int) -> None:
-    """A building's outline, from the ground to the top of its roof."""
+    """Fit the volume to a building's outline, from the ground to the top of its roof."""
     boxes = layout.boxes
     corners = boxes.corners()[shell]
     low, high = corners.min(axis=0), corners.max(axis=0)
@@ -61,7 +61,7 @@ def _grow(layout: Layout) -> None:
 
 
 def hold_all(layout: Layout) -> None:
-    """Move the sides of the flight volume out to what is still beyond them, and raise the sky."""
+    """Move the sides of the flight volume out to objects still beyond them; raise the sky."""
     if not layout.is_left.any():
         return
     boxes, (low, high) = layout.boxes, layout.extent_m.copy()
@@ -78,6 +78,7 @@ def _widen(layout: Layout, low: np.ndarray, high: np.ndarray) -> None:
     """Set the sides that differ, to the millimetre; a relief has to lie below all of the volume."""
     if (relief := layout.scene.relief) is not None:
         spans = np.array([relief.span_m(axis) for axis in range(2)])
+        # Beyond the relief the ground is not known, so the volume must not extend further.
         low = np.array([*np.maximum(low[:2], spans[:, 0]), min(low[2], relief.min_m)])
         highest_m = max(high[2], ceil(relief.max_m + _HEADROOM_M))
         high = np.array([*np.minimum(high[:2], spans[:, 1]), highest_m])

@@ -1,4 +1,7 @@
-"""The ground on which each building, container or hill stands that is no part of anything."""
+"""Ground of roots: the lawn or terrace below each building, container or hill without a parent.
+
+Roots move with their ground and stand at its height, although no field of the schema names it.
+"""
 
 from __future__ import annotations
 
@@ -9,11 +12,11 @@ from aeroscene.feasibility.roles import BEARING
 from aeroscene.scene.catalogue import BRIDGES, COVERS, TERRAIN
 
 _HOSTED = 0.5
-"""Share of a root's outline that lies on ground which bears it."""
+"""Least share of a root's outline on the ground that carries it."""
 _REACH_M = 1.0
-"""A root further than this above or below some ground does not stand on it."""
+"""Distance above or below some ground from which a root does not stand on it."""
 _STEEPNESS = 0.4
-"""A metre of difference in height counts as much as this share of the outline."""
+"""Share of the outline that outweighs a metre of difference in height."""
 
 
 def find_ground(layout: Layout) -> None:
@@ -28,14 +31,16 @@ def find_ground(layout: Layout) -> None:
 
 
 def _best_ground(layout: Layout, row: int, grounds: list[int]) -> int:
-    """The ground on most of which a root lies, at about its height; -1 for the bare earth."""
+    """The ground below most of a root, at about its height; -1 for the bare earth."""
     boxes, best, found = layout.boxes, 0.0, -1
     is_terrain = layout.objects[row].category in TERRAIN
     for ground in grounds:
+        # Neither ground that the root itself carries, nor a hill below a hill.
         if row in layout.chain(ground) or (is_terrain and _is_hill(layout, ground)):
             continue
         share = covered(layout, row, ground)
         off_m = abs(float(boxes.base_m[row] - boxes.top_m[ground]))
+        # Within a hill a root may begin anywhere below the top.
         if _is_hill(layout, ground):
             off_m = max(0.0, float(boxes.base_m[row] - boxes.top_m[ground]))
         score = share - _STEEPNESS * off_m
@@ -49,7 +54,7 @@ def _is_hill(layout: Layout, row: int) -> bool:
 
 
 def covered(layout: Layout, row: int, ground: int) -> float:
-    """Share of an outline that lies over ground, from a grid of points."""
+    """Share of an outline that lies over ground, from a grid of 49 points."""
     boxes = layout.boxes
     steps = np.linspace(-0.9, 0.9, 7)
     u, v = np.meshgrid(steps, steps)

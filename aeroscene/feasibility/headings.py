@@ -1,4 +1,8 @@
-"""Headings: parts of a building stand square in it, and what was meant square is made so."""
+"""Headings: parts of a building are made square to it, and so are objects that nearly are.
+
+Sampled headings are slightly off. A slanted wall cannot meet its neighbours, so parts of a building
+are always squared. Other coarse objects are squared only if they overlap and are slightly off.
+"""
 
 from __future__ import annotations
 
@@ -10,14 +14,14 @@ from aeroscene.feasibility.layout import Layout
 from aeroscene.scene.catalogue import BUILDING_PARTS, BUILDINGS
 
 _SLIGHT_RAD = math.radians(9.0)
-"""Coarse objects that overlap others are turned square to what they stand on if off by less."""
+"""Angle up to which a coarse object in conflict is turned square to its base."""
 _LEAST_RAD = 1e-4
 _QUARTER = math.pi / 2
 _TOUCH_M = 0.001
 
 
 def square_up(layout: Layout) -> None:
-    """Turn coarse objects that are nearly square to what they stand on, where it matters."""
+    """Turn coarse objects that are nearly square to their base, if it matters."""
     overlaps = layout.overlaps(_TOUCH_M)
     in_conflict = set(np.unique(overlaps.pairs).tolist())
     site_rad = _site_heading_rad(layout)
@@ -27,6 +31,8 @@ def square_up(layout: Layout) -> None:
         parent, host = layout.parent_of(row), int(layout.host[row])
         to_rad = site_rad if host < 0 else float(layout.boxes.yaw_rad[host])
         off_rad = math.remainder(float(layout.boxes.yaw_rad[row]) - to_rad, _QUARTER)
+        # Parts of a building always, whatever the angle; all others only if slightly off and in
+        # conflict.
         if parent is not None and parent.category in BUILDINGS:
             is_due = obj.category in BUILDING_PARTS
         else:
@@ -36,7 +42,7 @@ def square_up(layout: Layout) -> None:
 
 
 def _site_heading_rad(layout: Layout) -> float:
-    """The heading, up to quarter turns, that most of the ground plan by area shares."""
+    """Heading, up to quarter turns, that most of the ground plan shares by area."""
     boxes = layout.boxes
     roots = np.flatnonzero((layout.host < 0) & layout.is_left)
     if not len(roots):

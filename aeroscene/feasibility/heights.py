@@ -1,4 +1,9 @@
-"""Heights of objects: undersides are set onto the real surfaces that bear them."""
+"""Heights of objects: undersides are set onto the surfaces that carry them.
+
+Sampled heights are slightly off, so that objects float or sink. The surface follows from
+the shape of the bearer: the floor of a room, the slope of a roof, a shelf's board nearest to the
+sampled height.
+"""
 
 from __future__ import annotations
 
@@ -38,19 +43,25 @@ from aeroscene.validation.columns import spans
 DRAUGHT_M = 0.03
 """Height of a keel above the bed of its water."""
 _PATH_M = 0.02
-"""Height of the paving of a path above the slope that it climbs."""
+"""Height of a path's paving above the slope that it climbs."""
 _UNDER_M = 0.05
-"""Share of an outline over ground, in each direction, that lifts a bridge onto it."""
+"""Share of an outline over ground from which a bridge is lifted onto it."""
 _ROOFED = 0.5
-"""Share of a room's outline under a roof that carries it."""
+"""Share of a room's outline under a roof that the room carries."""
 _SAME_M = 2e-4
-"""Heights that differ by less are equal."""
+"""Difference up to which heights are equal."""
+# Corners are probed slightly inside, where the surface of the bearer is well defined.
 _INNER = 0.999
 _SIGNS = np.array([(1, 1), (-1, 1), (-1, -1), (1, -1)], dtype=float)
 
 
 def set_heights(layout: Layout, rows: Int[np.ndarray, " k"]) -> None:
-    """Set the undersides of objects, parents first, and all they carry, onto what bears them."""
+    """Set objects, with all they carry, onto the surfaces below them.
+
+    Args:
+        layout: Layout; changed.
+        rows: Objects, each after the one that carries it, because a host's new height decides.
+    """
     for row in rows.tolist():
         if layout.is_pinned[row] or not layout.is_left[row]:
             continue
@@ -73,7 +84,7 @@ def _bearing_m(layout: Layout, row: int) -> float:
 
 
 def _earth_m(layout: Layout, row: int, cover_m: float = -inf) -> float:
-    """Height at which an object stands on the bare earth: of the lowest one below its outline.
+    """Height at which an object stands on the bare earth: the lowest ground below its outline.
 
     Args:
         layout: The scene.
@@ -92,6 +103,7 @@ def _within_m(layout: Layout, row: int, parent: SceneObject) -> float:
     boxes, obj, host = layout.boxes, layout.objects[row], int(layout.host[row])
     base_m = float(boxes.base_m[row])
     low_m, top_m = float(boxes.base_m[host]), float(boxes.top_m[host])
+    # Possible heights by the kind of parent; the one nearest to the present height wins.
     faces_m: tuple[float, ...] = ()
     if is_chained(obj, parent):
         faces_m = (low_m,)
@@ -125,15 +137,16 @@ def _is_sloped(obj: SceneObject) -> bool:
 
 
 def surface_m(layout: Layout, bearer: int, row: int) -> float:
-    """Height at which an object stands on a bearer: of the lowest ground below its outline."""
+    """Height at which an object stands on a bearer: the lowest ground below its outline."""
     top_m = float(layout.boxes.top_m[bearer])
     category = layout.objects[bearer].category
     if category in COVERS and layout.scene.relief is not None:
         return _earth_m(layout, row, top_m)
     if category not in ROOFS | TERRAIN:
-        return top_m  # Others bear at the upper face of their box.
+        return top_m  # all others carry at the upper face of their box
     probes = _probes(layout, row)
     solids = _solids_of(layout.object(bearer))
+    # Upper ends of all solids of the bearer at each probe; NaN if a solid is not there.
     heights = np.stack([spans(solids, i, probes)[:, 1] for i in range(len(solids))])
     with np.errstate(invalid="ignore"):
         highest = np.fmax.reduce(heights, axis=0)
@@ -154,7 +167,7 @@ def _probes(layout: Layout, row: int) -> Float[np.ndarray, "5 2"]:
 
 
 def _highest_cover(layout: Layout, row: int) -> float:
-    """Top of the highest cover under an object's outline."""
+    """Top of the highest cover below an object's outline."""
     return max(
         (
             float(layout.boxes.top_m[ground])
@@ -166,10 +179,10 @@ def _highest_cover(layout: Layout, row: int) -> float:
 
 
 def _highest_room(layout: Layout, row: int) -> float:
-    """Top of the highest room or wall most of which lies under a roof that is no building's.
+    """Top of the highest room or wall below most of a roof that belongs to no building.
 
-    Where there is none, of the highest of which any part does, so that no roof falls into its
-    house.
+    Without such a room, the highest one below any part of the roof counts, so that no roof falls
+    into its house.
     """
     tops_m = {
         part: float(layout.boxes.top_m[part])
@@ -181,13 +194,22 @@ def _highest_room(layout: Layout, row: int) -> float:
 
 
 def _meet(layout: Layout, part: int, row: int) -> bool:
-    """Whether the outlines of two objects overlap."""
+    """Return true if the outlines of two objects overlap."""
     return bool(footprint_depth(layout.boxes, np.array([part]), np.array([row]))[0] > 0)
 
 
 def post(layout: Layout, row: int) -> tuple[Float[np.ndarray, " 2"], float]:
-    """Foot of what stands on one post: its middle, from the box's, in the world; and its radius."""
+    """Foot of an object on a single post.
+
+    Args:
+        layout: The scene.
+        row: The object.
+
+    Returns:
+        Middle of the foot from the box's middle, in the world's axes, and radius of the foot, m.
+    """
     solids = _solids_of(layout.object(row))
+    # The lowest solid is the post.
     lowest = int(solids.low_m[:, 2].argmin())
     middle = solids.centre_m[lowest, :2] - layout.boxes.centre_m[row, :2]
     return middle, float(solids.half_m[lowest, :2].max())

@@ -1,4 +1,4 @@
-"""Start of the flight: the home pad on open ground, and the air about it that stays free."""
+"""Start of the flight: the home pad on open ground, and the air above it that stays free."""
 
 from __future__ import annotations
 
@@ -16,32 +16,38 @@ FREE_RADIUS_M = 3.6
 """Half the side of the square of air above the pad that stays free."""
 _FREE_HEIGHT_M = 60.0
 _OPEN_RADII_M = (11.0, 9.0, 7.0, 5.0)
-"""Half the side of a free square higher above the pad, the first that is."""
+"""Half the sides of free squares higher above the pad; the first that is free is taken."""
 _OPEN_ABOVE_M = 3.5
 _INDOOR_RADIUS_M = 3.2
 _START_RADIUS_M = 1.6
 """Half the side of the square of air above a start without a pad that stays free."""
 _CEILING_M = 0.1
-"""Height below a ceiling in which lights hang."""
+"""Distance below a ceiling in which lights hang."""
 _KERB_M = 0.16
-"""Height about the pad below which an object is no obstacle."""
+"""Height above the pad up to which an object is no obstacle."""
 _TOUCH_M = 0.001
+# A pad with that much open air stays where it is.
 _WANTED_M = 5.0
 _STEP_M = 0.75
 _RIM_M = 0.3
-"""Width of ground about the pad."""
+"""Width of ground around the pad."""
 _FAR = 0.15
-"""Openness given up for each metre that the pad moves."""
+"""Openness that is given up for each metre that the pad moves."""
 
 
 def home_row(layout: Layout) -> int | None:
-    """The pad from which the flight starts, None where the scene has none."""
+    """Row of the pad from which the flight starts; None if the scene has none."""
     pads = layout.rows(PADS)
     return next((i for i in pads if layout.objects[i].attributes.get("is_start") is True), None)
 
 
 def settle_home(layout: Layout, row: int) -> None:
-    """Put the pad, and nothing else, where the air above is free of structures."""
+    """Move the pad, and nothing else, to a place where the air above is free of structures.
+
+    Args:
+        layout: Layout; changed.
+        row: Row of the pad.
+    """
     spot = layout.boxes.centre_m[row, :2].copy()
     host = int(layout.host[row])
     is_open_air = host >= 0 and layout.scene.domain != "indoor"
@@ -49,6 +55,7 @@ def settle_home(layout: Layout, row: int) -> None:
     if is_open_air and not (
         is_level and _openness_m(layout, row, host, spot[None])[0] >= _WANTED_M
     ):
+        # Its own ground first, then other open ground, then streets.
         best = (
             _best_spot(layout, row, [host] if is_level else [])
             or _best_spot(layout, row, _grounds(layout, OPEN_GROUND))
@@ -59,7 +66,7 @@ def settle_home(layout: Layout, row: int) -> None:
 
 
 def _is_level(layout: Layout, ground: int) -> bool:
-    """Whether a pad lies flat on some ground: into a ramp or a mound it would sink."""
+    """Return true if a pad lies flat on some ground; it would sink into a ramp or a mound."""
     obj = layout.objects[ground]
     return obj.category not in TERRAIN or obj.attributes.get("form") == "terrace"
 
@@ -107,7 +114,7 @@ def _spots(layout: Layout, row: int, ground: int) -> Float[np.ndarray, "k 2"]:
 def _openness_m(
     layout: Layout, row: int, ground: int, spots: Float[np.ndarray, "k 2"]
 ) -> Float[np.ndarray, " k"]:
-    """Half the side of the widest free square of air above spots, 0 where none is wide enough."""
+    """Half the side of the widest free square of air above spots, m; 0 if none is wide enough."""
     boxes, top_m = layout.boxes, float(layout.boxes.top_m[ground])
     low, high = layout.extent_m[:, :2]
     border_m = np.minimum(spots - low, high - spots).min(axis=1)
@@ -117,6 +124,7 @@ def _openness_m(
     left = np.flatnonzero(border_m >= FREE_RADIUS_M)
     left = left[_are_free(boxes, is_obstacle, spots[left], yaw, FREE_RADIUS_M, top_m + _KERB_M)]
     open_m[left] = FREE_RADIUS_M
+    # From the widest square down: spots that pass need no further test.
     for radius_m in _OPEN_RADII_M:
         base_m = top_m + _OPEN_ABOVE_M
         is_free = _are_free(boxes, is_obstacle, spots[left], yaw, radius_m, base_m)
@@ -126,7 +134,7 @@ def _openness_m(
 
 
 def _structures(layout: Layout, row: int) -> Bool[np.ndarray, " n"]:
-    """Coarse objects: the others make room."""
+    """Coarse objects that stay; fine ones make room."""
     return layout.is_coarse & layout.is_left & ~layout.moves_with[:, row]
 
 
@@ -138,7 +146,7 @@ def _are_free(
     radius_m: float,
     base_m: float,
 ) -> Bool[np.ndarray, " k"]:
-    """Whether nothing reaches into the squares of air above spots."""
+    """Return true for spots above which nothing extends into the squares of air."""
     high = np.flatnonzero(is_obstacle & (boxes.top_m > base_m))
     reach = np.hypot(boxes.half_m[high, 0], boxes.half_m[high, 1]) + math.sqrt(2) * radius_m
     offset = boxes.centre_m[high, :2] - spots[:, None]
@@ -164,7 +172,7 @@ def _squares(
 
 
 def start_air(layout: Layout) -> Boxes:
-    """A box of air above the start of a scene without a pad, which stays free."""
+    """Box of air that stays free above the start of a scene without a pad."""
     x, y, z = layout.scene.start_position_enu_m
     return _squares(np.array([[x, y]]), 0.0, _START_RADIUS_M, z + _KERB_M, z + _FREE_HEIGHT_M)
 
@@ -174,6 +182,7 @@ def home_air(layout: Layout, row: int) -> Boxes:
     boxes, host = layout.boxes, int(layout.host[row])
     spot, top_m, yaw = boxes.centre_m[row, :2], float(boxes.top_m[row]), float(boxes.yaw_rad[row])
     if layout.scene.domain == "indoor" and host >= 0:
+        # Indoors the air ends at the walls of the hall and below its lights.
         radius_m = min(_INDOOR_RADIUS_M, float(boxes.half_m[host, :2].min()))
         ceiling_m = float(boxes.top_m[host]) - _CEILING_M
         return _squares(spot[None], yaw, radius_m, top_m + 0.001, max(ceiling_m, top_m + 0.1))

@@ -1,4 +1,4 @@
-"""Hosts of objects after cuts and moves: other rooms, other ground, or the bare earth."""
+"""New hosts after cuts and moves: other rooms, other ground, or the bare earth."""
 
 from __future__ import annotations
 
@@ -9,17 +9,22 @@ from aeroscene.feasibility.layout import Layout
 from aeroscene.feasibility.roles import BEARING, is_chained
 from aeroscene.scene.catalogue import BUILDING_PARTS, COVERS, GROUND, ROOMS
 
+# Bounds the search for places.
 _MOST_HOSTS = 4
 _BESIDE_M = 0.5
 """Distance beside its ground up to which an object is pulled back onto it."""
 _LOST_M = 3.0
 """Distance from all ground beyond which an object is left on the bare earth."""
 _STEP_M = 0.2
-"""Rooms whose floors differ by less are on one level."""
+"""Difference in height up to which the floors of rooms are on one level."""
 
 
 def dissolve(layout: Layout, row: int) -> None:
-    """Take a surface out, and leave to its neighbours what stood on it."""
+    """Take a surface out, and leave its objects to its neighbours.
+
+    Objects of a room that have no other room are dropped; objects of open ground stay on the bare
+    earth.
+    """
     children = np.flatnonzero((layout.boxes.parent == row) & layout.is_left).tolist()
     is_room = layout.objects[row].category in ROOMS
     layout.is_left[row] = False
@@ -34,10 +39,10 @@ def dissolve(layout: Layout, row: int) -> None:
 
 
 def rehome(layout: Layout) -> None:
-    """Leave to the surface below what a cut has left beside its own.
+    """Leave objects that a cut has left beside their surface to the surface below them.
 
-    So that a cut displaces nothing: a bench stays where it is, on the lawn instead of the plaza.
-    Where no surface is below, fine objects keep theirs, or get one that is much nearer.
+    A cut then displaces nothing: a bench stays where it is, on the lawn instead of the plaza. If
+    there is no surface below, fine objects keep theirs, or get one that is much nearer.
     """
     boxes = layout.boxes
     for row, obj in enumerate(layout.objects):
@@ -57,10 +62,10 @@ def rehome(layout: Layout) -> None:
 
 
 def _ground_below(layout: Layout, row: int, host: int) -> int:
-    """The surface like its own that lies below the middle of an object, -1 without one.
+    """The surface of the same kind that lies below the middle of an object; -1 without one.
 
-    For what is fine or stood in a room it is, where none holds it, the nearest one, its own if that
-    is still there.
+    If no surface holds a fine object, or one that stood in a room, it is the nearest one, its own
+    included if that is still there.
     """
     at, is_fine = layout.boxes.centre_m[row, :2], not layout.objects[row].is_coarse
     like = [g for g in _hosts_like(layout, host) if not layout.moves_with[g, row]]
@@ -81,6 +86,7 @@ def other_hosts(layout: Layout, row: int) -> list[int]:
     like = _hosts_like(layout, None if host < 0 else host)
     size = boxes.half_m[row, :2].min()
     far = np.array([float(_beside_m(layout, h, boxes.centre_m[row, :2])) for h in like])
+    # Too narrow a surface for the object would not carry it.
     is_wide = [boxes.half_m[h, :2].min() >= size for h in like]
     order = [like[k] for k in np.argsort(far, kind="stable").tolist() if is_wide[k]]
     order = [h for h in order if not layout.moves_with[h, row] and h != host]
@@ -101,7 +107,7 @@ def _hosts_like(layout: Layout, host: int | None) -> list[int]:
         ]
     else:
         return []
-    # Small covers lie on large ones, and are met first; what bears their own comes last.
+    # Small covers lie on large ones and come first; the ground that carries the host comes last.
     found.sort(key=lambda row: float(layout.boxes.half_m[row, :2].prod()))
     above = -1 if host is None else int(layout.boxes.parent[host])
     is_bearer = above >= 0 and layout.objects[above].category in BEARING | ROOMS
@@ -109,7 +115,7 @@ def _hosts_like(layout: Layout, host: int | None) -> list[int]:
 
 
 def _rooms_beside(layout: Layout, room: int) -> list[int]:
-    """The other rooms of a storey, or where there are none, of the building."""
+    """The other rooms of the storey, or of the building if the storey has no other."""
     boxes = layout.boxes
     parent = boxes.parent
     rooms = [i for i in layout.rows(ROOMS) if i != room and parent[i] == parent[room]]
@@ -118,7 +124,7 @@ def _rooms_beside(layout: Layout, room: int) -> list[int]:
 
 
 def _beside_m(layout: Layout, host: int, at: Float[np.ndarray, " 2"]) -> float:
-    """Distance of a point beside an outline."""
+    """Distance of a point from an outline, m; 0 inside it."""
     boxes = layout.boxes
     local = np.abs(boxes.frame(host) @ (at - boxes.centre_m[host, :2]))
     return float(np.hypot(*np.maximum(local - boxes.half_m[host, :2], 0.0)))

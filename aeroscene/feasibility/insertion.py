@@ -1,4 +1,9 @@
-"""New objects in a region of a scene that stays as it is: they find room, or they go."""
+"""New objects in a region of a scene that stays as it is: they find room, or they go.
+
+`aeroscene generate --redo SCENE --region ...` must not touch anything outside of the region.
+Everything
+given is therefore pinned, and a new object that conflicts with it is moved or dropped.
+"""
 
 from __future__ import annotations
 
@@ -31,27 +36,29 @@ from aeroscene.validation.support import floating
 
 _Class = tuple[AreaKind, DroneClass]
 _TALL_M = 1.0
-"""How far below a region a surface may lie that bears what is in it."""
+"""Distance below a region at which a surface may lie that carries objects in it."""
 
 
 def insert(scene: Scene, given: Scene, region: Region) -> Feasible:
-    """Project what is new in a scene, and derive the areas of a region anew.
+    """Project the new objects of a scene, and derive the areas of a region anew.
 
     Args:
-        scene: What stays of a given scene, with new objects behind it.
-        given: The scene as it was, with its areas. What stays of it is neither moved nor changed.
-        region: New objects have their middles here. Areas that do not reach into it stay while what
-            they claim holds.
+        scene: Remaining part of a given scene, with new objects behind it.
+        given: The scene as it was, with its areas. Its remaining objects are neither moved nor
+            changed.
+        region: Box that holds the middles of new objects. Areas that do not extend into it stay as
+            long as their claims hold.
 
     Returns:
-        The scene, rejected where nothing new has a place in the region, or where one can no longer
-        fly from the start to a landing area.
+        The scene. It is rejected if no new object has a place in the region, or if no landing area
+        can be reached from the start any more.
     """
     layout = layout_of(scene, given.object_by_id)
     try:
         project_beside(layout)
         _drop_unsound(layout, region)
         found, rejection = _with_areas(_assembled(layout), given, region)
+        # No unpinned object is left: nothing was inserted.
         if layout.is_pinned[layout.is_left].all():
             rejection = f"nothing new has a place in the region {region}; valid: a larger region"
     except (SceneError, ShapelyError) as error:
@@ -60,14 +67,15 @@ def insert(scene: Scene, given: Scene, region: Region) -> Feasible:
 
 
 def _assembled(layout: Layout) -> Scene:
-    """The scene as it is now, in the flight volume and with the start that it had."""
+    """The scene in its present state, with the flight volume and the start that it had."""
     return replace(layout.scene, objects=layout.left(), interaction_areas=())
 
 
 def _drop_unsound(layout: Layout, region: Region) -> None:
-    """Take out what is new and not in the region, or overlaps, floats or reaches outside."""
+    """Drop new objects that are not in the region, or overlap, float or extend outside."""
     rows = {obj.id: row for row, obj in enumerate(layout.objects)}
     lost = [row for row in rows.values() if not region.holds(layout.box(row).p)]
+    # Dropping one object may leave others without support, hence again until nothing is found.
     while True:
         lost = [row for row in lost if layout.is_left[row] and not layout.is_pinned[row]]
         for row in lost:
@@ -79,17 +87,18 @@ def _drop_unsound(layout: Layout, region: Region) -> None:
 
 
 def unsound(scene: Scene) -> set[int]:
-    """Ids of the objects that overlap what comes before them, float, or reach outside."""
+    """Ids of objects that overlap earlier ones, float, or extend outside."""
     solids = colliding(scene_primitives(scene))
     findings = [*overlaps(scene), *outside(scene), *floating(scene, solids)]
     return {finding.object_id for finding in findings if finding.object_id is not None}
 
 
 def _with_areas(scene: Scene, given: Scene, region: Region) -> tuple[Scene, str | None]:
-    """The scene with areas, and why it cannot be used."""
+    """The scene with areas, and the reason why it cannot be used, if any."""
     primitives = scene_primitives(scene)
     field = build_distance_field(scene, primitives=primitives, cap_m=FIELD_CAP_M)
     outer = [area for area in given.interaction_areas if not _reaches_into(region, area)]
+    # New areas replace those that the region had, class by class, so that limits still hold.
     n_free = Counter(map(_class_of, given.interaction_areas)) - Counter(map(_class_of, outer))
     there = {obj.id for obj in scene.objects} | {None}
     kept = [area for area in outer if area.object_id in there]
@@ -130,7 +139,7 @@ def _inner_areas(
 
 
 def _reaches_into(region: Region, area: InteractionArea) -> bool:
-    """Whether an area, or the air that what stands on it takes, shares anything with a region."""
+    """Return true if an area, or the air above it, shares any space with a region."""
     low_m, z, high_m = region.low_enu_m[2], area.centroid[2], region.high_enu_m[2]
     is_level = low_m - _TALL_M <= z <= high_m
     return is_level and bool(shapely.area(region.outline.intersection(_polygon(area))) > 0)
@@ -145,12 +154,13 @@ def _class_of(area: InteractionArea) -> _Class:
 
 
 def _rejection(scene: Scene, given: Scene, findings: Sequence[Finding]) -> str | None:
-    """Reason why a scene can no longer be flown in, None if it can."""
+    """Reason why a scene can no longer be flown in; None if it can."""
     x, y, _ = scene.start_position_enu_m
     places = [area.centroid for area in scene.landing_areas]
     if not any(hypot(place[0] - x, place[1] - y) >= AWAY_M for place in places):
         return "no landing area away from the start is left; valid: one"
     stuck = [f for f in findings if f.kind == "unreachable" and f.area_id is None]
+    # An unreachable start counts only if the given scene did not have it already.
     if stuck and not any(f.area_id is None for f in unreachable(given, scene_primitives(given))):
         return stuck[0].detail
     return None

@@ -1,4 +1,4 @@
-"""A scene while it is being changed: boxes that move with what they stand on."""
+"""A scene while it is being changed: boxes that move with the objects that carry them."""
 
 from __future__ import annotations
 
@@ -35,60 +35,68 @@ class Layout:
     """Scene before any change."""
     boxes: Boxes
     host: Int[np.ndarray, " n"]
-    """Row of what an object moves with: its parent, or for a root the ground on which it stands;
-    -1 for neither."""
+    """Row of the object with which each moves: its parent, or for a root the ground on which it
+    stands; -1 for neither.
+    """
     is_left: Bool[np.ndarray, " n"]
-    """Whether an object is still there."""
+    """True for objects that are still there."""
     extent_m: Float[np.ndarray, "2 3"]
     """Lower and upper corner of the flight volume, which may grow."""
     moves_with: Bool[np.ndarray, "n n"]
-    """Whether an object (row) moves with another (column)."""
+    """True if an object (row) moves with another (column)."""
     is_coarse: Bool[np.ndarray, " n"]
-    """Whether an object is coarse; it stays so."""
+    """True for coarse objects; it does not change."""
     table: Int[np.ndarray, " n"]
-    """Row of the table that a chair is drawn up to, with which it moves too; -1 of all others."""
+    """Row of the table that a chair is drawn up to, with which it moves too; -1 for all other
+    objects.
+    """
     is_pinned: Bool[np.ndarray, " n"]
-    """Whether an object stays exactly as it is, whatever is beside it."""
+    """True for objects that stay exactly as they are, whatever is beside them."""
     tile_group: Int[np.ndarray, " n"]
-    """Which rooms are tiles of one room, see `aeroscene.scene.rooms`."""
+    """Group of tiles of one room, see `aeroscene.scene.rooms`."""
     attributes: dict[int, dict[str, AttributeValue]] = field(default_factory=dict)
     """New attributes of the objects whose attributes have changed."""
     apron_m: dict[int, float] = field(default_factory=dict)
-    """Depth of the air at the doors of walls that have less of it than they should."""
+    """Depth of the air at the doors of walls that have less of it than usual."""
 
     @property
     def objects(self) -> Sequence[SceneObject]:
-        """The objects, as they came."""
+        """The objects before any change."""
         return self.scene.objects
 
     @property
     def is_fine(self) -> Bool[np.ndarray, " n"]:
-        """Which objects make room: fine ones that are not pinned."""
+        """Objects that make room: fine ones that are not pinned."""
         return ~self.is_coarse & ~self.is_pinned
 
     def overlaps(self, least_m: float, obstacles: Boxes | None = None) -> Overlaps:
-        """Forbidden overlaps beyond `least_m` of what is left, and with obstacles behind it."""
+        """Forbidden overlaps of the remaining objects, and of obstacles behind them.
+
+        Args:
+            least_m: Depth up to which an overlap does not count.
+            obstacles: Boxes to be kept free; their rows follow those of the objects.
+        """
         boxes = joined(self.boxes, obstacles)
         is_left = np.ones(len(boxes), dtype=bool)
         is_left[: len(self.boxes)] = self.is_left
         return forbidden_overlaps(boxes, least_m, is_left)
 
     def obstructs(self, row: int) -> Bool[np.ndarray, " n"]:
-        """Which objects an object must make room for: fine ones do so for coarse ones."""
+        """Objects for which an object must make room: all for fine ones, coarse for coarse."""
         return self.is_coarse if self.is_coarse[row] else np.ones(len(self.host), dtype=bool)
 
     def rows(self, categories: frozenset[str]) -> list[int]:
-        """The objects of some categories that are left."""
+        """Rows of the remaining objects of some categories."""
         left = np.flatnonzero(self.is_left).tolist()
         return [row for row in left if self.objects[row].category in categories]
 
     def parent_of(self, row: int) -> SceneObject | None:
-        """The parent of an object."""
+        """Parent of an object; None without one."""
         above = int(self.boxes.parent[row])
         return None if above < 0 else self.objects[above]
 
     def is_balcony(self, row: int) -> bool:
-        """Whether an object is a slab held from the side, outside of what it belongs to."""
+        """Return true if an object is a slab held from the side, outside of its host."""
         host = int(self.host[row])
         if self.objects[row].category not in FLOORS or host < 0:
             return False
@@ -104,9 +112,9 @@ class Layout:
 
     @property
     def is_house(self) -> Bool[np.ndarray, " n"]:
-        """Rooms and walls that are parts of nothing, where there are such rooms.
+        """Rooms and walls without a parent, if there are such rooms.
 
-        A house of rooms alone stands on the bare earth, its yard about it.
+        A house of rooms alone stands on the bare earth, with its yard around it.
         """
         is_free = self.boxes.parent < 0
         is_room, is_wall = (
@@ -116,7 +124,7 @@ class Layout:
         return is_free & (is_room | is_wall) & (is_free & is_room).any()
 
     def tiles(self, row: int) -> Int[np.ndarray, " k"]:
-        """What bears things as one with an object: the tiles of its room, or it alone."""
+        """Objects that carry others as one with an object: the tiles of its room, or it alone."""
         group = int(self.tile_group[row])
         if group == NO_ROOM:
             return np.array([row])
@@ -127,21 +135,22 @@ class Layout:
         self.moves_with = np.eye(len(self.host), dtype=bool)
         for row in range(len(self.host)):
             self.moves_with[row, self.chain(row)] = True
+        # A chair follows its table only while both stand on the same host.
         seated = np.flatnonzero((self.table >= 0) & self.is_left & self.is_left[self.table])
         for row in seated.tolist():
             if self.host[row] == self.host[self.table[row]]:
                 self.moves_with[row, self.table[row]] = True
 
     def carried(self, row: int) -> Int[np.ndarray, " k"]:
-        """An object and all that moves with it, in order."""
+        """Rows of an object and all that moves with it, in order."""
         return np.flatnonzero(self.moves_with[:, row])
 
     def shift(self, row: int, offset_m: Float[np.ndarray, " 3"]) -> None:
-        """Move an object with all that it carries."""
+        """Move an object with all that it carries, by a vector in the world, m."""
         self.boxes.centre_m[self.carried(row)] += offset_m
 
     def turn(self, row: int, angle_rad: float) -> None:
-        """Turn an object about its middle with all that it carries."""
+        """Turn an object about its middle with all that it carries, counter-clockwise, rad."""
         rows = self.carried(row)
         c, s = math.cos(angle_rad), math.sin(angle_rad)
         middle = self.boxes.centre_m[row, :2].copy()
@@ -150,18 +159,18 @@ class Layout:
         self.boxes.yaw_rad[rows] += angle_rad
 
     def adopt(self, row: int, parent: int) -> None:
-        """Give an object, with all that belongs to it, another parent."""
+        """Give an object, with all that belongs to it, another parent; -1 makes it a root."""
         self.host[row] = self.boxes.parent[row] = parent
         self.boxes.is_kin[:] = kinship(self.boxes.parent, self.tile_group)
         self.relink()
 
     def rehost(self, row: int, host: int) -> None:
-        """Let a root stand on other ground."""
+        """Let a root stand on other ground, without becoming a child of it."""
         self.host[row] = host
         self.relink()
 
     def family(self, row: int) -> Int[np.ndarray, " k"]:
-        """An object and its descendants."""
+        """Rows of an object and its descendants."""
         parent = self.boxes.parent
         found = {row}
         growing = True
@@ -172,24 +181,25 @@ class Layout:
         return np.array(sorted(found), dtype=int)
 
     def drop(self, row: int) -> None:
-        """Take an object out with all its descendants; what merely stands on it stays."""
+        """Take an object out with all its descendants; objects that merely stand on it stay."""
         gone = self.family(row)
         self.is_left[gone] = False
         self.host[np.isin(self.host, gone) & self.is_left] = -1
         self.relink()
 
     def box(self, row: int) -> OrientedBox:
-        """The box of an object, rounded as documents are; unchanged if it has not changed."""
+        """Box of an object, rounded as documents are; the original one if nothing has changed."""
         old = self.objects[row].bbox
         x, y, z = (round(v, _DIGITS) for v in self.boxes.centre_m[row].tolist())
         a, b, c = (round(2 * v, _DIGITS) for v in self.boxes.half_m[row].tolist())
         q = old.q
+        # An unchanged heading keeps its quaternion to the last digit.
         if abs(math.remainder(self.boxes.yaw_rad[row] - old.yaw_rad, math.tau)) > 1e-7:
             q = quat_from_yaw(float(self.boxes.yaw_rad[row]))
         return OrientedBox((x, y, z), q, (a, b, c))
 
     def object(self, row: int) -> SceneObject:
-        """An object as it is now."""
+        """An object in its present state; a pinned one is returned as it came."""
         old = self.objects[row]
         if self.is_pinned[row]:
             return old
@@ -202,12 +212,13 @@ class Layout:
         )
 
     def left(self) -> tuple[SceneObject, ...]:
-        """All objects that are still there, as they are now, parents first."""
+        """All remaining objects in their present state, parents first."""
         order: list[int] = []
         waiting = np.flatnonzero(self.is_left).tolist()
         while waiting:
             row = waiting.pop(0)
             above = int(self.boxes.parent[row])
+            # A new parent may come later in the original order: the child then waits for it.
             if above in waiting:
                 waiting.insert(waiting.index(above) + 1, row)
             else:
@@ -216,7 +227,12 @@ class Layout:
 
 
 def layout_of(scene: Scene, pinned: Collection[int] = ()) -> Layout:
-    """A scene to be changed, but for objects of some ids."""
+    """Begin to change a scene.
+
+    Args:
+        scene: Scene; it stays as it is.
+        pinned: Ids of objects that must not change.
+    """
     boxes = boxes_of(scene.objects)
     is_left = np.ones(len(boxes), dtype=bool)
     extent = np.array([scene.extent_min_enu_m, scene.extent_max_enu_m], dtype=float)

@@ -1,4 +1,4 @@
-"""Least squares under linear inequalities: how little must change so that all demands are met.
+"""Least squares under linear inequalities: the least change that meets all demands.
 
 minimise    sum_v weight_v x_v^2 / 2
 subject to  A x >= b
@@ -10,7 +10,8 @@ subject to  A x >= b
 | lambda | multipliers, one a row | m |
 
 Demands that contradict each other must not drive x away, so each yields to its multiplier by a
-compliance: a row may stay short by `compliance * lambda`.
+compliance: a row may stay short by `compliance * lambda`. A general QP solver would report such a
+problem as infeasible, but the projection needs the best compromise.
 
 Source: Hildreth 1957, "A quadratic programming procedure": coordinate ascent on the dual.
 """
@@ -32,9 +33,16 @@ def least_change(
     weights: Float[np.ndarray, " v"],
     sweeps: int,
 ) -> Float[np.ndarray, " v"]:
-    """The least x with `demands @ x >= bounds`; each row is looked at `sweeps` times at most.
+    """Find the least x with `demands @ x >= bounds`.
 
-    Weights are those of the squares, each above zero.
+    Args:
+        demands: Matrix A; most of its entries are zero.
+        bounds: Vector b, m.
+        weights: Weights of the squares, each above zero.
+        sweeps: Most passes over all rows.
+
+    Returns:
+        Changes x. Rows that contradict others may stay short.
     """
     rows, columns = np.nonzero(demands)
     first = np.searchsorted(rows, np.arange(len(demands) + 1))
@@ -50,7 +58,7 @@ def ascend(
     mobility: Float[np.ndarray, " v"],
     sweeps: int,
 ) -> Float[np.ndarray, " v"]:
-    """Rows in compressed form; see `least_change`."""
+    """Solve with rows in compressed form; see `least_change`."""
     x = np.zeros(len(mobility))
     multiplier = np.zeros(len(bounds))
     stiffness = np.zeros(len(bounds))
@@ -60,11 +68,13 @@ def ascend(
     for _ in range(sweeps):
         largest = 0.0
         for k in range(len(bounds)):
+            # A row without unknowns cannot be met by any change.
             if stiffness[k] == 0.0:
                 continue
             short = bounds[k] - COMPLIANCE * multiplier[k]
             for e in range(first[k], first[k + 1]):
                 short -= values[e] * x[columns[e]]
+            # Multipliers stay at zero or above: a demand only pushes in its own direction.
             step = max(short / (stiffness[k] + COMPLIANCE), -multiplier[k])
             multiplier[k] += step
             for e in range(first[k], first[k + 1]):

@@ -1,8 +1,8 @@
-"""Partitions that run beside each other: in the corpus one wall parts two rooms, never two.
+"""Partitions that run beside each other: in the corpus one wall separates two rooms, never two.
 
-What overlaps along its thin side is parted by decimetres and then stands twice. So of two walls
-side by side the shorter one ends where the longer one begins, in line with it where they are near;
-where nothing of it would be left it goes, and the longer one serves for both.
+Parting two such walls along their thin side moves them by decimetres and leaves a double wall.
+Instead the shorter one ends where the longer one begins, in line with it if they are near. If
+nothing of it would be left, it is dropped, and the longer one serves for both.
 """
 
 from __future__ import annotations
@@ -15,20 +15,20 @@ from aeroscene.feasibility.roles import least_m
 from aeroscene.scene.catalogue import BUILDINGS, WALLS
 
 _APART_M = 1.1
-"""Walls whose middle lines are further apart leave room between them."""
+"""Distance of middle lines from which walls leave room between them."""
 _IN_LINE_M = 0.5
 """Distance from the line of another wall up to which a wall continues it."""
 _SHARED_M = 0.3
-"""Walls that run beside each other for less are parted as all else is."""
+"""Common length from which walls count as running beside each other."""
 _LEAST_HEIGHT_M = 0.5
-"""Walls that share less height are of different storeys."""
+"""Common height from which walls are on one storey."""
 _PARALLEL = 0.05
-"""Sine of the angle between walls up to which they are parallel."""
+"""Sine of the angle up to which walls are parallel."""
 _GAP_M = 0.0005
 
 
 def merge_walls(layout: Layout) -> None:
-    """Leave one of all walls of a building that run beside each other, the longest."""
+    """Keep the longest of all walls of a building that run beside each other."""
     half = layout.boxes.half_m
     walls = [row for row in range(len(half)) if layout.is_left[row] and _is_partition(layout, row)]
     walls.sort(key=lambda row: -float(half[row, 1]))
@@ -47,7 +47,7 @@ def _is_partition(layout: Layout, row: int) -> bool:
 
 
 def _from(layout: Layout, longer: int, other: int) -> Float[np.ndarray, " 2"]:
-    """Position of one wall's middle from another's: across that and along it."""
+    """Position of one wall's middle from another's: across that wall and along it."""
     boxes = layout.boxes
     return boxes.frame(longer) @ (boxes.centre_m[other, :2] - boxes.centre_m[longer, :2])
 
@@ -66,7 +66,7 @@ def _is_doubled(layout: Layout, longer: int, other: int, away: Float[np.ndarray,
 
 
 def _give_way(layout: Layout, longer: int, other: int, away: Float[np.ndarray, " 2"]) -> None:
-    """Cut one wall to what reaches beyond another, or take it out where that is too short."""
+    """Cut one wall to the part beyond another, or drop it if that is too short."""
     boxes, (across, along) = layout.boxes, away
     end_m = float(boxes.half_m[longer, 1]) + _GAP_M
     left_m = abs(along) + float(boxes.half_m[other, 1]) - end_m

@@ -1,4 +1,8 @@
-"""The search for the nearest free place, compiled."""
+"""Search for the nearest free place, compiled.
+
+Rings of growing radius around the present place are tried, since displacement is the cost of a
+projection. A grid over the whole host would test most places in vain.
+"""
 
 from __future__ import annotations
 
@@ -13,14 +17,15 @@ from autonomy.jit import kernel
 _COLUMNS = ("x_m", "y_m", "half_x_m", "half_y_m", "cos", "sin", "base_m", "top_m")
 BLOCK = np.dtype([(name, np.float64) for name in _COLUMNS])
 """An upright box: its middle, half its extents along its axes, the cosine and sine of its heading,
-and the heights of its lower and upper face."""
+and the heights of its lower and upper face.
+"""
 Blocks = Shaped[np.ndarray, " k"]
-"""An array of `BLOCK`."""
+"""Array of `BLOCK`."""
 TOUCH_M = 0.001
-"""Boxes that overlap by less only touch, as in the corpus."""
+"""Depth up to which overlapping boxes only touch, as in the corpus."""
 _STEP_M = 0.05
 _GROWTH = 1.06
-"""Growth of the radius from ring to ring."""
+"""Growth of the radius from ring to ring, so that far places are searched more coarsely."""
 _SPOKES = 24
 
 
@@ -33,9 +38,19 @@ def nearest_free(
     reach_m: float,
     swing_m: float,
 ) -> tuple[float, float, int]:
-    """Shift and quarter turns of a group about its first box, NaN without a place.
+    """Find the nearest shift and quarter turn by which a group is free.
 
-    A turn counts as a shift by `swing_m`.
+    Args:
+        group: Boxes that move together; the first is the object, the others are carried by it.
+        taken: Boxes that must not be overlapped.
+        region: Rectangle that holds the first box: middle, half extents, cosine and sine of
+            heading.
+        bounds: Least x and y, greatest x and y of all boxes.
+        reach_m: Greatest distance of a place.
+        swing_m: Distance for which a turn counts.
+
+    Returns:
+        Shift along x and y, and number of quarter turns; NaN without a place.
     """
     radius = 0.0
     while radius <= reach_m:
@@ -59,7 +74,7 @@ def first_free(
     taken: Blocks,
     shifts_m: Float[np.ndarray, "s 2"],
 ) -> int:
-    """Number of the first shift by which a group overlaps nothing that is taken, -1 without one."""
+    """Number of the first shift by which a group overlaps no taken box; -1 without one."""
     for number in range(len(shifts_m)):
         if _is_apart(group, taken, shifts_m[number, 0], shifts_m[number, 1]):
             return number
@@ -71,6 +86,7 @@ def _is_apart(group: Blocks, taken: Blocks, shift_x: float, shift_y: float) -> b
     for block in group:
         x, y = block.x_m + shift_x, block.y_m + shift_y
         half_x, half_y, c, s = block.half_x_m, block.half_y_m, block.cos, block.sin
+        # Boxes above each other do not collide, whatever their outlines.
         for other in taken:
             if block.base_m >= other.top_m - TOUCH_M or other.base_m >= block.top_m - TOUCH_M:
                 continue
@@ -133,7 +149,7 @@ def _is_within(
     rc, rs = region[4], region[5]
     lean, slant = abs(c * rc + s * rs), abs(s * rc - c * rs)
     along, across = abs(dx * rc + dy * rs), abs(dy * rc - dx * rs)
-    # What is too long for its host lies in its middle.
+    # An object that is too long for its host lies in its middle.
     room_x = max(0.0, region[2] - lean * half_x - slant * half_y)
     room_y = max(0.0, region[3] - slant * half_x - lean * half_y)
     return along <= room_x + TOUCH_M and across <= room_y + TOUCH_M
@@ -151,6 +167,7 @@ def _overlaps(
 ) -> bool:
     dx, dy = other.x_m - x, other.y_m - y
     reach = math.hypot(half_x, half_y) + math.hypot(other.half_x_m, other.half_y_m)
+    # Circles around both boxes decide most pairs.
     if dx * dx + dy * dy >= reach * reach:
         return False
     lean = abs(c * other.cos + s * other.sin)

@@ -1,4 +1,4 @@
-"""The nearest free place, for objects that no push can part from their neighbours."""
+"""The nearest free place, for objects that no push can separate from their neighbours."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ _NO_HOST_M = 40.0
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Place that an object could move to."""
+    """A place to which an object could move."""
 
     host: int
-    """Host that the object would stand on, -1 for the bare earth."""
+    """Host on which the object would stand; -1 for the bare earth."""
     shift_m: tuple[float, float]
     quarters: int
     """Number of quarter turns."""
@@ -35,7 +35,7 @@ class Place:
 
     @property
     def distance_m(self) -> float:
-        """Distance of the place, by shift and turns together."""
+        """Distance of the place: shift and turns together, m."""
         return math.hypot(*self.shift_m) + self.swing_m
 
 
@@ -49,21 +49,25 @@ def find_place(
     may_cut: bool = False,
     may_push: bool = False,
 ) -> Place | None:
-    """The nearest free place upon a host for an object with all it carries.
+    """Find the nearest free place on a host for an object with all it carries.
 
     Args:
-        layout: Left as it is.
+        layout: Layout; it stays as it is.
         row: Row of the object.
-        host: Host to stand on, -1 for the bare earth.
-        obstacles: Boxes that must be left free, beside all objects of the layout.
+        host: Host to stand on; -1 for the bare earth.
+        obstacles: Boxes that must be left free, besides all objects of the layout.
         reach_m: Greatest distance of the place.
-        may_cut: Whether ground is no obstacle, because it can be cut.
-        may_push: Whether fine objects that are smaller are none, because they can make room.
+        may_cut: Ground is no obstacle, because it can be cut.
+        may_push: Smaller fine objects are no obstacles, because they can make room.
+
+    Returns:
+        The place, or None if there is none.
     """
     boxes, group = layout.boxes, layout.carried(row)
     group = np.array([row, *group[layout.is_left[group] & (group != row)].tolist()])
     others = layout.is_left & ~layout.moves_with[:, row] & layout.obstructs(row)
     if layout.is_coarse[row]:
+        # Fine objects on a coarse one find places of their own later.
         group = group[layout.is_coarse[group]]
     rows = _rows(boxes, group)
     rise_m = 0.0
@@ -71,7 +75,7 @@ def find_place(
         rise_m = floor_m(layout, row, host) - float(boxes.base_m[row])
         rows["base_m"] += rise_m
         rows["top_m"] += rise_m
-    # What bears it, and what that belongs to, may overlap it.
+    # The host and its ancestors may overlap the object.
     above = layout.chain(host) if host >= 0 else []
     others[above] = False
     if host == layout.boxes.parent[row]:
@@ -92,7 +96,7 @@ def find_place(
 
 
 def _swing_m(layout: Layout, row: int) -> float:
-    """Mean distance by which a quarter turn moves an object and all it carries."""
+    """Mean distance by which a quarter turn moves an object and all it carries, m."""
     group = layout.carried(row)
     offset = layout.boxes.centre_m[group, :2] - layout.boxes.centre_m[row, :2]
     return math.sqrt(2) * float(np.hypot(*offset.T).mean())
@@ -113,7 +117,7 @@ def move_to(layout: Layout, row: int, place: Place) -> None:
 
 
 def floor_m(layout: Layout, row: int, host: int) -> float:
-    """Height on which an object stands upon a host, the bare earth included."""
+    """Height on which an object stands on a host, the bare earth included, m."""
     if host < 0:
         return 0.0
     if layout.objects[host].category in ROOMS:
@@ -135,7 +139,7 @@ def _bounds(layout: Layout) -> Float[np.ndarray, " 4"]:
 
 
 def _region(layout: Layout, row: int, host: int) -> tuple[Float[np.ndarray, " 6"], float]:
-    """Rectangle that an object may be in (centre, half extents, heading), and how far to search."""
+    """Rectangle that must hold an object (centre, half extents, heading); radius to search."""
     boxes, parent = layout.boxes, layout.parent_of(row)
     if host < 0:
         return np.array([0.0, 0.0, np.inf, np.inf, 1.0, 0.0]), _NO_HOST_M
@@ -148,7 +152,7 @@ def _region(layout: Layout, row: int, host: int) -> tuple[Float[np.ndarray, " 6"
 
 
 def _floor(layout: Layout, host: int) -> tuple[Float[np.ndarray, " 2"], Float[np.ndarray, " 2"]]:
-    """Middle and half extents, along the host's axes, of what things on it are on."""
+    """Middle and half extents, along the host's axes, of the floor that objects on it use."""
     boxes, tiles = layout.boxes, layout.tiles(host)
     if len(tiles) == 1:
         return boxes.centre_m[host, :2], boxes.half_m[host, :2]

@@ -1,9 +1,11 @@
-"""The least changes in the plane that part all boxes, as a sequence of least-squares problems.
+"""The least changes in the plane that separate all boxes, as a sequence of least-squares problems.
 
-Two strangers are apart if they are so along one axis of either; which one is chosen anew between
-problems, at the places reached so far, while changes are always counted from where the objects
-began. Weights are chosen anew too: divided by the change so far, squares add up to a sum of
-distances, so that few objects move far and most not at all.
+Two strangers are apart if they are so along one axis of either, and "one of four" is not a convex
+condition. Therefore the axis of each pair is chosen anew between problems, at the places reached so
+far, while changes always count from the original places.
+
+Weights are chosen anew too: divided by the change so far, squares add up to a sum of distances. As
+with an L1 norm, few objects then move far, and most do not move at all.
 """
 
 from __future__ import annotations
@@ -21,24 +23,24 @@ from aeroscene.feasibility.roles import margin_m
 from aeroscene.scene.catalogue import POSTS
 
 _GAP_M = 0.002
-"""Gap that is left between parted boxes."""
+"""Gap that is left between separated boxes."""
 _RIM_M = 0.003
-"""Reach over the host's border up to which an object stays as it is."""
+"""Overhang over the host's border up to which an object stays as it is."""
 _NEAR_M = 0.4
-"""Strangers further apart than this do not meet within one problem."""
+"""Distance from which strangers cannot meet within one problem."""
 _BORDER_M = 8.0
-"""Distance from the flight volume's sides beyond which an object does not reach them."""
+"""Distance from the flight volume's sides from which an object cannot leave it."""
 _ROUNDS = 12
 _SWEEPS = 160
 _LEAST_CHANGE_M = 0.2
-"""Changes below this count by their squares."""
+"""Change up to which changes count by their squares; it keeps weights finite."""
 
 _Demands = tuple[Float[np.ndarray, "k v"], Float[np.ndarray, " k"]]
 """Rows of `A x >= b`."""
 
 
 class PlaneProblem:
-    """Parts the boxes of some objects of a layout from each other and from all others."""
+    """Separates the boxes of some objects of a layout from each other and from all others."""
 
     def __init__(
         self,
@@ -49,7 +51,11 @@ class PlaneProblem:
     ) -> None:
         """Let movable objects, with all they carry, make way for each other and for obstacles.
 
-        `among` are the objects that are there at all, by default those that are left.
+        Args:
+            layout: Layout; changed by `solve`.
+            is_movable: Objects that may move or be cut.
+            obstacles: Boxes that never move.
+            among: Objects that exist for this problem; all remaining ones by default.
         """
         self._layout = layout
         self._began = joined(layout.boxes, obstacles)
@@ -60,7 +66,7 @@ class PlaneProblem:
         self._x = np.zeros(self._changes.width)
 
     def _strangers(self, among: Bool[np.ndarray, " n"]) -> Int[np.ndarray, "k 2"]:
-        """Pairs of which one moves, that are at one height and may not overlap."""
+        """Pairs that share a height, may not overlap, and of which at least one moves."""
         began, layout = self._began, self._layout
         n, total = len(layout.boxes), len(began)
         is_there = np.ones(total, dtype=bool)
@@ -73,11 +79,12 @@ class PlaneProblem:
         keep &= (moves[first] | moves[second]) & ~began.is_kin[first, second]
         host = np.full(total, -1)
         host[:n] = layout.host
+        # An object and its host overlap in plan by nature.
         keep &= (host[first] != second) & (host[second] != first)
         return np.stack([first[keep], second[keep]], axis=1)
 
     def solve(self) -> None:
-        """Change the layout's boxes by the least that parts them."""
+        """Change the layout's boxes by the least that separates them."""
         if not len(self._movable):
             return
         fixed = [self._within_hosts(), self._within_extent(), self._changes.cut_limits()]
@@ -104,7 +111,11 @@ class PlaneProblem:
         return all((rows @ self._x >= bounds - TOUCH_M).all() for rows, bounds in demands)
 
     def _apart(self, now: Boxes) -> tuple[_Demands, float]:
-        """Each pair that is or was near keeps apart along the axis that parts it best now."""
+        """Demand that each pair that is or was near stays apart along its best axis.
+
+        Returns:
+            The demands, and the depth of the deepest overlap.
+        """
         i, j = self._candidates.T
         reach = np.hypot(now.half_m[:, 0], now.half_m[:, 1])
         middles_m = np.hypot(*(now.centre_m[j, :2] - now.centre_m[i, :2]).T)
@@ -112,9 +123,11 @@ class PlaneProblem:
         gap_m, normal = separation(now, i[near], j[near])
         keep = self._have_met[near] | (gap_m < _NEAR_M)
         near, normal = near[keep], normal[keep]
+        # Once a pair has met, it stays in all later problems, or it could drift together again.
         self._have_met[near] = True
         i, j = i[near], j[near]
         began, _ = separation(self._began, i, j)
+        # A pair that overlaps gets a gap; one that merely touches keeps its place.
         wanted = np.where(began < -TOUCH_M, _GAP_M, np.minimum(began, 0.0))
         rows = self._changes.shifts(j, normal) - self._changes.shifts(i, normal)
         self._changes.add_cuts(rows, i, normal)
@@ -125,13 +138,13 @@ class PlaneProblem:
     def _gap(
         self, i: Int[np.ndarray, " k"], j: Int[np.ndarray, " k"], normal: Float[np.ndarray, "k 2"]
     ) -> Float[np.ndarray, " k"]:
-        """Gaps along normals where the objects began."""
+        """Gaps along normals in the original places, m."""
         boxes = self._began
         along = np.einsum("ki,ki->k", boxes.centre_m[j, :2] - boxes.centre_m[i, :2], normal)
         return along - reach_along(boxes, i, normal) - reach_along(boxes, j, normal)
 
     def _within_hosts(self) -> _Demands:
-        """Each object stays upon or within what it moves with."""
+        """Demand that each object stays on or within its host."""
         layout, boxes = self._layout, self._began
         rows, margins = self._kept_within()
         hosts = layout.host[rows]
@@ -144,10 +157,11 @@ class PlaneProblem:
             reach = np.where(radius < 0, reach_along(boxes, rows, normal), radius)
             offset = np.einsum("ki,ki->k", boxes.centre_m[hosts, :2] - feet, normal)
             room = boxes.half_m[hosts, axis] + offset - reach
-            # What is too long for its host lies in its middle.
+            # An object that is too long for its host lies in its middle.
             spare = boxes.half_m[hosts, axis] - reach
             is_whole = ~self._changes.is_cuttable[rows]
             wanted = np.where(is_whole, np.minimum(margins, spare), margins)
+            # An object that already extends beyond its host is not pushed in by this demand alone.
             wanted = np.where(room >= wanted - _RIM_M, np.minimum(wanted, room), wanted)
             demand = self._changes.shifts(hosts, normal) - self._changes.shifts(rows, normal)
             self._changes.add_cuts(demand, rows, normal)
@@ -156,7 +170,7 @@ class PlaneProblem:
         return _stacked(found)
 
     def _kept_within(self) -> tuple[Int[np.ndarray, " k"], Float[np.ndarray, " k"]]:
-        """Objects that have a border to stay within, and how far from it."""
+        """Objects that have a border to stay within, and their distances from it."""
         layout = self._layout
         rows, margins = [], []
         for row in self._movable.tolist():
@@ -164,7 +178,7 @@ class PlaneProblem:
             if parent is None or layout.host[row] != layout.boxes.parent[row]:
                 kept = 0.0
             elif len(layout.tiles(int(layout.host[row]))) > 1:
-                # Its walls hold it, whichever of the tiles it is on.
+                # Walls hold it, whichever of the tiles it is on.
                 continue
             else:
                 kept = margin_m(layout.objects[row], parent)
@@ -176,7 +190,7 @@ class PlaneProblem:
     def _feet(
         self, rows: Int[np.ndarray, " k"]
     ) -> tuple[Float[np.ndarray, "k 2"], Float[np.ndarray, " k"]]:
-        """Middles of what must be upon a host, and radii of single posts, -1 of whole boxes."""
+        """Middles of parts that must be on a host; radii of single posts, -1 for whole boxes."""
         feet, radius = self._began.centre_m[rows, :2].copy(), np.full(len(rows), -1.0)
         for k, row in enumerate(rows.tolist()):
             if self._layout.objects[row].category in POSTS:
@@ -185,7 +199,7 @@ class PlaneProblem:
         return feet, radius
 
     def _within_extent(self) -> _Demands:
-        """Each object stays within the flight volume, those that are anywhere near its sides."""
+        """Demand that objects anywhere near the sides of the flight volume stay within it."""
         boxes, (low, high) = self._began, self._layout.extent_m
         found: list[_Demands] = []
         for axis in range(2):

@@ -1,4 +1,4 @@
-"""The projection: from a sampled scene to the nearest one that can be built, stood on and flown."""
+"""The projection: from a sampled scene to the nearest one that can be built and flown in."""
 
 from __future__ import annotations
 
@@ -33,19 +33,19 @@ class FeasibilityCfg:
     """Demands on a scene after its projection."""
 
     limits: AreaLimits | None = None
-    """At most how many landing and perching areas of each class; all that there are by default."""
+    """Most landing and perching areas of each class; unlimited by default."""
     least_landing_areas: int = 1
-    """A scene with fewer, those beside the start not counted, is rejected."""
+    """Least number of landing areas, without those beside the start; else the scene is rejected."""
     most_dropped_share: float = 0.1
-    """A scene that loses more of its objects is rejected."""
+    """Largest share of objects that a scene may lose; else it is rejected."""
     least_passage_m: float = 0.0
-    """A scene with a door or corridor that is narrower is rejected."""
+    """Least width of doors and corridors; else the scene is rejected."""
     pinned: frozenset[int] = frozenset()
-    """Objects that stay exactly as they are, all coarse ones among them; others make room."""
+    """Ids of objects that stay exactly as they are, including all coarse ones; others make room."""
     land_seed: int | None = None
     """Seed of the relief that is raised in the projected scene; without it the ground stays."""
     is_validated: bool = True
-    """Whether the result is held against `aeroscene.validation`, and rejected if it fails."""
+    """Check the result by `aeroscene.validation`, and reject it if it fails."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,15 +53,24 @@ class Feasible:
     """A projected scene."""
 
     scene: Scene
-    """The scene with areas; where the report names a rejection, as far as it got."""
+    """The scene with areas; if the report names a rejection, the state at which it failed."""
     report: FeasibilityReport
 
 
 def make_feasible(scene: Scene, cfg: FeasibilityCfg | None = None) -> Feasible:
-    """Project a scene: coarse objects first, then fine ones upon what bears them.
+    """Project a scene: coarse objects first, then fine ones on their bearers.
 
-    As sampled, boxes may overlap, hang in the air or lie outside the extent; areas are ignored. A
-    scene without a start pad starts on free ground from which there is somewhere to fly to.
+    Boxes of the sampled scene may overlap, float or lie outside of the extent; its areas are
+    ignored. A scene without a start pad starts on free ground from which a landing area can be
+    reached.
+
+    Args:
+        scene: Sampled scene.
+        cfg: Demands; the defaults if None.
+
+    Returns:
+        The projected scene with a report. Nothing is raised for a poor draw: its report names a
+        rejection.
     """
     cfg = cfg or FeasibilityCfg()
     layout = layout_of(scene, cfg.pinned)
@@ -70,7 +79,7 @@ def make_feasible(scene: Scene, cfg: FeasibilityCfg | None = None) -> Feasible:
         found, findings = _with_areas(_with_land(finished(layout), cfg), cfg)
         rejection = _rejection(scene, found, findings, cfg)
     except (SceneError, ShapelyError) as error:
-        # A poor draw: no document can hold the layout, or its outlines have no area.
+        # A poor draw: no document can hold the layout, or outlines have no area.
         found, rejection = scene, str(error)
     return Feasible(found, report_of(layout, rejection))
 
@@ -82,7 +91,7 @@ def _with_land(scene: Scene, cfg: FeasibilityCfg) -> Scene:
 
 
 def _with_areas(scene: Scene, cfg: FeasibilityCfg) -> tuple[Scene, list[Finding]]:
-    """A scene with the areas of its geometry, and what is wrong with it.
+    """The scene with the areas of its geometry, and findings about it.
 
     A scene without a start pad gets a start as well. Areas that fail to be what they claim are left
     out, and so are their findings.
@@ -104,6 +113,7 @@ def _with_areas(scene: Scene, cfg: FeasibilityCfg) -> tuple[Scene, list[Finding]
     )
     wrong = {finding.area_id for finding in findings if finding.kind == "unlandable"}
     sound = [area for area in scene.interaction_areas if area.id not in wrong]
+    # Numbers without gaps, as in scenes of the corpus.
     numbered = (replace(area, id=number) for number, area in enumerate(sound))
     left = [f for f in findings if f.area_id is None or f.area_id not in wrong]
     return replace(scene, interaction_areas=tuple(numbered)) if wrong else scene, left
@@ -112,12 +122,13 @@ def _with_areas(scene: Scene, cfg: FeasibilityCfg) -> tuple[Scene, list[Finding]
 def _rejection(
     began: Scene, found: Scene, findings: Sequence[Finding], cfg: FeasibilityCfg
 ) -> str | None:
-    """Reason why a scene cannot be used, None if it can."""
+    """Reason why a scene cannot be used; None if it can."""
     n_dropped, n = len(began.objects) - len(found.objects), len(began.objects)
     if n_dropped > cfg.most_dropped_share * n:
         return f"{n_dropped} of {n} objects have no place; valid: {cfg.most_dropped_share:.0%}"
     if _has_home(began) and not _has_home(found):
         return "the home pad has no place; valid: open ground of 7 m to a side"
+    # Areas beside the start would be landings without a flight.
     x, y, _ = found.start_position_enu_m
     places = [area.centroid for area in found.landing_areas]
     n_away = sum(hypot(place[0] - x, place[1] - y) >= AWAY_M for place in places)

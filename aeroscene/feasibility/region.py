@@ -12,11 +12,15 @@ from aeroscene.scene import OrientedBox, Scene, SceneError, Vector3
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Region:
-    """A box between two corners, ENU, m."""
+    """A box between two corners, ENU, m.
+
+    Raises:
+        SceneError: If the lower corner is not below the upper one, or x or y is infinite.
+    """
 
     low_enu_m: Vector3
     high_enu_m: Vector3
-    """Its height may be infinite."""
+    """Upper corner; heights may be infinite."""
 
     def __post_init__(self) -> None:
         for axis, low, high in zip("xyz", self.low_enu_m, self.high_enu_m, strict=True):
@@ -29,16 +33,16 @@ class Region:
 
     @property
     def outline(self) -> shapely.Polygon:
-        """The region seen from above."""
+        """Region seen from above."""
         return shapely.box(*self.low_enu_m[:2], *self.high_enu_m[:2])
 
     def holds(self, point_enu_m: Vector3) -> bool:
-        """Whether a point lies within, its border included."""
+        """Return true if a point lies within, border included."""
         corners = zip(self.low_enu_m, point_enu_m, self.high_enu_m, strict=True)
         return all(low <= value <= high for low, value, high in corners)
 
     def is_over(self, box: OrientedBox) -> bool:
-        """Whether a box, seen from above, reaches into the region."""
+        """Return true if a box, seen from above, extends into the region."""
         outline = shapely.convex_hull(shapely.MultiPoint(box.corners()[:, :2]))
         return bool(shapely.area(shapely.intersection(outline, self.outline)) > 0)
 
@@ -52,7 +56,7 @@ class Region:
         return share
 
     def __str__(self) -> str:
-        """As a user writes it."""
+        """Text as users write it: `X0,Y0,X1,Y1`, with heights if they are finite."""
         numbers = [*self.low_enu_m[:2], *self.high_enu_m[:2]]
         heights = [self.low_enu_m[2], self.high_enu_m[2]]
         numbers += heights if all(map(math.isfinite, heights)) else []

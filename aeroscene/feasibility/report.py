@@ -15,17 +15,22 @@ class FeasibilityReport:
     """Changes by a projection, and whether its result can be used."""
 
     n_objects: int
-    """Objects before the projection."""
+    """Number of objects before the projection."""
     n_dropped: int
     median_moved_m: float
     """Median displacement of the centres of the objects that are left."""
     mean_moved_m: float
     rejection: str | None
-    """Reason why the scene cannot be used, None if it can."""
+    """Reason why the scene cannot be used; None if it can."""
 
 
 def report_of(layout: Layout, rejection: str | None = None) -> FeasibilityReport:
-    """Compare a layout as it is now with the scene that it was made of."""
+    """Compare the present state of a layout with its scene.
+
+    Args:
+        layout: Layout after the projection.
+        rejection: Reason why the scene cannot be used.
+    """
     moved = layout.boxes.centre_m - boxes_of(layout.objects).centre_m
     moved_m = np.linalg.norm(moved, axis=1)[layout.is_left]
     return FeasibilityReport(

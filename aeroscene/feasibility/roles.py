@@ -1,6 +1,7 @@
-"""Roles of objects in a projection: their hosts, and which may be cut or must stay in a building.
+"""Roles of objects in a projection: their hosts, and whether they may be cut or leave a building.
 
-Facts about the categories, read off the corpus: which surfaces abut, what reaches where.
+These are facts about categories that the corpus shows: which surfaces abut, and which objects
+extend over borders.
 """
 
 from __future__ import annotations
@@ -23,38 +24,39 @@ from aeroscene.scene.catalogue import (
 from aeroscene.solids.shapes.facade import WALL_M
 
 BEARING = GROUND - WATER - ROADS
-"""Ground on which something may stand that is no child of it."""
+"""Ground on which an object may stand without being its child."""
 
 _BEARING_M = 0.1
-"""Distance that a slab may reach into the walls that carry it."""
+"""Depth by which a slab may extend into the walls that carry it."""
 _PARAPET_M = 0.25
-"""Rim along the borders of a roof that what stands on it leaves free."""
+"""Rim along the borders of a roof that objects on it leave free."""
 
 
 def cuttable(obj: SceneObject) -> tuple[bool, bool]:
-    """Whether an object may become shorter along its own x and y."""
+    """True if an object may become shorter along its own x, and along its own y."""
     is_area = obj.category in GROUND | ROOMS | FLOORS | DECKS | ROOFS
+    # Walls and fences are thin along x; only their length may be cut.
     return is_area, is_area or obj.category in WALLS | FENCES
 
 
 def least_m(obj: SceneObject) -> tuple[float, float]:
-    """Shortest length and width that a cut leaves an object."""
+    """Shortest length and width that a cut leaves of an object, m."""
     category = CATALOGUE[obj.category_id]
     return category.length_m[0], category.width_m[0]
 
 
 def is_chained(obj: SceneObject, parent: SceneObject) -> bool:
-    """Whether an object continues its parent instead of lying on it."""
+    """Return true if an object continues its parent instead of lying on it."""
     return obj.category in STRIPS and obj.category_id == parent.category_id
 
 
 def is_fitting(obj: SceneObject, parent: SceneObject) -> bool:
-    """Whether an object is a room, wall or slab of its parent, a building."""
+    """Return true if an object is a room, wall or slab of its parent, a building."""
     return obj.category in ROOMS | WALLS | FLOORS and parent.category in BUILDINGS
 
 
 def margin_m(obj: SceneObject, parent: SceneObject) -> float | None:
-    """Distance that an object keeps from its parent's border; None where it may reach over it."""
+    """Distance that an object keeps from its parent's border, m; None if it may extend over it."""
     if is_chained(obj, parent) or obj.category in ROOFS:
         return None
     if is_fitting(obj, parent):

@@ -1,4 +1,4 @@
-"""Chairs and their tables: which chair is drawn up to which table, and that it looks at it."""
+"""Chairs and their tables: the table of each chair, and chairs that face away from it."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ from aeroscene.scene.catalogue import SEATS, TABLES
 AT_TABLE_M = 0.5
 """Widest gap between a table and a chair that is drawn up to it."""
 TO_CHAIR_M = 0.9
-"""Farthest that the middle of a plate is from the middle of a chair."""
+"""Greatest distance between the middle of a plate and the middle of its chair."""
 OFF_RAD = math.radians(45.0)
-"""Largest angle between where a chair looks and where its table is."""
+"""Largest angle between a chair's heading and the direction of its table."""
 _QUARTER = math.pi / 2
 
 
 def tables_of(
     objects: Sequence[SceneObject], boxes: Boxes, is_left: Bool[np.ndarray, " n"]
 ) -> tuple[Int[np.ndarray, " k"], Int[np.ndarray, " k"]]:
-    """Rows of the chairs that are drawn up to a table of the same parent, and of that table.
+    """Rows of chairs that are drawn up to a table of the same parent, and rows of these tables.
 
-    It is the nearest one that shares height with the chair.
+    A chair's table is the nearest one that shares height with it.
     """
     left = np.flatnonzero(is_left).tolist()
     chairs = [i for i in left if objects[i].category in SEATS]
@@ -40,6 +40,7 @@ def tables_of(
     apart_m = separation(boxes, chair, table)[0]
     near = (rise_m > 0) & (apart_m <= AT_TABLE_M)
     chair, table, apart_m = chair[near], table[near], apart_m[near]
+    # Sorted by chair, then by distance; the first entry of each chair is its nearest table.
     best = np.lexsort((apart_m, chair))
     best = best[np.unique(chair[best], return_index=True)[1]]
     return chair[best], table[best]
@@ -48,7 +49,7 @@ def tables_of(
 def turns_to_tables(
     objects: Sequence[SceneObject], boxes: Boxes, is_left: Bool[np.ndarray, " n"]
 ) -> list[tuple[int, float]]:
-    """Rows of chairs that look away from their table, and the quarter turns that mend it, rad."""
+    """Rows of chairs that face away from their table, and quarter turns to correct it, rad."""
     found: list[tuple[int, float]] = []
     for chair, table in zip(
         *(rows.tolist() for rows in tables_of(objects, boxes, is_left)), strict=True
@@ -64,7 +65,7 @@ def turns_to_tables(
 
 
 def _way(boxes: Boxes, chair: int, table: int) -> Float[np.ndarray, " 2"]:
-    """From the middle of a chair to the nearest point of a table; into it, to the table's own."""
+    """Vector from a chair to the nearest point of a table; inside it, to the table's middle."""
     frame, half_m = boxes.frame(table), boxes.half_m[table, :2]
     offset = frame @ (boxes.centre_m[chair, :2] - boxes.centre_m[table, :2])
     way = np.clip(offset, -half_m, half_m) - offset

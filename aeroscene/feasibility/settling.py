@@ -1,4 +1,8 @@
-"""Settling of the remaining overlaps: cut objects, move the rest, drop those that fit nowhere."""
+"""Settling of the remaining overlaps: cut objects, move the rest, drop those that fit nowhere.
+
+The plane problem leaves objects whose demands contradict each other. They are few, so that a place
+can be searched for one after another.
+"""
 
 from __future__ import annotations
 
@@ -21,11 +25,11 @@ _MOST_CUT = 0.6
 """Largest share of a side that a last cut may take."""
 _ROUNDS = 3
 _FAR_M = 2.0
-"""Distance of a place beyond which other hosts are considered as well."""
+"""Distance of a place from which other hosts are considered as well."""
 _MUCH_TOO_FAR_M = 4.0
-"""Distance of a structure's place beyond which ground is cut for it instead."""
+"""Distance of a structure's place from which ground is cut for it instead."""
 _LOYALTY_M = 1.0
-"""Distance by which a place upon another host must be nearer than one upon the own host."""
+"""Distance by which a place on another host must be nearer than one on its own host."""
 
 
 def cut_overlaps(
@@ -33,15 +37,23 @@ def cut_overlaps(
     is_wanted: Bool[np.ndarray, " n"],
     is_whole: Bool[np.ndarray, " n"] | None = None,
 ) -> bool:
-    """Shorten what may be shorter until it reaches into no stranger; whether anything was cut.
+    """Shorten objects until they no longer extend into strangers.
 
-    Only wanted objects are looked at, and each stays long enough for its category; those that are
-    to be whole are not cut.
+    Each object stays long enough for its category.
+
+    Args:
+        layout: Layout; changed.
+        is_wanted: Objects that are considered; both of a pair have to be.
+        is_whole: Objects that must not be cut.
+
+    Returns:
+        True if anything was cut.
     """
     has_cut = False
     for _ in range(_ROUNDS):
         overlaps = layout.overlaps(TOUCH_M)
         is_cut = False
+        # The deepest overlap first; a cut may part several pairs.
         for i, j in overlaps.pairs[np.argsort(-overlaps.depth_m, kind="stable")].tolist():
             if not (is_wanted[i] and is_wanted[j]) or _are_apart(layout, i, j):
                 continue
@@ -52,6 +64,7 @@ def cut_overlaps(
                 for cut in _cuts(layout, row, other)
             ]
             if cuts:
+                # The cut that loses the smallest share of its object.
                 _, row, axis, sign, depth_m = min(cuts)
                 _cut(layout, row, axis, sign, depth_m)
                 is_cut = True
@@ -62,15 +75,20 @@ def cut_overlaps(
 
 
 def resettle(layout: Layout, is_wanted: Bool[np.ndarray, " n"], obstacles: Boxes) -> None:
-    """Move what still overlaps to the nearest free place, larger things first, or drop it.
+    """Move objects that still overlap to the nearest free place, larger ones first, or drop them.
 
-    Obstacles are boxes to keep free beside all objects. A large thing without a place takes that of
-    smaller ones, which are then moved.
+    A large object without a place takes that of smaller ones, which are then moved.
+
+    Args:
+        layout: Layout; changed.
+        is_wanted: Objects that may be moved.
+        obstacles: Boxes to keep free besides all objects.
     """
     for _ in range(_ROUNDS):
         losers = _losers(layout, is_wanted, obstacles)
         size = layout.boxes.half_m[losers].prod(axis=1)
         for row in losers[np.argsort(-size, kind="stable")].tolist():
+            # An earlier move in this round may have solved the conflict.
             if layout.is_left[row] and _is_in_conflict(layout, row, obstacles):
                 settle(layout, row, obstacles)
         if not len(losers):
@@ -78,9 +96,9 @@ def resettle(layout: Layout, is_wanted: Bool[np.ndarray, " n"], obstacles: Boxes
 
 
 def settle(layout: Layout, row: int, obstacles: Boxes) -> None:
-    """Move one object to the nearest free place: upon its host, else upon another; or drop it.
+    """Move one object to the nearest free place on its host, else on another; or drop it.
 
-    Balconies have none but their own: within the building they would be in its walls.
+    Balconies have no place but their own: within the building they would be in its walls.
     """
     if layout.is_balcony(row):
         layout.drop(row)
@@ -89,6 +107,7 @@ def settle(layout: Layout, row: int, obstacles: Boxes) -> None:
     if layout.objects[row].category in BLOCKS | BRIDGES and (
         place is None or place.distance_m > _MUCH_TOO_FAR_M
     ):
+        # For a structure ground may be cut, if that saves it a long move.
         nearest_m = math.inf if place is None else place.distance_m
         place = find_place(layout, row, -1, obstacles, nearest_m, may_cut=True) or place
     if place is None and layout.is_fine[row]:
@@ -100,7 +119,7 @@ def settle(layout: Layout, row: int, obstacles: Boxes) -> None:
 
 
 def give_up(layout: Layout, row: int, _: Boxes) -> None:
-    """Take an object out with all that belongs to it; a surface alone, without what it bears."""
+    """Drop an object with all that belongs to it; a surface alone, without the objects on it."""
     if layout.objects[row].category in GROUND | ROOMS:
         dissolve(layout, row)
     else:
@@ -108,7 +127,7 @@ def give_up(layout: Layout, row: int, _: Boxes) -> None:
 
 
 def _nearest_place(layout: Layout, row: int, obstacles: Boxes) -> Place | None:
-    """Upon an object's own host, or where that is much nearer upon another."""
+    """The nearest place on an object's own host, or on another if that is much nearer."""
     host = int(layout.host[row])
     place = find_place(layout, row, host, obstacles)
     if place is not None and place.distance_m <= _FAR_M:
@@ -128,13 +147,13 @@ def set_on_earth(layout: Layout, row: int, obstacles: Boxes) -> None:
 
 
 def _are_apart(layout: Layout, i: int, j: int) -> bool:
-    """Whether cuts made meanwhile have parted two boxes."""
+    """Return true if cuts made in the meantime have separated two boxes."""
     depth = footprint_depth(layout.boxes, np.array([i]), np.array([j]))
     return bool(depth[0] <= TOUCH_M)
 
 
 def _cuts(layout: Layout, row: int, other: int) -> Iterator[tuple[float, int, int, float, float]]:
-    """Cuts of an object that part it from another: share lost, object, axis, face, depth in m."""
+    """Cuts that separate an object from another: share lost, object, axis, face, depth in m."""
     boxes = layout.boxes
     for axis in np.flatnonzero(cuttable(layout.objects[row])).tolist():
         unit = boxes.frame(row)[axis]
@@ -173,13 +192,14 @@ def _losers(
             for row in pair
             if row < n and is_wanted[row] and not (has_fine and layout.is_coarse[row])
         ]
+        # One loser for each pair at most: its partner then stays for this round.
         if movable and not lost & set(pair):
             lost.add(min(movable, key=lambda row: (carries[row], size[row], row)))
     return np.array(sorted(lost), dtype=int)
 
 
 def _is_in_conflict(layout: Layout, row: int, obstacles: Boxes) -> bool:
-    """Whether an object overlaps any stranger for which it must make room."""
+    """Return true if an object overlaps any stranger for which it must make room."""
     boxes = joined(layout.boxes, obstacles)
     is_stranger = ~boxes.is_kin[row]
     is_stranger[: len(layout.boxes)] &= layout.is_left & layout.obstructs(row)

@@ -1,5 +1,7 @@
 """Buildings with rooms: shell, roof and slabs fit each other, storeys share their heights.
 
+A model samples each part on its own. Here the parts of a building agree again, before anything is
+pushed: the shell grows around its rooms, slabs of a storey become level, and walls end at ceilings.
 All lengths are in the building's own axes, in which its parts stand square.
 """
 
@@ -16,15 +18,15 @@ from aeroscene.scene.catalogue import BUILDINGS, FLOORS, ROOFS, ROOMS, WALLS
 from aeroscene.solids.shapes.facade import WALL_M
 
 _MOST_GROWTH_M = {"indoor": 4.0, "outdoor": 0.75, "mixed": 0.75}
-"""Greatest distance that a side of a shell moves out to hold its rooms."""
+"""Greatest distance by which a side of a shell moves out to hold its rooms."""
 _EAVES_M = 0.4
 _MOST_EAVES_M = 0.6
 _PITCHED = frozenset({"gable", "hip", "shed"})
 _SAME_M = 1e-3
 _STOREY_M = 1.2
-"""Slabs whose heights differ by less are of one storey."""
+"""Difference in height up to which slabs are on one storey."""
 _NEAR_M = 0.8
-"""Ceilings that are off by less are meant."""
+"""Distance up to which a room or wall is meant to reach a ceiling."""
 
 
 def fit_shells(layout: Layout) -> None:
@@ -59,7 +61,7 @@ def _parts(layout: Layout, row: int) -> _Parts:
 
 
 def _borders(layout: Layout, row: int, part: int) -> Float[np.ndarray, "2 2"]:
-    """Low and high ends of a part along a building's axes, from the building's middle."""
+    """Low and high ends of a part along a building's axes, from the building's middle, m."""
     boxes = layout.boxes
     axes = boxes.frame(row)
     middle = axes @ (boxes.centre_m[part, :2] - boxes.centre_m[row, :2])
@@ -68,7 +70,7 @@ def _borders(layout: Layout, row: int, part: int) -> Float[np.ndarray, "2 2"]:
 
 
 def _grow(layout: Layout, row: int, rooms: list[int]) -> None:
-    """Move the sides of a shell out to where its rooms reach."""
+    """Move the sides of a shell out to its rooms."""
     boxes = layout.boxes
     borders = np.stack([_borders(layout, row, room) for room in rooms])
     half = boxes.half_m[row, :2]
@@ -81,11 +83,12 @@ def _grow(layout: Layout, row: int, rooms: list[int]) -> None:
 
 
 def _lay_slab(layout: Layout, row: int, floors: list[int]) -> None:
-    """The lowest slab fills the shell."""
+    """Let the lowest slab fill the shell."""
     boxes = layout.boxes
     if not floors:
         return
     slab = min(floors, key=lambda floor: float(boxes.base_m[floor]))
+    # Only upper slabs: the building has no ground floor of its own.
     if boxes.base_m[slab] - boxes.base_m[row] > _STOREY_M:
         return
     _place(layout, slab, row, boxes.half_m[row, :2] - WALL_M)
@@ -95,6 +98,7 @@ def _lay_slab(layout: Layout, row: int, floors: list[int]) -> None:
 def _place(layout: Layout, part: int, row: int, half: Float[np.ndarray, " 2"]) -> None:
     """Lay a part around its building's middle; half extents in the building's axes."""
     boxes = layout.boxes
+    # A part at a quarter turn has its extents exchanged.
     turns = abs(math.sin(float(boxes.yaw_rad[part] - boxes.yaw_rad[row])))
     wanted = half[::-1] if turns > 0.5 else half
     if np.abs(boxes.half_m[part, :2] - wanted).max() > _SAME_M:
@@ -105,7 +109,7 @@ def _place(layout: Layout, part: int, row: int, half: Float[np.ndarray, " 2"]) -
 
 
 def _set_span(layout: Layout, part: int, base_m: float, height_m: float) -> None:
-    """Set a part's underside and height; what it carries follows its underside."""
+    """Set a part's underside and height; objects on it follow its underside."""
     boxes = layout.boxes
     rise = base_m - float(boxes.base_m[part])
     if abs(rise) > _SAME_M:
@@ -116,7 +120,7 @@ def _set_span(layout: Layout, part: int, base_m: float, height_m: float) -> None
 
 
 def _level(layout: Layout, row: int, parts: _Parts) -> None:
-    """Slabs of a storey lie at one height; rooms and walls stand on slabs and end below others."""
+    """Level the slabs of each storey; rooms and walls stand on slabs, below the next ones."""
     boxes = layout.boxes
     ground_m, roof_m = float(boxes.base_m[row]), float(boxes.top_m[row])
     upper = [f for f in parts.floors if boxes.base_m[f] - ground_m > _STOREY_M]
@@ -125,6 +129,7 @@ def _level(layout: Layout, row: int, parts: _Parts) -> None:
     ceilings_m = [roof_m]
     for group in _storeys(layout, upper):
         thick_m = 2 * float(np.median(boxes.half_m[group, 2]))
+        # At least 2 m remain below the roof.
         base_m = min(float(np.median(boxes.base_m[group])), roof_m - thick_m - 2.0)
         for slab in group:
             _set_span(layout, slab, base_m, thick_m)
@@ -136,7 +141,7 @@ def _level(layout: Layout, row: int, parts: _Parts) -> None:
 
 
 def _storeys(layout: Layout, slabs: list[int]) -> list[list[int]]:
-    """Slabs by storey, from below."""
+    """Slabs by storey, from the lowest."""
     groups: list[list[int]] = []
     for slab in sorted(slabs, key=lambda floor: float(layout.boxes.base_m[floor])):
         base_m = float(layout.boxes.base_m[slab])
@@ -166,7 +171,7 @@ def _stand(layout: Layout, part: int, floors_m: list[float], ceilings_m: list[fl
 
 
 def _bear(layout: Layout, row: int, slabs: list[int], rooms: list[int]) -> None:
-    """Each upper room moves with the slab of its storey that lies nearest, and is borne by it."""
+    """Let each upper room move with the nearest slab of its storey, which grows below it."""
     boxes = layout.boxes
     for room in rooms:
         level = [s for s in slabs if abs(boxes.top_m[s] - boxes.base_m[room]) < _SAME_M]
@@ -185,7 +190,7 @@ def _bear(layout: Layout, row: int, slabs: list[int], rooms: list[int]) -> None:
 def _widen(
     layout: Layout, row: int, part: int, low: Float[np.ndarray, " 2"], high: Float[np.ndarray, " 2"]
 ) -> None:
-    """Make a part longer at its low and high ends along its building's axes."""
+    """Extend a part at its low and high ends along its building's axes."""
     boxes = layout.boxes
     boxes.centre_m[part, :2] += boxes.frame(row).T @ ((high - low) / 2)
     grown = (high + low) / 2
@@ -194,12 +199,12 @@ def _widen(
 
 
 def _is_short(layout: Layout, part: int, roof_m: float) -> bool:
-    """Whether a room ends below a ceiling on purpose: under the roof of a hall of sheet metal."""
+    """Return true if a room ends below a ceiling on purpose, as in a hall of sheet metal."""
     return abs(roof_m - 0.3 - float(layout.boxes.top_m[part])) < _SAME_M
 
 
 def _cover(layout: Layout, row: int, roof: int) -> None:
-    """Lay a roof over its building; a pitched one with eaves, as wide as on its narrowest side."""
+    """Lay a roof over its building; a pitched one gets eaves as wide as on its narrowest side."""
     boxes = layout.boxes
     borders = _borders(layout, row, roof)
     eaves = np.abs(borders) - boxes.half_m[row, :2]

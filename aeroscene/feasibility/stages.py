@@ -1,4 +1,9 @@
-"""The stages of a projection: what each does, in which order."""
+"""The stages of a projection, and their order.
+
+Coarse objects come before fine ones, because fine ones move with them. Heights come before the
+plane, because they decide which boxes can meet at all, and again after every stage that moves
+objects to other ground.
+"""
 
 from __future__ import annotations
 
@@ -37,7 +42,7 @@ from aeroscene.validation.support import floating
 
 
 def project(layout: Layout) -> None:
-    """Run all stages, in their order."""
+    """Run all stages of a projection in their order; the layout is changed."""
     _support(layout)
     landings = landings_of(layout)
     _part_ground(layout)
@@ -50,7 +55,7 @@ def project(layout: Layout) -> None:
 
 
 def project_beside(layout: Layout) -> None:
-    """Find room for what is not pinned beside what is; what has none goes."""
+    """Find room beside pinned objects for all others; those without room are dropped."""
     find_ground(layout)
     set_heights(layout, _downwards(layout))
     PlaneProblem(layout, _leave_home(layout), _air(layout)).solve()
@@ -60,7 +65,7 @@ def project_beside(layout: Layout) -> None:
 
 
 def _support(layout: Layout) -> None:
-    """Headings and heights, which decide what can meet at all."""
+    """Set headings and heights, which decide which objects can meet at all."""
     find_ground(layout)
     square_up(layout)
     fit_shells(layout)
@@ -70,7 +75,7 @@ def _support(layout: Layout) -> None:
 
 
 def _part_ground(layout: Layout) -> None:
-    """Covers and land among each other; then everything stands on what lies below it now."""
+    """Part covers and land from each other; then everything stands on the ground below it."""
     boxes = layout.boxes
     is_ground = np.array(
         [
@@ -79,6 +84,7 @@ def _part_ground(layout: Layout) -> None:
         ],
         dtype=bool,
     )
+    # Cuts may open other conflicts, hence twice.
     for _ in range(2):
         PlaneProblem(layout, is_ground, among=is_ground).solve()
         if not cut_overlaps(layout, is_ground):
@@ -104,6 +110,7 @@ def _part_coarse(layout: Layout) -> None:
         PlaneProblem(layout, is_coarse, among=is_coarse).solve()
         if not cut_overlaps(layout, is_coarse):
             break
+    # Moved objects may overlap surfaces that can be cut; what overlaps after that is moved again.
     resettle(layout, is_coarse, _nothing())
     cut_overlaps(layout, is_coarse)
     resettle(layout, is_coarse, _nothing())
@@ -125,7 +132,7 @@ def _part_fine(layout: Layout) -> None:
 
 
 def _leave_home(layout: Layout) -> Bool[np.ndarray, " n"]:
-    """Settle the pad of the start; which fine objects make room for it and for each other."""
+    """Settle the pad of the start; return the fine objects that make room for it."""
     is_fine, row = layout.is_fine, home_row(layout)
     if row is not None and is_fine[row]:
         settle_home(layout, row)
@@ -136,7 +143,7 @@ def _leave_home(layout: Layout) -> Bool[np.ndarray, " n"]:
 def _air(layout: Layout) -> Boxes:
     """Boxes of air that fine objects leave free: before doors, and about the home pad.
 
-    Where things are pinned and there is no pad, the flight starts where it did.
+    If objects are pinned and there is no pad, the flight starts where it did.
     """
     doors, row = door_air(layout), home_row(layout)
     if row is not None:
@@ -145,7 +152,7 @@ def _air(layout: Layout) -> Boxes:
 
 
 def _clear_up(layout: Layout) -> None:
-    """Roofs and openings fit; what still overlaps or floats is set down or goes."""
+    """Fit roofs and openings; set down or drop objects that still overlap or float."""
     lay_roofs(layout)
     fit_openings(layout)
     fit_extent(layout)
@@ -157,8 +164,9 @@ def _clear_up(layout: Layout) -> None:
 
 
 def _settle_fine(layout: Layout) -> None:
-    """Fine objects where they have room, upright and borne."""
+    """Settle fine objects where they have room, upright and supported."""
     resettle(layout, layout.is_fine, _air(layout))
+    # A turned chair or vehicle may overlap again, hence once more after turning.
     _turn_about(layout)
     resettle(layout, layout.is_fine, _air(layout))
     _mend_floating(layout)
@@ -166,7 +174,7 @@ def _settle_fine(layout: Layout) -> None:
 
 
 def _drop_overlapping(layout: Layout) -> None:
-    """Take out what shares too much with its parent's line, which may overlap it otherwise."""
+    """Drop objects that share too much with their ancestors, which may overlap them otherwise."""
     rows: dict[int | None, int] = {obj.id: row for row, obj in enumerate(layout.objects)}
     for finding in tuple(overlaps(finished(layout))):
         row = rows.get(finding.object_id)
@@ -175,7 +183,7 @@ def _drop_overlapping(layout: Layout) -> None:
 
 
 def _turn_about(layout: Layout) -> None:
-    """Turn chairs to the table that they are at now, and vehicles the way that their lane goes."""
+    """Turn chairs to their present table, and vehicles into the direction of their lane."""
     known = layout.objects, layout.boxes, layout.is_left
     for row, turn_rad in [*turns_to_tables(*known), *turns_with_traffic(*known)]:
         if not layout.is_pinned[row]:
@@ -183,9 +191,9 @@ def _turn_about(layout: Layout) -> None:
 
 
 def _mend_floating(layout: Layout) -> None:
-    """Set down what stands on nothing: upon its host, else upon the bare earth, else nowhere.
+    """Set down objects that stand on nothing: on their host, else on the earth, else drop them.
 
-    Upon its host twice: a room that goes leaves what stood in it to the next one.
+    Their host is tried twice: a room that is dropped leaves its objects to the next one.
     """
     for mend in (settle, settle, set_on_earth, give_up):
         rows = _floating(layout)
@@ -208,7 +216,7 @@ def _floating(layout: Layout) -> list[int]:
 
 
 def _downwards(layout: Layout) -> Int[np.ndarray, " n"]:
-    """All rows, each after what it stands on, and a chair after its table."""
+    """All rows, each after the object that carries it, and a chair after its table."""
     depth = np.array([len(layout.chain(i)) for i in range(len(layout.host))])
     return np.lexsort((layout.table >= 0, depth))
 
@@ -218,7 +226,7 @@ def _nothing() -> Boxes:
 
 
 def finished(layout: Layout) -> Scene:
-    """The scene as it is now, its start on its pad, its sky above the highest thing."""
+    """The scene in its present state: its start on its pad, its sky above the highest object."""
     scene, boxes = layout.scene, layout.boxes
     parents = [None if row < 0 else row for row in boxes.parent.tolist()]
     whole = [layout.box(row) for row in range(len(boxes))]
@@ -231,6 +239,7 @@ def finished(layout: Layout) -> Scene:
     if row is not None:
         u, v = (round(value, 4) for value in boxes.centre_m[row, :2].tolist())
         start = (u, v, round(float(boxes.top_m[row]), 4))
+        # The vehicle looks towards the middle of the site, as in curation.
         yaw = round(atan2(-v, -u), 6)
     return replace(
         scene,

@@ -1,4 +1,4 @@
-"""Stairs and the levels that they lead to: they stay together, or the stairs go."""
+"""Stairs and the levels to which they lead: they stay together, or the stairs are dropped."""
 
 from __future__ import annotations
 
@@ -13,25 +13,25 @@ from aeroscene.scene.catalogue import BRIDGES, LEVELS, STAIRS
 from aeroscene.solids.shapes.structures import RAIL_M
 
 REACH_M = 0.5
-"""Farthest that a level begins from the top of the stairs that lead to it."""
+"""Greatest distance between the top of stairs and the level to which they lead."""
 STEP_M = 0.25
-"""Largest step between the top of stairs and the level that they lead to."""
+"""Largest step between the top of stairs and the level to which they lead."""
 
 
 @dataclass(frozen=True, slots=True)
 class Landing:
-    """Where stairs end: which level, and where on it."""
+    """Upper end of stairs: its level, and its place there."""
 
     stairs: int
     level: int
     share: Float[np.ndarray, " 2"]
-    """The nearest point of the level, in its own frame over half its extents."""
+    """The nearest point of the level, in its own frame, divided by half its extents."""
     away_m: Float[np.ndarray, " 2"]
-    """From there to the middle of the stairs, in the frame of the level."""
+    """Vector from there to the middle of the stairs, in the frame of the level."""
 
 
 def landings_of(layout: Layout) -> list[Landing]:
-    """The level that each flight of stairs leads to; those that lead nowhere are left out."""
+    """The level to which each flight of stairs leads; stairs that lead nowhere are left out."""
     found: list[Landing] = []
     for stairs in layout.rows(STAIRS):
         best = (REACH_M, -1)
@@ -43,11 +43,12 @@ def landings_of(layout: Layout) -> list[Landing]:
 
 
 def follow_levels(layout: Layout, landings: list[Landing]) -> None:
-    """Bring stairs to where their levels are now, with all that they carry."""
+    """Move stairs with all that they carry to the present place of their level."""
     boxes = layout.boxes
     for each in landings:
         if not (layout.is_left[each.stairs] and layout.is_left[each.level]):
             continue
+        # The share scales with the level: stairs stay at its edge after a cut.
         point = each.share * boxes.half_m[each.level, :2] + each.away_m
         wanted = boxes.centre_m[each.level, :2] + boxes.frame(each.level).T @ point
         shift = wanted - boxes.centre_m[each.stairs, :2]
@@ -55,7 +56,7 @@ def follow_levels(layout: Layout, landings: list[Landing]) -> None:
 
 
 def drop_lost(layout: Layout, landings: list[Landing]) -> None:
-    """Take out the stairs that led somewhere and no longer do."""
+    """Drop stairs that led somewhere and no longer do."""
     leading = {each.stairs for each in landings_of(layout)}
     for each in landings:
         if layout.is_left[each.stairs] and each.stairs not in leading:
@@ -63,12 +64,14 @@ def drop_lost(layout: Layout, landings: list[Landing]) -> None:
 
 
 def _gap_m(layout: Layout, stairs: int, level: int) -> float:
-    """From the top of stairs to a level in the plane; infinite at another height."""
+    """Distance from the top of stairs to a level in the plane, m; infinite at another height."""
     boxes = layout.boxes
+    # A bridge's box ends at its rail, people walk on the deck below.
     rail_m = RAIL_M if layout.objects[level].category in BRIDGES else 0.0
     if abs(boxes.top_m[stairs] - boxes.top_m[level] + rail_m) > STEP_M:
         return np.inf
     half_m = boxes.half_m[stairs]
+    # The front edge (+x) of the highest step, by three points.
     edge = np.array([[half_m[0], side * half_m[1]] for side in (-1.0, 0.0, 1.0)])
     points = boxes.centre_m[stairs, :2] + edge @ boxes.frame(stairs)
     beside = (points - boxes.centre_m[level, :2]) @ boxes.frame(level).T

@@ -1,4 +1,4 @@
-"""What may not stay where the projection left it: traffic lights without a road, boats ashore."""
+"""Objects that must not stay where the projection left them: lights off roads, boats ashore."""
 
 from __future__ import annotations
 
@@ -9,20 +9,20 @@ from aeroscene.feasibility.layout import Layout
 from aeroscene.scene.catalogue import AFLOAT, ROADS, SIGNALS, WATER
 
 TO_ROAD_M = 3.0
-"""Farthest that a traffic light stands from the outline of a road."""
+"""Greatest distance of a traffic light from the outline of a road."""
 LEAST_ON_WATER = 0.95
 """Least share of a boat's outline on water."""
 
 
 def drop_strays(layout: Layout) -> None:
-    """Take out the lights that stand at no road, and the boats that are not on water."""
+    """Drop traffic lights that stand at no road, and boats that are not on water."""
     lights = _outlines(layout, SIGNALS)
     boats = _outlines(layout, AFLOAT)
     roads, water = (
         shapely.union_all(list(_outlines(layout, names).values())) for names in (ROADS, WATER)
     )
     for row, light in lights.items():
-        # NaN where there is no road at all.
+        # The distance is NaN if there is no road at all.
         if not shapely.distance(light, roads) <= TO_ROAD_M:
             layout.drop(row)
     for row, boat in boats.items():
@@ -31,7 +31,7 @@ def drop_strays(layout: Layout) -> None:
 
 
 def _outlines(layout: Layout, categories: frozenset[str]) -> dict[int, shapely.Polygon]:
-    """Objects of some categories from above, by their row."""
+    """Outlines of objects of some categories from above, by their row."""
     boxes, signs = layout.boxes, np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]])
     return {
         row: shapely.Polygon(

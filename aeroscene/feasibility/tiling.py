@@ -1,9 +1,9 @@
-"""Surfaces that tile a plan: rooms fill their building, open ground reaches under what is on it.
+"""Surfaces that tile a plan: rooms fill their building, open ground extends below its objects.
 
-Sampled surfaces leave gaps, and cuts widen them. In the corpus rooms and the walls between them
-cover 95% of a building's plan and more, and everything stands well within its ground. So surfaces
-grow, first over what stands on them, and rooms then up to what lies ahead of each of their sides.
-Nothing else moves for it.
+Sampled surfaces leave gaps, and cuts widen them. In the corpus, rooms and the walls between them
+cover 95% of a building's plan and more, and everything stands well within its ground. Therefore
+surfaces grow, first below the objects on them, and rooms then up to the next obstacle on each side.
+Nothing else moves.
 """
 
 from __future__ import annotations
@@ -21,23 +21,23 @@ _SAME_M = 0.01
 _GAP_M = 0.0005
 """Gap that is left between neighbours."""
 _LEAST_M = 0.1
-"""Gaps narrower than this stay: jambs of the corpus leave six centimetres."""
+"""Width up to which gaps stay: jambs of the corpus leave six centimetres."""
 _MOST_M = 8.0
-"""Greatest distance that a side of open ground moves out for objects beside it."""
+"""Greatest distance by which a side of open ground moves out for objects beside it."""
 _CROWDED_M = 0.05
-"""Things that overlap deeper than this need room."""
+"""Depth of overlap from which objects need room."""
 _RIM_M = 0.1
-"""Width of a surface beyond what stands on it."""
+"""Width of a surface beyond the objects on it."""
 
 
 def hold_children(layout: Layout) -> None:
-    """Let open ground grow under what belongs to it and lies beside it, where there is room."""
+    """Extend open ground below its own objects that lie beside it, if there is room."""
     for row in _rows(layout, OPEN_GROUND):
         _grow(layout, row, np.minimum(_beyond_m(layout, row), _MOST_M))
 
 
 def make_room(layout: Layout, is_wanted: Bool[np.ndarray, " n"], air: Boxes) -> None:
-    """Let open ground grow on which wanted things overlap others or `air`, to make them places."""
+    """Extend open ground on which wanted objects overlap others or `air`, to give them places."""
     rows = np.unique(layout.overlaps(_CROWDED_M, air).pairs)
     rows = rows[rows < len(is_wanted)]
     crowded = set(layout.host[rows[is_wanted[rows]]].tolist())
@@ -47,7 +47,7 @@ def make_room(layout: Layout, is_wanted: Bool[np.ndarray, " n"], air: Boxes) -> 
 
 
 def _to_border_m(layout: Layout, row: int) -> Float[np.ndarray, "2 2"]:
-    """Distances of a surface's low and high sides from where all surfaces beside it end."""
+    """Distances of a surface's low and high sides from the ends of all surfaces beside it, m."""
     boxes = layout.boxes
     beside = [i for i in _rows(layout, OPEN_GROUND) if boxes.parent[i] == boxes.parent[row]]
     middle, reach = _spans(layout, row, np.array(beside))
@@ -56,7 +56,7 @@ def _to_border_m(layout: Layout, row: int) -> Float[np.ndarray, "2 2"]:
 
 
 def fill_buildings(layout: Layout) -> None:
-    """Let rooms grow over what belongs to them, then up to walls, other rooms and the shell."""
+    """Extend rooms below their own objects, then up to walls, other rooms and the shell."""
     rows = _rows(layout, ROOMS)
     for row in rows:
         _grow(layout, row, np.minimum(_beyond_m(layout, row), _within_m(layout, row)))
@@ -65,7 +65,7 @@ def fill_buildings(layout: Layout) -> None:
 
 
 def _rows(layout: Layout, categories: frozenset[str]) -> list[int]:
-    """Surfaces of some categories that are parts of a building or of nothing."""
+    """Surfaces of some categories that are parts of a building or have no parent."""
     return [
         row
         for row in layout.rows(categories)
@@ -74,7 +74,7 @@ def _rows(layout: Layout, categories: frozenset[str]) -> list[int]:
 
 
 def _beyond_m(layout: Layout, row: int) -> Float[np.ndarray, "2 2"]:
-    """Distances to move out a surface's low and high sides over the fine objects it bears."""
+    """Distances by which a surface has to grow below the fine objects that it carries, m."""
     boxes = layout.boxes
     is_child = (boxes.parent == row) & layout.is_left & ~layout.is_coarse
     middle, reach = _spans(layout, row, np.flatnonzero(is_child))
@@ -88,7 +88,7 @@ def _beyond_m(layout: Layout, row: int) -> Float[np.ndarray, "2 2"]:
 def _within_m(layout: Layout, row: int) -> Float[np.ndarray, "2 2"]:
     """Distances of a room's low and high sides from the shell, and from the edges of its slab.
 
-    A room that is fitted into nothing stays as it is.
+    A room that is no part of a building stays as it is.
     """
     obj, parent = layout.objects[row], layout.parent_of(row)
     if parent is None or not is_fitting(obj, parent):
@@ -103,12 +103,13 @@ def _within_m(layout: Layout, row: int) -> Float[np.ndarray, "2 2"]:
 
 
 def _grow(layout: Layout, row: int, most_m: Float[np.ndarray, "2 2"]) -> None:
-    """Move the low and high sides of a surface out, up to what lies ahead of them."""
+    """Move the low and high sides of a surface out, up to the next obstacle."""
     boxes = layout.boxes
     middle, reach = _spans(layout, row, np.flatnonzero(_obstacles(layout, row)))
     half, grown = boxes.half_m[row, :2], np.zeros((2, 2))
     for axis in (0, 1):
         other = 1 - axis
+        # Growth along x counts when y is next, so that corners stay free.
         is_beside = (middle + reach)[:, other] > -half[other] - grown[0, other] + _TOUCH_M
         is_beside &= (middle - reach)[:, other] < half[other] + grown[1, other] - _TOUCH_M
         for end, sign in enumerate((-1.0, 1.0)):
@@ -132,7 +133,7 @@ def _obstacles(layout: Layout, row: int) -> Bool[np.ndarray, " n"]:
 def _spans(
     layout: Layout, row: int, others: Int[np.ndarray, " k"]
 ) -> tuple[Float[np.ndarray, "k 2"], Float[np.ndarray, "k 2"]]:
-    """Middles of others along a surface's axes from its own middle, and how far they reach."""
+    """Middles of others along a surface's axes from its own middle, and half their extents."""
     boxes, frame = layout.boxes, layout.boxes.frame(row)
     middle = (boxes.centre_m[others, :2] - boxes.centre_m[row, :2]) @ frame.T
     lean = np.abs(np.einsum("ai,kbi->kab", frame, boxes.axes_of(others)))

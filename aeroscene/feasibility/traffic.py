@@ -14,13 +14,13 @@ from aeroscene.scene import SceneObject
 from aeroscene.scene.catalogue import ROADS, VEHICLES
 
 _ACROSS_RAD = math.radians(45.0)
-"""Angle to its road beyond which a vehicle stands across it."""
+"""Angle to its road from which a vehicle stands across it."""
 
 
 def turns_with_traffic(
     objects: Sequence[SceneObject], boxes: Boxes, is_left: Bool[np.ndarray, " n"]
 ) -> list[tuple[int, float]]:
-    """Rows of vehicles on the wrong side of a road, and the turns that mend it, rad."""
+    """Rows of vehicles on the wrong side of a road, and the turns that correct it, rad."""
     left = np.flatnonzero(is_left).tolist()
     roads = [_outline(boxes, row) for row in left if objects[row].category in ROADS]
     vehicles = [row for row in left if objects[row].category in VEHICLES]
@@ -35,7 +35,7 @@ def _outline(boxes: Boxes, row: int) -> Rectangle:
 
 
 def _turn_rad(at: Place, roads: Sequence[Rectangle]) -> float:
-    """Turn of what stands at a place, by the road under it that lies most along it; 0 for none."""
+    """Turn of a vehicle at a place, by the road under it that lies most along it; 0 for none."""
     under: list[tuple[float, float]] = []
     for road in roads:
         u_m, v_m, turn_rad = road.place.local(at)
@@ -45,6 +45,7 @@ def _turn_rad(at: Place, roads: Sequence[Rectangle]) -> float:
         return 0.0
     v_m, turn_rad = min(under, key=lambda each: abs(math.sin(each[1])))
     is_across = abs(math.cos(turn_rad)) < math.cos(_ACROSS_RAD)
+    # On the right: to the left (v > 0) of a road's axis, vehicles drive against it.
     if not is_across and v_m * math.cos(turn_rad) <= 0:
         return 0.0
     ahead_rad = 0.0 if v_m <= 0 else math.pi

@@ -1,6 +1,7 @@
-"""Validity of the objects of a scene: whether they are free of others and rightly supported.
+"""Validity of the objects of a scene: free of others, and rightly supported.
 
-The measure for raw scenes, which as wholes are hardly ever sound: how many of their objects are.
+Raw scenes are hardly ever sound as a whole, so a yes or no for each scene would say nothing. This
+measure gives the share of their sound objects.
 """
 
 from __future__ import annotations
@@ -20,48 +21,54 @@ from aeroscene.validation.columns import spans
 from aeroscene.validation.support import floating
 
 OVERLAP_M = 0.01
-"""Deepest overlap of two strangers, boxes of which neither is the other's ancestor."""
+"""Deepest permitted overlap of two strangers, boxes of which neither is the other's ancestor."""
 SUNK_M = 0.03
-"""An object whose whole outline is deeper than this in what it stands on has sunk into it."""
+"""Depth from which an object whose whole outline lies inside its base has sunk into it."""
 AWAY_M = 0.05
-"""An object may lie this far beside its parent: its middle, or where it is coarse its edge."""
+"""Distance by which an object may lie beside its parent: its middle, or the edge of a coarse one.
+"""
 OUTSIDE_M = 0.01
-"""A box may reach this far beyond the flight volume."""
+"""Distance by which a box may extend beyond the flight volume."""
 _INNER = 0.98
 """Share of the half extents at which outlines are probed: a wall beside one does not count."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ObjectValidity:
-    """The verdict for each object of a scene, in their order."""
+    """Verdict for each object of a scene, in their order."""
 
     overlap_m: Float[np.ndarray, " n"]
-    """Depth of its deepest overlap with a stranger, 0 without one."""
+    """Depth of the deepest overlap with a stranger; 0 without one."""
     is_standing: Bool[np.ndarray, " n"]
-    """Whether its feet are on something, or it is a part of a building that holds it."""
+    """True if its feet are on something, or it is a part of a building that holds it."""
     is_sunk: Bool[np.ndarray, " n"]
-    """Whether all of its underside is within something solid."""
+    """True if all of its underside is within something solid."""
     is_away: Bool[np.ndarray, " n"]
-    """Whether it is not where its parent is, or not within the flight volume."""
+    """True if it is not at its parent, or not within the flight volume."""
 
     @property
     def is_free(self) -> Bool[np.ndarray, " n"]:
-        """Whether an object has no forbidden overlap deeper than `OVERLAP_M`."""
+        """True for objects without a forbidden overlap deeper than `OVERLAP_M`."""
         return self.overlap_m <= OVERLAP_M
 
     @property
     def is_supported(self) -> Bool[np.ndarray, " n"]:
-        """Whether an object stands on what should bear it."""
+        """True for objects that stand on a base that can carry them."""
         return self.is_standing & ~self.is_sunk & ~self.is_away
 
     @property
     def is_valid(self) -> Bool[np.ndarray, " n"]:
-        """Whether an object is free and rightly supported."""
+        """True for objects that are free and rightly supported."""
         return self.is_free & self.is_supported
 
 
 def validity(scene: Scene, primitives: Sequence[Primitive] | None = None) -> ObjectValidity:
-    """Judge every object of a scene, sound or not; its primitives where the caller has them."""
+    """Judge every object of a scene, sound or not.
+
+    Args:
+        scene: Scene.
+        primitives: The scene's primitives, if the caller has them already.
+    """
     boxes = boxes_of(scene.objects)
     solids = colliding(scene_primitives(scene) if primitives is None else primitives)
     row = {obj.id: i for i, obj in enumerate(scene.objects)}
@@ -94,11 +101,11 @@ def _sunk(
 def _is_buried(
     solids: Solids, owner: Int[np.ndarray, " s"], boxes: Boxes, i: int, probes: np.ndarray
 ) -> bool:
-    """Whether every probe, at the height to which feet may sink, is within another's solid."""
+    """Return true if every probe, at the height to which feet may sink, is in another's solid."""
     height_m = boxes.base_m[i] + SUNK_M
     low, high = probes.min(axis=0), probes.max(axis=0)
     near = solids.near(np.array([*low, height_m]), np.array([*high, height_m]))
-    # Neither itself nor what it bears.
+    # Neither the object itself nor objects that it carries.
     is_other = ~boxes.is_kin[i, owner[near]] | (owner[near] < i)
     is_free = np.ones(len(probes), dtype=bool)
     for index in near[is_other].tolist():

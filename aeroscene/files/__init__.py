@@ -1,4 +1,4 @@
-"""Files of others are read within bounds; our own are written whole or not at all."""
+"""Files: those of others are read within bounds, our own are written whole or not at all."""
 
 from aeroscene.files.access import (
     UnpackError,

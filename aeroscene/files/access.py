@@ -1,4 +1,4 @@
-"""Files that are read within bounds, files written whole or not at all, and the user's cache."""
+"""Access to files: reading within bounds, writing whole or not at all, and the user's cache."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ _GZIP_MAGIC = b"\x1f\x8b"
 
 
 class UnpackError(ValueError):
-    """A file that is no file, too large, or damaged gzip; the message says which."""
+    """A file that is no regular file, too large, or damaged gzip; the message says which."""
 
 
 def read_bounded(path: Path, most_bytes: int) -> bytes:
-    """The content of a file, unpacked where it is gzip, whatever its name.
+    """Read the content of a file, unpacked if it is gzip, whatever its name.
 
     Args:
-        path: The file.
-        most_bytes: Most that it may hold, unpacked.
+        path: File.
+        most_bytes: Greatest size of the content, unpacked.
 
     Raises:
         OSError: If it cannot be read; pipes and devices, which may never end, count as such.
@@ -39,7 +39,7 @@ def read_bounded(path: Path, most_bytes: int) -> bytes:
 
 
 def pieces(path: Path, most_bytes: int) -> Iterator[bytes]:
-    """The content of a file piece by piece; arguments and errors are those of `read_bounded`."""
+    """Read a file piece by piece; arguments and errors are those of `read_bounded`."""
     with open_regular(path) as packed:
         is_gzip = packed.peek(len(_GZIP_MAGIC)).startswith(_GZIP_MAGIC)
         file = gzip.GzipFile(fileobj=packed) if is_gzip else packed
@@ -47,6 +47,7 @@ def pieces(path: Path, most_bytes: int) -> Iterator[bytes]:
         try:
             while piece := file.read(_PIECE_BYTES):
                 n_bytes += len(piece)
+                # Counted while unpacking: a small gzip file may unpack to terabytes.
                 if n_bytes > most_bytes:
                     raise UnpackError(f"holds more than {_size(most_bytes)}; valid: at most that")
                 yield piece
@@ -57,7 +58,7 @@ def pieces(path: Path, most_bytes: int) -> Iterator[bytes]:
 
 
 def open_regular(path: Path) -> io.BufferedReader:
-    """Open a file to read that ends: no folder, pipe or device.
+    """Open a file that ends, for reading: no folder, pipe or device.
 
     Raises:
         OSError: If it is another kind of file, or cannot be read.
@@ -76,38 +77,46 @@ def _size(n_bytes: int) -> str:
 
 @contextmanager
 def replacing(path: Path) -> Iterator[BinaryIO]:
-    """A temporary neighbour to write to; it takes the file's place when nothing went wrong.
+    """Open a temporary neighbour for writing; it replaces the file if nothing goes wrong.
+
+    A reader of the file, or a crash, therefore never sees a half-written one.
+
+    Args:
+        path: File to be replaced or created.
 
     Raises:
-        OSError: If it cannot be written; what was there before is untouched.
+        OSError: If it cannot be written; the former file stays as it was.
     """
     try:
         descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
     except OSError as error:
-        error.filename = str(path)  # Not the neighbour, of which nobody knows.
+        error.filename = str(path)  # not the neighbour, whose name the caller does not know
         raise
     temporary = Path(name)
     try:
         with os.fdopen(descriptor, "wb") as file:
             yield file
+        # Temporary files are private to their owner; results should be readable like any other
+        # file.
         temporary.chmod(0o644)
+        # Renaming within one folder is atomic on POSIX systems.
         temporary.replace(path)
     except BaseException as error:
         temporary.unlink(missing_ok=True)
         if isinstance(error, OSError) and error.errno and error.filename is None:
-            error.filename = str(path)  # A write to a full disk does not name it.
+            error.filename = str(path)  # a write to a full disk does not name it
         raise
 
 
 def cache_folder(name: str) -> Path | None:
-    """A folder in the user's cache, or in `AEROSCENE_CACHE_DIR`; it may not be there yet.
+    """Folder in the user's cache, or in `AEROSCENE_CACHE_DIR`; it may not exist yet.
 
     Args:
-        name: What is kept there.
+        name: Name of the folder, by its content.
 
     Returns:
-        The folder. None if `AEROSCENE_CACHE=off` says that no file is read or written, or if the
-        user has no home folder.
+        The folder. None if `AEROSCENE_CACHE=off` forbids to read or write files, or if the user has
+        no home folder.
     """
     from platformdirs import user_cache_dir
 

@@ -1,7 +1,7 @@
-"""File names from names that stand in files: ids of scenes, trials and cameras.
+"""File names from names inside of files: ids of scenes, trials and cameras.
 
 A scene, a recording or a campaign may come from anybody, so its names are data. A file that is
-named after one of them lies in the folder that the user asked for, whatever the name says.
+named after one of them has to lie in the folder that the user asked for, whatever the name is.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ _OTHERS = re.compile(r"[^A-Za-z0-9._-]+")
 
 
 def file_name(name: str, otherwise: str = "scene") -> str:
-    """A file name, without a suffix, for a name that came from a file.
+    """Make a file name, without a suffix, from a name that came from a file.
 
     Args:
-        name: Any text, also a path or one with control characters.
-        otherwise: What a name without any usable character becomes.
+        name: Any text, including paths and control characters.
+        otherwise: Result for a name without any usable character.
 
     Returns:
         ASCII letters, digits, dots, dashes and underscores. It neither begins nor ends with a dot
@@ -30,5 +30,6 @@ def file_name(name: str, otherwise: str = "scene") -> str:
     clean = _OTHERS.sub("-", name).strip(".-") or otherwise
     if len(clean) <= MOST_CHARACTERS:
         return clean
+    # Long names that differ only at their end get different files.
     digest = hashlib.sha256(name.encode(errors="surrogatepass")).hexdigest()[:_DIGEST_CHARACTERS]
     return f"{clean[: MOST_CHARACTERS - _DIGEST_CHARACTERS - 1]}-{digest}"

@@ -1,4 +1,8 @@
-"""Checked access to a TOML table: each fault names file, field, value, and what would be valid."""
+"""Checked access to a TOML table: each error names file, field, value and valid values.
+
+Readers ask for one field after another. Fields that nobody asked for are unknown, so that a typing
+error in a name is found without a schema.
+"""
 
 from __future__ import annotations
 
@@ -10,37 +14,42 @@ from aeroscene.files.visible import is_visible, shown
 
 
 class Fields:
-    """A table whose fields are asked for one by one; what nobody asked for is unknown."""
+    """A table whose fields are asked for one by one."""
 
     def __init__(
         self, plain: dict[str, Any], file: str, path: str = "", *, error: type[ValueError]
     ) -> None:
-        """Read a table.
+        """Prepare to read a table.
 
         Args:
             plain: The table.
-            file: What the file describes and its name, for messages.
-            path: Where it stands in the file, such as `body`; empty for the whole file.
-            error: What a fault is raised as.
+            file: Kind and name of the file, for messages.
+            path: Place of the table in the file, such as `body`; empty for the whole file.
+            error: Type of the errors that are raised.
         """
         self._plain, self._file, self._path, self._error = plain, file, path, error
         self._others: dict[str, Any] = {}
-        """What a merged table has from another one, which stands at the fallback."""
+        """Fields that a merged table takes from another one, found at the fallback's place."""
         self._fallback = path
         self._asked: list[str] = []
 
     def fail(self, field: str, fault: str) -> NoReturn:
-        """Refuse a field; the fault says what is wrong and what would be valid.
+        """Refuse a field.
+
+        Args:
+            field: Name of the field.
+            fault: What is wrong, and what would be valid.
 
         Raises:
-            ValueError: Always, of the kind that was given.
+            ValueError: Always, of the type that was given.
         """
+        # A field of a merged table is named where it really stands.
         path = self._path if field in self._plain else self._fallback
         where = f"{path}.{field}".strip(".")
         raise self._error(f"{self._file}: {where} {fault}")
 
     def has(self, field: str) -> bool:
-        """Whether a field is given."""
+        """Return true if a field is given."""
         self._asked.append(field)
         return field in self._plain or field in self._others
 
@@ -48,7 +57,7 @@ class Fields:
         """Refuse fields that nobody asked for.
 
         Raises:
-            ValueError: If there is one.
+            ValueError: If there is one; the message lists the known ones.
         """
         valid = list(dict.fromkeys(self._asked))
         for field in self._plain:
@@ -56,7 +65,7 @@ class Fields:
                 self.fail(field, f"is unknown; valid: {', '.join(valid)}")
 
     def text(self, field: str, *, most: int = 80) -> str:
-        """A line of text."""
+        """Return a line of text of at most `most` characters."""
         value = self._required(field, "a line of text")
         is_line = isinstance(value, str) and value.strip() and is_visible(value)
         if not is_line or len(value) > most:
@@ -64,7 +73,7 @@ class Fields:
         return value
 
     def word(self, field: str, valid: Sequence[str]) -> str:
-        """One of several words."""
+        """Return one of several words."""
         names = " or ".join(valid)
         value = self._required(field, names)
         if value not in valid:
@@ -74,7 +83,15 @@ class Fields:
     def number(
         self, field: str, low: float, high: float, unit: str = "", default: float | None = None
     ) -> float:
-        """A number within bounds, both of them valid; without a default it must be given."""
+        """Return a number.
+
+        Args:
+            field: Name of the field.
+            low: Least valid number.
+            high: Greatest valid number.
+            unit: Unit, for messages.
+            default: Number if the field is missing; None requires it.
+        """
         valid = f"{low:g} to {high:g} {unit}".rstrip()
         if default is not None and not self.has(field):
             return default
@@ -84,14 +101,15 @@ class Fields:
         return float(value)
 
     def count(self, field: str, low: int, high: int) -> int:
-        """A whole number within bounds, both of them valid."""
+        """Return a whole number within bounds, both of them valid."""
         value = self._required(field, f"{low} to {high}")
+        # In Python true is an int as well.
         if not isinstance(value, int) or isinstance(value, bool) or not low <= value <= high:
             self.fail(field, f"is {shown(value)}; valid: a whole number from {low} to {high}")
         return value
 
     def flag(self, field: str, *, default: bool) -> bool:
-        """True or false."""
+        """Return true or false."""
         value = self._required(field, "") if self.has(field) else default
         if not isinstance(value, bool):
             self.fail(field, f"is {shown(value)}; valid: true or false")
@@ -106,7 +124,16 @@ class Fields:
         unit: str = "",
         default: tuple[float, ...] | None = None,
     ) -> tuple[float, ...]:
-        """Numbers within bounds, both of them valid; without a default they must be given."""
+        """Return n numbers within bounds, both of them valid.
+
+        Args:
+            field: Name of the field.
+            n: Number of numbers.
+            low: Least valid number.
+            high: Greatest valid number.
+            unit: Unit, for messages.
+            default: Numbers if the field is missing; None requires it.
+        """
         valid = f"{n} numbers from {low:g} to {high:g} {unit}".rstrip()
         if default is not None and not self.has(field):
             return default
@@ -119,7 +146,16 @@ class Fields:
     def rows(
         self, field: str, n: int, count: tuple[int, int], low: float, high: float, unit: str = ""
     ) -> list[tuple[float, ...]]:
-        """Rows of n numbers within bounds; `count` is the least and the greatest number of rows."""
+        """Return rows of n numbers within bounds.
+
+        Args:
+            field: Name of the field.
+            n: Numbers in each row.
+            count: Least and greatest number of rows.
+            low: Least valid number.
+            high: Greatest valid number.
+            unit: Unit, for messages.
+        """
         least, most = count
         valid = f"{least} to {most} rows of {n} numbers from {low:g} to {high:g} {unit}".rstrip()
         value = self._required(field, valid)
@@ -132,7 +168,7 @@ class Fields:
         return [tuple(map(float, row)) for row in value]
 
     def table(self, field: str) -> Fields:
-        """A table within; an empty one if it is not given."""
+        """Return a table within; an empty one if it is not given."""
         value = self._plain.get(field, {})
         self._asked.append(field)
         if not isinstance(value, dict):
@@ -140,7 +176,7 @@ class Fields:
         return self._within(value, f"{self._path}.{field}".strip("."))
 
     def tables(self, field: str) -> Iterator[Fields]:
-        """Tables of a list, which count from 1 in messages."""
+        """Return the tables of a list, which count from 1 in messages."""
         value = self._required(field, f"tables, each below [[{field}]]")
         if not isinstance(value, list) or not all(isinstance(each, dict) for each in value):
             self.fail(field, f"is {shown(value)}; valid: tables, each below [[{field}]]")
@@ -148,13 +184,13 @@ class Fields:
             yield self._within(plain, f"{field}[{number}]")
 
     def merged_under(self, other: Fields) -> Fields:
-        """The same table with what it lacks taken from another one."""
+        """Return the same table, with missing fields taken from another one."""
         merged = self._within(self._plain, self._path)
         merged._others, merged._fallback = other._plain, other._path
         return merged
 
     def know_as(self, merged: Fields) -> None:
-        """Take what was asked of a merged table as asked of this one."""
+        """Count the fields that were asked of a merged table as asked of this one."""
         self._asked += merged._asked
 
     def _within(self, plain: dict[str, Any], path: str) -> Fields:

@@ -12,7 +12,9 @@ from aeroscene.files.bounds import MOST_CONFIG_BYTES
 
 _NUMBER = re.compile(rb"(?<![0-9.])[0-9]+\.[0-9]+(?![0-9.])")
 _MOST_DOTS = 200
-"""Dots of a line, but for those of its numbers: tomllib takes gigabytes for a.a.a... and so on."""
+"""Most dots of a line, without those of its numbers: tomllib takes gigabytes for a.a.a... and so
+on.
+"""
 
 
 class TomlFileError(ValueError):
@@ -20,7 +22,10 @@ class TomlFileError(ValueError):
 
 
 def read_toml(path: Path) -> dict[str, Any]:
-    """The document in a TOML file.
+    """Read the document in a TOML file.
+
+    Args:
+        path: File.
 
     Raises:
         TomlFileError: If it cannot be read, is too large, nested too deeply, or no TOML.
@@ -37,7 +42,7 @@ def read_toml(path: Path) -> dict[str, Any]:
         raise
     except RecursionError:
         raise TomlFileError("it is nested too deeply; valid: tables of fields") from None
-    except ValueError as error:  # Of tomllib, of UTF-8, of integers with thousands of digits.
+    except ValueError as error:  # of tomllib, of UTF-8, or of integers with thousands of digits
         raise TomlFileError(f"it is no TOML: {error}") from None
 
 

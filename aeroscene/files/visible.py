@@ -9,14 +9,14 @@ _HIDDEN = frozenset(("Cc", "Cf", "Cs", "Zl", "Zp"))
 
 
 _SHOWN = 200
-"""Characters of a value that a message shows."""
+"""Most characters of a value in a message."""
 
 
 def visible(text: str) -> str:
-    """The text with every character that a terminal would obey, or not show, as an escape.
+    """Replace every character that a terminal would obey, or not show, by an escape.
 
-    A name such as `ESC ]0;title BEL` would otherwise set the title of the user's window, and one
-    with a change of writing direction would show another name than it is.
+    A name such as `ESC ]0;title BEL` would otherwise set the title of the user's window. A name
+    with a change of writing direction would look like another name.
     """
     if text.isascii() and text.isprintable():
         return text
@@ -24,12 +24,17 @@ def visible(text: str) -> str:
 
 
 def is_visible(text: str) -> bool:
-    """Whether `visible` would leave the text as it is."""
+    """Return true if `visible` would leave the text as it is."""
     return (text.isascii() and text.isprintable()) or not any(map(_is_hidden, text))
 
 
 def shown(value: object, most: int = _SHOWN) -> str:
-    """A value as a message shows it: on one line and not endless."""
+    """Text of a value for a message: on one line and not endless.
+
+    Args:
+        value: Any value.
+        most: Most characters, without the dots of a cut.
+    """
     try:
         text = repr(value)
     except (ValueError, RecursionError):  # An integer or a nesting beyond Python's own limits.

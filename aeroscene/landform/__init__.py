@@ -1,4 +1,8 @@
-"""Relief of a site that was laid out on flat ground: swells, banks and mounds in its green."""
+"""Relief of a site that was laid out on flat ground: swells, banks and mounds in its green.
+
+Sites are laid out flat, because grammar and model place objects in the plane. The land rises
+afterwards, only where nothing needs level ground, and `level` undoes it for metrics and learning.
+"""
 
 from aeroscene.landform.raising import raise_relief
 from aeroscene.landform.standing import level, on_relief, standing_points

@@ -1,4 +1,4 @@
-"""Ground of a site that stays level: what is paved, built or under water, and some clearings."""
+"""Ground of a site that stays level: paved, built or flooded ground, and some clearings."""
 
 from __future__ import annotations
 
@@ -18,25 +18,25 @@ from aeroscene.scene.footprint import footprint
 PAD_M = 1.5
 """Level ground around a landing pad."""
 _WIDE_M = 3.5
-"""Objects with a longer side stand level; smaller ones follow the ground."""
+"""Longest side up to which objects follow the ground; larger ones stand level."""
 _KERB_M = 0.5
-"""Level ground beside streets outside of the site."""
+"""Width of level ground beside streets outside of the site."""
 CLEARING_M = 2.75
-"""Radius of a clearing: a large drone lands on it."""
+"""Radius of a clearing, on which a large drone can land."""
 _WIDE_LAWN_M2 = 300.0
-"""A lawn that is larger has two clearings."""
+"""Area from which a lawn has two clearings."""
 _APART_M = 8.0
 """Distance between the middles of two clearings of a lawn."""
 _MOST_CLEARINGS = 4
-"""Clearings of a scene."""
+"""Most clearings of a scene."""
 
 
 def level_ground(scene: Scene, places: Float[np.ndarray, "n 2"]) -> list[BaseGeometry]:
-    """Outlines of all that needs level ground, in the site and around it; seen from above, ENU.
+    """Outlines of everything that needs level ground, in the site and around it; from above, ENU.
 
     Args:
-        scene: The scene.
-        places: Where clearings may have their middles.
+        scene: Scene.
+        places: Possible middles of clearings.
     """
     found = [*_stands(scene), *_streets(scene)]
     return [*found, *_clearings(scene, found, places)]
@@ -55,7 +55,7 @@ def _clearings(
 ) -> Iterator[BaseGeometry]:
     """Discs of lawn that stay level, so that large drones find room among mounds.
 
-    Those nearest to level ground are taken, which leaves the middle of a lawn to the mounds.
+    The ones nearest to level ground are taken, which leaves the middle of a lawn to the mounds.
     """
     lawns = [footprint(obj) for obj in scene.objects if _is_green(scene, obj)]
     if not lawns:
@@ -75,6 +75,7 @@ def _clearings(
     n_left = _MOST_CLEARINGS
     for lawn in sorted(lawns, key=lambda each: -each.area):
         inside = places[wide[shapely.intersects(lawn, points[wide])]]
+        # Farther apart than their width, so that two clearings are two places to land.
         for _ in range(min(n_left, 2 if lawn.area > _WIDE_LAWN_M2 else 1)):
             if len(inside):
                 n_left -= 1
@@ -83,7 +84,7 @@ def _clearings(
 
 
 def _nearest_m(outlines: Sequence[BaseGeometry], points: np.ndarray) -> Float[np.ndarray, " n"]:
-    """Distance of points to the nearest of some outlines; 0 within one, infinite without any."""
+    """Distance of points to the nearest of some outlines, m; 0 within one, infinite without any."""
     if not outlines or not len(points):
         return np.full(len(points), np.inf)
     tree = shapely.STRtree(outlines)
@@ -92,9 +93,10 @@ def _nearest_m(outlines: Sequence[BaseGeometry], points: np.ndarray) -> Float[np
 
 
 def _is_level(scene: Scene, obj: SceneObject) -> bool:
-    """Whether an object needs level ground of its own, and is no part of another that does."""
+    """Return true if an object needs level ground of its own, not as a part of another."""
     if _is_green(scene, obj):
         return False
+    # Its parent's ground decides.
     parent = None if obj.parent_id is None else scene.object_by_id[obj.parent_id]
     if parent is not None and parent.category not in COVERS:
         return False

@@ -1,4 +1,4 @@
-"""How far the land rises, by the theme of a scene."""
+"""Height and steepness of the land, by the theme of a scene."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LandManner:
-    """How the land of a site and around it rises."""
+    """Rise of the land of a site and around it."""
 
     rise_m: float
-    """Greatest height in the site's green, where it is wide enough."""
+    """Greatest height in the site's green, reached if that is wide enough."""
     around_m: float
     """Greatest height around the site."""
     bank: tuple[float, float]
@@ -33,4 +33,6 @@ LAND_MANNERS: Mapping[str, LandManner] = {
     "car_park": _TOWN,
     "waterfront": _TOWN,
 }
-"""By theme. Scenes of other themes stay flat: old towns are paved, and rooms have no land."""
+"""Manner of each theme. Scenes of other themes stay flat: old towns are paved, and rooms have no
+land.
+"""

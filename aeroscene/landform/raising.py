@@ -1,4 +1,4 @@
-"""Raises the land of a site that was laid out on flat ground.
+"""Raising of the land of a site that was laid out on flat ground.
 
     symbol   name
     d        distance from level ground, less the margin of the grid, m
@@ -6,8 +6,9 @@
     h        height of the ground, m
 
 Land rises from level ground as a bank of gradient s, and levels out at a height that varies from
-place to place: h = t tanh(b / t), where b = s (sqrt(d^2 + c^2) - c) and t is that height. No land
-lies below 0, so that slabs of lawns stay under the grass that covers them.
+place to place: h = t tanh(b / t), where b = s (sqrt(d^2 + c^2) - c) and t is that height. The root
+makes the foot of a bank round, and tanh its top, so that no crease remains. No land lies below 0,
+so that slabs of lawns stay under the grass that covers them.
 """
 
 from __future__ import annotations
@@ -27,15 +28,15 @@ from aeroscene.scene import Relief, Scene
 SPACING_M = 2.0
 """Distance between nodes in a site of usual size."""
 MOST_GRADIENT = 0.2
-"""Steepest bank."""
+"""Gradient of the steepest bank."""
 _AROUND_M = 24.0
 """Width of the land around the flight volume."""
 _MOST_CELLS = 120
-"""Cells along one axis, beyond which they are wider."""
+"""Number of cells along one axis from which they are wider."""
 _FOOT_M = 1.0
 """Distance over which a bank begins: c above."""
 _BLUR_M = 1.5
-"""Width of the Gaussian that rounds creases off."""
+"""Width of the Gaussian that rounds off creases."""
 _GRADIENT = 0.14
 """Steepest rise between neighbouring nodes before rounding."""
 _HEM_M = 2.0
@@ -43,23 +44,23 @@ _HEM_M = 2.0
 _BORDER_M = 10.0
 """Distance from the border of the grid over which the land falls to 0."""
 _WAVES_M = ((34.0, 0.65), (15.0, 0.35))
-"""Lengths of the swells and their shares."""
+"""Lengths of the swells, and their shares."""
 _LOWEST = 0.3
 """Least height of open land, relative to the greatest."""
 _NOTHING_NEAR_M = 1e3
 _LEAST_RISE_M = 0.12
-"""Land that rises less stays flat."""
+"""Rise up to which land stays flat."""
 
 
 def raise_relief(scene: Scene, rng: np.random.Generator) -> Scene:
-    """A scene with gentle land in its green and around it; everything on grass stands on it.
+    """Give a scene gentle land in its green and around it; everything on grass stands on it.
 
     Roads, paths, water, buildings, fences, terraces and pads keep their level ground, and so their
-    heights. Landing areas are dropped, because the ground decides about them.
+    heights. Landing areas are dropped, because they depend on the ground.
 
     Args:
-        scene: A scene on flat ground. One that has a relief, lies indoors, or is of a theme without
-            land of its own is returned as it is.
+        scene: A scene on flat ground. A scene that has a relief, lies indoors, or has a theme
+            without land is returned as it is.
         rng: Draws the land.
     """
     manner = LAND_MANNERS.get(scene.theme)
@@ -70,7 +71,7 @@ def raise_relief(scene: Scene, rng: np.random.Generator) -> Scene:
 
 
 def _relief(scene: Scene, manner: LandManner, rng: np.random.Generator) -> Relief | None:
-    """The land, None where hardly any of it rises."""
+    """The land; None if hardly any of it rises."""
     origin, spacing_m, shape = _grid(scene)
     x, y = (origin[i] + spacing_m * np.arange(shape[1 - i]) for i in range(2))
     swell = _swell(shape, spacing_m, rng)
@@ -81,9 +82,11 @@ def _relief(scene: Scene, manner: LandManner, rng: np.random.Generator) -> Relie
     top_m = scale * most_m * (_LOWEST + (1.0 - _LOWEST) * swell)
     heights = top_m * np.tanh(bank * (np.hypot(away_m, _FOOT_M) - _FOOT_M) / top_m)
     inward_m = _inward_m(away_m, spacing_m)
+    # Sides without streets keep their height, which goes on beyond the grid.
     heights *= _smooth(inward_m / _BORDER_M)
     heights = gaussian_filter(_gentle(heights, spacing_m), _BLUR_M / spacing_m)
     heights *= _smooth(np.minimum(away_m, inward_m) / _HEM_M)
+    # Scaled as a whole, so that the shape stays and the limit holds.
     steepest = Relief(origin, spacing_m, heights).steepest
     heights *= min(1.0, MOST_GRADIENT / max(steepest, 1e-9))
     if heights.max() < _LEAST_RISE_M:
@@ -104,11 +107,12 @@ def _grid(scene: Scene) -> tuple[tuple[float, float], float, tuple[int, int]]:
 def _away_m(
     scene: Scene, x: np.ndarray, y: np.ndarray, spacing_m: float
 ) -> Float[np.ndarray, "rows columns"]:
-    """Distance of nodes from the cells that reach into level ground; 0 at their corners."""
+    """Distance of nodes from cells that extend into level ground, m; 0 at the cells' corners."""
     outlines = level_ground(scene, np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2))
     is_level = np.zeros((len(y), len(x)), dtype=bool)
     east, north = (0.5 * (line[:-1] + line[1:]) for line in (x, y))
     middles = np.stack(np.meshgrid(east, north), axis=-1).reshape(-1, 2)
+    # A centimetre more, so that outlines on a cell's border touch both cells.
     half_m = spacing_m / 2 + 0.01
     cells = shapely.box(*(middles - half_m).T, *(middles + half_m).T)
     tree, geometries = shapely.STRtree(cells), np.array(outlines, dtype=object)
@@ -139,7 +143,7 @@ def _gentle(
 def _most_m(
     scene: Scene, manner: LandManner, x: np.ndarray, y: np.ndarray
 ) -> Float[np.ndarray, "rows columns"]:
-    """Greatest height of the land at nodes, in the site and around it."""
+    """Greatest height of the land at nodes, in the site and around it, m."""
     low, high = scene.extent_min_enu_m, scene.extent_max_enu_m
     east_m, north_m = (
         np.maximum(np.maximum(low[i] - line, line - high[i]), 0.0) for i, line in enumerate((x, y))
@@ -158,6 +162,7 @@ def _swell(
         # The spectrum of a Gaussian of width s falls to 1/e^2 at a wave of pi s.
         noise = gaussian_filter(rng.standard_normal(shape), wave_m / math.pi / spacing_m)
         total += share * noise / max(float(noise.std()), 1e-9)
+    # Quantiles instead of extremes, which single peaks would decide.
     low, high = np.quantile(total, (0.02, 0.98)).tolist()
     return np.clip((total - low) / max(high - low, 1e-9), 0.0, 1.0)
 
@@ -165,10 +170,10 @@ def _swell(
 def _inward_m(
     away_m: Float[np.ndarray, "rows columns"], spacing_m: float
 ) -> Float[np.ndarray, "rows columns"]:
-    """Distance of nodes from the sides of the grid through which streets leave it.
+    """Distance of nodes from the sides of the grid through which streets leave it, m.
 
-    Beyond a side the ground keeps the height of the side. So it is flat around streets, and rises
-    elsewhere.
+    Beyond a side the ground keeps the height of the side. It is therefore flat around streets, and
+    rises elsewhere.
     """
     inward_m = np.full(away_m.shape, np.inf)
     for axis in (0, 1):
@@ -180,6 +185,6 @@ def _inward_m(
 
 
 def _smooth(share: Float[np.ndarray, "*n"]) -> Float[np.ndarray, "*n"]:
-    """From 0 to 1 without a kink at either end."""
+    """A smooth step from 0 to 1, without a kink at either end."""
     share = np.clip(share, 0.0, 1.0)
     return share * share * (3.0 - 2.0 * share)

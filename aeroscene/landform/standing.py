@@ -1,8 +1,8 @@
 """Objects on a relief, and back to flat ground.
 
-The rise of an object follows from the relief, from the outlines seen from above and from what
-belongs to what. None of these change when objects rise. So the rise can be computed again from the
-raised scene, and `level` is the inverse of `on_relief`.
+The rise of an object follows from the relief, from the outlines seen from above and from the
+hierarchy. None of these change when objects rise. The rise can therefore be computed again from the
+raised scene, and `level` is the inverse of `on_relief`, without any record of the flat scene.
 """
 
 from __future__ import annotations
@@ -24,24 +24,31 @@ _TRUNK = 0.15
 _PROBES = np.array([(0, 0), (1, 1), (-1, 1), (-1, -1), (1, -1)], dtype=float)
 """Middle and corners of an outline, in halves of its sides."""
 _DIGITS = 9
-"""Decimals of heights: enough for a document's four, and none for the errors of a sum."""
+"""Decimals of heights: enough for a document's four, and few enough to drop the errors of a sum."""
 
 
 def on_relief(scene: Scene, relief: Relief) -> Scene:
-    """A scene on flat ground set onto a relief, without areas.
+    """Set a scene on flat ground onto a relief, without areas.
 
     An object on the ground rises by the least height of the ground below its outline, as far as the
-    ground is above what covers it there. All that it carries rises with it. Trees and bushes stand
-    on the ground at their trunks.
+    ground is above the covers there. All objects that it carries rise with it. Trees and bushes
+    stand on the ground at their trunks.
+
+    Args:
+        scene: Scene on flat ground.
+        relief: Land that extends over the flight volume.
     """
     flat = replace(scene, interaction_areas=())
     return _moved(flat, relief, _Rises(flat, relief, is_raised=False), 1.0)
 
 
 def level(scene: Scene) -> Scene:
-    """A scene as it was before it was set onto its relief, without relief and areas.
+    """Return a scene as it was before it was set onto its relief, without relief and areas.
 
     A scene without a relief is returned as it is, with its areas.
+
+    Args:
+        scene: Scene of `on_relief`; only for such scenes the result is exact.
     """
     if scene.relief is None:
         return scene
@@ -72,7 +79,7 @@ def _above(place: Vector3, rise_m: float) -> Vector3:
 
 @dataclass(frozen=True, slots=True)
 class _Cover:
-    """A cover of the ground, where the relief has it."""
+    """A cover of the ground, with its height on the relief."""
 
     outline: shapely.Polygon
     top_m: float
@@ -80,7 +87,7 @@ class _Cover:
 
 
 class _Rises:
-    """How far each object of a scene rises, whether or not it has done so already."""
+    """Rise of each object of a scene, whether or not it has risen already."""
 
     def __init__(self, scene: Scene, relief: Relief, *, is_raised: bool) -> None:
         self._scene, self._relief, self._is_raised = scene, relief, is_raised
@@ -98,7 +105,7 @@ class _Rises:
         return _Cover(footprint(obj), round(top_m, _DIGITS), rise_m)
 
     def _rise_m(self, obj: SceneObject) -> float:
-        """Rise of an object whose parent's is known."""
+        """Rise of an object whose parent's rise is known, m."""
         if obj.parent_id is None:
             return self._on_ground_m(standing_points(obj), self._under(obj))
         cover = self._covers.get(obj.parent_id)
@@ -118,7 +125,7 @@ class _Rises:
         return () if obj.category in COVERS else self._covers.values()
 
     def _on_ground_m(self, probes: Float[np.ndarray, "k 2"], covers: Iterable[_Cover]) -> float:
-        """Least rise at some points: of the ground, as far as it is above what covers it."""
+        """Least rise at some points: of the ground, as far as it is above its covers, m."""
         ground_m = self._relief.height_m(*probes.T)
         if not ground_m.any():
             return 0.0
@@ -127,13 +134,14 @@ class _Rises:
             is_on = shapely.intersects_xy(cover.outline, *probes.T) & (cover.top_m > top_m)
             top_m[is_on] = cover.top_m
             rise_m[is_on] = cover.rise_m + np.maximum(ground_m[is_on] - cover.top_m, 0.0)
+        # Rounded as documents are, so that both directions give the same rise.
         return round(float(rise_m.min()), 4)
 
 
 def standing_points(obj: SceneObject) -> Float[np.ndarray, "5 2"]:
     """East and north of the points at which an object meets the ground.
 
-    They are middle and corners of its outline, for a tree or bush of its foot.
+    They are middle and corners of its outline; of a tree or bush those of its foot.
     """
     box = obj.bbox
     half = (_TRUNK if obj.category in LEAFY else 1.0) * np.array(box.s[:2]) / 2

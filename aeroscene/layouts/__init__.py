@@ -1,8 +1,8 @@
 """Layouts that are not ours: read, mapped to our categories, and made flyable.
 
-`neutral`, `aeroscene_json` and `front3d` read one form each into a `NeutralLayout`; `mapping` knows
-whose name for a thing is ours for what; `flyable` adds ground, walls and a start. Importing this
-package loads numpy at most; building a scene loads shapely.
+`neutral`, `aeroscene_json`, `front3d` and `thor` read one form each into a `NeutralLayout`.
+`mapping` finds our category for each name of a source, and `flyable` adds ground, walls and a
+start. Importing this package loads numpy at most; building a scene loads shapely.
 """
 
 from aeroscene.layouts.document import LayoutError, LayoutObject, LayoutRoom, NeutralLayout

@@ -1,6 +1,6 @@
 """The JSON that the AeroScene authors publish beside their USD scenes.
 
-Their repository (aioz-ai/AeroScene, README) describes it so, and nothing else of it is known here:
+Their repository (aioz-ai/AeroScene, README) describes it like this, and nothing else is known here:
 
     {"id": sample id, "mesh_floor": mesh floor id,
      "outdoor_scene": [{"name": object id, "translation": translation vector,
@@ -8,22 +8,22 @@ Their repository (aioz-ai/AeroScene, README) describes it so, and nothing else o
                         "indoor": null or list of indoor objects, containing translation,
                                   rotation and scale infor}]}
 
-What that leaves open is read as follows.
+The description leaves the following open. This module reads it so:
 
 - Frame: Isaac Sim's, z up, right-handed.
-- `rotation`: three numbers are what Isaac Sim's property panel shows, angles about x, then y, then
-  z in degrees, or in radians in a file where none exceeds 2 pi. Four are a quaternion w, x, y, z.
-- Units: metres, or centimetres where the outdoor objects lie more than 1 km apart, as assets of
-  NVIDIA's town, which theirs are, are made in centimetres.
+- `rotation`: three numbers are those of Isaac Sim's property panel, angles about x, then y, then z
+  in degrees, or in radians in a file where none exceeds 2 pi. Four are a quaternion w, x, y, z.
+- Units: metres, or centimetres if the outdoor objects lie more than 1 km apart, because the assets
+  of NVIDIA's town, which they use, are made in centimetres.
 - Sizes: the file has none, they are in the meshes. `scale` multiplies the nominal size of our
-  category (the geometric middle of the catalogue's range); a scale that most objects share, such
-  as 0.01, converts units and counts as 1.
+  category (the geometric middle of the catalogue's range). A scale that most objects share, such as
+  0.01, converts units and counts as 1.
 - `translation` is the middle of an object's bottom; the ground is at the median of the outdoor
   objects.
-- `indoor` objects are children of the building's frame, as prims in USD are, unless that puts fewer
+- `indoor` objects are children of the building's frame, like prims in USD, unless that puts fewer
   of them into the building than reading them as objects of the world.
-- Names: outdoors they are their buildings ("props"), indoors furniture of 3D-FRONT. A word in a
-  name that we know decides, else an outdoor object is a building and an indoor one a box.
+- Names: outdoors they are their buildings ("props"), indoors furniture of 3D-FRONT. A known word in
+  a name decides; otherwise an outdoor object is a building and an indoor one a box.
 - `rotation`, `scale`, `indoor` and the `name` of an indoor object may be missing or null.
 """
 
@@ -47,13 +47,13 @@ INDOOR_SUPER_CATEGORY = "Others"
 _CENTIMETRES_FROM = 1000.0
 """Spread of the outdoor objects from which their unit must be the centimetre."""
 _UNIT_SCALE = (0.2, 5.0)
-"""A scale that most objects share is a change of unit outside this range."""
+"""Range outside of which a scale that most objects share is a change of unit."""
 _INSIDE_MARGIN_M = 1.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Thing:
-    """One object of the file as it stands there."""
+    """One object of the file, in the file's own terms."""
 
     where: str
     name: str
@@ -64,10 +64,14 @@ class _Thing:
 
 
 def aeroscene_layout(value: object, *, skip_invalid: bool = False) -> NeutralLayout:
-    """The layout in the authors' JSON value.
+    """Read the layout in the authors' JSON value.
+
+    Args:
+        value: The JSON value.
+        skip_invalid: Leave out objects that break a rule, instead of raising.
 
     Raises:
-        LayoutError: Naming scene, object and field.
+        LayoutError: If the value breaks a rule; it names scene, object and field.
     """
     record = fields.mapping(value, "scene")
     scene_id = str(record.get("id", "aeroscene"))
@@ -108,6 +112,7 @@ def _things(entries: Sequence[Any], place: str, faults: list[str] | None) -> tup
         try:
             things.append(_thing(entry, where, faults))
         except LayoutError as error:
+            # Callers without a list of faults want the first fault as an error.
             if faults is None:
                 raise
             faults.append(str(error))
@@ -163,7 +168,7 @@ def _scale(value: object) -> Vector3:
 
 
 class _Conversion:
-    """Conventions of a whole file: units, angles, ground."""
+    """Conventions that hold for a whole file: units, angles, ground."""
 
     def __init__(self, things: Sequence[_Thing]) -> None:
         inner = [child for thing in things for child in thing.indoor]
@@ -173,6 +178,7 @@ class _Conversion:
             for axis in (0, 1)
         )
         self._unit_m = 0.01 if spread > _CENTIMETRES_FROM else 1.0
+        # One angle above 2 pi shows that all of them are degrees.
         angles = [abs(a) for t in (*things, *inner) if len(t.rotation) == 3 for a in t.rotation]
         is_radian = max(angles, default=0.0) <= 2 * math.pi
         self._radians = 1.0 if is_radian else math.pi / 180
@@ -180,13 +186,13 @@ class _Conversion:
         self._ground = statistics.median(thing.translation[2] for thing in things)
 
     def in_world(self, thing: _Thing, parent: int | None = None) -> LayoutObject:
-        """An object of the world, indoors where it has a parent."""
+        """Object of the world; it is indoors if it has a parent."""
         x, y, z = thing.translation
         foot = (x * self._unit_m, y * self._unit_m, (z - self._ground) * self._unit_m)
         return self._object(thing, foot, self._quat(thing), parent)
 
     def contents(self, thing: _Thing, building: LayoutObject, parent: int) -> list[LayoutObject]:
-        """What is in a building, in whichever reading of its frame puts more of it inside."""
+        """Contents of a building, in the reading of its frame that puts more of them inside."""
         local = [self._in_building(child, building, parent) for child in thing.indoor]
         world = [self.in_world(child, parent) for child in thing.indoor]
         if _n_inside(world, building) > _n_inside(local, building):
@@ -205,6 +211,8 @@ class _Conversion:
         if len(thing.rotation) == 4:
             w, x, y, z = thing.rotation
             return (w, x, y, z)
+        # About x first, then y, then z, each about a fixed axis: later turns multiply from the
+        # left.
         quat: tuple[float, ...] = (1.0, 0.0, 0.0, 0.0)
         for axis, angle in enumerate(thing.rotation):
             half = angle * self._radians / 2
@@ -241,7 +249,7 @@ class _Conversion:
 
 
 def _shared_scale(things: Sequence[_Thing]) -> Vector3:
-    """The scale that counts as 1: the median where it is a change of unit."""
+    """Scale that counts as 1: the median if it is a change of unit."""
     if not things:
         return (1.0, 1.0, 1.0)
     medians = [statistics.median(thing.scale[axis] for thing in things) for axis in range(3)]
@@ -255,6 +263,7 @@ def _nominal_size(name: str, *, is_indoor: bool) -> Vector3:
     fallback = "box" if is_indoor else "building"
     category = by_name()[fallback if found is None else found.category]
     ranges = (category.length_m, category.width_m, category.height_m)
+    # The geometric middle, because ranges of sizes span a factor rather than a difference.
     x, y, z = (round(math.sqrt(low * high), 2) for low, high in ranges)
     return (x, y, z)
 

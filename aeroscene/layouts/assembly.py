@@ -1,4 +1,4 @@
-"""The objects of a scene in the making: consecutive ids, parents before their children."""
+"""Objects of a scene in the making: consecutive ids, parents before their children."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from aeroscene.scene.catalogue import category_id
 
 
 class Assembly:
-    """Collects objects and numbers them."""
+    """Objects in the order of their ids."""
 
     def __init__(self, scene_id: str) -> None:
         self.scene_id = scene_id
@@ -25,7 +25,15 @@ class Assembly:
         parent_id: int | None = None,
         attributes: Mapping[str, AttributeValue] | None = None,
     ) -> int:
-        """Add an object; returns its id."""
+        """Add an object, and return its id.
+
+        Args:
+            category: Name of our category.
+            box: Box of the object.
+            domain: Indoor or outdoor.
+            parent_id: Id of an object that was added before.
+            attributes: Attributes of the object.
+        """
         number = len(self.objects)
         self.objects.append(
             SceneObject(
@@ -42,7 +50,7 @@ class Assembly:
 
 
 def slab(rectangle: Rectangle, bottom_m: float, top_m: float) -> OrientedBox:
-    """The box over a rectangle between two heights."""
+    """Box over a rectangle between two heights, rounded to 4 decimals."""
     x0, y0, x1, y1 = rectangle
     centre = (round((x0 + x1) / 2, 4), round((y0 + y1) / 2, 4), round((bottom_m + top_m) / 2, 4))
     size = (round(x1 - x0, 4), round(y1 - y0, 4), round(top_m - bottom_m, 4))
@@ -55,7 +63,14 @@ def upright_box(
     size: tuple[float, float, float],
     bottom_m: float,
 ) -> OrientedBox:
-    """A box that stands at a height, its x axis along a heading."""
+    """Upright box that stands at a height, its x axis along a heading.
+
+    Args:
+        centre: East and north of its middle, m.
+        heading_rad: Heading of the x axis.
+        size: Full extents, m.
+        bottom_m: Height of its underside.
+    """
     x, y = centre
     p = (round(x, 4), round(y, 4), round(bottom_m + size[2] / 2, 4))
     s = (round(size[0], 4), round(size[1], 4), round(size[2], 4))

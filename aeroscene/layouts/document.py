@@ -1,7 +1,8 @@
-"""A layout that is not ours, whatever file it came from: categories in the source's own words.
+"""Layouts that are not ours, whatever file they came from: categories in the source's own words.
 
-World frame east, north, up in metres, quaternions `wxyz` box to world, floor at z = 0. Every reader
-ends here, and everything after it (mapping, walls, flight volume) starts here.
+The world frame is east, north, up in metres, quaternions are `wxyz`, box to world, the floor is at
+z = 0. Every reader ends here, and all further steps (mapping, walls, flight volume) start here, so
+that a new source only needs a reader.
 """
 
 from __future__ import annotations
@@ -20,11 +21,12 @@ LayoutDomain = Literal["indoor", "outdoor"]
 
 
 class LayoutError(SceneError):
-    """A layout file that breaks a rule; one line naming scene, object and field."""
+    """A layout file that breaks a rule; one line names scene, object and field."""
 
 
 def _make_visible(named: object, field_name: str) -> None:
-    """Write out what a terminal would obey in a name; called while the object is being made."""
+    """Escape characters in a name that a terminal would obey; called while the object is built."""
+    # The dataclasses are frozen, hence the detour.
     object.__setattr__(named, field_name, visible(getattr(named, field_name)))
 
 
@@ -43,12 +45,12 @@ class LayoutObject:
     parent: int | None = None
     """Index of the object that this one stands on or in."""
     super_category: str = ""
-    """The source's wider category, where it has one."""
+    """The source's wider category, if it has one."""
     name: str = ""
     """Name of this very object in the source."""
 
     def __post_init__(self) -> None:
-        """Show what of its names a terminal would obey."""
+        """Escape characters in its names that a terminal would obey."""
         for name in ("category", "super_category", "name"):
             _make_visible(self, name)
 
@@ -61,28 +63,28 @@ class LayoutRoom:
     polygon: tuple[Point2, ...]
 
     def __post_init__(self) -> None:
-        """Show what of its name a terminal would obey."""
+        """Escape characters in its name that a terminal would obey."""
         _make_visible(self, "name")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NeutralLayout:
-    """Boxes on a floor: what all sources have in common."""
+    """Boxes on a floor: the contents that all sources share."""
 
     scene_id: str
     source: str
     """Origin of the layout, in the source's words."""
     domain: LayoutDomain
     floor: tuple[Point2, ...]
-    """Outline, counter-clockwise, not closed, m; empty where the source has no floor."""
+    """Outline, counter-clockwise, not closed, m; empty if the source has no floor."""
     objects: tuple[LayoutObject, ...]
     rooms: tuple[LayoutRoom, ...] = ()
     doors: tuple[Point2, ...] = ()
-    """Points of doors on the borders of rooms; empty where the source does not say."""
+    """Points of doors on the borders of rooms; empty if the source does not state any."""
     front: Literal["x", "y"] = "x"
     """Body axis that points to the front of an object."""
     attributes: Mapping[str, Any] = field(default_factory=dict, hash=False)
-    """Whatever else the source says, unchecked."""
+    """Further content of the source, unchecked."""
     invalid: tuple[str, ...] = ()
     """Objects that were left out because they broke a rule, one line each."""
 

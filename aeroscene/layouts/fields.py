@@ -1,4 +1,4 @@
-"""Checks of single fields of a layout: each says which field, what it holds and what is valid."""
+"""Checks of single fields of a layout: each error names field, value and valid values."""
 
 from __future__ import annotations
 
@@ -12,31 +12,43 @@ from aeroscene.scene import Quaternion, Vector3, errors
 from aeroscene.scene.box import MAX_EXTENT_M, MIN_SIZE_M
 
 RENORMALISE = 1e-3
-"""A quaternion whose norm is this close to one is rounded, not wrong, and is renormalised."""
+"""Deviation of a quaternion's norm from one up to which it is rounded, not wrong, and is
+renormalised.
+"""
 MAX_POSITION_M = 10_000.0
 _SHOWN = 60
-"""Characters of a value that an error shows."""
+"""Most characters of a value in an error."""
 
 
 def shown(value: object) -> str:
-    """A value as an error shows it: on one line and not endless."""
+    """Text of a value for an error: on one line and not endless."""
     return errors.shown(value, _SHOWN)
 
 
 def refuse(field_name: str, value: object, valid: str) -> LayoutError:
-    """The error for a field."""
+    """Make the error for a field.
+
+    Args:
+        field_name: Name of the field in the file.
+        value: Wrong value.
+        valid: Description of valid values.
+    """
     return LayoutError(f"{field_name} is {shown(value)}; valid: {valid}")
 
 
 def mapping(value: object, field_name: str) -> Mapping[str, Any]:
-    """A JSON object."""
+    """Require a JSON object."""
     if not isinstance(value, dict):
         raise refuse(field_name, value, "a JSON object")
     return value
 
 
 def need(record: Mapping[str, Any], key: str, prefix: str = "") -> Any:
-    """The value under a key that must be there."""
+    """Return the value under a key that must exist.
+
+    Raises:
+        LayoutError: If it is missing; the message lists the keys that do exist.
+    """
     if key not in record:
         keys = ", ".join(map(str, list(record)[:8])) or "nothing"
         raise LayoutError(f"{prefix}{key} is missing; valid: an object with {key} (it has {keys})")
@@ -44,21 +56,30 @@ def need(record: Mapping[str, Any], key: str, prefix: str = "") -> Any:
 
 
 def text(value: object, field_name: str, *, is_empty_valid: bool = False) -> str:
-    """A text, by default not an empty one."""
+    """Require a text, by default one that is not empty."""
     if not isinstance(value, str) or not (value or is_empty_valid):
         raise refuse(field_name, value, "a text" if is_empty_valid else "a text that is not empty")
     return value
 
 
 def items(value: object, field_name: str) -> Sequence[Any]:
-    """A JSON list."""
+    """Require a JSON list."""
     if not isinstance(value, list):
         raise refuse(field_name, value, "a list")
     return value
 
 
 def numbers(value: object, count: int, field_name: str) -> list[float]:
-    """A list of so many finite numbers."""
+    """Require a list of so many finite numbers.
+
+    Args:
+        value: Value of the field.
+        count: Number of numbers.
+        field_name: Name of the field in the file.
+
+    Raises:
+        LayoutError: If it is no such list; true and false are no numbers here.
+    """
     valid = f"{count} finite numbers"
     if not isinstance(value, list) or len(value) != count:
         raise refuse(field_name, value, valid)
@@ -74,7 +95,7 @@ def numbers(value: object, count: int, field_name: str) -> list[float]:
 
 
 def position(value: object, field_name: str) -> Vector3:
-    """A point not absurdly far away, m."""
+    """Require a point within `MAX_POSITION_M` of the origin."""
     x, y, z = numbers(value, 3, field_name)
     if max(abs(x), abs(y), abs(z)) > MAX_POSITION_M:
         raise refuse(field_name, value, f"three numbers within {MAX_POSITION_M:g} m of the origin")
@@ -82,7 +103,7 @@ def position(value: object, field_name: str) -> Vector3:
 
 
 def size(value: object, field_name: str) -> Vector3:
-    """Extents of a box that has a volume, m."""
+    """Require extents of a box that has a volume, m."""
     x, y, z = numbers(value, 3, field_name)
     if min(x, y, z) < MIN_SIZE_M or max(x, y, z) > MAX_EXTENT_M:
         valid = f"three extents from {MIN_SIZE_M} to {MAX_EXTENT_M:g} m"
@@ -91,7 +112,7 @@ def size(value: object, field_name: str) -> Vector3:
 
 
 def quaternion(value: object, field_name: str) -> Quaternion:
-    """A unit quaternion in the order of the source, renormalised where it was only rounded."""
+    """Require a unit quaternion in the order of the source; rounded ones are renormalised."""
     a, b, c, d = numbers(value, 4, field_name)
     norm = math.hypot(a, b, c, d)
     if abs(norm - 1.0) > RENORMALISE:
@@ -101,7 +122,7 @@ def quaternion(value: object, field_name: str) -> Quaternion:
 
 
 def polygon(value: object, field_name: str) -> tuple[Point2, ...]:
-    """A simple outline of at least three corners, made counter-clockwise."""
+    """Require a simple outline of at least three corners, and return it counter-clockwise."""
     from aeroscene.scene.polygon import is_simple, signed_area
 
     corners: list[Point2] = []

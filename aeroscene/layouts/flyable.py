@@ -1,18 +1,19 @@
-"""A layout as a scene to fly in: a ground, walls about rooms, a start, landing areas.
+"""Layouts as scenes to fly in: a ground, walls about rooms, a start, landing areas.
 
-What we add, because sources hold furniture and outlines only:
+Sources hold only furniture and outlines, so this module adds:
 
-- Ground. Outdoors lawn over the floor's outline, indoors a room object for each rectangle of each
-  room. The source's z = 0 becomes the upper face of it.
-- Walls about rooms with openings between neighbours, see `walls`, as high as the tallest object
-  asks, at least 3 m.
-- A roof over all rooms, so that the way from one to the next leads through openings, and a yard
-  about the house with one opening to it: rooms of real furniture are often too full for an Iris.
-- The uppermost 0.25 m of a building is its roof, an object of its own on which a drone may land.
-- The start: the middle of a wide free disc, on a floor where there is somewhere to fly to from
-  there, else in the yard.
+- Ground. Outdoors it is lawn over the floor's outline, indoors a room object for each rectangle of
+  each room. The source's z = 0 becomes its upper face.
+- Walls about rooms with openings between neighbours, see `walls`. They are as high as the tallest
+  object asks, at least 3 m.
+- A roof over all rooms, so that a flight from one room to the next leads through openings, and a
+  yard about the house with one opening to it. Rooms of real furniture are often too full for an
+  Iris.
+- The uppermost 0.25 m of a building as its roof, an object of its own on which a drone may land.
+- The start: the middle of a wide free disc, on a floor from which a landing area can be reached,
+  otherwise in the yard.
 
-Nothing is moved: overlaps of the source stay. Tilted boxes stay tilted.
+Nothing is moved: overlaps of the source stay, and tilted boxes stay tilted.
 """
 
 from __future__ import annotations
@@ -30,15 +31,18 @@ from aeroscene.scene.catalogue import LAWNS, ROOMS
 from aeroscene.scene.origin import ALTITUDE_M, LATITUDE_DEG, LONGITUDE_DEG
 
 SKY_M = 6.0
-"""Free height over the tallest thing outdoors."""
+"""Free height above the tallest object outdoors."""
 MAX_TOP_M = 60.0
 """Top of the flight volume, whatever is taller."""
 _OVERHANG_M = 10.0
-"""Reach of the flight volume beyond the ground where things stand out over its edge."""
+"""Distance by which the flight volume extends beyond the ground for objects over its edge."""
 
 
 def map_layout(layout: NeutralLayout) -> MappingReport:
-    """What would become of the objects of a layout, without building the scene.
+    """Report on the mapping of a layout's objects, without building the scene.
+
+    Args:
+        layout: Layout.
 
     Raises:
         LayoutError: If nothing of it could be used.
@@ -51,6 +55,12 @@ def map_layout(layout: NeutralLayout) -> MappingReport:
 
 def make_flyable(layout: NeutralLayout) -> tuple[Scene, MappingReport]:
     """Build the scene of a layout.
+
+    Args:
+        layout: Layout.
+
+    Returns:
+        The scene, and a report on the mapping of its objects.
 
     Raises:
         LayoutError: If nothing of it could be used, or there is no free place to start from.
@@ -68,7 +78,7 @@ def make_flyable(layout: NeutralLayout) -> tuple[Scene, MappingReport]:
 
 
 def _with_start(site: Site, grounds: Grounds, top_m: float) -> Scene:
-    """The scene from the first start from which there is somewhere to fly to, else the best one."""
+    """The scene with the first start from which a landing area can be reached, or the best one."""
     ranks = [[Ground(region, site.lift_m) for region in regions] for regions in grounds]
     found = with_start(_scene(site, top_m), ranks)
     if found is None:
@@ -77,7 +87,7 @@ def _with_start(site: Site, grounds: Grounds, top_m: float) -> Scene:
 
 
 def _scene(site: Site, top_m: float) -> Scene:
-    """The scene as yet without a start and areas."""
+    """The scene without a start and areas, which come later."""
     low, high = _extent(site, top_m)
     has_indoor = any(obj.domain == "indoor" for obj in site.assembly.objects)
     domain: SceneDomain = "indoor" if site.is_indoor else "mixed" if has_indoor else "outdoor"
@@ -87,6 +97,7 @@ def _scene(site: Site, top_m: float) -> Scene:
         seed=0,
         extent_min_enu_m=low,
         extent_max_enu_m=high,
+        # A start inside the volume, as the schema asks for, until the real one is found.
         start_position_enu_m=low,
         start_yaw_rad=0.0,
         latitude_deg=LATITUDE_DEG,
@@ -97,7 +108,7 @@ def _scene(site: Site, top_m: float) -> Scene:
 
 
 def _extent(site: Site, top_m: float) -> tuple[Vector3, Vector3]:
-    """The flight volume: the ground, what reaches a little over its edge, and air above."""
+    """The flight volume: the ground, objects that extend a little over its edge, and air above."""
     grounds = [obj for obj in site.assembly.objects if obj.category in LAWNS | ROOMS]
     ground = np.concatenate([obj.bbox.corners() for obj in grounds])
     corners = np.concatenate([obj.bbox.corners() for obj in site.assembly.objects])

@@ -1,22 +1,22 @@
-"""3D-FRONT's own JSON: one file a house, y up, metres.
+"""3D-FRONT's own JSON: one file for each house, y up, metres.
 
-What its fields mean, as found in the data set's published toolbox (3D-FRONT-ToolBox) and in the
-reader of ATISS:
+Its fields, according to the data set's published toolbox (3D-FRONT-ToolBox) and the reader of
+ATISS:
 
-- `furniture[]`: `uid` (what children refer to), `jid` (the 3D-FUTURE model), `size` (extents of the
-  model, x, y up, z; older files call it `bbox`), `category` or `title` (often missing: then
-  `model_info.json` of 3D-FUTURE says it by `jid`), `valid` (false: the model is not public, the
-  piece is left out by every reader; missing counts as true here).
+- `furniture[]`: `uid` (the reference of children), `jid` (the 3D-FUTURE model), `size` (extents of
+  the model, x, y up, z; older files call it `bbox`), `category` or `title` (often missing: then
+  `model_info.json` of 3D-FUTURE states it by `jid`), `valid` (false: the model is not public, and
+  every reader leaves the piece out; missing counts as true here).
 - `mesh[]`: the architecture as triangles: `uid`, `type` (Floor, WallInner, WallOuter, Ceiling,
   Door, Window, ...), `xyz` and `faces`, both flat lists.
 - `scene.room[]`: `type`, `instanceid`, and `children[]`, each with `ref` (a `uid` of furniture or
   mesh; others are lights and the like, ignored), `pos`, `rot` (quaternion x, y, z, w), `scale`.
-  Positions are those of the house; the rooms' own `pos` and `rot` are not applied by any reader.
+  Positions are those of the house; no reader applies the rooms' own `pos` and `rot`.
 - A model's origin is the middle of its bottom, its front +z.
 
 The frame becomes ours by X = -x, Y = z, Z = y, a proper rotation, with the origin in the middle of
-the floors. Floors become rooms; walls are built from their outlines, for meshes of walls are open
-shells with door leaves in them. Hierarchy there is none: `parent` is always None.
+the floors. Floors become rooms. Walls are built from their outlines, because meshes of walls are
+open shells with door leaves in them. There is no hierarchy: `parent` is always None.
 """
 
 from __future__ import annotations
@@ -45,17 +45,22 @@ _CLOSE_M = 0.005
 _SIMPLIFY_M = 0.02
 _LEAST_ROOM_M2 = 0.5
 _MOST_RECORDS = 100_000
-"""Meshes, pieces of furniture and children of a house."""
+"""Most meshes, pieces of furniture and children of a house."""
 _MOST_TRIANGLES = 50_000
-"""Triangles of all floors of a house."""
+"""Most triangles of all floors of a house."""
 _MARGIN_M = 0.5
-"""Floor about the furniture of a house without floors."""
+"""Width of floor around the furniture of a house without floors."""
 
 ModelInfo = Mapping[str, Mapping[str, Any]]
 
 
 def read_model_info(folder: Path) -> ModelInfo:
-    """3D-FUTURE's `model_info.json` under `model_id`, if it lies in the folder or the one above."""
+    """Read 3D-FUTURE's `model_info.json`, if it lies in the folder or the one above.
+
+    Returns:
+        Its records under `model_id`; empty without a readable file, because a layout can be mapped
+        without it.
+    """
     for path in (folder / "model_info.json", folder.parent / "model_info.json"):
         try:
             records = parse_json(read_bounded(path, MOST_BYTES), str(path))
@@ -68,7 +73,7 @@ def read_model_info(folder: Path) -> ModelInfo:
 
 
 class _Mesh(msgspec.Struct):
-    """A mesh as text: of the many, only those of floors are decoded."""
+    """A mesh as text: only the few meshes of floors are decoded."""
 
     uid: msgspec.Raw = msgspec.Raw(b"null")
     type: msgspec.Raw = msgspec.Raw(b'""')
@@ -77,14 +82,14 @@ class _Mesh(msgspec.Struct):
 
 
 def house_value(data: bytes, where: str) -> dict[str, Any] | None:
-    """The JSON value of a house as far as it is read; the numbers of its meshes stay text.
+    """Parse the JSON of a house as far as it is read; the numbers of its meshes stay text.
 
     Args:
         data: JSON text of up to `MOST_BYTES`, most of which are vertices of walls.
-        where: What to call the text in an error.
+        where: Name of the text in an error.
 
     Returns:
-        The value, None where the text is no house.
+        The value; None if the text is no house.
 
     Raises:
         LayoutError: If a part of it exceeds the bounds of one scene.
@@ -97,7 +102,7 @@ def house_value(data: bytes, where: str) -> dict[str, Any] | None:
             return None
         meshes = msgspec.json.decode(parts.get("mesh", b"[]"), type=list[_Mesh])
     except (msgspec.DecodeError, UnicodeDecodeError, RecursionError):
-        return None  # Who reads all of it says what is wrong.
+        return None  # the reader of the whole text reports the fault
     names = ("uid", "furniture", "scene")
     value = {name: parse_json(bytes(parts[name]), where) for name in names if name in parts}
     if "mesh" in parts:
@@ -116,10 +121,15 @@ def house_value(data: bytes, where: str) -> dict[str, Any] | None:
 def front3d_layout(
     value: object, *, skip_invalid: bool = False, model_info: ModelInfo | None = None
 ) -> NeutralLayout:
-    """The layout of a house from its JSON value.
+    """Read the layout of a house from its JSON value.
+
+    Args:
+        value: Value of `house_value`.
+        skip_invalid: Leave out objects that break a rule, instead of raising.
+        model_info: See `read_model_info`.
 
     Raises:
-        LayoutError: Naming scene, object and field.
+        LayoutError: If the value breaks a rule; it names scene, object and field.
     """
     record = fields.mapping(value, "house")
     scene_id = str(record.get("uid") or "house")
@@ -130,7 +140,7 @@ def front3d_layout(
 
 
 class _House:
-    """The parts of one file while it is read."""
+    """Parts of one file while it is read."""
 
     def __init__(self, record: Mapping[str, Any], skip_invalid: bool, info: ModelInfo) -> None:
         self._record = record
@@ -205,6 +215,7 @@ class _House:
         wider = info.get("super-category") or title.partition("/")[0].title()
         pos, quat, scale = _pose(child)
         model_size = fields.numbers(piece.get("size", piece.get("bbox")), 3, "size")
+        # Mirrored models have negative scales.
         scaled = [abs(a * b) for a, b in zip(model_size, scale, strict=True)]
         x, y, z = fields.size(scaled, "size times scale")
         up = rotation_matrix(quat) @ (0.0, 0.0, y / 2)
@@ -214,6 +225,7 @@ class _House:
             super_category=str(wider),
             p=centre,
             q=quat,
+            # The model's y is up, ours is z.
             s=(x, z, y),
             name=str(piece.get("uid")),
         )
@@ -221,7 +233,7 @@ class _House:
     def _centred(
         self, scene_id: str, objects: list[LayoutObject], rooms: list[LayoutRoom]
     ) -> NeutralLayout:
-        """Moved so that the origin is the middle of the floors."""
+        """The layout, moved so that the origin is the middle of the floors."""
         points = [point for room in rooms for point in room.polygon]
         if not points:
             points = _corners_about(objects)
@@ -250,7 +262,7 @@ class _House:
 
 
 class _Skip:
-    """Names what is read in its errors and, where asked, notes them instead of raising."""
+    """Context that names its place in errors and, if asked for, notes them instead of raising."""
 
     def __init__(self, house: _House, where: str) -> None:
         self._house = house
@@ -270,15 +282,16 @@ class _Skip:
 
 
 def _pose(child: Mapping[str, Any]) -> tuple[Vector3, Quaternion, Sequence[float]]:
-    """Position, attitude and scale of a child, in our frame but for the scale."""
+    """Position, attitude and scale of a child; the scale is not in our frame."""
     x, y, z = fields.position(fields.need(child, "pos"), "pos")
     qx, qy, qz, qw = fields.quaternion(fields.need(child, "rot"), "rot")
     scale = fields.numbers(child.get("scale", [1, 1, 1]), 3, "scale")
+    # The axis (x, y, z) of the turn becomes (-x, z, y), like every vector.
     return (-x, z, y), (qw, -qx, qz, qy), scale
 
 
 def _triangles(child: Mapping[str, Any], mesh: Mapping[str, Any]) -> np.ndarray:
-    """Corners of a mesh's triangles seen from above, (n, 3, 2), m."""
+    """Corners of a mesh's triangles seen from above, shape (n, 3, 2), m."""
     pos, quat, scale = _pose(child)
     try:
         vertices = _flat(mesh["xyz"], np.float64).reshape(-1, 3) * scale
@@ -299,10 +312,11 @@ def _flat(values: object, kind: type[np.number]) -> np.ndarray:
     """Numbers of a list, which may still be text.
 
     Raises:
-        ValueError: If it is no list of numbers, or of more than a floor has.
+        ValueError: If it is no list of numbers, or has more than a floor can have.
     """
     if isinstance(values, msgspec.Raw):
         text = bytes(values)
+        # Commas bound the numbers before they are decoded.
         if text.count(b",") > 3 * _MOST_TRIANGLES:
             raise ValueError("too many numbers")
         values = msgspec.json.decode(text, type=list[float])
@@ -310,12 +324,13 @@ def _flat(values: object, kind: type[np.number]) -> np.ndarray:
 
 
 def _outline(floors: list[np.ndarray]) -> tuple[Point2, ...]:
-    """The outline of a room's floor, its largest part, without holes; empty where it has none."""
+    """Outline of the largest part of a room's floor, without holes; empty if it has none."""
     if not floors:
         return ()
     import shapely
 
     triangles = [shapely.Polygon(corners) for corners in np.concatenate(floors)]
+    # Grown and shrunk again: triangles of a floor leave gaps of a millimetre between them.
     whole = shapely.union_all([t.buffer(_CLOSE_M, join_style="mitre") for t in triangles if t.area])
     whole = whole.buffer(-_CLOSE_M, join_style="mitre")
     parts: list[shapely.Polygon] = [

@@ -1,4 +1,4 @@
-"""Floors as rectangles: ours are boxes, theirs are outlines of any form."""
+"""Floors as rectangles: ours are boxes, those of layouts are outlines of any form."""
 
 from __future__ import annotations
 
@@ -16,18 +16,19 @@ Rectangle = tuple[float, float, float, float]
 
 _SIMPLIFY_M = 0.02
 _LEAST_M = 0.02
-"""Strips narrower than this are rounding."""
+"""Width up to which a strip is rounding."""
 _MAX_STRIPS = 40
 
 
 def cover(outline: Sequence[Point2] | BaseGeometry, longest_m: float) -> list[Rectangle]:
-    """Rectangles along the axes that cover an outline and overlap nowhere.
+    """Cover an outline by rectangles along the axes that do not overlap.
 
-    Exact where the outline runs along the axes, else a little too large at slanting edges.
+    The cover is exact if the outline runs along the axes, otherwise a little too large at slanting
+    edges.
 
     Args:
         outline: Corners, or a polygon.
-        longest_m: Rectangles longer than this are divided evenly.
+        longest_m: Length from which rectangles are divided evenly.
     """
     shape = outline if isinstance(outline, BaseGeometry) else shapely.Polygon(outline)
     shape = shapely.simplify(shape, _SIMPLIFY_M)
@@ -36,9 +37,10 @@ def cover(outline: Sequence[Point2] | BaseGeometry, longest_m: float) -> list[Re
 
 
 def _strips(shape: BaseGeometry) -> list[Rectangle]:
-    """Cuts along y at every corner, as far as corners lie apart; each piece by its bounds."""
+    """Cut along y at every corner, if corners are far enough apart; each piece by its bounds."""
     left, bottom, right, top = shape.bounds
     cuts = [bottom]
+    # Curved outlines have hundreds of corners, hence at most 40 strips.
     least = max(_LEAST_M, (top - bottom) / _MAX_STRIPS)
     for y in sorted({float(y) for y in shapely.get_coordinates(shape)[:, 1]}):
         if y - cuts[-1] >= least or y == top:
@@ -56,7 +58,7 @@ def _strips(shape: BaseGeometry) -> list[Rectangle]:
 
 
 def _merge(strips: list[Rectangle]) -> list[Rectangle]:
-    """Strips of equal width on top of each other as one."""
+    """Join strips of equal width above each other."""
     merged: list[Rectangle] = []
     for x0, low, x1, high in strips:
         for index, (u0, v0, u1, v1) in enumerate(merged):

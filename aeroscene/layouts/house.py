@@ -1,4 +1,4 @@
-"""Ground outdoors; indoors floors, walls, a roof and a yard about them."""
+"""Ground outdoors; indoors floors, walls, a roof and a yard."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from aeroscene.layouts.walls import DOOR_HEIGHT_M, MAX_GAP_M, OUTER_M, WallPlan,
 from aeroscene.scene import AttributeValue
 
 LEAST_CLEAR_M = 3.0
-"""Rooms are at least this high; higher where the tallest thing in them asks for it."""
+"""Least height of rooms; higher if the tallest object in them asks for it."""
 ROOF_M = 0.25
 """Thickness of a roof."""
 YARD_M = 6.0
-"""Width of the lawn about a house."""
+"""Width of the lawn around a house."""
 _LAWN_TILE_M = 60.0
 _ROOM_TILE_M = 16.0
 _ROOF_TILE_M = 40.0
@@ -27,7 +27,7 @@ _PLAIN: dict[str, AttributeValue] = {"form": "plain"}
 
 
 def lay_ground(site: Site) -> Grounds:
-    """Lawn over the floor's outline, or over the bounds where there is none."""
+    """Lay lawn over the floor's outline, or over the bounds if there is none."""
     area = shapely.box(*site.bounds)
     if site.layout.floor:
         area = shapely.intersection(area, shapely.Polygon(site.layout.floor))
@@ -36,12 +36,20 @@ def lay_ground(site: Site) -> Grounds:
 
 
 def build_house(site: Site) -> tuple[Grounds, float]:
-    """All rooms of a layout under one roof; returns where a drone may start, and the roof's top."""
+    """Build all rooms of a layout under one roof.
+
+    Args:
+        site: Layout on its way to a scene; changed.
+
+    Returns:
+        Grounds on which a drone may start, and the height of the roof's top, m.
+    """
     rooms = _rooms(site)
     clear_m = min(max(LEAST_CLEAR_M, round(site.top_m - FINISH_M + 0.1, 2)), MOST_CLEAR_M)
     height_m = FINISH_M + clear_m
     for number, room in enumerate(rooms):
         attributes: dict[str, AttributeValue] = {"room": number, "room_type": room.name}
+        # Tiles of one room share its number: they count as one room without walls between them.
         for tile in cover(room.polygon, _ROOM_TILE_M):
             box = slab(tile, 0.0, height_m)
             site.assembly.add("room", box, "indoor", attributes=attributes)
@@ -56,6 +64,7 @@ def build_house(site: Site) -> tuple[Grounds, float]:
     plot = shapely.box(x0 - YARD_M, y0 - YARD_M, x1 + YARD_M, y1 + YARD_M)
     yard = shapely.difference(plot, outline)
     _lay_lawn(site, yard, FINISH_M)
+    # Rooms before the yard: a start indoors is preferred.
     return [floors, [yard]], height_m + ROOF_M
 
 
@@ -76,7 +85,7 @@ def _lay_lawn(site: Site, area: BaseGeometry, thickness_m: float) -> None:
 
 
 def _furniture(site: Site) -> list[shapely.Polygon]:
-    """Outlines of everything that may be in the way through an opening."""
+    """Outlines of all objects that may be in the way through an opening."""
     outlines = [
         shapely.convex_hull(shapely.MultiPoint(kept.box.corners()[:, :2]))
         for kept in site.kept.values()
@@ -91,7 +100,7 @@ def _raise_wall(site: Site, wall: WallPlan, height_m: float) -> None:
         attributes["door_m"] = wall.door_m
         attributes["door_offset_m"] = round(wall.opening_m, 3)
         attributes["door_height_m"] = FINISH_M + DOOR_HEIGHT_M
-    # A wall of ours is long along its own y axis.
+    # Our walls are long along their own y axis.
     size = (wall.thickness_m, wall.length_m, height_m)
     box = upright_box(wall.centre, wall.heading_rad - math.pi / 2, size, 0.0)
     site.assembly.add("wall", box, "indoor", attributes=attributes)

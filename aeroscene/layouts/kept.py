@@ -1,9 +1,9 @@
-"""Layouts of a file as scenes, kept once they have been mapped.
+"""Cache of layouts that have been mapped to scenes.
 
 Mapping takes a tenth of a second a room, and a file has a thousand. Scenes are kept under a hash of
-the file and of all sources that mapping follows from; a kept file that is damaged, or is not ours,
-is as good as none. They are in the folder `layouts` of the user's cache (or of
-`AEROSCENE_CACHE_DIR`); `AEROSCENE_CACHE=off` reads and writes no file. The last few files are kept.
+the file and of all sources on which mapping depends; a damaged or foreign file counts as missing.
+They are in the folder `layouts` of the user's cache (or of `AEROSCENE_CACHE_DIR`);
+`AEROSCENE_CACHE=off` reads and writes no file. The last few files are kept.
 """
 
 from __future__ import annotations
@@ -23,31 +23,32 @@ from aeroscene.scene import Scene
 from aeroscene.scene.io import scene_from_json, scene_to_json
 
 MOST_KEPT = 8
-"""Files whose scenes are kept; those that were not used for longest go first."""
+"""Number of files whose scenes are kept; those that were not used for longest go first."""
 _MAGIC = b"aeroscene mapped layouts 1\n"
 _DIGEST_BYTES = 16
 _PIECE_BYTES = 1 << 20
 _END = b"\0"
-"""What ends a scene; JSON has none."""
+"""End of a scene; JSON texts do not contain it."""
 _SOURCES = ("scene", "solids", "areas", "layouts")
-"""Packages that mapping follows from."""
+"""Packages on which mapping depends."""
 _DAMAGED = (OSError, EOFError, zlib.error, ValueError)
 
 
 def mapped_scenes(path: Path, on_scene: Callable[[], None] = lambda: None) -> list[Scene]:
-    """Each layout of a file as a scene to fly in, in the order of the lines.
+    """Map each layout of a file to a scene to fly in, in the order of the lines.
 
     Args:
         path: File of neutral layouts.
-        on_scene: Called after each scene.
+        on_scene: Called after each scene, for example to show progress.
 
     Raises:
-        LayoutError: Naming file, line, scene, object and field.
+        LayoutError: If a line breaks a rule; it names file, line, scene, object and field.
     """
     kept = _kept_file(path)
     if kept is not None:
         try:
             scenes = _decode(kept.read_bytes())
+            # The time of modification serves as time of last use.
             os.utime(kept)
         except _DAMAGED:
             pass
@@ -62,7 +63,7 @@ def mapped_scenes(path: Path, on_scene: Callable[[], None] = lambda: None) -> li
 
 
 def count_layouts(path: Path) -> int:
-    """Layouts in a file of lines, read or not.
+    """Number of layouts in a file of lines, readable or not.
 
     Raises:
         LayoutError: If the file cannot be read.
@@ -81,7 +82,7 @@ def _mapped(path: Path, on_scene: Callable[[], None]) -> list[Scene]:
 
 
 def _kept_file(path: Path) -> Path | None:
-    """Where the scenes of a file are kept; None where they are not, or it cannot be read."""
+    """Path of the kept scenes of a file; None if none are kept, or it cannot be read."""
     folder = cache_folder("layouts")
     if folder is None:
         return None
@@ -91,13 +92,13 @@ def _kept_file(path: Path) -> Path | None:
             while piece := file.read(_PIECE_BYTES):
                 digest.update(piece)
     except OSError:
-        return None  # Who reads it says why.
+        return None  # the reader of the file reports why
     return folder / f"{digest.hexdigest()}.scenes"
 
 
 @cache
 def _code() -> bytes:
-    """Hash of the code that a mapped scene follows from."""
+    """Hash of the code on which a mapped scene depends."""
     package = Path(__file__).parents[1]
     digest = hashlib.blake2b(_MAGIC, digest_size=_DIGEST_BYTES)
     for folder in _SOURCES:
@@ -114,10 +115,10 @@ def _encode(scenes: list[Scene]) -> bytes:
 
 
 def _decode(data: bytes) -> list[Scene]:
-    """The scenes that `_encode` wrote.
+    """Decode the scenes that `_encode` wrote.
 
     Raises:
-        ValueError: If the data is not that.
+        ValueError: If the data is not of this version.
     """
     head = len(_MAGIC) + _DIGEST_BYTES
     body = data[head:]
@@ -127,9 +128,10 @@ def _decode(data: bytes) -> list[Scene]:
 
 
 def _keep(path: Path, scenes: list[Scene]) -> None:
-    """Write a file and remove the oldest beyond the limit; without a folder to write to, nothing.
+    """Write a file and remove those beyond the limit that were not used for longest.
 
-    Other processes may do the same at the same time.
+    A folder that cannot be written to is no error. Other processes may do the same at the same
+    time.
     """
     try:
         path.parent.mkdir(parents=True, exist_ok=True)

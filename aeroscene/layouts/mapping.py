@@ -1,4 +1,8 @@
-"""Maps other people's categories to our 70 and reports what became of every object."""
+"""Mapping of the categories of other sources to our 70, with a report on every object.
+
+Sources have hundreds of names, and new ones appear with every version. Tables cover the known
+catalogues; for all other names the last known word decides, because English puts the kind last.
+"""
 
 from __future__ import annotations
 
@@ -23,14 +27,14 @@ _HOUSE_M = (16.0, 8.0)
 
 @dataclass(frozen=True, slots=True)
 class Match:
-    """One of our categories for a name of theirs."""
+    """Our category for a name of a source, and how well it fits."""
 
     category: str
     fit: Fit
 
 
 def match(obj: LayoutObject) -> Match | None:
-    """Our category for an object of a layout, or None where nothing is near."""
+    """Our category for an object of a layout; None if nothing of ours is close."""
     found = match_name(obj.category)
     if found is None and obj.super_category in SUPER_CATEGORIES:
         found = Match(SUPER_CATEGORIES[obj.super_category], "by super-category")
@@ -41,12 +45,13 @@ def match(obj: LayoutObject) -> Match | None:
 
 @cache
 def match_name(name: str) -> Match | None:
-    """Our category for a name: by the tables, else by its last word that is known."""
+    """Our category for a name: by the tables, or else by its last known word."""
     tables = _tables()
     if name in tables:
         return tables[name]
     words = _words(name)
     for end in range(len(words), 0, -1):
+        # Two words before one: a coffee table is no table.
         for start in (end - 2, end - 1):
             category = _known_words().get(" ".join(words[max(start, 0) : end]))
             if category is not None:
@@ -71,14 +76,14 @@ def _tables() -> Mapping[str, Match]:
 
 
 def _words(name: str) -> list[str]:
-    """Words of a name in small letters and in the singular: `SM_PalmTrees03` is sm palm tree."""
+    """Words of a name in lower case and singular: `SM_PalmTrees03` is sm palm tree."""
     spaced = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name)
     words = re.findall("[a-z]+", spaced.lower())
     return [word[:-1] if len(word) > 3 and word[-1] == "s" != word[-2] else word for word in words]
 
 
 def form_of(name: str) -> str | None:
-    """The form of our shape for a name of theirs, where one is closer than the others."""
+    """Form of our shape for a name of a source, if one is closer than the others."""
     return next((form for form, names in FORMS.items() if name in names), None)
 
 
@@ -98,26 +103,26 @@ class MappingReport:
 
     n_scenes: int = 0
     n_objects: int = 0
-    """Objects of the source, without the invalid ones."""
+    """Number of objects of the source, without the invalid ones."""
     mapped: Mapping[tuple[str, str, Fit], int] = field(default_factory=dict)
-    """Number under the source's category, ours, and how well they fit."""
+    """Number of objects under the source's category, ours, and the quality of the fit."""
     unmapped: Mapping[str, int] = field(default_factory=dict)
-    """Number under a category of the source that nothing of ours is near."""
+    """Number of objects under a category of the source that has no close category of ours."""
     unmapped_first: Mapping[str, str] = field(default_factory=dict)
-    """Scene and object in which each unmapped category occurred first."""
+    """Scene and object of the first occurrence of each unmapped category."""
     dropped: Mapping[str, int] = field(default_factory=dict)
-    """Number under the reason for which an object with a category of ours was left out."""
+    """Number of objects under the reason for which they were left out despite a category."""
     invalid: tuple[str, ...] = ()
     """Objects and scenes that break a rule and were left out, one line each."""
 
     @property
     def n_mapped(self) -> int:
-        """Objects that are in our scene."""
+        """Number of objects that are in our scene."""
         return sum(self.mapped.values())
 
     @property
     def by_category(self) -> Mapping[str, int]:
-        """Number under each of our categories, the most frequent first."""
+        """Number of objects under each of our categories, the most frequent first."""
         counts: Counter[str] = Counter()
         for (_, category, _), count in self.mapped.items():
             counts[category] += count
@@ -125,7 +130,7 @@ class MappingReport:
 
     @property
     def by_fit(self) -> Mapping[str, int]:
-        """Number under each way in which a category was found."""
+        """Number of objects under each quality of the fit."""
         counts: Counter[str] = Counter()
         for (_, _, fit), count in self.mapped.items():
             counts[fit] += count
@@ -145,6 +150,7 @@ class MappingReport:
             n_objects=self.n_objects + other.n_objects,
             mapped=_sum(self.mapped, other.mapped),
             unmapped=_sum(self.unmapped, other.unmapped),
+            # The first report's places stand, since it came first.
             unmapped_first={**other.unmapped_first, **self.unmapped_first},
             dropped=_sum(self.dropped, other.dropped),
             invalid=self.invalid + other.invalid,
@@ -173,7 +179,7 @@ class MappingReport:
 
 
 def unknown_category(name: str) -> str:
-    """Fault of a category that did not map, in one line."""
+    """Describe in one line the fault of a category that did not map."""
     return f"category is {name!r}; valid: one that docs/layouts.md lists or a word of ours in it"
 
 

@@ -41,11 +41,11 @@ def read_neutral(
     Args:
         path: File of JSON lines, gzip or not.
         skip_invalid: Leave out objects and scenes that break a rule, instead of raising.
-        faults: Takes one line for every scene left out; the objects left out of a scene that is
-            kept stand in its `invalid`.
+        faults: Receives one line for every scene left out. Objects left out of a scene that is kept
+            are in its `invalid`.
 
     Raises:
-        LayoutError: Naming file, line, scene, object and field.
+        LayoutError: If a line breaks a rule; it names file, line, scene, object and field.
     """
     for layout in read_each(Path(path), skip_invalid=skip_invalid):
         if isinstance(layout, NeutralLayout):
@@ -57,7 +57,11 @@ def read_neutral(
 
 
 def read_each(path: Path, *, skip_invalid: bool) -> Iterator[NeutralLayout | LayoutError]:
-    """Every line of a file that is not blank: its scene, or what is wrong with it.
+    """Read every line of a file that is not blank: its scene, or its error.
+
+    Args:
+        path: File of JSON lines, gzip or not.
+        skip_invalid: Leave out objects that break a rule.
 
     Raises:
         LayoutError: If the file itself cannot be read.
@@ -71,7 +75,7 @@ def read_each(path: Path, *, skip_invalid: bool) -> Iterator[NeutralLayout | Lay
         try:
             record = parse_json(line, where, number)
         except LayoutError as error:
-            # Without the frames in which it was raised, which hold the line and its values.
+            # Without its frames, which would keep the line and its values in memory.
             yield error.with_traceback(None)
             continue
         try:
@@ -85,7 +89,7 @@ def read_each(path: Path, *, skip_invalid: bool) -> Iterator[NeutralLayout | Lay
 
 
 def _of_line(record: object, path: Path, number: int, *, skip_invalid: bool) -> NeutralLayout:
-    """A line's scene; ProcTHOR-10k too is a file of lines, each a house without a name."""
+    """The scene of a line; ProcTHOR-10k too is a file of lines, each a house without a name."""
     if isinstance(record, dict) and record.keys() >= KEYS:
         sizes = read_asset_sizes(path.parent)
         name = f"house-{number - 1}"
@@ -99,10 +103,14 @@ def _check_new(scene_id: str, seen: set[str]) -> None:
 
 
 def neutral_layout(value: object, *, skip_invalid: bool = False) -> NeutralLayout:
-    """One scene from its JSON value.
+    """Read one scene from its JSON value.
+
+    Args:
+        value: The JSON value.
+        skip_invalid: Leave out objects that break a rule, instead of raising.
 
     Raises:
-        LayoutError: Naming scene, object and field.
+        LayoutError: If the value breaks a rule; it names scene, object and field.
     """
     record = fields.mapping(value, "scene")
     scene_id = fields.text(fields.need(record, "scene_id"), "scene_id")
@@ -153,9 +161,10 @@ def _rooms(attributes: Any) -> tuple[LayoutRoom, ...]:
 def _objects(
     entries: Any, *, skip_invalid: bool
 ) -> tuple[tuple[LayoutObject, ...], tuple[str, ...]]:
-    """The objects in order; children of one that is left out go to its nearest kept ancestor."""
+    """Objects in order; children of one that is left out go to its nearest kept ancestor."""
     objects: list[LayoutObject] = []
     invalid: list[str] = []
+    # New index of each entry, or of its kept ancestor if it was left out.
     new_index: list[int | None] = []
     for index, entry in enumerate(entries):
         try:
@@ -188,9 +197,10 @@ def _object(index: int, entry: object, new_index: list[int | None]) -> LayoutObj
 
 
 def _parent(index: int, value: object) -> int | None:
-    """The index of an earlier object: so there is no cycle, and no parent that is not there."""
+    """Index of an earlier object, which rules out cycles and missing parents."""
     if value is None:
         return None
+    # In Python true is an int as well.
     if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value < index:
         raise fields.refuse("parent", value, "null or the index of an object before it")
     return value

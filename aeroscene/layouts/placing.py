@@ -1,4 +1,4 @@
-"""The source's own objects in our scene: under their parents, with what the source calls them."""
+"""The source's own objects in our scene: under their parents, with their original names."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from aeroscene.scene.catalogue import ROOMS
 from aeroscene.scene.hanging import PENDANT
 
 _ROOFED = ("building", "house")
-"""Categories whose upper face becomes a roof of its own."""
+"""Categories whose upper part becomes a roof of its own."""
 _HANGS_M = 0.5
-"""A lamp that stands on nothing and begins this high hangs from the ceiling."""
+"""Height of the underside from which an unsupported lamp hangs from the ceiling."""
 
 
 def place_objects(site: Site) -> None:
-    """Each object under its parent, its nearest kept ancestor, or the room that it stands in."""
+    """Place each object under its parent, its nearest kept ancestor, or the room around it."""
     objects = site.layout.objects
     rooms = [obj for obj in site.assembly.objects if obj.category in ROOMS]
     contained = {obj.parent for obj in objects}
@@ -29,6 +29,7 @@ def place_objects(site: Site) -> None:
         parent_id = _room_of(kept.box, rooms) if parent is None else ids[parent]
         domain = _domain(site, parent_id)
         attributes = _attributes(objects[index], kept)
+        # A building that contains objects can be entered.
         if kept.category in _ROOFED and index in contained:
             attributes["is_enterable"] = True
         ids[index] = _add(site, kept, domain, parent_id, attributes)
@@ -44,6 +45,7 @@ def _add(
     box = kept.box
     if attributes.get("form") == PENDANT and parent_id is not None:
         box = _hung(box, site.assembly.objects[parent_id].bbox)
+    # A body needs some height below its roof.
     if kept.category not in _ROOFED or not box.is_upright or box.s[2] < 4 * ROOF_M:
         return site.assembly.add(kept.category, box, domain, parent_id, attributes)
     (x, y, z), (depth, width, height) = box.p, box.s
@@ -55,7 +57,7 @@ def _add(
 
 
 def _hung(box: OrientedBox, room: OrientedBox) -> OrientedBox:
-    """A lamp with its cord: up to the ceiling, which is higher here than where it comes from."""
+    """A lamp with its cord up to the ceiling, which is higher here than in the source."""
     low_m, ceiling_m = box.p[2] - box.s[2] / 2, room.p[2] + room.s[2] / 2
     if not box.is_upright or ceiling_m <= low_m:
         return box
@@ -64,7 +66,7 @@ def _hung(box: OrientedBox, room: OrientedBox) -> OrientedBox:
 
 
 def _domain(site: Site, parent_id: int | None) -> ObjectDomain:
-    """Indoors is what a layout of rooms holds, and outdoors what is in a building."""
+    """Domain of an object: indoors in a layout of rooms or in a building, else outdoors."""
     if site.is_indoor:
         return "indoor"
     if parent_id is None:
@@ -74,7 +76,7 @@ def _domain(site: Site, parent_id: int | None) -> ObjectDomain:
 
 
 def _attributes(obj: LayoutObject, kept: Kept) -> dict[str, AttributeValue]:
-    """Attributes of an object: its name in the source, and the form of ours that looks like it."""
+    """Attributes of an object: its name in the source, and the closest form of our shape."""
     attributes: dict[str, AttributeValue] = {"source_category": obj.category}
     if obj.name and obj.name != obj.category:
         attributes["source_name"] = obj.name
@@ -91,7 +93,7 @@ def _attributes(obj: LayoutObject, kept: Kept) -> dict[str, AttributeValue]:
 
 
 def _room_of(box: OrientedBox, rooms: list[SceneObject]) -> int | None:
-    """The room whose floor is under the middle of a box."""
+    """The room whose floor lies below the middle of a box."""
     for room in rooms:
         if all(abs(box.p[i] - room.bbox.p[i]) <= room.bbox.s[i] / 2 for i in range(2)):
             return room.id

@@ -1,4 +1,4 @@
-"""A layout file of any known form, told apart by what is in it."""
+"""Layout files of any known form, distinguished by their content."""
 
 from __future__ import annotations
 
@@ -26,21 +26,21 @@ DIALECTS: Mapping[Dialect, tuple[frozenset[str], str]] = {
     "thor": (KEYS, "a house of ProcTHOR or Holodeck"),
     "neutral": (frozenset({"floor", "objects"}), "one line of the neutral layouts"),
 }
-"""Keys by which a JSON object is known, and what it is."""
+"""Keys by which each form of JSON object is recognised, and its description."""
 
 
 def read_layouts(
     path: str | Path, skip_invalid: bool = False, faults: list[str] | None = None
 ) -> Iterator[NeutralLayout]:
-    """All layouts of a file: JSON lines, or one JSON of a form that `DIALECTS` knows.
+    """Read all layouts of a file: JSON lines, or one JSON of a form that `DIALECTS` lists.
 
     Args:
-        path: The file, plain or gzip.
-        skip_invalid: Leave out what breaks a rule, instead of raising.
-        faults: Takes one line for every scene left out.
+        path: File, plain or gzip.
+        skip_invalid: Leave out objects and scenes that break a rule, instead of raising.
+        faults: Receives one line for every scene left out.
 
     Raises:
-        LayoutError: Naming file, scene, object and field.
+        LayoutError: If the file breaks a rule; it names file, scene, object and field.
     """
     path = Path(path)
     if path.name.endswith(LINE_SUFFIXES):
@@ -60,6 +60,7 @@ def read_layouts(
 def _read_one(path: Path, *, skip_invalid: bool) -> NeutralLayout:
     where = source_name(path)
     data = read_bytes(path)
+    # Houses of 3D-FRONT are tens of megabytes of meshes, of which few are needed.
     value = house_value(data, where)
     value = parse_json(data, where) if value is None else value
     del data
@@ -83,10 +84,10 @@ def _read_one(path: Path, *, skip_invalid: bool) -> NeutralLayout:
 
 
 def dialect_of(value: Any) -> Dialect:
-    """The form of a JSON value.
+    """Return the form of a JSON value.
 
     Raises:
-        LayoutError: If it is none of the known ones.
+        LayoutError: If it has none of the known forms; the message lists these.
     """
     keys = value.keys() if isinstance(value, dict) else set()
     for dialect, (needed, _) in DIALECTS.items():
@@ -100,23 +101,24 @@ def dialect_of(value: Any) -> Dialect:
 def pick_layout(
     path: str | Path, scene_id: str | None = None, skip_invalid: bool = False
 ) -> NeutralLayout:
-    """One layout of a file; faults of other lines of it do not matter.
+    """Read one layout of a file; faults of its other lines do not matter.
 
     Args:
-        path: The file.
-        scene_id: Its id, what follows the last slash of it, or its number in the file from 0; the
-            first one where None.
-        skip_invalid: Leave out what breaks a rule, instead of raising.
+        path: File.
+        scene_id: Id of the layout, the part of it after the last slash, or its number in the file
+            from 0. None takes the first one.
+        skip_invalid: Leave out objects that break a rule, instead of raising.
 
     Raises:
         LayoutError: If there is none by that name, or the file breaks a rule.
     """
     path = Path(path)
+    # An id may look like a number, so an equal id counts before a position.
     number = int(scene_id) if scene_id and re.fullmatch("[0-9]{1,9}", scene_id) else None
     numbered: NeutralLayout | LayoutError | None = None
     fault: LayoutError | None = None
     first, count = "", 0
-    # Of a file with thousands of scenes only what the answer needs is kept.
+    # A file may have thousands of scenes; only those that the answer needs are kept.
     for count, entry in enumerate(_each(path, skip_invalid=skip_invalid), 1):
         if scene_id is None or (isinstance(entry, NeutralLayout) and _is_called(entry, scene_id)):
             return _unless_fault(entry)
@@ -129,7 +131,7 @@ def pick_layout(
     if numbered is not None:
         return _unless_fault(numbered)
     if fault is not None:
-        # Nobody can say whether the scene that cannot be read was the one that is asked for.
+        # The scene that cannot be read may be the one that was asked for.
         raise fault
     where = source_name(path)
     if not first:
@@ -160,9 +162,10 @@ def _unless_fault(entry: NeutralLayout | LayoutError) -> NeutralLayout:
 def read_layout(
     path: str | Path, scene_id: str | None = None, skip_invalid: bool = False
 ) -> tuple[Scene, MappingReport]:
-    """One layout of a file as a scene to fly in, with what became of its objects.
+    """Open one layout of a file as a scene to fly in, with a report on its objects.
 
-    Args and errors as in `pick_layout`; besides, a LayoutError where nothing of it can be used.
+    Arguments and errors are those of `pick_layout`. A LayoutError is also raised if nothing of the
+    layout can be used.
     """
     from aeroscene.layouts.flyable import make_flyable
 

@@ -1,4 +1,4 @@
-"""The piece of world that a layout takes, and what becomes of each of its objects there."""
+"""The piece of world that a layout takes, and the fate of each of its objects there."""
 
 from __future__ import annotations
 
@@ -18,17 +18,19 @@ from aeroscene.scene import OrientedBox, Quaternion
 from aeroscene.scene.box import quat_product
 
 GROUND_M = 0.04
-"""Thickness of the ground outdoors; the source's z = 0 is its upper face."""
+"""Thickness of the ground outdoors, whose upper face is the source's z = 0."""
 FINISH_M = 0.02
 """Thickness of a room's floor, likewise."""
 MOST_CLEAR_M = 6.0
-"""Rooms are not higher than this."""
+"""Greatest height of rooms."""
 MAX_SIDE_M = 160.0
-"""Longest side of the ground; the free space of more takes too long, so the rest is dropped."""
+"""Longest side of the ground. Free space of a longer one takes too long to compute, so the rest is
+dropped.
+"""
 _MARGIN_M = 10.0
-"""Ground about the objects of a layout without a floor."""
+"""Width of ground around the objects of a layout without a floor."""
 _OUTSIDE_M = 3.0
-"""Distance that the centre of an object may lie outside the ground's bounds."""
+"""Distance by which the centre of an object may lie outside the ground's bounds."""
 _QUARTER: Quaternion = (0.5**0.5, 0.0, 0.0, 0.5**0.5)
 
 Grounds = Sequence[Sequence[BaseGeometry]]
@@ -46,12 +48,12 @@ class Kept:
 
     @property
     def low_m(self) -> float:
-        """Height of its lowest point."""
+        """Height of its lowest point, m."""
         return float(self.box.corners()[:, 2].min())
 
     @property
     def top_m(self) -> float:
-        """Height of its highest point."""
+        """Height of its highest point, m."""
         return float(self.box.corners()[:, 2].max())
 
 
@@ -73,12 +75,12 @@ class Site:
 
     @property
     def lift_m(self) -> float:
-        """Height of our ground's upper face."""
+        """Height of our ground's upper face, m."""
         return FINISH_M if self.is_indoor else GROUND_M
 
     @property
     def top_m(self) -> float:
-        """Height of the highest thing of the source."""
+        """Height of the source's highest object, m."""
         return max([kept.top_m for kept in self.kept.values()], default=self.lift_m)
 
     def report(self) -> MappingReport:
@@ -131,10 +133,17 @@ def _decide(site: Site, index: int, obj: LayoutObject) -> None:
 
 
 def our_box(obj: LayoutObject, front: str, lift_m: float) -> OrientedBox:
-    """Box with its front turned to +x and lifted onto our ground."""
+    """Box with its front turned to +x and lifted onto our ground.
+
+    Args:
+        obj: Object of the layout.
+        front: Body axis of the source's front, x or y.
+        lift_m: Height of our ground.
+    """
     q, s = obj.q, obj.s
     if front == "y":
         q, s = quat_product(q, _QUARTER), (s[1], s[0], s[2])
+    # w >= 0 and no negative zeros: equal attitudes give equal files.
     sign = -1.0 if q[0] < 0 else 1.0
     w, x, y, z = (round(sign * v, 9) + 0.0 for v in q)
     return OrientedBox((obj.p[0], obj.p[1], round(obj.p[2] + lift_m, 4)), (w, x, y, z), s)
@@ -189,9 +198,10 @@ def _about_objects(layout: NeutralLayout) -> list[Point2]:
 
 
 def _crop(layout: NeutralLayout, axis: int, low: float, high: float) -> tuple[float, float]:
-    """No more than can be searched, about the middle of the objects."""
+    """Limit a side to the length that can be searched, about the middle of the objects."""
     if high - low <= MAX_SIDE_M:
         return low, high
     places = [obj.p[axis] for obj in layout.objects] or [(low + high) / 2]
+    # The median, because a single far object must not move the ground away from all others.
     middle = min(max(float(np.median(places)), low + MAX_SIDE_M / 2), high - MAX_SIDE_M / 2)
     return middle - MAX_SIDE_M / 2, middle + MAX_SIDE_M / 2

@@ -1,7 +1,7 @@
-"""Other people's names of things, under our name for the same or, failing that, for a like thing.
+"""Names of other sources under our name for the same object or, failing that, a similar one.
 
-`SAME` holds names of the very thing. `STAND_INS` holds names for which none of our 70 categories
-is right; the nearest in form and size stands in, so that what was in the way stays in the way.
+`SAME` holds names of exactly that object. `STAND_INS` holds names for which none of our 70
+categories is right: the nearest in form and size stands in, so that an obstacle stays an obstacle.
 Names are those of the 3D-FUTURE catalogue (3D-FRONT), of ProcTHOR's asset types, and ours.
 """
 
@@ -102,7 +102,7 @@ SUPER_CATEGORIES: Mapping[str, str] = {
     # What the AeroScene authors call what stands outdoors.
     "building": "building",
 }
-"""Our category for the source's wider one, where neither table knows a name."""
+"""Our category for the source's wider one, used if neither table knows the name."""
 
 WORDS: Mapping[str, tuple[str, ...]] = {
     # Buildings and grounds.
@@ -153,8 +153,9 @@ WORDS: Mapping[str, tuple[str, ...]] = {
     "cup": ("toilet paper", "toilet brush"),
     "book": ("bath mat", "bath towel", "cutlery", "silverware"),
 }
-"""Words in names that no table holds, beside the names of our categories; the last one decides,
-as in English a table lamp is a lamp."""
+"""Further words in names, besides the names of our categories. The last one decides: in English a
+table lamp is a lamp.
+"""
 
 FORMS: Mapping[str, tuple[str, ...]] = {
     "bookcase": ("Bookcase / jewelry Armoire",),
@@ -167,4 +168,4 @@ FORMS: Mapping[str, tuple[str, ...]] = {
     "sideboard": ("Sideboard / Side Cabinet / Console Table", "TV Stand", "TVStand"),
     "swivel": ("Lounge Chair / Book-chair / Computer Chair",),
 }
-"""Forms of our shapes under which these names look most like themselves."""
+"""Forms of our shapes that resemble these names most."""

@@ -1,6 +1,6 @@
 """Layout files as text and JSON: plain or gzip, whole or in lines, faults with their place.
 
-A file of lines is read line by line, so that its memory is that of one scene.
+A file of lines is read line by line, so that it takes the memory of one scene only.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ from aeroscene.files.bounds import MOST_JSON_BYTES, excess
 from aeroscene.layouts.document import LayoutError
 
 MOST_BYTES = 32 << 20
-"""Most that a file of one layout may hold, unpacked: the largest houses with their meshes."""
+"""Largest file of one layout, unpacked: the largest houses with their meshes."""
 MOST_LINES_BYTES = 256 << 20
-"""Most that a file of many layouts may hold, unpacked; ProcTHOR's 12,000 houses have half of it."""
+"""Largest file of many layouts, unpacked; ProcTHOR's 12,000 houses take half of it."""
 MOST_LINES = 200_000
-"""Most lines of such a file, blank ones included."""
+"""Most lines of such a file, including blank ones."""
 
 
 def source_name(path: Path) -> str:
@@ -29,7 +29,7 @@ def source_name(path: Path) -> str:
 
 
 def read_bytes(path: Path) -> bytes:
-    """The content of a file of one layout, unpacked where it is gzip, whatever its name.
+    """Read a file of one layout, unpacked if it is gzip, whatever its name.
 
     Raises:
         LayoutError: If it cannot be read, is cut short, too large or empty.
@@ -56,10 +56,15 @@ def _pieces(path: Path, most_bytes: int) -> Iterator[bytes]:
 
 
 def decode_text(data: bytes, where: str, first_line: int = 1) -> str:
-    """UTF-8 text.
+    """Decode UTF-8 text, with or without a byte order mark.
+
+    Args:
+        data: Bytes.
+        where: Name of the file in errors.
+        first_line: Number of the first line in the file.
 
     Raises:
-        LayoutError: Naming the first byte that is none.
+        LayoutError: If a byte is no UTF-8; it names the first one.
     """
     try:
         return data.decode("utf-8-sig")
@@ -71,11 +76,16 @@ def decode_text(data: bytes, where: str, first_line: int = 1) -> str:
 
 
 def parse_json(data: bytes, where: str, first_line: int = 1) -> Any:
-    """The value of a JSON text; NaN passes here and is refused by the field that holds it.
+    """Parse a JSON text; NaN passes here and is refused by the field that holds it.
+
+    Args:
+        data: UTF-8 text.
+        where: Name of the file in errors.
+        first_line: Number of the first line in the file.
 
     Raises:
-        LayoutError: Naming the line where it ends too early or is malformed, or the bound that it
-            exceeds.
+        LayoutError: If the text ends too early, is malformed, or exceeds a bound; it names the
+            line.
     """
     if (fault := excess(data)) is not None:
         raise LayoutError(f"{where} line {first_line}: it {fault}")
@@ -103,7 +113,7 @@ def text_lines(path: Path) -> Iterator[tuple[int, bytes, LayoutError | None]]:
         LayoutError: If the file cannot be read, is cut short, too large or empty.
     """
     where = source_name(path)
-    # Unpacked twice: a file that is damaged further down is refused before its first scene.
+    # Unpacked twice, so that a file with damage further down is refused before its first scene.
     is_empty = True
     for piece in _pieces(path, MOST_LINES_BYTES):
         is_empty = is_empty and not piece.strip()
@@ -121,7 +131,7 @@ def text_lines(path: Path) -> Iterator[tuple[int, bytes, LayoutError | None]]:
 
 
 def _lines(path: Path) -> Iterator[bytes]:
-    """Lines of a file; of one that is too long only so much that this can be seen."""
+    """Lines of a file; a line that is too long is cut where its length is evident."""
     line = bytearray()
     for piece in _pieces(path, MOST_LINES_BYTES):
         first, *others = piece.split(b"\n")

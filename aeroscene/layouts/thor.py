@@ -1,19 +1,18 @@
 """Houses of AI2-THOR as ProcTHOR and Holodeck write them: one JSON object a house, y up, metres.
 
-What the fields mean, as found in the two projects' published code (allenai/procthor and
-allenai/Holodeck):
+The fields, according to the two projects' published code (allenai/procthor and allenai/Holodeck):
 
 - `rooms[]`: `id`, `roomType`, `floorPolygon`, a list of `{x, y, z}`.
 - `walls[]`, `doors[]`, `windows[]`: not read; our walls and openings are made from the rooms.
 - `objects[]`: `id`, `assetId`, `position` (the middle of the object's box), `rotation` (Euler
   angles of Unity in degrees: about z, then x, then y), `children` (objects that stand on it, placed
   in the world, not in the parent). Holodeck writes a flat list. Its `id` is a name with the room
-  (`table-0 (kitchen)`), before it for a small object its own name (`plate-0|table-0 (kitchen)`). It
-  adds `object_name` to some objects and, to what stands on the floor or hangs on a wall,
-  `vertices`: the outline of its box in cm, 10 cm wider than the box.
+  (`table-0 (kitchen)`); a small object has its own name before that (`plate-0|table-0 (kitchen)`).
+  It adds `object_name` to some objects. Objects on the floor or on a wall also have `vertices`, the
+  outline of their box in cm, 10 cm wider than the box.
 
 Unity's frame is left-handed, x right, y up, z ahead, and turns clockwise seen from above. A model's
-  front is its +z. The frame becomes ours by X = x, Y = z, Z = y.
+front is its +z. The frame becomes ours by X = x, Y = z, Z = y.
 
 No house states the size of an object. A size comes from an `asset-database.json` of ProcTHOR beside
 the file or a folder up; else from `vertices`; else it is the median of the object's type; else the
@@ -45,11 +44,11 @@ from aeroscene.scene.polygon import signed_area
 KEYS = frozenset({"rooms", "walls", "objects"})
 """Keys that every house has, and no other form."""
 _WIDER_CM = 10.0
-"""Holodeck's outlines are this much wider than the box."""
+"""Width by which Holodeck's outlines exceed the box, cm."""
 _HEIGHTS = (0.5, 2.0)
-"""Share of the typical height within which the height may follow from the position."""
+"""Shares of the typical height between which the height may follow from the position."""
 _WALL_TYPES = frozenset({"Painting", "LightSwitch", "TowelHolder", "HandTowelHolder"})
-"""Types that hang: their position does not say their height."""
+"""Types that hang on walls: their height does not follow from their position."""
 _MOST_NESTED = 8
 # Assets whose names are not those of their types.
 _OTHER_NAMES = {
@@ -65,7 +64,11 @@ AssetSizes = Mapping[str, Vector3]
 
 @cache
 def read_asset_sizes(folder: Path) -> AssetSizes:
-    """Width, depth and height by asset, from an `asset-database.json` there or one folder up."""
+    """Read width, depth and height by asset from an `asset-database.json` there or one folder up.
+
+    Returns:
+        Sizes, m; empty without a readable file, because sizes have other sources.
+    """
     for path in (folder / "asset-database.json", folder.parent / "asset-database.json"):
         try:
             groups = json.loads(path.read_bytes())
@@ -87,7 +90,7 @@ def thor_layout(
     skip_invalid: bool = False,
     asset_sizes: AssetSizes | None = None,
 ) -> NeutralLayout:
-    """The layout of a house from its JSON value.
+    """Read the layout of a house from its JSON value.
 
     Args:
         value: The JSON value.
@@ -96,7 +99,7 @@ def thor_layout(
         asset_sizes: See `read_asset_sizes`.
 
     Raises:
-        LayoutError: Naming scene, object and field.
+        LayoutError: If the value breaks a rule; it names scene, object and field.
     """
     record = fields.mapping(value, "house")
     try:
@@ -106,7 +109,7 @@ def thor_layout(
 
 
 class _House:
-    """The parts of one house while it is read."""
+    """Parts of one house while it is read."""
 
     def __init__(self, skip_invalid: bool, asset_sizes: AssetSizes) -> None:
         self._skip_invalid = skip_invalid
@@ -150,6 +153,7 @@ class _House:
                 if not self._skip_invalid:
                     raise named from None
                 self._invalid.append(str(named))
+                # Children of an object that is left out are left out with it.
                 continue
             index = len(self._objects) - 1
             self._index_of[str(record.get("id"))] = index
@@ -182,7 +186,14 @@ class _House:
         )
 
     def _size(self, record: Mapping[str, Any], asset: str, name: str, middle_m: float) -> Vector3:
-        """Width, depth and height; the middle is so high over what the object stands on."""
+        """Width, depth and height of an object.
+
+        Args:
+            record: The object.
+            asset: Id of its asset.
+            name: Its type.
+            middle_m: Height of its middle above the surface on which it stands.
+        """
         if asset in self._asset_sizes:
             return _within_limits(self._asset_sizes[asset])
         width_m, depth_m, height_m = typical_sizes_m().get(name) or _nominal_size_m(name)
@@ -195,10 +206,10 @@ class _House:
 
 
 def category_of(asset: str, identity: str, object_name: object = None) -> str:
-    """AI2-THOR's type of an asset of ProcTHOR, or what Holodeck calls an object.
+    """Type of an asset of ProcTHOR, or Holodeck's name of an object.
 
-    ProcTHOR's assets are called by their types: `RoboTHOR_side_table_tolkning` is a SideTable.
-    Those that Holodeck takes from Objaverse are called by a hash.
+    ProcTHOR's assets are named after their types: `RoboTHOR_side_table_tolkning` is a SideTable.
+    Assets that Holodeck takes from Objaverse are named by a hash.
     """
     if _is_holodecks(identity):
         given = object_name if isinstance(object_name, str) else re.split(r"\|| \(", identity)[0]
@@ -209,7 +220,7 @@ def category_of(asset: str, identity: str, object_name: object = None) -> str:
 
 
 def _type_in(name: str) -> str | None:
-    """AI2-THOR's type that the last one or two words of a name are."""
+    """AI2-THOR's type that the last one or two words of a name form."""
     words, types = name.lower().split(), dict(_types())
     return types.get("".join(words[-2:])) or types.get(words[-1] if words else "")
 
@@ -226,7 +237,7 @@ def _types() -> tuple[tuple[str, str], ...]:
 
 
 def _nominal_size_m(name: str) -> Vector3:
-    """Width, depth and height of our category: its own x axis is its front."""
+    """Width, depth and height of our category, whose own x axis is its front."""
     found = match_name(name)
     category = by_name()["box" if found is None else found.category]
     ranges = (category.width_m, category.length_m, category.height_m)
@@ -254,9 +265,10 @@ def _quaternion(value: object) -> Quaternion:
     if value is None:
         return (1.0, 0.0, 0.0, 0.0)
     x, y, z = _xyz(value, "rotation")
+    # Unity turns about z, then x, then y, all about fixed axes: intrinsic YXZ.
     turn = Rotation.from_euler("YXZ", (y, x, z), degrees=True)
     w, a, b, c = turn.as_quat(canonical=True, scalar_first=True).tolist()
-    # To exchange y and z mirrors the axis of the turn.
+    # The exchange of y and z mirrors the axis of the turn.
     return (w, -a + 0.0, -c + 0.0, -b + 0.0)
 
 

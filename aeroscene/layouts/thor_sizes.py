@@ -47,7 +47,7 @@ Watch 0.08 0.05 0.04; WateringCan 0.15 0.27 0.19; WineBottle 0.09 0.09 0.33
 
 @cache
 def typical_sizes_m() -> Mapping[str, Vector3]:
-    """Median width, depth and height of the assets of each type."""
+    """Median width, depth and height (m) of the assets of each type."""
     sizes: dict[str, Vector3] = {}
     for entry in " ".join(_SIZES.split()).split("; "):
         name, x, y, z = entry.split()

@@ -1,4 +1,4 @@
-"""The use of a room by its name: our word for what sources call it."""
+"""Use of a room by its name: our word for the names of other sources."""
 
 from __future__ import annotations
 
@@ -28,14 +28,15 @@ USES: Mapping[str, tuple[str, ...]] = {
     "store": ("shop", "store", "retail"),
     "changing": ("changing", "locker"),
 }
-"""Words in names of rooms, under the use of ours that they mean."""
+"""Words in names of rooms, under our use for them."""
 
 
 def room_use(name: str) -> str | None:
-    """Our use for the name of a room such as `MasterBedroom`; None where no word is known."""
+    """Our use for the name of a room such as `MasterBedroom`; None if no word is known."""
     spaced = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name)
     words = re.findall("[a-z]+", spaced.lower())
     pairs = [" ".join(pair) for pair in pairwise(words)]
+    # Pairs of words first, then the last word: an open office is no office.
     for word in (*pairs, *words[::-1]):
         for use, known in USES.items():
             if word in known or word == use:

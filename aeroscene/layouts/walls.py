@@ -1,10 +1,10 @@
-"""Walls about rooms, with openings between neighbours: what a source with floors only lacks.
+"""Walls about rooms, with openings between neighbours, for sources that only have floors.
 
-Where two rooms meet, or lie so close that one wall must part them, stands an inner wall; every
-other stretch of a room's outline gets an outer wall on its far side. Layouts of rooms seldom say
-where their doors are, so that we choose: an opening wherever two neighbours share a stretch that is
-free of furniture on both sides, as many more as it takes to join all rooms that can be joined, and
-one to the outside, where furniture is least in its way.
+An inner wall stands where two rooms meet, or lie so close that one wall must separate them. Every
+other stretch of a room's outline gets an outer wall on its far side. Layouts of rooms seldom state
+their doors, so this module chooses openings: wherever two neighbours share a stretch that is free
+of furniture on both sides, as many more as it takes to join all rooms that can be joined, and one
+to the outside, where furniture is least in its way.
 """
 
 from __future__ import annotations
@@ -20,26 +20,26 @@ from aeroscene.layouts.document import LayoutRoom, Point2
 OUTER_M = 0.15
 """Thickness of an outer wall; it stands outside the room."""
 INNER_M = 0.06
-"""Thickness of a wall between rooms whose outlines touch: pictures still hang in front of it."""
+"""Thickness of a wall between rooms whose outlines touch; pictures still hang in front of it."""
 MAX_GAP_M = 0.5
-"""Rooms that lie this far apart at most share a wall, which fills the gap."""
+"""Greatest distance of rooms that share a wall, which fills the gap."""
 DOOR_M = 2.2
-"""Clear width of an opening where there is space for it: a medium drone's ball of 0.7 m passes."""
+"""Clear width of an opening if there is space for it: a medium drone's ball of 0.7 m passes."""
 LEAST_DOOR_M = 1.6
 """Clear width of the narrowest opening."""
 DOOR_HEIGHT_M = 2.2
 _LEAST_SHARED_M = 0.25
 _JAMB_M = 0.04
-"""Least wall on either side of an opening."""
+"""Least width of wall on either side of an opening."""
 _AT_DOOR_M = 0.4
-"""Farthest that a stated door lies from its wall."""
+"""Greatest distance of a stated door from its wall."""
 _PARALLEL = 0.999
 _APRON_M = 0.9
 """Depth on either side of an opening that should be free of furniture."""
 _STEP_M = 0.2
 """Distance between the places that are tried for an opening."""
 _FREE_M2 = 0.02
-"""Furniture in the way of an opening that is as good as none, m2 of outline."""
+"""Area of furniture in the way of an opening that still counts as none, m2."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,7 +56,7 @@ class WallPlan:
 
     @property
     def door_m(self) -> float:
-        """Width of the opening, were there one."""
+        """Width that an opening of this wall has, or would have."""
         return _door_width(self.length_m)
 
 
@@ -70,17 +70,17 @@ class _Edge:
     length: float
 
     def at(self, t: float, out: float = 0.0) -> Point2:
-        """The point `t` along the edge and `out` away from the room, which lies to its left."""
+        """Point `t` along the edge and `out` away from the room, which lies to its left."""
         return (self.ax + t * self.ux + out * self.uy, self.ay + t * self.uy - out * self.ux)
 
 
 @dataclass(frozen=True, slots=True)
 class _Stretch:
-    """Part of an edge that one wall stands on."""
+    """Part of an edge on which one wall stands."""
 
     edge: _Edge
     other: int | None
-    """The room that it faces; None is the outside."""
+    """Room on its other side; None is the outside."""
     low: float
     high: float
     gap: float
@@ -99,12 +99,12 @@ def plan_walls(
     furniture: Sequence[shapely.Polygon],
     doors: Sequence[Point2] = (),
 ) -> list[WallPlan]:
-    """Walls of all rooms.
+    """Plan the walls of all rooms.
 
     Args:
         rooms: Outlines that may touch or leave gaps, but do not overlap.
-        furniture: Outlines of what stands or hangs lower than an opening's lintel.
-        doors: Where the openings are; more are made only for rooms that no door leads to. Without
+        furniture: Outlines of objects that stand or hang lower than an opening's lintel.
+        doors: Places of the openings; more are made only for rooms to which no door leads. Without
             any, neighbouring rooms have openings where furniture leaves space for them.
     """
     edges = [_edges(index, room.polygon) for index, room in enumerate(rooms)]
@@ -126,6 +126,7 @@ def _edges(room: int, polygon: Sequence[Point2]) -> list[_Edge]:
             continue
         ux, uy = (bx - ax) / length, (by - ay) / length
         last = edges[-1] if edges else None
+        # Corners on a straight line would cut a wall into pieces.
         if last and last.ux * ux + last.uy * uy > 1 - 1e-9:
             edges[-1] = _Edge(room, last.ax, last.ay, last.ux, last.uy, last.length + length)
         else:
@@ -134,7 +135,7 @@ def _edges(room: int, polygon: Sequence[Point2]) -> list[_Edge]:
 
 
 def _all_shared(rings: list[list[_Edge]]) -> list[_Stretch]:
-    """Every stretch once, as seen from the room that comes first."""
+    """Every shared stretch once, as seen from the earlier room."""
     stretches: list[_Stretch] = []
     for index, ring in enumerate(rings):
         for other in rings[index + 1 :]:
@@ -147,6 +148,7 @@ def _all_shared(rings: list[list[_Edge]]) -> list[_Stretch]:
 
 
 def _facing(edge: _Edge, opposite: _Edge) -> _Stretch | None:
+    # Both outlines run counter-clockwise, so that facing edges run in opposite directions.
     if edge.ux * opposite.ux + edge.uy * opposite.uy > -_PARALLEL:
         return None
     dx, dy = opposite.ax - edge.ax, opposite.ay - edge.ay
@@ -178,7 +180,7 @@ def _choose_openings(
     n_rooms: int,
     doors: Sequence[Point2],
 ) -> dict[int, float]:
-    """Place of the opening along its edge, under the number of the stretch that has one."""
+    """Place of the opening along its edge, under the number of each stretch that has one."""
     stated = _at_doors(shared, doors)
     best: dict[tuple[int, int], tuple[float, float, int, float]] = {}
     tree = shapely.STRtree(list(furniture))
@@ -191,6 +193,7 @@ def _choose_openings(
         best[pair] = min(
             best.get(pair, (math.inf, 0.0, 0, 0.0)), (blocked, -stretch.length, index, place)
         )
+    # Groups of rooms that openings join, as in Kruskal's algorithm: the freest places first.
     group = list(range(n_rooms))
     openings = dict(stated)
     for index in stated:
@@ -223,7 +226,7 @@ def _at_doors(stretches: Sequence[_Stretch], doors: Sequence[Point2]) -> dict[in
 
 
 def _freest_place(stretch: _Stretch, tree: shapely.STRtree) -> tuple[float, float]:
-    """Least area of furniture before an opening, and where along the edge that is."""
+    """Least area of furniture before an opening, and the place along the edge with it."""
     width = _door_width(stretch.length)
     reach = width / 2 + _JAMB_M
     low, high = stretch.low + reach, stretch.high - reach
@@ -242,6 +245,7 @@ def _freest_place(stretch: _Stretch, tree: shapely.STRtree) -> tuple[float, floa
         )
         hits = tree.geometries[tree.query(apron)]
         blocked = float(shapely.area(shapely.intersection(shapely.union_all(hits), apron)))
+        # Of equally free places the one nearest to the middle.
         best = min(best, (round(blocked, 3), abs(place - middle), place))
     return best[0], best[2]
 
@@ -263,7 +267,7 @@ def _choose_exit(
 
 
 def _outer_stretches(ring: list[_Edge], shared: list[_Stretch]) -> list[_Stretch]:
-    """Stretches of a room's outline that face no other room; their walls reach round corners."""
+    """Stretches of a room's outline that face no other room; their walls extend round corners."""
     free = [_free_stretches(edge, shared) for edge in ring]
     stretches: list[_Stretch] = []
     for index, (edge, parts) in enumerate(zip(ring, free, strict=True)):
@@ -272,6 +276,7 @@ def _outer_stretches(ring: list[_Edge], shared: list[_Stretch]) -> list[_Stretch
             end = high
             is_corner = high > edge.length - 1e-6
             if is_corner and free[following] and free[following][0][0] < 1e-6:
+                # Convex corners are filled by one of the two walls, concave ones shorten it.
                 end += OUTER_M * _turn(edge, ring[following])
             if end - low > OUTER_M:
                 stretches.append(_Stretch(edge, None, low, end, 0.0))
@@ -295,7 +300,7 @@ def _free_stretches(edge: _Edge, shared: list[_Stretch]) -> list[tuple[float, fl
 
 
 def _taken_of(edge: _Edge, shared: list[_Stretch]) -> list[tuple[float, float]]:
-    """Stretches of an edge that inner walls stand on, whichever room they were seen from."""
+    """Stretches of an edge on which inner walls stand, whichever room they were seen from."""
     taken: list[tuple[float, float]] = []
     for stretch in shared:
         if stretch.edge is edge:

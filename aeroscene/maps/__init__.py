@@ -1,7 +1,8 @@
 """Places that exist: OpenStreetMap and GeoJSON as scenes to fly in.
 
-`reading` reads a file into features, `place` projects and cuts them, and one module each builds the
-ground, streets, buildings, barriers, furniture and trees. `flyable` joins them.
+`reading` reads a file into features, and `place` projects and cuts them. Then one module each
+builds the ground, streets, buildings, barriers, furniture and trees, and `flyable` joins their
+results to a scene.
 """
 
 from aeroscene.maps.document import MapError

@@ -25,7 +25,7 @@ _FORMS: Mapping[str, tuple[str, float, float]] = {
     "city_wall": ("wall", 0.8, 4.0),
     "yes": ("rails", 0.1, 1.2),
 }
-"""Form, thickness and height of each kind of barrier."""
+"""Form, thickness (m) and height (m) of each kind of barrier."""
 _FENCE_FORMS = {
     "wood": "boards",
     "wooden": "boards",
@@ -36,7 +36,7 @@ _FENCE_FORMS = {
     "wire_mesh": "mesh",
 }
 _SAMPLE_M = 0.5
-"""A fence looks for the ground under it this often."""
+"""Distance between the points at which a fence finds the ground below it."""
 _GATE_HALF_M = 1.3
 _LEAST_M = 1.0
 _LONGEST_M = 40.0
@@ -48,19 +48,19 @@ _Point2 = tuple[float, float]
 
 
 def is_barrier(tags: Tags) -> bool:
-    """Whether a line is a fence, a wall or a hedge."""
+    """Return true if tags describe a fence, a wall or a hedge."""
     return tags.get("barrier") in _FORMS
 
 
 def raise_barriers(
     site: Site, features: Sequence[Feature], ways: Sequence[BaseGeometry], gates: Sequence[Feature]
 ) -> None:
-    """Add the barriers of a map; gates, streets, paths and buildings open them.
+    """Add the barriers of a map; gates, streets, paths and buildings interrupt them.
 
     Args:
-        site: The site.
+        site: Scene in the making.
         features: Barriers.
-        ways: Ground that people and cars pass along.
+        ways: Ground on which people and cars pass.
         gates: Points of gates and other entrances.
     """
     holes = [shapely.buffer(gate.geometry, _GATE_HALF_M, quad_segs=2) for gate in gates]
@@ -72,9 +72,10 @@ def raise_barriers(
 
 
 def _lines(site: Site, feature: Feature, opening: BaseGeometry) -> Iterator[shapely.LineString]:
-    """The parts of a barrier that stand free, in the bounds, without corners that hardly turn."""
+    """Free-standing parts of a barrier within the bounds, without corners that hardly turn."""
     shape = feature.geometry
     if shapely.get_dimensions(shape) == 2:
+        # An area that is a barrier, such as a hedge round a garden, stands along its outline.
         shape = shapely.boundary(shape)
     inside = shapely.buffer(site.place.area, -0.5, join_style="mitre")
     line = shapely.intersection(shapely.simplify(shape, 0.15), inside)
@@ -96,6 +97,7 @@ def _raise(site: Site, feature: Feature, line: shapely.LineString) -> None:
     corners = [(x, y) for x, y in shapely.get_coordinates(line).tolist()]
     for start, end in pairwise(corners):
         for a, b, ground in _pieces(site, start, end):
+            # Shorter by half a thickness, so that neighbouring pieces do not overlap in corners.
             length = math.dist(a, b) - thick_m / 2
             if length < _LEAST_M:
                 site.dropped[_SHORT] += 1
@@ -103,12 +105,13 @@ def _raise(site: Site, feature: Feature, line: shapely.LineString) -> None:
             middle = ((a[0] + b[0]) / 2, (a[1] + b[1]) / 2)
             heading = math.atan2(b[1] - a[1], b[0] - a[0])
             size = (thick_m, length, height_m)
+            # Fences run along their own y axis.
             box = upright_box(middle, heading - math.pi / 2, size, ground.top_m)
             site.add("fence", box, feature, ground.object_id, {"form": form})
 
 
 def _pieces(site: Site, start: _Point2, end: _Point2) -> Iterator[tuple[_Point2, _Point2, Cover]]:
-    """Parts of a straight fence, each on one cover and not too long."""
+    """Parts of a straight fence, each on one cover and at most 40 m long."""
     length = math.dist(start, end)
     n = max(1, math.ceil(length / _SAMPLE_M))
     most = math.ceil(_LONGEST_M / _SAMPLE_M)

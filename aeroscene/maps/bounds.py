@@ -1,4 +1,4 @@
-"""The part of a map that becomes a scene: west, south, east, north in degrees."""
+"""Bounds of the part of a map that becomes a scene: west, south, east, north in degrees."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from aeroscene.scene.errors import shown
 from aeroscene.scene.origin import metres_per_degree
 
 MAX_SIDE_M = 400.0
-"""Longest side of a place: more takes gigabytes for the free space about its buildings."""
+"""Longest side of a place; a longer one takes gigabytes for the free space between buildings."""
 MIN_SIDE_M = 20.0
 """Shortest side: a drone needs some room to take off and to land elsewhere."""
 ALTITUDE_M = 0.0
-"""Height of the ground above the sea; maps do not say it."""
+"""Height of the ground above the sea; maps do not state it."""
 _VALID = (
     "W,S,E,N in degrees, west below east and south below north, such as "
     "13.4000,52.5100,13.4020,52.5115"
 )
 _ROUNDING = 1.0 + 1e-6
-"""Bounds that were written with seven decimals may be that much longer than they were meant."""
+"""Factor by which bounds may exceed the limit: seven decimals round them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,12 +34,12 @@ class Bounds:
 
     @property
     def latitude_deg(self) -> float:
-        """Latitude of the middle."""
+        """Latitude of the middle, degrees."""
         return round((self.south + self.north) / 2, 7)
 
     @property
     def longitude_deg(self) -> float:
-        """Longitude of the middle."""
+        """Longitude of the middle, degrees."""
         return round((self.west + self.east) / 2, 7)
 
     @property
@@ -49,26 +49,29 @@ class Bounds:
         return ((self.east - self.west) * east_m, (self.north - self.south) * north_m)
 
     def __str__(self) -> str:
-        """As a user writes them."""
+        """Text as users write bounds."""
         return ",".join(f"{value:.7f}".rstrip("0").rstrip(".") for value in self.values)
 
     @property
     def values(self) -> tuple[float, float, float, float]:
-        """West, south, east, north."""
+        """West, south, east, north, degrees."""
         return (self.west, self.south, self.east, self.north)
 
     def grown(self, margin_m: float) -> Bounds:
-        """The same rectangle with a margin on all sides."""
+        """The same rectangle with a margin on all sides, m."""
         north_m, east_m = metres_per_degree(self.latitude_deg, ALTITUDE_M)
         x, y = margin_m / east_m, margin_m / north_m
         return Bounds(self.west - x, self.south - y, self.east + x, self.north + y)
 
 
 def parse_bounds(text: str) -> Bounds:
-    """The bounds that a user names.
+    """Parse the bounds that a user names.
+
+    Args:
+        text: W,S,E,N in degrees.
 
     Raises:
-        SceneError: If they are no bounds, or too large or too small for a scene.
+        SceneError: If the text states no bounds, or they are too large or too small for a scene.
     """
     parts = text.split(",")
     try:
@@ -83,21 +86,26 @@ def parse_bounds(text: str) -> Bounds:
 
 
 def is_rectangle(bounds: Bounds) -> bool:
-    """Whether bounds are a rectangle on the globe."""
+    """Return true if bounds are a rectangle on the globe."""
     return _is_rectangle(*bounds.values)
 
 
 def _is_rectangle(west: float, south: float, east: float, north: float) -> bool:
     if not all(map(math.isfinite, (west, south, east, north))):
         return False
+    # Near the poles a degree of longitude has hardly any length.
     return -180 <= west < east <= 180 and -85 <= south < north <= 85
 
 
 def require_size(bounds: Bounds, subject: str) -> None:
-    """Refuse bounds that are too large or too small, with some of a valid size.
+    """Refuse bounds that are too large or too small; the message proposes some of a valid size.
+
+    Args:
+        bounds: Bounds.
+        subject: Beginning of the message, such as `bounds are`.
 
     Raises:
-        SceneError: If they are.
+        SceneError: If a side is out of range.
     """
     x_m, y_m = bounds.size_m
     if min(x_m, y_m) >= MIN_SIDE_M and max(x_m, y_m) <= MAX_SIDE_M * _ROUNDING:
@@ -109,7 +117,7 @@ def require_size(bounds: Bounds, subject: str) -> None:
 
 
 def middle_of(bounds: Bounds, side_m: float = 200.0) -> Bounds:
-    """A square in the middle of some bounds."""
+    """A square in the middle of some bounds, rounded to five decimals."""
     point = Bounds(*(2 * (bounds.longitude_deg, bounds.latitude_deg)))
     grown = point.grown(side_m / 2)
     return Bounds(*(round(value, 5) for value in grown.values))

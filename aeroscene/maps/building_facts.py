@@ -1,7 +1,8 @@
-"""Facts about a building from its tags: what it is, how high, which roof.
+"""Facts about a building from its tags: use, height, and form of its roof.
 
-The keys are those of OpenStreetMap's "Simple 3D buildings": `height` is that of the highest point,
-`building:levels` counts storeys without those in the roof.
+The keys are those of OpenStreetMap's "Simple 3D buildings": `height` is the height of the highest
+point, and `building:levels` counts storeys without those in the roof. Mappers leave most keys out,
+so every fact has a usual value for the kind of building.
 """
 
 from __future__ import annotations
@@ -87,7 +88,7 @@ _LEVELS = {
     "yes": 2,
 }
 _HEIGHTS_M = {"garage": 2.7, "warehouse": 7.0, "canopy": 4.0, "kiosk": 3.0}
-"""Heights of categories whose storeys say nothing."""
+"""Heights of categories whose storeys do not determine them."""
 _ROOFS: dict[str, RoofForm] = {
     "flat": "flat",
     "gabled": "gable",
@@ -110,13 +111,13 @@ _ROOFS: dict[str, RoofForm] = {
     "shed": "shed",
 }
 _HOUSE_M2 = 250.0
-"""Houses up to this footprint have a gable where the map says nothing."""
+"""Footprint up to which a house has a gable if the map states no roof."""
 _RISES = {"gable": (0.3, 4.0), "hip": (0.28, 4.0), "shed": (0.12, 2.5), "flat": (0.0, 0.0)}
-"""Rise of a roof as a share of the shorter side, and at most, m."""
+"""Rise of a roof as a share of the shorter side, and its greatest value, m."""
 
 
 class Heights(TypedDict):
-    """The fields of a block that heights give."""
+    """Fields of a block that depend on its heights."""
 
     bottom_m: float
     eaves_m: float
@@ -126,14 +127,14 @@ class Heights(TypedDict):
 
 
 def is_building(tags: Tags) -> bool:
-    """Whether tags say that an area is a building, or part of one, above the ground."""
+    """Return true if tags describe a building, or a part of one, above the ground."""
     kinds = [tags.get(key, "no") for key in ("building", "building:part")]
     is_below = tags.get("location") == "underground" or (number(tags, "layer", -9, 9) or 0) < 0
     return any(kind not in _NO for kind in kinds) and not is_below
 
 
 def is_part(tags: Tags) -> bool:
-    """Whether an area is part of a building that is mapped as a whole too."""
+    """Return true if an area is part of a building that is mapped as a whole too."""
     return tags.get("building:part", "no") not in _NO and "building" not in tags
 
 
@@ -143,22 +144,28 @@ def _kind(tags: Tags) -> str:
 
 
 def category(tags: Tags) -> str | None:
-    """Our category for the building's use; None where its size decides."""
+    """Our category for the building's use; None if its size decides."""
     kind = _kind(tags)
     return next((ours for ours, kinds in _CATEGORIES.items() if kind in kinds), None)
 
 
 def is_ordinary(tags: Tags) -> bool:
-    """Whether a building is as high as its neighbours, for all that is known."""
+    """Return true if nothing suggests that a building's height differs from its neighbours'."""
     return category(tags) is None and _kind(tags) in {"yes", "residential", "apartments"}
 
 
 def heights(tags: Tags, polygon: shapely.Polygon) -> Heights:
-    """Heights above the ground, m, and the form of the roof."""
+    """Heights above the ground, m, and the form of the roof.
+
+    Args:
+        tags: Tags of the building.
+        polygon: Its outline, m.
+    """
     roof = _roof(tags, polygon)
     rise_m = _rise_m(tags, polygon, roof)
     total_m = length_m(tags, "height", 0.5, MOST_HEIGHT_M)
     levels = number(tags, "building:levels", 0.5, 120)
+    # An older key, which only counts if the newer ones are missing.
     if total_m is None and levels is None:
         total_m = length_m(tags, "building:height", 0.5, MOST_HEIGHT_M)
     bottom_m = length_m(tags, "min_height", 0.0, MOST_HEIGHT_M) or STOREY_M * (
@@ -169,8 +176,10 @@ def heights(tags: Tags, polygon: shapely.Polygon) -> Heights:
         eaves_m = STOREY_M * levels + 0.3 if levels is not None else _usual_m(tags)
         total_m = eaves_m + rise_m
     else:
+        # A stated height includes the roof; walls get at least half of it.
         rise_m = min(rise_m, 0.5 * total_m)
         eaves_m = total_m - rise_m
+    # A body without a metre of height below its roof stands on the ground instead.
     if eaves_m < bottom_m + 1.0:
         bottom_m = 0.0
     return Heights(
@@ -198,8 +207,9 @@ def _roof(tags: Tags, polygon: shapely.Polygon) -> RoofForm:
 
 
 def _rise_m(tags: Tags, polygon: shapely.Polygon, roof: RoofForm) -> float:
-    """Height of the roof above the walls."""
+    """Height of the roof above the walls, m."""
     if roof == "flat":
+        # A stated height before an angle, an angle before a number of levels.
         return 0.0
     stated = length_m(tags, "roof:height", 0.1, 60.0)
     levels = number(tags, "roof:levels", 0.5, 10)
@@ -215,6 +225,6 @@ def _rise_m(tags: Tags, polygon: shapely.Polygon, roof: RoofForm) -> float:
 
 
 def _short_side_m(polygon: shapely.Polygon) -> float:
-    """Shorter side of the smallest rectangle about a polygon."""
+    """Shorter side of the smallest rectangle around a polygon, m."""
     corners = shapely.get_coordinates(shapely.oriented_envelope(polygon)).tolist()
     return min(math.dist(corners[0], corners[1]), math.dist(corners[1], corners[2]))

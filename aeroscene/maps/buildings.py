@@ -1,4 +1,9 @@
-"""Buildings: their bodies and roofs, from outlines, parts, heights and storeys."""
+"""Buildings: their bodies and roofs, from outlines, parts, heights and storeys.
+
+Maps describe a building as a whole, by parts of different heights, or both; outlines of neighbours
+may overlap by mistake. Each body becomes a block with one roof. Blocks are stacked on the blocks
+that carry them, and overlapping space goes to the higher one.
+"""
 
 from __future__ import annotations
 
@@ -23,11 +28,11 @@ _LEAST_M2 = 4.0
 _LEAST_HEIGHT_M = 2.0
 _FLAT_ROOF_M = 0.25
 _PARTS_COVER = 0.9
-"""Share of an outline that its parts cover where they describe the whole building."""
+"""Share of an outline from which its parts describe the whole building."""
 _BEARS_M = 0.6
-"""Height by which a part may begin above or below what bears it."""
+"""Height by which a part may begin above or below the block that carries it."""
 _ENOUGH_KNOWN = 5
-"""Buildings of known height whose median the others take."""
+"""Number of buildings of known height from which the others take their median."""
 _HIDDEN = "within other buildings"
 _TINY = f"smaller than {_LEAST_M2:g} m2 within the bounds"
 
@@ -39,11 +44,11 @@ class Block:
     feature: Feature
     polygon: shapely.Polygon
     bottom_m: float
-    """Height of its foot above the ground."""
+    """Height of its foot above the ground, m."""
     eaves_m: float
-    """Height of its walls' upper ends above the ground."""
+    """Height of the upper ends of its walls above the ground, m."""
     top_m: float
-    """Height of its roof's highest point above the ground."""
+    """Height of its roof's highest point above the ground, m."""
     roof: facts.RoofForm
     has_known_height: bool
 
@@ -52,13 +57,14 @@ def raise_buildings(site: Site, features: Sequence[Feature]) -> None:
     """Add every building of a map; their footprints are taken from the ground.
 
     Args:
-        site: The site.
+        site: Scene in the making.
         features: Buildings and parts of buildings.
     """
     blocks = _with_guesses(site, list(_blocks(site, features)))
     blocks = [_on_its_bearer(site, block, blocks) for block in blocks]
     numbers: list[tuple[Block, int]] = []
     kept = _apart(site, blocks)
+    # From the lowest, because parents have to exist before their children.
     for block in sorted(kept, key=lambda b: b.bottom_m):
         bearer = _bearer(block, [b for b, _ in numbers])
         parent = None if bearer is None else next(n for b, n in numbers if b is bearer)
@@ -67,7 +73,7 @@ def raise_buildings(site: Site, features: Sequence[Feature]) -> None:
 
 
 def _blocks(site: Site, features: Sequence[Feature]) -> Iterable[Block]:
-    """A block for each part, and for each building what its parts leave of it."""
+    """A block for each part, and for each building the rest that its parts leave."""
     parts = [f for f in features if facts.is_part(f.tags)]
     tree = shapely.STRtree([part.geometry for part in parts])
     for feature in (f for f in features if not facts.is_part(f.tags)):
@@ -79,6 +85,7 @@ def _blocks(site: Site, features: Sequence[Feature]) -> Iterable[Block]:
         ]
         shape = feature.geometry
         if inside:
+            # The outline alone would repeat its parts.
             united = shapely.union_all(inside)
             if shapely.intersection(united, shape).area >= _PARTS_COVER * shape.area:
                 continue
@@ -100,7 +107,7 @@ def _cut_blocks(
 
 
 def _with_guesses(site: Site, blocks: list[Block]) -> list[Block]:
-    """Buildings of unknown height take the median of the known ones of their kind."""
+    """Give buildings of unknown height the median of the known ones of their kind."""
     known = [b.eaves_m for b in blocks if b.has_known_height and b.bottom_m == 0]
     n_guessed = sum(not block.has_known_height for block in blocks)
     if n_guessed:
@@ -117,7 +124,7 @@ def _with_guesses(site: Site, blocks: list[Block]) -> list[Block]:
 
 
 def _on_its_bearer(site: Site, block: Block, blocks: Sequence[Block]) -> Block:
-    """A part that begins above the ground on what bears it; down to the ground if nothing does."""
+    """Put a part that begins above the ground on its bearer; without one, down to the ground."""
     if block.bottom_m <= 0:
         return block
     middle = block.polygon.representative_point()
@@ -136,8 +143,9 @@ def _on_its_bearer(site: Site, block: Block, blocks: Sequence[Block]) -> Block:
 
 
 def _apart(site: Site, blocks: Sequence[Block]) -> list[Block]:
-    """Blocks that share no space: of two that do, the higher one keeps it."""
+    """Separate blocks: if two share space, the higher one keeps it."""
     kept: list[Block] = []
+    # Of equally high blocks the smaller one comes first, or the larger would swallow it.
     for block in sorted(blocks, key=lambda b: (-b.top_m, b.polygon.area)):
         rivals = [
             other.polygon
@@ -179,6 +187,7 @@ def _raise(site: Site, block: Block, parent: int | None, *, is_built_on: bool) -
         site.buildings.add(block.polygon)
         site.ground.add(block.polygon)
     category = _category(block)
+    # A block that carries another has no roof of its own, but a flat top.
     eaves_m = block.top_m if is_built_on else block.eaves_m
     form, rise_m = ("flat", 0.0) if is_built_on else (block.roof, block.top_m - block.eaves_m)
     frame = framed(block.polygon, 0.0, 1.0)
@@ -189,6 +198,7 @@ def _raise(site: Site, block: Block, parent: int | None, *, is_built_on: bool) -
     if form == "flat":
         rise_m = _FLAT_ROOF_M if has_roof else 0.0
         eaves_m -= rise_m
+    # Even under a high roof, walls of a metre remain.
     eaves_m = max(eaves_m, block.bottom_m + _LEAST_HEIGHT_M * 0.5)
     body = framed(block.polygon, base_m + block.bottom_m, base_m + eaves_m)
     number = site.add(category, body.box, block.feature, parent, _body_attributes(block, body))
@@ -219,7 +229,7 @@ def _body_attributes(block: Block, body: Framed) -> Attributes:
 
 
 def _colour(block: Block) -> str:
-    """Colour of the walls; one of ours for the building's name where the map has none."""
+    """Colour of the walls: the map's, or one that follows from the building's id."""
     drawn = (*WALL_COLOURS, "brick", "brick")
     ours = drawn[crc32(block.feature.source_id.encode()) % len(drawn)]
     return wall_colour(block.feature.tags) or ours
@@ -236,7 +246,7 @@ def _roof_attributes(block: Block, form: str) -> Attributes:
 
 
 def _ridge_rad(block: Block, form: str) -> float | None:
-    """Heading of a roof's x axis: the ridge of a gable, the way up a shed."""
+    """Heading of a roof's x axis: along the ridge of a gable, uphill on a shed."""
     tags = block.feature.tags
     downhill = heading_rad(tags, "roof:direction")
     if form == "shed":
@@ -246,7 +256,7 @@ def _ridge_rad(block: Block, form: str) -> float | None:
     if form != "gable":
         return None
     if downhill is not None:
-        # Ridges follow the walls, directions in maps are rounded to whole degrees.
+        # Ridges follow the walls, whereas directions in maps are rounded to whole degrees.
         axis = long_axis_rad(block.polygon)
         turns = [axis, axis + math.pi / 2]
         return min(turns, key=lambda a: abs(math.cos(a - downhill)))

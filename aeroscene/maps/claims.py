@@ -1,4 +1,9 @@
-"""Ground that is taken: whoever comes later gets what is left."""
+"""Claimed ground: later claims get the rest.
+
+Features of a map overlap everywhere: streets cross squares, paths cross lawns. Covers of a scene
+must lie beside each other. The modules therefore claim ground in the order of what people would
+see, and each builds on the ground that earlier ones have left.
+"""
 
 from __future__ import annotations
 
@@ -9,30 +14,32 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 
 GRID_M = 0.01
-"""Corners lie on this grid, so that neighbours share them exactly."""
+"""Grid of corners, m: neighbours share corners exactly, so that unions leave no slivers."""
 SIMPLIFY_M = 0.1
-"""Farthest that an outline may move when corners are left out."""
+"""Greatest distance by which an outline may move when corners are left out."""
 _THIN_M = 0.15
-"""Half the width of slivers that are left out."""
+"""Half the width of slivers that are removed."""
+# Larger pieces are halved: outlines of scenes have bounded corners, and boxes bounded sides.
 _MOST_SIDE_M = 80.0
 _MOST_CORNERS = 300
 
 
 def areal_parts(shape: BaseGeometry, least_m2: float) -> Iterator[shapely.Polygon]:
-    """The polygons of a shape that have at least some area."""
+    """The polygons of a shape that have at least some area, m2."""
     for part in shapely.get_parts(shape):
         if isinstance(part, shapely.Polygon) and part.area >= least_m2:
             yield part
 
 
 def areal(shape: BaseGeometry) -> BaseGeometry:
-    """What of a shape has an area; unions and cuts leave lines and points beside it."""
+    """The areal part of a shape; unions and cuts leave lines and points beside it."""
     parts = [p for p in shapely.get_parts(shape) if shapely.get_dimensions(p) == 2]
     return parts[0] if len(parts) == 1 else shapely.MultiPolygon(parts)
 
 
 def opened(shape: BaseGeometry, half_width_m: float = _THIN_M) -> BaseGeometry:
     """A shape without slivers and spikes that are narrower than twice a length."""
+    # Shrinking removes narrow parts, growing restores the rest.
     inner = shapely.buffer(shape, -half_width_m, join_style="mitre")
     return shapely.buffer(inner, half_width_m, join_style="mitre", mitre_limit=3.0)
 
@@ -43,7 +50,12 @@ def on_grid(shape: BaseGeometry) -> BaseGeometry:
 
 
 def split(shape: BaseGeometry, least_m2: float) -> Iterator[shapely.Polygon]:
-    """The polygons of a shape, halved until none is long or has many corners."""
+    """The polygons of a shape, halved until none is long or has many corners.
+
+    Args:
+        shape: Shape, m.
+        least_m2: Area below which a piece is left out.
+    """
     for part in areal_parts(shape, least_m2):
         x0, y0, x1, y1 = part.bounds
         side = max(x1 - x0, y1 - y0)
@@ -62,7 +74,7 @@ def split(shape: BaseGeometry, least_m2: float) -> Iterator[shapely.Polygon]:
 
 
 class Claims:
-    """A part of the plane, piece by piece."""
+    """A part of the plane, claimed piece by piece."""
 
     def __init__(self) -> None:
         self.shapes: list[BaseGeometry] = []
@@ -78,15 +90,16 @@ class Claims:
         return [self.shapes[k] for k in np.flatnonzero(is_near)]
 
     def left_of(self, shape: BaseGeometry) -> BaseGeometry:
-        """What of a shape nobody has."""
+        """The part of a shape that nobody has claimed."""
         near = self.pieces_near(shape)
+        # Most shapes meet nothing, and the union below is slow.
         if not near or not shapely.intersects(near, shape).any():
             return shape
         taken = shapely.union_all(near, grid_size=GRID_M)
         return areal(shapely.difference(areal(shape), areal(taken), grid_size=GRID_M))
 
     def add(self, shape: BaseGeometry) -> None:
-        """Take a shape whole."""
+        """Claim a shape."""
         if not shape.is_empty:
             self.shapes.append(shape)
             self._bounds.append(shape.bounds)

@@ -1,4 +1,4 @@
-"""A map, whatever file it came from: features with tags and a geometry."""
+"""Maps, whatever file they came from: features with tags and a geometry."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ Tags = Mapping[str, str]
 
 
 class MapError(SceneError):
-    """A map that breaks a rule; one line that names file, feature and field."""
+    """A map that breaks a rule; one line names file, feature and field."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Feature:
-    """One thing of a map: a point, a line or an area, with what the map says about it."""
+    """One feature of a map: a point, a line or an area, with its tags."""
 
     source_id: str
     """Its name in the map, such as `way/4711`."""
@@ -31,17 +31,17 @@ class Feature:
     """Point, LineString, Polygon or MultiPolygon; degrees in a file, metres in a `PlaceMap`."""
 
     def __post_init__(self) -> None:
-        """Show what of its name a terminal would obey."""
+        """Escape characters in its name that a terminal would obey."""
         object.__setattr__(self, "source_id", visible(self.source_id))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RawMap:
-    """What a reader has found in a file."""
+    """Contents of a map file."""
 
     features: tuple[Feature, ...]
     """Geometries in degrees: longitude, latitude."""
     bounds: Bounds | None
     """Bounds that the file itself states."""
     dropped: Counter[str] = field(default_factory=Counter)
-    """Features that could not be read, under the reason."""
+    """Number of features that could not be read, under the reason."""

@@ -1,9 +1,9 @@
-"""Floor plans: rooms with a use, walls and doors, without furniture, to be furnished by the model.
+"""Floor plans: rooms with a use, walls and doors, to be furnished by the model.
 
-GeoJSON has them in OpenStreetMap's Simple Indoor Tagging: areas with `indoor=room`, `corridor` or
-`area`, whose use is in `room`, and points with `door`. Of several storeys the lowest above the
-ground is taken. Any layout with rooms (`aeroscene.layouts`) is a plan too: its furniture is left
-out.
+GeoJSON files state them in OpenStreetMap's Simple Indoor Tagging: areas with `indoor=room`,
+`corridor` or `area`, whose use is in `room`, and points with `door`. If there are several storeys,
+the lowest one above the ground is taken. Any layout with rooms (`aeroscene.layouts`) is a plan too;
+its furniture is left out.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ _MOST_SIDE_M = 160.0
 
 
 def open_plan(spec: str) -> Scene:
-    """The scene of a floor plan: rooms with their uses, walls, doors, a roof, a yard.
+    """Open a floor plan as a scene: rooms with their uses, walls, doors, a roof, a yard.
 
     Args:
         spec: `FILE.geojson`, or a file of layouts with rooms, also as FILE#ID.
@@ -47,6 +47,7 @@ def open_plan(spec: str) -> Scene:
         SceneError: If the file breaks a rule or has no rooms.
     """
     path, _, scene_id = spec.partition("#")
+    # The end of the name also covers `.geojson.gz`.
     if ".geojson" in path[-11:]:
         layout, origin = _from_geojson(Path(path))
     else:
@@ -61,7 +62,7 @@ def open_plan(spec: str) -> Scene:
 
 
 def _with_use(obj: SceneObject) -> SceneObject:
-    """A room with its use, where its name says one."""
+    """Give a room its use if its name states one."""
     use = room_use(str(obj.attributes.get("room_type", ""))) if obj.category in ROOMS else None
     return obj if use is None else replace(obj, attributes={**obj.attributes, "use": use})
 
@@ -132,7 +133,7 @@ def _in_metres(
 ) -> tuple[list[shapely.Polygon], list[shapely.Point]]:
     """Shapes about the middle of the plan, turned so that its longer side runs east.
 
-    Floors are made of rectangles along the axes, so that slanted walls would be steps.
+    Floors consist of rectangles along the axes, so slanted walls would become steps.
     """
     north_m, east_m = metres_per_degree(bounds.latitude_deg, 0.0)
     origin = np.array([bounds.longitude_deg, bounds.latitude_deg])

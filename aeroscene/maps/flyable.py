@@ -1,7 +1,8 @@
-"""A place of a map as a scene to fly in: ground, buildings, streets, trees, a start, landing areas.
+"""Places of a map as scenes to fly in: ground, buildings, streets, trees, a start, landing areas.
 
-What we add, because maps are flat drawings: heights where the map has none, kerbs, the trees of
-woods, a start on open ground and the landing areas. What cannot be built is left out and counted.
+Maps are flat drawings, so this module adds heights that the map lacks, kerbs, the trees of woods, a
+start on open ground and the landing areas. Features that cannot be built are left out and counted,
+so that a user sees how much of the map is missing.
 """
 
 from __future__ import annotations
@@ -42,12 +43,12 @@ from aeroscene.validation.support import floating
 
 MOST_OBJECTS = 1_000
 SKY_M = 8.0
-"""Free height over the tallest thing."""
+"""Free height above the tallest object."""
 LEAST_TOP_M = 25.0
 MOST_TOP_M = 120.0
 """Top of the flight volume; taller buildings are cut there."""
 _TOWN_SHARE, _HOUSES_SHARE = 0.35, 0.4
-"""Built share of a town's ground, and the share of that from which its yards are gardens."""
+"""Built share of a town's ground, and share of houses from which its yards are gardens."""
 _PHYSICAL = (
     "natural",
     "waterway",
@@ -60,12 +61,14 @@ _PHYSICAL = (
     "landuse",
     "amenity",
 )
-"""Keys of what can be seen; an area's first one names its kind."""
+"""Keys of visible features; an area's first one names its kind."""
 _MOST_NAMED = 6
 _LIMITS = AreaLimits(small=60, medium=60, large=60, perching=40)
 _CELL_M = 0.25
 _MOST_CELLS = 100_000_000
-"""Cells that take half a gigabyte; of a larger place the cells are larger, on the safe side."""
+"""Number of cells that takes half a gigabyte. A larger place has larger cells, which err on the
+safe side.
+"""
 _NOTHING = "no building, street, ground, fence or tree"
 _HIDDEN = "below the ground or inside a building"
 _OVERLAPS = "overlapping something else"
@@ -77,12 +80,12 @@ class MapReport:
     """Report on the features of a map that became a scene."""
 
     n_features: int
-    """Features within the bounds."""
+    """Number of features within the bounds."""
     n_objects: int
     dropped: Mapping[str, int]
     """Number of features or pieces that are not in the scene, under the reason."""
     notes: Mapping[str, int]
-    """Number of things that the map does not say and that were assumed, under a sentence."""
+    """Number of facts that the map lacks and that were assumed, under a sentence."""
 
     @property
     def lines(self) -> list[str]:
@@ -94,11 +97,11 @@ class MapReport:
 
 
 def open_map(path: str | Path, bounds_text: str | None = None) -> tuple[Scene, MapReport]:
-    """A part of a map file as a scene to fly in.
+    """Open a part of a map file as a scene to fly in.
 
     Args:
         path: OSM XML, PBF or GeoJSON.
-        bounds_text: West, south, east, north in degrees; where None, the bounds of the file.
+        bounds_text: West, south, east, north in degrees; None takes the bounds of the file.
 
     Raises:
         SceneError: If bounds or file are not valid, or nothing of the map can be used.
@@ -112,12 +115,19 @@ def open_map(path: str | Path, bounds_text: str | None = None) -> tuple[Scene, M
 
 
 def scene_name(path: Path, bounds: Bounds) -> str:
-    """Name of a scene from a map: the file's and the bounds'."""
+    """Name of a scene from a map: that of the file and the bounds."""
     return f"{file_name(path.name.partition('.')[0], 'map')}@{bounds}"
 
 
 def make_place(place: Place, scene_id: str) -> tuple[Scene, MapReport]:
     """Build the scene of a place.
+
+    Args:
+        place: Features in metres.
+        scene_id: Name of the scene.
+
+    Returns:
+        The scene, and a report on the features that were left out.
 
     Raises:
         MapError: If nothing of it could be used, it has too many objects, or no place to start.
@@ -153,7 +163,7 @@ def _cell_m(scene: Scene) -> float:
 
 
 def _build(site: Site) -> None:
-    """Fill a site: what is built first keeps its ground."""
+    """Fill a site; earlier modules keep their ground."""
     areas, lines, points = (_of_dimension(site.place.features, k) for k in (2, 1, 0))
     buildings = _with(areas, building_facts.is_building)
     streets, paths = _with(lines, street_facts.is_street), _with(lines, street_facts.is_path)
@@ -166,9 +176,11 @@ def _build(site: Site) -> None:
     site.dropped[_HIDDEN] += len(hidden)
     used = (*buildings, *streets, *paths, *barriers, *trees, *ground, *hidden)
     _count_unknown(site, [*areas, *lines], {id(feature) for feature in used})
+    # The base depends on whether the place is a town, which its buildings show.
     lay_base(site, is_town=_is_town(site, buildings))
     raise_buildings(site, buildings)
     lay_streets(site, streets)
+    # Separate sidewalks belong to the street's pavements, other footways are surfaces.
     footways, walks = _split(paths, lambda tags: tags.get("footway") == "sidewalk")
     lay_pavements(site, streets, footways)
     rails_and_rivers = [f for f in lines if f not in paths and f not in streets]
@@ -182,7 +194,7 @@ def _build(site: Site) -> None:
 
 
 def _count_unknown(site: Site, features: Sequence[Feature], used: AbstractSet[int]) -> None:
-    """Count areas and lines of kinds that we do not build; points are mostly addresses."""
+    """Count areas and lines of kinds that are not built; points are mostly addresses."""
     kinds = Counter(
         f"{key}={feature.tags[key]}"
         for feature in features
@@ -196,7 +208,7 @@ def _count_unknown(site: Site, features: Sequence[Feature], used: AbstractSet[in
 
 
 def _is_town(site: Site, buildings: Sequence[Feature]) -> bool:
-    """Whether the ground between buildings is paved: it is where they are many and no houses."""
+    """Return true if the ground between buildings is paved: many of them, and few houses."""
     built = [(f.geometry.area, building_facts.category(f.tags)) for f in buildings]
     built_m2 = sum(area for area, _ in built)
     houses_m2 = sum(area for area, category in built if category == "house")
@@ -225,7 +237,7 @@ def _gates(points: Sequence[Feature]) -> list[Feature]:
 
 
 def _draft(site: Site, scene_id: str) -> Scene:
-    """The scene as yet without a start and areas."""
+    """The scene without a start and areas, which come later."""
     x0, y0, x1, y1 = site.place.area.bounds
     objects = [obj for obj in map(_below_the_top, site.assembly.objects) if obj is not None]
     top_m = max(float(obj.bbox.p[2] + obj.bbox.s[2] / 2) for obj in objects)
@@ -247,11 +259,12 @@ def _draft(site: Site, scene_id: str) -> Scene:
 
 
 def _below_the_top(obj: SceneObject) -> SceneObject | None:
-    """An object cut at the highest top that a flight volume may have."""
+    """Cut an object at the highest top that a flight volume may have; None if it is above."""
     p, s = obj.bbox.p, obj.bbox.s
     low, high = p[2] - s[2] / 2, p[2] + s[2] / 2
     if high <= MOST_TOP_M:
         return obj
+    # The rest would be lower than a metre.
     if low >= MOST_TOP_M - 1.0:
         return None
     box = replace(
@@ -272,6 +285,7 @@ def _sound(site: Site, scene: Scene) -> Scene:
         wrong.setdefault(_id(finding.object_id), _FLOATS)
     kept: list[SceneObject] = []
     gone = {obj.id for obj in site.assembly.objects} - {obj.id for obj in scene.objects}
+    # Objects whose bearer is gone would float.
     for obj in scene.objects:
         if obj.id in wrong or obj.parent_id in gone:
             gone.add(obj.id)
@@ -287,7 +301,7 @@ def _id(object_id: int | None) -> int:
 
 
 def _grounds(site: Site, scene: Scene) -> list[list[Ground]]:
-    """Where a flight may start: open ground first, then streets."""
+    """Ground where a flight may start: open ground first, then streets."""
     there = {obj.id for obj in scene.objects}
     covers = [c for c in site.covers[1:] if c.object_id in there]
     x0, y0, x1, y1 = site.place.area.bounds
@@ -296,6 +310,7 @@ def _grounds(site: Site, scene: Scene) -> list[list[Ground]]:
     ranks: list[list[Ground]] = [[], []]
     for number, cover in enumerate(covers):
         outline = shapely.intersection(cover.polygon, inner)
+        # The tiles of the base lie below everything else, so that only their free part counts.
         if number < site.n_base:
             outline = shapely.difference(outline, taken)
         ranks[0 if cover.is_open else 1].append(Ground(outline, cover.top_m))

@@ -1,4 +1,4 @@
-"""Things at points: benches, lamps, signals, bins, bicycles, kiosks."""
+"""Objects at points: benches, lamps, signals, bins, bicycles, kiosks."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from aeroscene.scene import Vector3
 from aeroscene.scene.catalogue import by_name
 
 _ASIDE_M = 0.6
-"""Distance from the kerb of what the map has in the middle of a street."""
+"""Distance from the kerb of objects that the map has in the middle of a street."""
 _FARTHEST_ASIDE_M = 9.0
 _LOOKS_FOR_WAY_M = 25.0
 _WALL_M = 0.1
@@ -28,10 +28,10 @@ _AT_BORDER = "reaching beyond the bounds"
 
 
 def place_furniture(site: Site, features: Sequence[Feature], ways: Sequence[BaseGeometry]) -> None:
-    """Add what stands at points.
+    """Add the objects at points.
 
     Args:
-        site: The site.
+        site: Scene in the making.
         features: Points that are no trees.
         ways: Lines of streets and paths, to which fronts are turned.
     """
@@ -39,7 +39,7 @@ def place_furniture(site: Site, features: Sequence[Feature], ways: Sequence[Base
     for feature in features:
         kind = kind_at(feature.tags)
         if kind is None:
-            # Addresses, entrances and crossings are points too, and nothing stands there.
+            # Addresses, entrances and crossings are points too, without any object.
             continue
         _place(site, feature, kind, tree)
 
@@ -51,10 +51,12 @@ def _place(site: Site, feature: Feature, kind: PointKind, ways: shapely.STRtree)
         site.dropped[_ON_STREET] += 1
         return
     yaw = heading_rad(feature.tags)
+    # The map's own direction counts before a guess.
     if yaw is None:
         yaw = _towards_way(moved, ways) if kind.faces_way else 0.0
     size = _size_m(feature, kind)
     ground = site.cover_at(moved.x, moved.y)
+    # The map has the place of the foot, which is not always the middle of the box.
     middle = (
         moved.x - kind.foot_x_m * math.cos(yaw),
         moved.y - kind.foot_x_m * math.sin(yaw),
@@ -79,7 +81,7 @@ def _size_m(feature: Feature, kind: PointKind) -> Vector3:
 
 
 def _off_the_street(site: Site, point: shapely.Point) -> shapely.Point | None:
-    """The point itself, or one beside the carriageway that it is in."""
+    """The point itself, or one beside the carriageway in which it lies; None if that is far."""
     for piece in site.carriageways.pieces_near(point):
         if not shapely.intersects(piece, point):
             continue
@@ -90,7 +92,7 @@ def _off_the_street(site: Site, point: shapely.Point) -> shapely.Point | None:
 
 
 def _towards_way(point: shapely.Point, ways: shapely.STRtree) -> float:
-    """Heading from a point to the nearest street or path."""
+    """Heading from a point to the nearest street or path, rad; 0 without one nearby."""
     row = ways.query_nearest(point, max_distance=_LOOKS_FOR_WAY_M, all_matches=False)
     if not len(row):
         return 0.0

@@ -1,4 +1,8 @@
-"""GeoJSON as Overpass, osmtogeojson and cities publish it (RFC 7946: longitude, latitude)."""
+"""GeoJSON as Overpass, osmtogeojson and cities publish it (RFC 7946: longitude, latitude).
+
+Files of cities rarely use OpenStreetMap's keys. A polygon with any kind of height therefore counts
+as a building.
+"""
 
 from __future__ import annotations
 
@@ -28,19 +32,23 @@ _DEPTHS = {
     "Polygon": 2,
     "MultiPolygon": 3,
 }
-"""Depth of a geometry's list of positions."""
+"""Depth of a geometry's nested lists of positions."""
 _MOST_PARTS = 32
-"""Geometries of one collection; collections in collections are left out."""
+"""Most geometries of one collection; collections within collections are left out."""
 _HEIGHT = re.compile(r"(?:building_?)?(?:height|hoehe|measured_?height|render_height)(?:_m)?")
 _NULL = "without a geometry"
 _UNKNOWN = "of an unknown type of geometry"
 
 
 def read_geojson(data: bytes, where: str) -> RawMap:
-    """The features of a GeoJSON text.
+    """Read the features of a GeoJSON text.
+
+    Args:
+        data: The text, UTF-8.
+        where: Name of the file in errors.
 
     Raises:
-        MapError: Naming file, feature and field.
+        MapError: If the text breaks a rule; it names file, feature and field.
     """
     if (fault := excess(data, MOST_GEOJSON_BYTES, _MOST_VALUES)) is not None:
         raise MapError(f"{where} {fault}")
@@ -83,10 +91,12 @@ def _features(entry: object, number: int, dropped: Counter[str]) -> Iterator[Fea
 def _tags(properties: Mapping[str, Any], *, is_area: bool) -> dict[str, str]:
     """Tags of a feature; files of buildings alone often have a height and no tag."""
     nested = properties.get("tags")
+    # Overpass nests the tags, other programs spread them over the properties.
     plain = nested if isinstance(nested, dict) else properties
     tags = {
         str(key): _text(value)
         for key, value in plain.items()
+        # A bool is an int in Python, but no value of a tag.
         if isinstance(value, str | int | float) and not isinstance(value, bool)
     }
     if is_area and "building" not in tags and "building:part" not in tags:
@@ -131,6 +141,7 @@ def _positions(value: object, depth: int, where: str) -> Any:
     if len(pair) < 2 or not all(isinstance(v, int | float) for v in pair):
         raise MapError(f"{where} has the position {shown(value)}; valid: longitude, latitude")
     longitude, latitude = float(pair[0]), float(pair[1])
+    # Metres of a projected system are far beyond any degrees, which deserves its own message.
     if math.hypot(longitude, latitude) > 360:
         raise MapError(
             f"{where} has the position {shown(value)}; valid: longitude, latitude in degrees "

@@ -1,4 +1,8 @@
-"""OpenStreetMap's elements as its files hold them: nodes, ways of nodes, relations of ways."""
+"""OpenStreetMap's elements as its files hold them: nodes, ways of nodes, relations of ways.
+
+Files come from anywhere, so all counts are bounded while the elements are read, before they fill
+the memory.
+"""
 
 from __future__ import annotations
 
@@ -11,9 +15,9 @@ from aeroscene.scene.errors import shown
 
 MOST_NODES = 1_000_000
 MOST_REFERENCES = 3_000_000
-"""References of all ways and relations together."""
+"""Most references of all ways and relations together."""
 MOST_OF_ONE = 20_000
-"""References of one way or relation; OpenStreetMap itself allows 2,000 and 32,000."""
+"""Most references of one way or relation; OpenStreetMap itself allows 2,000 and 32,000."""
 MOST_TAGS = 2_000_000
 _MOST_TEXT = 1_000
 """Longest key or value of a tag; OpenStreetMap itself allows 255 characters."""
@@ -25,7 +29,7 @@ Member = tuple[str, int, str]
 
 @dataclass(slots=True)
 class Way:
-    """A line through nodes, closed where it ends at its first one."""
+    """A line through nodes; closed if it ends at its first node."""
 
     nodes: list[int] = field(default_factory=list)
     tags: Tags = field(default_factory=dict)
@@ -41,7 +45,7 @@ class Relation:
 
 @dataclass(slots=True)
 class OsmData:
-    """Everything that a file holds, checked while it is being filled."""
+    """All elements of a file, checked while they are added."""
 
     nodes: dict[int, tuple[float, float]] = field(default_factory=dict)
     """Longitude and latitude, degrees."""
@@ -55,6 +59,11 @@ class OsmData:
     def add_node(self, number: int, longitude: float, latitude: float) -> None:
         """Add a node.
 
+        Args:
+            number: Id of the node.
+            longitude: Degrees.
+            latitude: Degrees.
+
         Raises:
             MapError: If it lies off the globe, or there are too many.
         """
@@ -66,8 +75,13 @@ class OsmData:
     def add_reference(self, owner: Way | Relation, member: int | Member, where: str) -> None:
         """Add a node to a way, or a member to a relation.
 
+        Args:
+            owner: Way or relation; changed.
+            member: Id of a node for a way, a member for a relation.
+            where: Name of the owner in errors.
+
         Raises:
-            MapError: If it, or the whole file, has too many.
+            MapError: If it, or the whole file, has too many references.
         """
         self.n_references += 1
         target = owner.nodes if isinstance(owner, Way) else owner.members
@@ -79,8 +93,14 @@ class OsmData:
     def add_tag(self, tags: Tags, key: str, value: str, where: str) -> None:
         """Add a tag.
 
+        Args:
+            tags: Tags of the element; changed.
+            key: Key.
+            value: Value.
+            where: Name of the element in errors.
+
         Raises:
-            MapError: If it is too long, or there are too many.
+            MapError: If it is too long, or there are too many tags.
         """
         self.n_tags += 1
         if self.n_tags > MOST_TAGS or max(len(key), len(value)) > _MOST_TEXT:
@@ -92,10 +112,10 @@ class OsmData:
 
 
 def require_place(longitude: float, latitude: float, where: str) -> None:
-    """Refuse coordinates that are no place on the globe.
+    """Refuse coordinates that lie off the globe.
 
     Raises:
-        MapError: If they are none.
+        MapError: If longitude or latitude is out of range; it names the field.
     """
     if not (math.isfinite(longitude) and abs(longitude) <= 180):
         raise MapError(f"{where}: lon is {longitude}; valid: degrees from -180 to 180")

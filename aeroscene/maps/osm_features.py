@@ -1,4 +1,8 @@
-"""OpenStreetMap's elements as features: areas from closed ways and from rings of relations."""
+"""OpenStreetMap's elements as features: areas from closed ways and from rings of relations.
+
+OpenStreetMap has no areas. A closed way is an area or a ring-shaped line, depending on its tags,
+and an area with courtyards is a relation of ways.
+"""
 
 from __future__ import annotations
 
@@ -27,21 +31,21 @@ _AREA_KEYS = (
     "public_transport",
     "power",
 )
-"""Keys that make an area of a closed way."""
+"""Keys that turn a closed way into an area."""
 _LINES = {
     "natural": frozenset({"tree_row", "coastline", "cliff", "ridge", "valley"}),
     "leisure": frozenset({"track", "slipway"}),
     "waterway": frozenset({"river", "stream", "canal", "ditch", "drain"}),
     "man_made": frozenset({"pipeline", "embankment", "cutline"}),
 }
-"""Values of keys that make an area otherwise, for which a closed way is a line."""
+"""Keys that also turn a closed way into an area, with the values for which it stays a line."""
 _AREA_RELATIONS = frozenset({"multipolygon", "boundary"})
 _MISSING = "with references to nodes or ways that the map does not hold"
 _BROKEN = "with an outline that is not closed"
 
 
 def features_of(data: OsmData) -> RawMap:
-    """The features of a file's elements.
+    """Features of a file's elements.
 
     Relations of relations are not followed, so that references cannot loop.
     """
@@ -65,6 +69,7 @@ def _ways(data: OsmData, dropped: Counter[str]) -> Iterator[Feature]:
             dropped[_MISSING] += 1
             continue
         is_area = len(line) > 3 and line[0] == line[-1] and _is_area(way.tags)
+        # Three corners and the repeated first one.
         shape = shapely.Polygon(line) if is_area else shapely.LineString(line)
         yield Feature(source_id=f"way/{number}", tags=way.tags, geometry=shape)
 
@@ -93,8 +98,9 @@ def _areas(data: OsmData, dropped: Counter[str]) -> Iterator[Feature]:
             line = [] if way is None else _line(data, way)
             if len(line) >= 2:
                 rings["inner" if role == "inner" else "outer"].append(shapely.LineString(line))
-                # In older maps the outer way has the tags of the area.
+                # In older maps the outer way carries the tags of the area.
                 tags = {**way.tags, **tags} if way and not tags and role != "inner" else tags
+        # Borders of towns and countries are lines on paper, without anything to build.
         if not tags or tags.get("boundary") == "administrative":
             continue
         shape = _assembled(rings["outer"], rings["inner"])

@@ -1,7 +1,8 @@
-"""OpenStreetMap's binary form by `osmium`: only what lies in the bounds is kept.
+"""OpenStreetMap's binary form, read by `osmium`; only elements in the bounds are kept.
 
-A country's extract has gigabytes, a town's some tens of megabytes. The file is read twice: once for
-the nodes and the elements that touch the bounds, once for the rest of these elements.
+A country's extract has gigabytes, a town's some tens of megabytes. Nodes come first in such files,
+so one pass cannot know which of them later ways need. The file is therefore read several times: for
+nodes and elements that touch the bounds, for the nodes of these elements, and for their contents.
 """
 
 from __future__ import annotations
@@ -18,12 +19,12 @@ _AREAS = frozenset({"multipolygon", "boundary"})
 
 
 def read_osm_pbf(path: Path, where: str, bounds: Bounds | None) -> OsmData:
-    """The elements of a PBF file that touch some bounds, whole.
+    """Read the elements of a PBF file that touch some bounds, whole.
 
     Args:
-        path: The file.
-        where: Its name in errors.
-        bounds: What to keep; everything where None, so that the file has to be small.
+        path: File.
+        where: Name of the file in errors.
+        bounds: Bounds of the elements to keep. None keeps everything, which only suits small files.
 
     Raises:
         MapError: If it cannot be read, or osmium is not installed.
@@ -51,6 +52,7 @@ def read_osm_pbf(path: Path, where: str, bounds: Bounds | None) -> OsmData:
             low, high = box.bottom_left, box.top_right
             data.bounds = Bounds(low.lon, low.lat, high.lon, high.lat)
     except (RuntimeError, ValueError, OSError) as error:
+        # Our own errors are ValueErrors too.
         if isinstance(error, MapError):
             raise error.within(where) from None
         reason = " ".join(str(error).split())
@@ -78,6 +80,7 @@ def _touching(
         ):
             relations.add(obj.id)
             needed |= {m.ref for m in obj.members if m.type == "w"}
+    # Ways outside of the bounds complete the rings of relations.
     ways |= needed
     nodes = set(inside)
     for obj in osmium.FileProcessor(str(path), osmium.osm.WAY):

@@ -1,7 +1,7 @@
-"""OpenStreetMap's XML, element by element, by expat of the standard library.
+"""OpenStreetMap's XML, read element by element by expat of the standard library.
 
-No library is asked for, so that a map opens after a plain installation. A document type is refused
-at its first byte: OpenStreetMap's files have none, and entities that multiply need one.
+No other library is needed, so that a map opens after a plain installation. A document type is
+refused at its first byte: OpenStreetMap's files have none, and entities that multiply need one.
 """
 
 from __future__ import annotations
@@ -19,19 +19,19 @@ from aeroscene.scene.errors import shown
 
 _DEEPEST = 8
 _WHOLE = re.compile(r"-?[0-9]{1,19}")
-"""A number as OpenStreetMap writes them; int() would also take blanks and other scripts."""
+"""A number as OpenStreetMap writes it; int() would also accept blanks and other scripts."""
 _Attributes = dict[str, str]
 
 
 def read_osm_xml(pieces: Iterator[bytes], where: str) -> OsmData:
-    """The elements of an OSM XML file.
+    """Read the elements of an OSM XML file.
 
     Args:
-        pieces: The bytes of the file, unpacked.
-        where: Its name in errors.
+        pieces: Bytes of the file, unpacked.
+        where: Name of the file in errors.
 
     Raises:
-        MapError: Naming file, line, element and field.
+        MapError: If the file breaks a rule; it names file, line, element and field.
     """
     reader = _Reader()
     try:
@@ -51,7 +51,7 @@ def read_osm_xml(pieces: Iterator[bytes], where: str) -> OsmData:
 
 
 class _Reader:
-    """Fills an `OsmData` from expat's events."""
+    """Receiver of expat's events, which fills an `OsmData`."""
 
     def __init__(self) -> None:
         self.data = OsmData()
@@ -77,6 +77,7 @@ class _Reader:
         raise MapError("it has a document type; valid: OSM XML, which has none")
 
     def _start(self, name: str, attributes: _Attributes) -> None:
+        # The depth bounds memory: expat keeps all open elements.
         self._depth += 1
         if self._depth == 1 and name != "osm":
             raise MapError(f"its root is {shown(name)}; valid: 'osm'")
@@ -100,6 +101,7 @@ class _Reader:
 
     def _node(self, attributes: _Attributes) -> None:
         number = self._id(attributes, "node")
+        # Editors keep deleted elements in their files, marked like this.
         if attributes.get("visible") == "false" or attributes.get("action") == "delete":
             return
         place = (self._number(attributes, "lon"), self._number(attributes, "lat"))
@@ -122,6 +124,7 @@ class _Reader:
         if self._tags is None:
             return
         self.data.add_tag(self._tags, attributes.get("k", ""), attributes.get("v", ""), self._where)
+        # Nodes are kept as coordinates alone, so tags of a node go to a dictionary of their own.
         if self._owner is None:
             self.data.node_tags[self._number_of_node] = self._tags
 
@@ -136,6 +139,7 @@ class _Reader:
             self.data.add_reference(self._owner, member, self._where)
 
     def _id(self, attributes: _Attributes, kind: str) -> int:
+        # Attributes of a new element end the previous one, even if that was left out.
         self._owner = self._tags = None
         self._where = kind
         number = self._integer(attributes, "id")

@@ -1,4 +1,4 @@
-"""The features of a map in metres, within its bounds."""
+"""Features of a map in metres, within its bounds."""
 
 from __future__ import annotations
 
@@ -14,28 +14,34 @@ from aeroscene.maps.document import Feature, RawMap
 from aeroscene.scene.origin import metres_per_degree
 
 _MOST_CORNERS = 5_000
-"""Corners of one feature within the bounds; a lake's shore has some hundreds there."""
+"""Most corners of one feature within the bounds; a lake's shore has some hundreds there."""
 _BROKEN = "crossing themselves or without area"
 _LARGE = f"with more than {_MOST_CORNERS} corners"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Place:
-    """A rectangle of the world about the origin, and what the map says is in it."""
+    """A rectangle of the world about the origin, and the features in it."""
 
     bounds: Bounds
     area: shapely.Polygon
     """The rectangle, ENU, m."""
     features: tuple[Feature, ...]
-    """Geometries in ENU, m. Areas are cut at the rectangle, lines reach a little beyond it."""
+    """Features with geometries in ENU, m. Areas are cut at the rectangle, lines extend a little
+    beyond it.
+    """
     dropped: Counter[str] = field(default_factory=Counter)
 
 
 def locate(raw: RawMap, bounds: Bounds) -> Place:
     """Project a map to the plane tangent at the middle of some bounds, and cut it there.
 
-    It is the plane that flights use (`flightsim.frames.LocalFrame`), so that a vehicle over a
-    corner of a building reports that corner's latitude and longitude.
+    Flights use the same plane (`flightsim.frames.LocalFrame`), so that a vehicle above a corner of
+    a building reports that corner's latitude and longitude.
+
+    Args:
+        raw: Features in degrees.
+        bounds: Rectangle of the place.
     """
     north_m, east_m = metres_per_degree(bounds.latitude_deg, ALTITUDE_M)
     origin = np.array([bounds.longitude_deg, bounds.latitude_deg])
@@ -46,6 +52,7 @@ def locate(raw: RawMap, bounds: Bounds) -> Place:
     shapes = np.array([f.geometry for f in raw.features], dtype=object)
     dropped = Counter(raw.dropped)
     found: list[Feature] = []
+    # Bounding boxes first: most features of a file lie far away.
     for row in np.flatnonzero(shapely.intersects(reach, shapely.envelope(shapes))):
         feature = raw.features[row]
         shape = shapely.transform(feature.geometry, lambda points: (points - origin) * scale)
@@ -56,7 +63,9 @@ def locate(raw: RawMap, bounds: Bounds) -> Place:
 
 
 _REACH_M = 15.0
-"""Lines are kept this far beyond the rectangle: a street outside may have its pavement inside."""
+"""Distance beyond the rectangle up to which lines are kept: a street outside may have its pavement
+inside.
+"""
 
 
 def _cut(shape: BaseGeometry, area: shapely.Polygon, dropped: Counter[str]) -> BaseGeometry | None:
@@ -66,6 +75,7 @@ def _cut(shape: BaseGeometry, area: shapely.Polygon, dropped: Counter[str]) -> B
         return None
     is_areal = shapely.get_dimensions(shape) == 2
     if is_areal and not shape.is_valid:
+        # Self-crossing outlines are frequent in maps; most can be repaired.
         shape = shapely.make_valid(shape, method="structure", keep_collapsed=False)
         if shape.is_empty or shapely.get_dimensions(shape) < 2:
             dropped[_BROKEN] += 1

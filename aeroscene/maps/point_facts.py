@@ -1,4 +1,4 @@
-"""Objects at points of a map: category, form, size, and which way they face."""
+"""Objects at points of a map: category, form, size and direction."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from aeroscene.scene import Vector3
 
 @dataclass(frozen=True, slots=True)
 class PointKind:
-    """One kind of thing at a point."""
+    """One kind of object at a point."""
 
     category: str
     size_m: Vector3
     form: str | None = None
     faces_way: bool = False
-    """Whether its front is turned to the street or path beside it."""
+    """True if its front is turned to the street or path beside it."""
     foot_x_m: float = 0.0
-    """Where along its box it touches the ground: the map has the place of its foot."""
+    """Place along its box at which it touches the ground: the map has the place of its foot."""
     is_movable: bool = True
-    """Whether it may be set beside a street in the middle of which the map has it."""
+    """True if it may be moved beside a street in whose middle the map has it."""
 
 
 _BENCH = PointKind("bench", (0.6, 1.8, 0.85), "rest", faces_way=True)
@@ -89,7 +89,8 @@ _BUS_SHELTER = PointKind("canopy", (1.8, 4.0, 2.8), "flat", faces_way=True)
 
 
 def kind_at(tags: Tags) -> PointKind | None:
-    """The kind of object at a point with these tags; None where nothing of ours is like it."""
+    """The kind of object at a point with these tags; None if nothing of ours resembles it."""
+    # A shelter is larger than the sign that other stops have.
     if tags.get("highway") == "bus_stop" and tags.get("shelter") == "yes":
         return _BUS_SHELTER
     if "traffic_sign" in tags and "highway" not in tags:

@@ -1,4 +1,4 @@
-"""A map file of any known form: OSM XML, PBF or GeoJSON, told apart by its name."""
+"""Map files of any known form: OSM XML, PBF or GeoJSON, distinguished by their names."""
 
 from __future__ import annotations
 
@@ -15,22 +15,22 @@ from aeroscene.maps.osm_xml import read_osm_xml
 from aeroscene.scene import SceneError
 
 MAP_SUFFIXES = re.compile(r"\.(?:osm(?:\.gz|\.xml|\.pbf)?|pbf|geojson(?:\.gz)?)$")
-"""Ends of the names of map files."""
+"""Endings of the names of map files."""
 MOST_OSM_BYTES = 256 << 20
-"""Most that an OSM XML file may hold, unpacked; a square of 400 m in a city has under 20 MiB."""
+"""Largest OSM XML file, unpacked; a square of 400 m in a city has under 20 MiB."""
 _NEAR_M = 30.0
-"""Ways are read up to this far outside the bounds, so that streets reach the border."""
+"""Distance outside the bounds up to which ways are read, so that streets reach the border."""
 
 
 def read_map(path: Path, bounds_text: str | None) -> tuple[RawMap, Bounds]:
-    """The features of a map file, and the bounds of the place.
+    """Read the features of a map file, and the bounds of the place.
 
     Args:
-        path: The file.
-        bounds_text: West, south, east, north in degrees; where None, those of the file.
+        path: File.
+        bounds_text: West, south, east, north in degrees; None takes those of the file.
 
     Raises:
-        SceneError: If the bounds are none or too large, before anything is read; or if the file
+        SceneError: If the bounds are invalid or too large, before anything is read; or if the file
             breaks a rule.
     """
     bounds = None if bounds_text is None else parse_bounds(bounds_text)
@@ -60,7 +60,7 @@ def _read(path: Path, where: str, bounds: Bounds | None) -> RawMap:
 
 
 def _around(features: tuple[Feature, ...], where: str) -> Bounds:
-    """The rectangle about all features."""
+    """The rectangle around all features."""
     import numpy as np
     import shapely
 

@@ -1,4 +1,4 @@
-"""The scene in the making: its objects, its ground, and what was left out."""
+"""The scene in the making: its objects, its ground, and the features that were left out."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from aeroscene.scene.outline import OUTLINE
 Attributes = dict[str, AttributeValue]
 _RECTANGLE_SHARE = 0.985
 _RECTANGLE_M = 0.12
-"""An outline this close to its box is a rectangle."""
+"""Share of a box, and distance from it, from which an outline counts as a rectangle."""
 _MOST_NAME = 80
 
 
@@ -34,12 +34,12 @@ class Cover:
     top_m: float
     object_id: int
     is_open: bool
-    """Whether a flight may start there."""
+    """True if a flight may start there."""
 
 
 @dataclass(slots=True)
 class Site:
-    """A place on its way to a scene."""
+    """A place that becomes a scene."""
 
     place: Place
     assembly: Assembly
@@ -49,25 +49,26 @@ class Site:
     ground: Claims = field(default_factory=Claims)
     """Ground that has a cover or a building."""
     covers: list[Cover] = field(default_factory=list)
-    """The whole ground first, its tiles, then what lies on them."""
+    """The whole ground first, then its tiles, then the covers on them."""
     n_base: int = 0
     """Number of the tiles."""
     dropped: Counter[str] = field(default_factory=Counter)
-    """Features that are not in the scene, under the reason."""
+    """Number of features that are not in the scene, under the reason."""
     _tree: shapely.STRtree | None = None
     notes: Counter[str] = field(default_factory=Counter)
-    """What the map does not say and was assumed, under a sentence."""
+    """Number of facts that the map lacks and that were assumed, under a sentence."""
 
     def within(self, shape: BaseGeometry) -> BaseGeometry:
         """The part of an area inside the bounds, its corners on the grid."""
         return areal(shapely.intersection(areal(shape), self.place.area, grid_size=GRID_M))
 
     def cover_at(self, x_m: float, y_m: float) -> Cover:
-        """The uppermost cover at a point; heights of the ground are known here alone.
+        """The uppermost cover at a point; only this method knows heights of the ground.
 
-        Ground that is not level enters here: everything that stands on the ground asks for the
-        height under it.
+        If ground were to become uneven, only this method would change: everything that stands on
+        the ground asks for the height below it.
         """
+        # Covers are only added, so a tree of the same length is up to date.
         if self._tree is None or len(self._tree.geometries) != len(self.covers):
             self._tree = shapely.STRtree([cover.polygon for cover in self.covers])
         found = self._tree.query(shapely.Point(x_m, y_m), predicate="covered_by")
@@ -81,7 +82,18 @@ class Site:
         parent_id: int | None = None,
         attributes: Mapping[str, AttributeValue] | None = None,
     ) -> int:
-        """Add an object with the name that the map has for it; returns its id."""
+        """Add an object with the name that the map has for it.
+
+        Args:
+            category: Category.
+            box: Box of the object.
+            feature: Feature of the map; None for objects of our own.
+            parent_id: Object that carries it.
+            attributes: Further attributes.
+
+        Returns:
+            Id of the object.
+        """
         named: Attributes = {}
         if feature is not None:
             named["source_id"] = feature.source_id
@@ -98,14 +110,14 @@ def _printable(name: str) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Framed:
-    """A polygon in the frame of the box about it."""
+    """A polygon in the frame of the box around it."""
 
     box: OrientedBox
     outline: shapely.Polygon
 
     @property
     def is_rectangle(self) -> bool:
-        """Whether the polygon is the box seen from above, but for some centimetres."""
+        """True if the polygon is the box seen from above, within some centimetres."""
         x, y, _ = self.box.s
         if self.outline.area < _RECTANGLE_SHARE * x * y:
             return False
@@ -114,24 +126,33 @@ class Framed:
 
     @property
     def attributes(self) -> Attributes:
-        """The attribute by which an object takes the polygon's form."""
+        """The attribute that gives an object the polygon's form."""
         return {OUTLINE: shapely.to_wkt(self.outline, rounding_precision=2)}
 
 
 def framed(
     polygon: shapely.Polygon, bottom_m: float, top_m: float, heading_rad: float | None = None
 ) -> Framed:
-    """The smallest box about a polygon, its x axis along the longer side or along a heading."""
+    """The smallest box around a polygon, its x axis along the longer side or along a heading.
+
+    Args:
+        polygon: Polygon, ENU, m.
+        bottom_m: Height of the underside.
+        top_m: Height of the upper face.
+        heading_rad: Heading of the x axis; along the longer side by default.
+    """
     heading = long_axis_rad(polygon) if heading_rad is None else heading_rad
     c, s = math.cos(heading), math.sin(heading)
     turn = np.array([[c, s], [-s, c]])
     turned = shapely.transform(polygon, lambda points: points @ turn.T)
     x0, y0, x1, y1 = turned.bounds
     middle = np.array([(x0 + x1) / 2, (y0 + y1) / 2])
+    # Rounded up, so that the rounded outline still fits into its box.
     size: Vector3 = (_upwards(x1 - x0), _upwards(y1 - y0), round(top_m - bottom_m, 3))
     centre = middle @ turn
     box = upright_box((float(centre[0]), float(centre[1])), heading, size, bottom_m)
     local = shapely.set_precision(shapely.transform(turned, lambda p: p - middle), GRID_M)
+    # Rounding may split off slivers; the largest part is the outline.
     parts = [part for part in shapely.get_parts(local) if isinstance(part, shapely.Polygon)]
     outline = max(parts, key=lambda part: part.area, default=shapely.box(*turned.bounds))
     return Framed(box, outline)
@@ -142,7 +163,7 @@ def _upwards(length_m: float) -> float:
 
 
 def long_axis_rad(shape: BaseGeometry) -> float:
-    """Direction of the longer side of the smallest rectangle about a shape."""
+    """Direction of the longer side of the smallest rectangle around a shape, rad."""
     (ax, ay), (bx, by), (cx, cy), *_ = shapely.get_coordinates(
         shapely.oriented_envelope(shape)
     ).tolist()
@@ -152,5 +173,5 @@ def long_axis_rad(shape: BaseGeometry) -> float:
 
 
 def turned_box(box: OrientedBox, yaw_rad: float) -> OrientedBox:
-    """The same box with another heading."""
+    """The same box with another heading, rad."""
     return OrientedBox(box.p, quat_from_yaw(yaw_rad), box.s)

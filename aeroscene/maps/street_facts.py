@@ -28,7 +28,7 @@ _STREETS_M = {
     "service": 4.0,
     "raceway": 8.0,
 }
-"""Width of a carriageway with two ways of traffic where the map does not say it."""
+"""Width of a carriageway with traffic in both directions if the map does not state it."""
 _PATHS_M = {
     "pedestrian": 6.0,
     "footway": 2.0,
@@ -43,9 +43,9 @@ _RAILS = frozenset({"rail", "light_rail", "narrow_gauge", "preserved", "tram"})
 _WITH_PAVEMENTS = frozenset(
     {"primary", "secondary", "tertiary", "unclassified", "residential", "living_street"}
 )
-"""Streets of towns, which have pavements on both sides where the map does not say."""
+"""Streets of towns, which have pavements on both sides unless the map says otherwise."""
 _ONE_WAY = 0.65
-"""Share of the width that a street of one way has."""
+"""Share of the width of a one-way street."""
 _MOST_LANES = 10
 _FINISHES = {
     "cobbles": ("sett", "cobblestone", "unhewn_cobblestone", "cobblestone:flattened"),
@@ -61,52 +61,53 @@ Side = Literal["left", "right"]
 
 
 def is_street(tags: Tags) -> bool:
-    """Whether cars drive on it, above the ground."""
+    """Return true if cars drive on it, above the ground."""
     return tags.get("highway") in _STREETS_M and not _is_hidden(tags)
 
 
 def is_path(tags: Tags) -> bool:
-    """Whether people walk or ride on it, above the ground."""
+    """Return true if people walk or ride on it, above the ground."""
     return tags.get("highway") in _PATHS_M and not _is_hidden(tags)
 
 
 def is_rail(tags: Tags) -> bool:
-    """Whether it is a railway above the ground."""
+    """Return true if it is a railway above the ground."""
     return tags.get("railway") in _RAILS and not _is_hidden(tags)
 
 
 def _is_hidden(tags: Tags) -> bool:
-    """Whether it runs below the ground or inside a building."""
+    """Return true if it runs below the ground or inside a building."""
     is_inside = tags.get("indoor") == "yes" or tags.get("location") == "underground"
     return tags.get("tunnel", "no") != "no" or is_inside or (number(tags, "layer", -9, 9) or 0) < 0
 
 
 def is_hidden_way(tags: Tags) -> bool:
-    """Whether it is a street, path or railway that runs below the ground or inside a building."""
+    """Return true for a street, path or railway below the ground or inside a building."""
     kinds = tags.get("highway") in {*_STREETS_M, *_PATHS_M} or tags.get("railway") in _RAILS
     return kinds and _is_hidden(tags)
 
 
 def street_width_m(tags: Tags) -> float:
-    """Width of the carriageway, from `width`, `lanes`, or the kind of street."""
+    """Width of the carriageway in m, from `width`, `lanes`, or the kind of street."""
     for key in ("width:carriageway", "width", "est_width"):
         if (stated := length_m(tags, key, 2.0, 40.0)) is not None:
             return stated
     lanes = number(tags, "lanes", 1, _MOST_LANES)
     if lanes is not None:
+        # A single lane is wider than one of several.
         return max(LANE_M * lanes, 3.5)
     usual_m = _STREETS_M[tags["highway"]]
     return max(3.5, _ONE_WAY * usual_m) if tags.get("oneway") == "yes" else usual_m
 
 
 def path_width_m(tags: Tags) -> float:
-    """Width of a path, from `width` or its kind."""
+    """Width of a path in m, from `width` or its kind."""
     stated = length_m(tags, "width", 0.5, 30.0)
     return _PATHS_M[tags["highway"]] if stated is None else max(stated, 1.0)
 
 
 def pavements(tags: Tags) -> frozenset[Side]:
-    """Sides of a street on which a pavement runs along it."""
+    """Sides of a street along which a pavement runs."""
     sides: set[Side] = set()
     for side in ("left", "right"):
         said = tags.get(f"sidewalk:{side}", tags.get("sidewalk:both", ""))
@@ -115,6 +116,7 @@ def pavements(tags: Tags) -> frozenset[Side]:
     said = tags.get("sidewalk", tags.get("footway", ""))
     if said in {"left", "right"}:
         sides.add("left" if said == "left" else "right")
+    # Silence of the map means pavements in towns; any statement overrules that.
     is_unsaid = not any(key.startswith("sidewalk") for key in tags)
     if said in {"both", "yes"} or (is_unsaid and tags["highway"] in _WITH_PAVEMENTS):
         return frozenset({"left", "right"})
@@ -122,7 +124,7 @@ def pavements(tags: Tags) -> frozenset[Side]:
 
 
 def pavement_width_m(tags: Tags) -> float:
-    """Width of the pavements along a street."""
+    """Width of the pavements along a street, m."""
     stated = [
         length_m(tags, f"sidewalk:{side}:width", 0.8, 10) for side in ("both", "left", "right")
     ]
@@ -130,12 +132,12 @@ def pavement_width_m(tags: Tags) -> float:
 
 
 def finish(tags: Tags, usual: str) -> str:
-    """Material of a surface."""
+    """Material of a surface; `usual` if the map states none that we know."""
     surface = tags.get("surface", "")
     return next((ours for ours, names in _FINISHES.items() if surface in names), usual)
 
 
 def has_markings(tags: Tags) -> bool:
-    """Whether lines are painted on the carriageway."""
+    """Return true if lines are painted on the carriageway."""
     is_main = tags["highway"] not in {"service", "living_street"}
     return is_main and tags.get("lane_markings") != "no" and finish(tags, "asphalt") == "asphalt"

@@ -1,7 +1,7 @@
 """Streets: carriageways, their junctions, and the pavements along them.
 
 The carriageway of a straight stretch is a road of ours, a box with its markings, so that traffic
-drives along it. The rest, junctions and bends, are roads with an outline.
+can drive along it. Junctions and bends are roads with an outline, without traffic.
 """
 
 from __future__ import annotations
@@ -25,14 +25,14 @@ from aeroscene.scene import AttributeValue
 
 ROAD_M = 0.02
 KERB_M = 0.12
-"""Height of pavements over what streets lie on: a kerb of 10 cm."""
+"""Height of pavements above the base of streets: a kerb of 10 cm."""
 _SIMPLIFY_M = 0.2
 _LEAST_STRETCH_M = 8.0
-"""Shorter stretches are part of the junction or bend beside them."""
+"""Length up to which a stretch is part of the junction or bend beside it."""
 _LEAST_ROAD_M2 = 2.0
 _LEAST_PAVEMENT_M2 = 2.0
 _NODE_M = 0.05
-"""Ends of streets nearer than this meet."""
+"""Distance up to which ends of streets meet."""
 _Point2 = tuple[float, float]
 
 
@@ -44,15 +44,22 @@ class _Line:
 
 
 def lay_streets(site: Site, features: Sequence[Feature]) -> None:
-    """Add the carriageways of streets; buildings keep their ground."""
+    """Add the carriageways of streets; buildings keep their ground.
+
+    Args:
+        site: Scene in the making.
+        features: Streets, as lines.
+    """
     lines = list(_lines(features))
     carriageway = site.ground.left_of(_carriageway(site, lines))
     site.carriageways.add(carriageway)
     n_at = _meetings(lines)
     shape = areal(shapely.intersection(carriageway, site.place.area, grid_size=GRID_M))
+    # Wide streets first: at a crossing the narrower one is interrupted.
     for line in sorted(lines, key=lambda each: -each.width_m):
         for stretch in _stretches(line, n_at):
             shape = _lay_stretch(site, line, stretch, shape)
+    # Junctions have the surface of most streets.
     finish = Counter(facts.finish(line.feature.tags, "asphalt") for line in lines)
     attributes: dict[str, AttributeValue] = {}
     if finish:
@@ -62,7 +69,13 @@ def lay_streets(site: Site, features: Sequence[Feature]) -> None:
 
 
 def lay_pavements(site: Site, features: Sequence[Feature], footways: Sequence[Feature]) -> None:
-    """Add what is paved for people beside streets: pavements, and footways mapped on their own."""
+    """Add pavements beside streets, and footways that are mapped on their own.
+
+    Args:
+        site: Scene in the making.
+        features: Streets, which may have pavements.
+        footways: Lines of separate sidewalks.
+    """
     strips: list[BaseGeometry] = []
     for feature in features:
         sides, width = facts.pavements(feature.tags), facts.pavement_width_m(feature.tags)
@@ -76,6 +89,7 @@ def lay_pavements(site: Site, features: Sequence[Feature], footways: Sequence[Fe
                     )
                 )
             else:
+                # Positive distances are to the left of a line, in shapely as in the map.
                 signed = reach if "left" in sides else -reach
                 strips.append(shapely.buffer(centre, signed, single_sided=True))
     for feature in footways:
@@ -88,6 +102,7 @@ def lay_pavements(site: Site, features: Sequence[Feature], footways: Sequence[Fe
     if not strips:
         return
     shape = shapely.intersection(shapely.union_all(strips), site.place.area)
+    # Carriageways were claimed before, so only the rims of the strips are left.
     shape = opened(site.ground.left_of(on_grid(shape)), 0.3)
     for piece in split(shape, _LEAST_PAVEMENT_M2):
         _lay(site, "sidewalk", shapely.set_precision(piece, GRID_M), KERB_M, None, {})
@@ -112,7 +127,7 @@ def _lay(
 
 
 def _lines(features: Sequence[Feature]) -> Iterator[_Line]:
-    """The lines of streets, without corners that hardly turn, but with those where they meet."""
+    """Lines of streets, without corners that hardly turn, but with those at which they meet."""
     parts = [
         (feature, [(round(x, 2), round(y, 2)) for x, y in shapely.get_coordinates(part).tolist()])
         for feature in features
@@ -138,7 +153,7 @@ def _simplified(points: Sequence[_Point2], fixed: AbstractSet[tuple[int, int]]) 
 
 
 def _carriageway(site: Site, lines: Sequence[_Line]) -> BaseGeometry:
-    """Where cars drive: bands along the lines, with a disc where several meet."""
+    """Ground on which cars drive: bands along the lines, with a disc where several meet."""
     if not lines:
         return shapely.Polygon()
     bands = [
@@ -157,12 +172,13 @@ def _carriageway(site: Site, lines: Sequence[_Line]) -> BaseGeometry:
         for end in (line.points[0], line.points[-1])
     ]
     united = shapely.union_all([*bands, *discs])
+    # A little beyond the bounds, so that streets are not narrowed at the border.
     reach = shapely.buffer(site.place.area, 10.0, join_style="mitre")
     return on_grid(shapely.intersection(united, reach))
 
 
 def _meetings(lines: Sequence[_Line]) -> Counter[tuple[int, int]]:
-    """How many stretches meet at each corner of the lines."""
+    """Number of stretches that meet at each corner of the lines."""
     counts: Counter[tuple[int, int]] = Counter()
     for line in lines:
         for number, point in enumerate(line.points):
@@ -189,23 +205,26 @@ def _stretches(line: _Line, n_at: Counter[tuple[int, int]]) -> Iterator[tuple[_P
 
 
 def _trim_m(line: _Line, number: int, n_at: Counter[tuple[int, int]]) -> float:
-    """What a junction or a bend takes of the stretches that meet there."""
+    """Length that a junction or a bend takes from each stretch that meets there, m."""
     points = line.points
     meeting = n_at[_key(points[number])]
     if meeting > 2:
+        # Half of the crossing street, and the curve of the kerb.
         return line.width_m / 2 + 2.0
     if number in {0, len(points) - 1}:
         return 0.0
     a, b, c = points[number - 1 : number + 2]
     turn = math.atan2(c[1] - b[1], c[0] - b[0]) - math.atan2(b[1] - a[1], b[0] - a[0])
     half = abs(math.remainder(turn, 2 * math.pi)) / 2
+    # In a bend the inner edges meet before the corner: half a width times the tangent of half the
+    # turn.
     return min(line.width_m, line.width_m / 2 * math.tan(min(half, 1.2)))
 
 
 def _lay_stretch(
     site: Site, line: _Line, stretch: tuple[_Point2, _Point2], free: BaseGeometry
 ) -> BaseGeometry:
-    """Add a straight road where the carriageway is whole and free; returns what is left of it."""
+    """Add a straight road if the carriageway is whole and free; return the rest of it."""
     tags = line.feature.tags
     (ax, ay), (bx, by) = stretch
     centre = shapely.LineString([stretch[0], stretch[1]])
@@ -213,6 +232,7 @@ def _lay_stretch(
     if centre.geom_type != "LineString" or centre.length < _LEAST_STRETCH_M:
         return free
     band = shapely.buffer(centre, line.width_m / 2, cap_style="flat")
+    # Slightly smaller, because cuts on the grid move borders by a centimetre.
     inner = shapely.buffer(band, -0.05, join_style="mitre")
     if not shapely.covers(free, inner):
         return free

@@ -1,7 +1,7 @@
-"""Ground: one base under everything, and covers on it for water, parks, squares and paths.
+"""Ground: one base below everything, and covers on it for water, parks, squares and paths.
 
-Covers lie beside each other. Where the map has two at one place, the one that people would see
-wins: buildings before streets, streets before pavements, and small areas before large ones.
+Covers lie beside each other. If the map has two at one place, the one that people would see wins:
+buildings before streets, streets before pavements, and small areas before large ones.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class _Kind:
     finish: str
     thickness_m: float
     rank: int
-    """Lower ranks win."""
+    """Order of claims: lower ranks win."""
 
 
 _WATER = _Kind("water", "water", 0.02, 0)
@@ -145,13 +145,14 @@ _GRASSY_SPORTS = frozenset(
 
 
 def is_ground(tags: Tags) -> bool:
-    """Whether an area is some kind of ground."""
+    """Return true if an area is some kind of ground."""
     return _kind(tags) is not None
 
 
 def _kind(tags: Tags) -> _Kind | None:
     if tags.get("parking") in {"underground", "multi-storey", "rooftop"}:
         return None
+    # A pitch without a sport is usually of grass; the first sport of a list decides.
     if tags.get("leisure") == "pitch" and tags.get("sport", "").split(";")[0] not in _GRASSY_SPORTS:
         return _HARD_PITCH
     return next(
@@ -160,7 +161,7 @@ def _kind(tags: Tags) -> _Kind | None:
 
 
 def is_strip(tags: Tags) -> bool:
-    """Whether a line is ground with a width: a railway or flowing water."""
+    """Return true if a line is ground with a width: a railway or flowing water."""
     return facts.is_rail(tags) or _is_open_water(tags)
 
 
@@ -169,10 +170,11 @@ def _is_open_water(tags: Tags) -> bool:
 
 
 def lay_base(site: Site, *, is_town: bool) -> None:
-    """Add the ground under everything: grass, or the paving of a town."""
+    """Add the ground below everything: grass, or the paving of a town."""
     category, finish = ("plaza", "paving") if is_town else ("lawn", "grass")
     whole = Cover(site.place.area, BASE_M, 0, is_open=True)
     tiles: list[Cover] = []
+    # Tiles of 60 m, the longest lawns and plazas of the catalogue.
     for tile in cover(site.place.area, _TILE_M):
         square = shapely.box(*tile)
         frame = framed(square, 0.0, BASE_M, 0.0)
@@ -184,8 +186,9 @@ def lay_base(site: Site, *, is_town: bool) -> None:
 
 
 def lay_surfaces(site: Site, features: Sequence[Feature]) -> None:
-    """Add water, parks, squares, paths and the like on what buildings and streets leave."""
+    """Add water, parks, squares, paths and so on to the ground that buildings and streets leave."""
     found = [(kind, f, shape) for f in features for kind, shape in _shapes(f)]
+    # Small areas before large ones of the same rank: a playground lies in its park.
     for kind, feature, shape in sorted(found, key=lambda each: (each[0].rank, each[2].area)):
         inside = shapely.intersection(shape, site.place.area)
         left = site.ground.left_of(on_grid(inside))
@@ -194,7 +197,7 @@ def lay_surfaces(site: Site, features: Sequence[Feature]) -> None:
 
 
 def _shapes(feature: Feature) -> Iterator[tuple[_Kind, BaseGeometry]]:
-    """The kind and the area of a feature, lines as wide as what they are."""
+    """Kind and area of a feature; lines get the width of their kind."""
     tags, shape = feature.tags, feature.geometry
     if shapely.get_dimensions(shape) == 2:
         kind = _kind(tags)

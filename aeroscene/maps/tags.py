@@ -1,4 +1,4 @@
-"""Numbers, sizes and colours as maps write them."""
+"""Numbers, sizes and colours in the notations of maps."""
 
 from __future__ import annotations
 
@@ -52,7 +52,18 @@ _NAMED_RGB = {
 
 
 def length_m(tags: Tags, key: str, low: float, high: float) -> float | None:
-    """A length in metres; None where there is none, or none that can be true."""
+    """A length in metres; None if it is missing, unreadable or implausible.
+
+    Args:
+        tags: Tags of a feature.
+        key: Key of the length.
+        low: Least plausible value, m.
+        high: Greatest plausible value, m.
+
+    Returns:
+        The length. Metres are assumed without a unit, as in OpenStreetMap; `5'7"` is read as feet
+        and inches.
+    """
     text = tags.get(key, "")
     if feet := _FEET.fullmatch(text):
         found = (float(feet[1]) + float(feet[2] or 0.0) / 12.0) * 0.3048
@@ -64,7 +75,10 @@ def length_m(tags: Tags, key: str, low: float, high: float) -> float | None:
 
 
 def number(tags: Tags, key: str, low: float, high: float) -> float | None:
-    """A plain number, such as a number of storeys; the first of a list such as `3;4`."""
+    """A plain number, such as a number of storeys; the first of a list such as `3;4`.
+
+    None if it is missing, unreadable, or outside of `low` to `high`.
+    """
     text = tags.get(key, "").split(";")[0].strip().replace(",", ".")
     try:
         found = float(text)
@@ -74,7 +88,7 @@ def number(tags: Tags, key: str, low: float, high: float) -> float | None:
 
 
 def heading_rad(tags: Tags, key: str = "direction") -> float | None:
-    """A direction of the compass or in degrees from north, as an angle from east."""
+    """A compass direction, or degrees clockwise from north, as an angle from east in rad."""
     text = tags.get(key, "").strip()
     if text in _COMPASS:
         degrees = 22.5 * _COMPASS.index(text)
@@ -116,5 +130,6 @@ def tiles(tags: Tags) -> str | None:
         return "roof_slate"
     rgb = _rgb(tags.get("roof:colour", tags.get("roof:color", "")).lower())
     if rgb is not None:
+        # Red if the red channel dominates clearly.
         return "roof_red" if rgb[0] > 1.25 * max(rgb[1], rgb[2]) else "roof_slate"
     return "roof_red" if material == "roof_tiles" else None

@@ -17,7 +17,7 @@ from aeroscene.scene.catalogue import by_name
 
 _ROW_M = 8.0
 _WOOD_M = 7.0
-"""Spacing of trees in a row and in a wood, where the map has no single ones."""
+"""Distance of trees in a row and in a wood if the map has no single ones."""
 _MOST_OF_WOODS = 150
 _CROWN_M = 5.0
 _HEIGHT_M = 8.0
@@ -39,17 +39,23 @@ class _Tree:
 
 
 def is_tree(tags: Tags) -> bool:
-    """Whether a point is a tree or a line a row of trees."""
+    """Return true if a point is a tree, or a line a row of trees."""
     return tags.get("natural") in {"tree", "tree_row"}
 
 
 def is_wood(tags: Tags) -> bool:
-    """Whether an area is full of trees."""
+    """Return true if an area is full of trees."""
     return any(tags.get(key) == value for key, value in _WOODS)
 
 
 def plant_trees(site: Site, features: Sequence[Feature], woods: Sequence[Feature]) -> None:
-    """Add trees; each crown is as wide as walls and neighbouring trees allow."""
+    """Add trees; each crown is as wide as walls and neighbouring trees allow.
+
+    Args:
+        site: Scene in the making.
+        features: Trees as points, and rows as lines.
+        woods: Areas of woods.
+    """
     trees = [tree for feature in features for tree in _trees(feature)]
     grown = list(_of_woods(site, woods, trees))
     if grown:
@@ -81,7 +87,8 @@ def _trees(feature: Feature) -> Iterator[_Tree]:
 
 
 def _of_woods(site: Site, woods: Sequence[Feature], trees: Sequence[_Tree]) -> Iterator[_Tree]:
-    """Trees on a jittered grid in woods in which the map has none of its own."""
+    """Trees on a jittered grid in woods in which the map has no single ones."""
+    # The seed follows from the map, so that equal maps give equal scenes.
     rng = np.random.default_rng(len(woods))
     left = _MOST_OF_WOODS
     for wood in woods:
@@ -99,15 +106,16 @@ def _of_woods(site: Site, woods: Sequence[Feature], trees: Sequence[_Tree]) -> I
 
 
 def _distinct(trees: Sequence[_Tree]) -> list[_Tree]:
-    """Trees without those that the map has twice, as in a row and as single ones."""
+    """Trees without duplicates, which maps have in a row and as single ones."""
     kept: dict[tuple[int, int], _Tree] = {}
     for tree in trees:
+        # A grid of 1.5 m: two trees in one cell are one.
         kept.setdefault((round(tree.x / 1.5), round(tree.y / 1.5)), tree)
     return list(kept.values())
 
 
 def _room_m(site: Site, tree: _Tree, index: shapely.STRtree, number: int) -> float:
-    """Diameter of the widest crown between walls, the bounds and half the way to other trees."""
+    """Diameter of the widest crown between walls, bounds, and half the way to other trees, m."""
     point = shapely.Point(tree.x, tree.y)
     reach = point.buffer(tree.crown_m)
     walls = site.buildings.pieces_near(reach)
@@ -119,7 +127,7 @@ def _room_m(site: Site, tree: _Tree, index: shapely.STRtree, number: int) -> flo
     gaps += [
         _gap_of_boxes(tree, shapely.get_coordinates(index.geometries[k])[0]) / 2 for k in others
     ]
-    # The box of a crown along the axes reaches further in its corners than along its sides.
+    # The box of a crown along the axes extends further in its corners than along its sides.
     return 2 * (min([*gaps, math.inf]) - _GAP_M)
 
 

@@ -1,4 +1,4 @@
-"""What lies around an outdoor site: streets that go on, houses and trees, outside its volume."""
+"""Surroundings of an outdoor site: streets that continue, houses and trees, outside its volume."""
 
 from aeroscene.neighbourhood.manner import MANNERS
 from aeroscene.neighbourhood.neighbourhood import GAP_M, RING_M, neighbours_of

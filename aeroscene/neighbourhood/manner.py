@@ -1,4 +1,4 @@
-"""What stands around a site, by its theme."""
+"""Surroundings of a site, by its theme."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ Range = tuple[float, float]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Manner:
-    """How the land around a site is built up."""
+    """Density and look of the land around a site."""
 
     length_m: Range
     width_m: Range
     height_m: Range
-    """Sizes of houses: depth from the street, along it, and with the roof."""
+    """Sizes of houses: depth from the street, width along it, and height with the roof."""
     walls: tuple[str, ...]
     roofs: tuple[str | None, ...]
     """Materials of the houses; None is a flat roof."""
@@ -30,7 +30,7 @@ class Manner:
     n_trees: int
     """Most trees."""
     is_rural: bool = False
-    """Whether fields begin behind the houses."""
+    """True if fields begin behind the houses."""
 
 
 _VILLAGE = Manner(
@@ -95,5 +95,5 @@ MANNERS: Mapping[str, Manner] = {
     "hillside": _VILLAGE,
     "village": _VILLAGE,
 }
-"""By the theme of a scene; scenes of other themes, or of none, have nothing around them."""
+"""Manner of each theme; scenes of other themes, or without one, have nothing around them."""
 LEAVES = ("leaves", "leaves_dark")

@@ -1,8 +1,11 @@
-"""Neighbours of a scene: a pure function of it, so that every process sees the same ones.
+"""Neighbours of a scene: houses, trees and streets around its flight volume.
 
 Houses and trees stand in a ring around the flight volume and never in it. They are no objects of
 the scene: nothing is measured or counted of them, and no landing area lies on them. Streets are
 paint: nothing collides with them, so that they may begin at a road's end within the volume.
+
+The neighbours are a pure function of the scene, so that every process sees the same ones without
+storing them.
 """
 
 from __future__ import annotations
@@ -29,10 +32,10 @@ GAP_M = 4.0
 _APART_M = 2.5
 """Distance between two neighbours, and between one and a street."""
 _TRIES = 6
-"""Places tried for each tree or house beside no street."""
+"""Number of places tried for each tree, or house without a street."""
 _LEAST_TOP_M = 0.03
 _LEVEL_M = 0.005
-"""Height of the ground up to which it is level."""
+"""Height of the ground up to which it counts as level."""
 _TREE_M = ((3.0, 6.0), (5.0, 10.0))
 """Width and height of trees."""
 _KEPT = 8
@@ -40,7 +43,14 @@ _KEPT = 8
 
 @functools.lru_cache(maxsize=_KEPT)
 def neighbours_of(scene: Scene) -> tuple[Primitive, ...]:
-    """Solids of houses and trees around an outdoor scene, and paint of streets; else none."""
+    """Solids of houses and trees around an outdoor scene, and paint of streets.
+
+    Args:
+        scene: Scene; its theme decides on the surroundings.
+
+    Returns:
+        Primitives outside of the flight volume; none for indoor scenes and unknown themes.
+    """
     manner = MANNERS.get(scene.theme)
     if manner is None or scene.domain == "indoor":
         return ()
@@ -52,6 +62,7 @@ class _Ring:
 
     def __init__(self, scene: Scene, manner: Manner) -> None:
         self._scene, self._manner = scene, manner
+        # Python's own hash of texts differs between processes, hence the checksum.
         name = zlib.crc32(scene.scene_id.encode())
         self._rng = np.random.default_rng([scene.seed, name, 0x4E1])
         (x0, y0, _), (x1, y1, _) = scene.extent_min_enu_m, scene.extent_max_enu_m
@@ -60,7 +71,7 @@ class _Ring:
         self._taken: list[Plot] = []
 
     def primitives(self) -> Iterator[Primitive]:
-        """Streets first, then houses, then trees."""
+        """Streets first, then houses, then trees; later ones take the places that are left."""
         streets = tuple(
             street for street in streets_around(self._scene, RING_M) if self._is_level(street)
         )
@@ -72,7 +83,7 @@ class _Ring:
         yield from self._trees()
 
     def _is_level(self, street: Street) -> bool:
-        """Whether a street lies on level ground: paint does not follow a relief."""
+        """Return true if a street lies on level ground: paint does not follow a relief."""
         if self._scene.relief is None:
             return True
         along_m = np.linspace(0.0, street.length_m, 1 + math.ceil(street.length_m))[:, None]
@@ -85,6 +96,7 @@ class _Ring:
 
     def _houses(self, streets: tuple[Street, ...]) -> Iterator[Primitive]:
         manner, n_left = self._manner, self._manner.n_houses
+        # Fronts along streets before places without a street.
         places = (*self._fronts(streets), *self._anywhere(manner.n_houses))
         sizes = self._drawn(len(places), manner.length_m, manner.width_m, manner.height_m)
         walls, roofs = (
@@ -125,19 +137,19 @@ class _Ring:
                     yield (x + at_m * u - aside_m * v, y + at_m * v + aside_m * u, yaw_rad)
 
     def _anywhere(self, n: int) -> list[Place]:
-        """Random places with headings along the axes, give or take a little."""
+        """Random places, with headings close to the axes."""
         x0, y0, x1, y1 = self._outer
         drawn = self._rng.uniform((x0, y0, -0.15), (x1, y1, 0.15), (n, 3))
         drawn[:, 2] += self._rng.integers(4, size=n) * (math.pi / 2)
         return [(x, y, yaw) for x, y, yaw in drawn.tolist()]
 
     def _drawn(self, n: int, *spans: tuple[float, float]) -> list[Vector3]:
-        """Sizes within spans."""
+        """Sizes within spans, m."""
         low, high = zip(*spans, strict=True)
         return [(x, y, z) for x, y, z in self._rng.uniform(low, high, (n, 3)).round(2).tolist()]
 
     def _take(self, place: Place, size_m: Vector3) -> Plot | None:
-        """The plot at a place if it is free; it is taken from now on."""
+        """Take the plot at a place if it is free; None otherwise."""
         plot = Plot.at(place, size_m)
         (u, v), (x0, y0, x1, y1) = plot.reach_m, self._outer
         if not (x0 + u <= plot.x <= x1 - u and y0 + v <= plot.y <= y1 - v):

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from aeroscene.scene import Vector3
 
 Place = tuple[float, float, float]
-"""East and north of the middle, and heading."""
+"""East and north of the middle (m), and heading (rad)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +34,7 @@ class Plot:
 
     @property
     def reach_m(self) -> tuple[float, float]:
-        """Greatest distance from the middle towards east and north."""
+        """Greatest distance from the middle towards east and north, m."""
         c, s = abs(self.cosine), abs(self.sine)
         return (
             c * self.half_length_m + s * self.half_width_m,
@@ -42,7 +42,7 @@ class Plot:
         )
 
     def corners(self) -> list[tuple[float, float]]:
-        """The four corners."""
+        """The four corners, m."""
         u, v = self.half_length_m, self.half_width_m
         return [
             (self.x + a * self.cosine - b * self.sine, self.y + a * self.sine + b * self.cosine)
@@ -50,7 +50,12 @@ class Plot:
         ]
 
     def is_apart(self, other: Plot, gap_m: float) -> bool:
-        """Whether a line with a gap on it separates two plots: along a side of either."""
+        """Return true if two plots keep a distance, along a side of either.
+
+        Args:
+            other: The other plot.
+            gap_m: Least width of the strip between them.
+        """
         dx, dy = other.x - self.x, other.y - self.y
         if math.hypot(dx, dy) >= self.radius_m + other.radius_m + gap_m:
             return True

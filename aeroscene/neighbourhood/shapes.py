@@ -51,6 +51,7 @@ def tree(size_m: Vector3, leaves: str) -> list[Part]:
             reach_m = radius * wide_m / 2
             up_m = base_m + height * (z - base_m)
             crown.append((reach_m * math.cos(turn), reach_m * math.sin(turn), up_m))
+    # The stem ends inside the crown.
     return [block(_STEM_M, _STEM_M, (0.0, base_m + 0.3), "bark"), hull(crown, leaves)]
 
 
@@ -61,7 +62,13 @@ def street(length_m: float, width_m: float, top_m: float) -> list[Part]:
 
 
 def placed(parts: list[Part], foot_enu_m: Vector3, yaw_rad: float) -> list[Primitive]:
-    """Parts in the world: their origin at a foot, their x axis along a heading."""
+    """Parts in the world: their origin at a foot, their x axis along a heading.
+
+    Args:
+        parts: Boxes and hulls without turns of their own.
+        foot_enu_m: Place of the origin.
+        yaw_rad: Heading of the x axis.
+    """
     quat = quat_from_yaw(yaw_rad)
     rotation = rotation_matrix(quat)
     found: list[Primitive] = []

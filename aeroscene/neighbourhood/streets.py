@@ -1,4 +1,4 @@
-"""Streets around a site: its roads go on beyond its edge, and others cross them."""
+"""Streets around a site: its roads continue beyond its edge, and others cross them."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ CROSSING_M = 30.0
 """Distance of a crossing street from the site."""
 _LEAST_WIDTH_M = 5.0
 _BESIDE_M = 1.0
-"""Distance from a road's end within which other ground is beside the road and not ahead of it."""
+"""Distance from a road's end up to which other ground is beside the road, not ahead of it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,7 +26,7 @@ class Street:
     begin: tuple[float, float]
     """East and north, m."""
     along: tuple[float, float]
-    """Unit vector from the begin to the end."""
+    """Unit vector from begin to end."""
     length_m: float
     width_m: float
     top_m: float
@@ -34,19 +34,19 @@ class Street:
 
     @property
     def yaw_rad(self) -> float:
-        """Heading, counter-clockwise from east."""
+        """Heading, counter-clockwise from east, rad."""
         return math.atan2(self.along[1], self.along[0])
 
     @property
     def middle(self) -> tuple[float, float]:
-        """Point half way along."""
+        """Point half way along, m."""
         half = self.length_m / 2
         return (self.begin[0] + half * self.along[0], self.begin[1] + half * self.along[1])
 
 
 @dataclass(frozen=True, slots=True)
 class _Exit:
-    """Where a road leaves the site."""
+    """Place where a road leaves the site."""
 
     street: Street
     axis: int
@@ -58,11 +58,11 @@ class _Exit:
 def streets_around(scene: Scene, ring_m: float) -> tuple[Street, ...]:
     """Continuations of the roads that end at the edge of a site, and one crossing street a side.
 
-    A continuation begins where its road ends. A site that is turned leaves bare ground between its
-    edge and the flight volume's.
+    A continuation begins at the end of its road. A turned site leaves bare ground between its edge
+    and that of the flight volume, which the street then crosses.
 
     Args:
-        scene: The scene.
+        scene: Scene.
         ring_m: Distance from the flight volume at which the continuations end.
     """
     ahead = [obj for obj in scene.objects if obj.category in GROUND | SHELLS]
@@ -85,9 +85,10 @@ def _roads(scene: Scene) -> Iterable[SceneObject]:
 
 
 def _exits(scene: Scene, road: SceneObject, ground: np.ndarray, ring_m: float) -> Iterable[_Exit]:
-    """The ends of a road beyond which there is nothing of the site."""
+    """Ends of a road beyond which there is nothing of the site."""
     yaw, middle = road.bbox.yaw_rad, np.array(road.bbox.p[:2])
     length_m, width_m, _ = road.bbox.s
+    # Narrow ones are lanes, and short ones are ends of streets.
     if width_m < _LEAST_WIDTH_M or length_m < width_m:
         return
     for way in (-1.0, 1.0):
@@ -106,7 +107,7 @@ def _exits(scene: Scene, road: SceneObject, ground: np.ndarray, ring_m: float) -
 
 
 def _way_out(scene: Scene, point: np.ndarray, outward: np.ndarray) -> tuple[int, float, float]:
-    """Side through which a direction leaves the flight volume, and the distance to it."""
+    """Side through which a direction leaves the flight volume, and the distance to it, m."""
     found: list[tuple[float, int, float]] = []
     for axis in (0, 1):
         if abs(outward[axis]) > 1e-9:

@@ -1,4 +1,9 @@
-"""The scene document: objects, hierarchy, landing areas, relief; its JSON and its categories."""
+"""The scene document: objects, hierarchy, landing areas and relief, its JSON and its categories.
+
+A scene is the one thing that generators, layouts, maps, worlds, planners and metrics have in
+common. It is a frozen dataclass that validates itself, so no other module needs to check a scene
+again.
+"""
 
 from aeroscene.scene.box import OrientedBox, Quaternion, Vector3
 from aeroscene.scene.errors import SceneError

@@ -6,7 +6,7 @@
 | q | unit quaternion wxyz, box to world | - |
 | s | full local extents | m |
 
-Batched functions take leading axes freely; a single box has none.
+Batched functions accept any number of leading axes; a single box has none.
 """
 
 from __future__ import annotations
@@ -29,14 +29,19 @@ UPRIGHT_TOLERANCE = 1e-6
 """Size of x and y of a quaternion below which a box turns about the vertical only."""
 MIN_SIZE_M = 0.001
 MAX_EXTENT_M = 1000.0
-"""Longest side of a flight volume and of a box, and farthest that an object lies outside it."""
+"""Longest side of a flight volume and of a box, and farthest that an object lies outside it, m."""
 CORNER_SIGNS = np.array([[1 if i >> axis & 1 else -1 for axis in range(3)] for i in range(8)])
 """Sign of each corner along x, y, z: bit 0, 1, 2 of the corner's number."""
 
 
 @dataclass(frozen=True, slots=True)
 class OrientedBox:
-    """A box by centre, attitude and full extents: the paper's (p, q, s)."""
+    """A box given by centre, attitude and full extents: the paper's (p, q, s).
+
+    Raises:
+        SceneError: If a number is not finite, `q` is no unit quaternion within `UNIT_TOLERANCE`, or
+            an extent is outside `MIN_SIZE_M` to `MAX_EXTENT_M`.
+    """
 
     p: Vector3
     """Centre, ENU, m."""
@@ -65,13 +70,13 @@ class OrientedBox:
 
     @property
     def yaw_rad(self) -> float:
-        """Heading of the box's x axis, counter-clockwise from east."""
+        """Heading of the box's x axis in rad, counter-clockwise from east, -pi to pi."""
         w, x, y, z = self.q
         return math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
 
     @property
     def is_upright(self) -> bool:
-        """Whether the box turns about the vertical only."""
+        """True if the box turns about the vertical only."""
         return math.hypot(self.q[1], self.q[2]) < UPRIGHT_TOLERANCE
 
     def corners(self) -> Float[np.ndarray, "8 3"]:
@@ -80,7 +85,12 @@ class OrientedBox:
 
 
 def rotation_matrix(quat_wxyz: ArrayLike) -> Float[np.ndarray, "*batch 3 3"]:
-    """Rotation matrices, box to world, of quaternions of any norm above zero."""
+    """Rotation matrices, box to world, of quaternions.
+
+    Args:
+        quat_wxyz: Quaternions wxyz, shape (*batch, 4), of any norm above zero: they are normalised
+            here, because those of files are rounded to 4 decimals.
+    """
     q = np.asarray(quat_wxyz, dtype=float)
     unit = q / np.sqrt((q * q).sum(axis=-1, keepdims=True))
     # Single ones are many: plain numbers take a fifth of the time of arrays.
@@ -95,7 +105,11 @@ def rotation_matrix(quat_wxyz: ArrayLike) -> Float[np.ndarray, "*batch 3 3"]:
 
 
 def quat_from_yaw(yaw_rad: float) -> tuple[float, float, float, float]:
-    """Quaternion wxyz, w >= 0, of a turn about the vertical."""
+    """Quaternion wxyz, w >= 0, of a turn about the vertical.
+
+    A quaternion and its negative mean the same rotation. The choice w >= 0 and 9 decimals give
+    equal files for equal headings.
+    """
     half = 0.5 * math.remainder(yaw_rad, 2.0 * math.pi)
     return (round(math.cos(half), 9), 0.0, 0.0, round(math.sin(half), 9))
 

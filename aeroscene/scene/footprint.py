@@ -1,4 +1,4 @@
-"""The ground that an object covers."""
+"""Footprints: the ground that objects cover, as polygons."""
 
 from __future__ import annotations
 
@@ -10,7 +10,11 @@ from aeroscene.scene.scene import SceneObject
 
 
 def footprint(obj: SceneObject) -> shapely.Polygon:
-    """The ground that an object covers seen from above, ENU, m: its outline or that of its box."""
+    """Footprint of an object seen from above, ENU, m: its outline, or else the hull of its box.
+
+    A tilted box casts the hull of all its eight corners. Objects with an `outline` are upright, so
+    that turning the outline about the vertical is enough.
+    """
     box = obj.bbox
     outline = outline_in_box(obj.attributes, box.s)
     if outline is None:

@@ -1,4 +1,7 @@
-"""Oriented boxes to each other: penetration depth, layers of what they hold.
+"""Oriented boxes against each other: penetration depth, and slices of convex solids.
+
+Penetration depth serves where an overlap has to be removed: unlike the shared volume (`overlap`),
+it is not zero for boxes that are apart, and it is in metres along the shortest way out.
 
 | symbol | name | unit |
 |---|---|---|
@@ -6,7 +9,7 @@
 | q | unit quaternion wxyz, box to world | - |
 | s | full local extents | m |
 
-Batched functions take leading axes freely; a single box has none.
+Batched functions accept any number of leading axes; a single box has none.
 """
 
 from __future__ import annotations
@@ -29,7 +32,7 @@ def layer(
         points: Points that span a convex solid.
         normal: Unit normal of the planes.
         low: Least `normal @ x` that is kept; minus infinity keeps all.
-        high: Greatest.
+        high: Greatest `normal @ x` that is kept; infinity keeps all.
     """
     height = points @ normal
     kept = [points[(height >= low) & (height <= high)]]
@@ -54,10 +57,18 @@ def _pairs(count: int) -> tuple[np.ndarray, np.ndarray]:
 def penetration_depth(
     p_a: ArrayLike, q_a: ArrayLike, s_a: ArrayLike, p_b: ArrayLike, q_b: ArrayLike, s_b: ArrayLike
 ) -> Float[np.ndarray, "*batch"]:
-    """How far boxes overlap: the least translation that parts them, negative when apart, m.
+    """Depth in m by which boxes overlap: the least translation that separates them.
 
-    When apart, the value is minus the widest gap along a separating axis, a lower bound of the
-    distance. Broadcasts over leading axes.
+    The value is negative for boxes that are apart: minus the widest gap along a separating axis,
+    which is a lower bound of their distance. Broadcasts over leading axes.
+
+    Args:
+        p_a: Centres of the first boxes, m.
+        q_a: Quaternions wxyz of the first boxes.
+        s_a: Full extents of the first boxes, m.
+        p_b: Centres of the second boxes.
+        q_b: Quaternions of the second boxes.
+        s_b: Full extents of the second boxes.
 
     Source: separating axes, Gottschalk, Lin and Manocha 1996, "OBBTree".
     """
@@ -72,6 +83,7 @@ def penetration_depth(
     units = np.where(lengths > 1e-6, crosses / np.maximum(lengths, 1e-6), axes_a[..., :1, :])
     axes = np.concatenate([axes_a, axes_b, units], axis=-2)
     reach = 0.5 * (_extent_along(axes, rotation_a, s_a) + _extent_along(axes, rotation_b, s_b))
+    # The axis of least overlap is the shortest way apart; one negative entry separates the boxes.
     apart = np.abs(np.einsum("...ij,...j->...i", axes, offset))
     return (reach - apart).min(axis=-1)
 

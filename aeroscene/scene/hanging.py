@@ -1,4 +1,4 @@
-"""What hangs from a ceiling instead of standing on something."""
+"""Objects that hang from a ceiling instead of standing on something."""
 
 from __future__ import annotations
 
@@ -8,5 +8,5 @@ PENDANT = "pendant"
 
 
 def is_hung(obj: SceneObject) -> bool:
-    """Whether an object hangs from the ceiling of its room."""
+    """True if an object hangs from the ceiling of its room: its `form` is `PENDANT`."""
     return obj.attributes.get("form") == PENDANT

@@ -1,9 +1,12 @@
 """Scenes as versioned JSON: the paper's schema, checked on reading, one object a line.
 
+One object a line keeps files readable in an editor and in `git diff`, at the size of compact JSON.
 `bbox_corners` is written beside each box, so that a reader of the file needs no rotations. Reading
-goes by the box alone: corners that are missing or disagree, as after an edit by hand, are computed
-again. A file that breaks a rule gives one `SceneError` line. A name that ends with `.gz` compresses
-the file, again to equal bytes for equal scenes.
+uses the box alone: corners that are missing or disagree, as after an edit by hand, are computed
+again.
+
+A file that breaks a rule gives one `SceneError` line. A name that ends with `.gz` compresses the
+file; equal scenes still give equal bytes.
 """
 
 from __future__ import annotations
@@ -74,7 +77,7 @@ class _Box(_Record):
 class _Object(_Record, kw_only=True):
     id: int
     comment: Comment = msgspec.UNSET
-    scene_id: str = ""  # that of the document
+    scene_id: str = ""  # empty: that of the document
     parent_id: int | None
     category_id: int
     bbox: _Box
@@ -140,7 +143,7 @@ class _Document(_Record, kw_only=True):
 
 
 def scene_to_json(scene: Scene, *, with_corners: bool = True) -> bytes:
-    """The scene as JSON text in UTF-8; equal scenes give equal bytes.
+    """Write a scene as JSON text in UTF-8; equal scenes give equal bytes.
 
     Args:
         scene: The scene.
@@ -158,6 +161,7 @@ def scene_to_json(scene: Scene, *, with_corners: bool = True) -> bytes:
         "origin": _Origin(scene.latitude_deg, scene.longitude_deg, scene.altitude_m),
     }
     notes = ("wishes", "measured")
+    # Like an empty theme, empty notes are left out of the file.
     head |= {name: dict(note) for name in notes if (note := getattr(scene, name))}
     return b"".join(
         (
@@ -189,6 +193,7 @@ def _lines(records: list[_Object] | list[_Area] | list[list[float]]) -> bytes:
 def _object_record(obj: SceneObject, with_corners: bool) -> _Object:
     corners: Corners | msgspec.UnsetType = msgspec.UNSET
     if with_corners:
+        # Adding 0.0 turns -0.0 into 0.0, which keeps the bytes equal on all systems.
         rounded = np.round(obj.bbox.corners(), 4) + 0.0
         corners = tuple(map(tuple, rounded.tolist()))  # pyright: ignore[reportAssignmentType]
     return _Object(
@@ -210,19 +215,21 @@ def _area_record(area: InteractionArea) -> _Area:
 def scene_from_json(
     data: bytes | str, source: str = "scene JSON", derive: DeriveAreas | None = None
 ) -> Scene:
-    """The scene in a JSON text.
+    """Read the scene in a JSON text.
 
     Args:
-        data: Text as `scene_to_json` writes it, or a person: comments may stand in it, and what
-            follows from the rest may be left out.
-        source: What to call the text in an error.
-        derive: Finds the areas if the text does not list any; without it that is an error.
+        data: Text from `scene_to_json` or written by a person: it may contain comments, and may
+            leave out whatever follows from the rest.
+        source: Name of the text in an error.
+        derive: Function that finds the areas if the text does not list any; without it a missing
+            list is an error.
 
     Raises:
         SceneError: One line that names scene, object and field, and says what is valid.
     """
     try:
         data = data.encode() if isinstance(data, str) else data
+        # Size and count of values are bounded first: a small packed file cannot fill the memory.
         if (fault := excess(data)) is not None:
             raise SceneFileError(fault)
         return _build(_decode(data), source, derive)
@@ -241,6 +248,8 @@ def _decode(data: bytes) -> _Document:
     try:
         document = msgspec.json.decode(data, type=_Document)
     except msgspec.ValidationError:
+        # A file of another format has other fields too: naming the format helps its owner, naming a
+        # field would not.
         _require_ours(msgspec.json.decode(data, type=_Head))
         raise
     _require_ours(document)
@@ -263,6 +272,8 @@ def _raise_located(data: bytes, source: str, text: str) -> NoReturn:
     where = source
     if place:
         parts = msgspec.json.decode(data, type=dict[str, msgspec.Raw])
+        # Only the record at fault is decoded again, for its id: people search a file for `"id":
+        # 12`.
         record = msgspec.json.decode(
             msgspec.json.decode(parts[place[1]], type=list[msgspec.Raw])[int(place[2])]
         )
@@ -347,6 +358,7 @@ def _note_wrong_corners(records: tuple[_Object, ...], source: str) -> None:
     p, q, s = (np.array([getattr(record.bbox, name) for record in written]) for name in "pqs")
     with np.errstate(over="ignore"):
         deviation_m = np.abs(corners - box_corners(p, q, s)).max(axis=(1, 2))
+    # "Not within" also catches NaN, the difference of coordinates that overflowed.
     ids = [written[i].id for i in np.flatnonzero(~(deviation_m <= CORNER_TOLERANCE_M))]
     if ids:
         more = f" and {len(ids) - _MOST_NAMED} others" if len(ids) > _MOST_NAMED else ""
@@ -364,11 +376,12 @@ def read_scene(path: str | Path, derive: DeriveAreas | None = None) -> Scene:
     """Read and validate a scene file, compressed with gzip or not.
 
     Args:
-        path: The file.
-        derive: Finds the areas if the file does not list any; without it that is an error.
+        path: File; it is recognised as compressed by its content.
+        derive: Function that finds the areas if the file does not list any; without it a missing
+            list is an error.
 
     Raises:
-        SceneError: If the file is missing or breaks a rule; one line that says which.
+        SceneError: If the file is missing or breaks a rule; one line says which.
     """
     path = Path(path)
     source = f"scene file {str(path)!r}"
@@ -384,7 +397,13 @@ def read_scene(path: str | Path, derive: DeriveAreas | None = None) -> Scene:
 
 
 def write_scene(scene: Scene, path: str | Path) -> None:
-    """Write a scene whole or not at all to `FILE.json`, or compressed to `FILE.json.gz`."""
+    """Write a scene to `FILE.json`, or compressed to `FILE.json.gz`.
+
+    The file is replaced whole or not at all, so an interrupted write never leaves half a scene.
+
+    Raises:
+        OSError: If the file cannot be written.
+    """
     path, data = Path(path), scene_to_json(scene)
     with replacing(path) as file:
         if path.suffix == ".gz":

@@ -1,7 +1,7 @@
-"""Where on Earth scenes lie, and the plane in which their coordinates are metres.
+"""Place of a scene on Earth, and the plane in which its coordinates are metres.
 
-Scenes that do not say where they are lie where PX4's simulations do (Zurich), so that scripts
-written for those fit.
+A scene that does not state its place lies where PX4's simulations do (Zurich), so that scripts with
+PX4's default coordinates work unchanged.
 """
 
 from __future__ import annotations
@@ -18,10 +18,17 @@ _ECCENTRICITY_SQUARED = 6.69437999014e-3
 
 
 def metres_per_degree(latitude_deg: float, altitude_m: float) -> tuple[float, float]:
-    """Lengths of a degree of latitude and of longitude in the plane tangent at an origin, m.
+    """Lengths in m of a degree of latitude and of longitude, in the plane tangent at an origin.
 
-    They follow from the radii of curvature at the origin, which is what flights and maps both go
-    by: within 1 km the error stays below 0.2 m.
+    They follow from the radii of curvature at the origin. Flights and maps both use this plane:
+    within 1 km the error stays below 0.2 m.
+
+    Args:
+        latitude_deg: Geodetic latitude of the origin, WGS 84.
+        altitude_m: Height of the origin.
+
+    Returns:
+        North and east length. The second goes to zero at the poles.
     """
     latitude = math.radians(latitude_deg)
     w = 1.0 - _ECCENTRICITY_SQUARED * math.sin(latitude) ** 2

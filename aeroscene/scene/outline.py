@@ -1,9 +1,12 @@
-"""Outlines of objects that are no rectangles seen from above.
+"""Outlines of objects that are not rectangles seen from above.
 
-The attribute `outline` of an object holds a polygon as well-known text, such as
-`POLYGON ((-5 -4, 5 -4, 5 4, 0 4, 0 0, -5 0, -5 -4))`, with holes where the object has courtyards.
-Its coordinates are metres in the frame of the object's box: x forwards, y to the left, the origin
-in the middle of the box. The object is the prism over that polygon, as high as its box.
+The attribute `outline` of an object holds a polygon as well-known text, such as `POLYGON ((-5 -4, 5
+-4, 5 4, 0 4, 0 0, -5 0, -5 -4))`, with holes where the object has courtyards. Its coordinates are
+metres in the frame of the object's box: x forwards, y to the left, the origin in the middle of the
+box. The object is the prism over that polygon, as high as its box.
+
+The text is an attribute, and not a field of the schema, so that programs which only know the
+paper's boxes still read the file.
 """
 
 from __future__ import annotations
@@ -20,7 +23,7 @@ if TYPE_CHECKING:
     import shapely
 
 OUTLINE = "outline"
-"""Name of the attribute."""
+"""Name of the attribute that holds the outline."""
 _MOST_TEXT = 50 * MOST_POINTS
 _SLACK_M = 0.01
 """Length by which rounded corners may lie outside the box."""
@@ -28,15 +31,16 @@ _VALID = f"the well-known text of one polygon inside the box, at most {MOST_POIN
 
 
 def outline_in_box(attributes: Mapping[str, object], size_m: Vector3) -> shapely.Polygon | None:
-    """The outline of an object in the frame of its box, m; None for an object without one.
+    """Outline of an object in the frame of its box, m; None for an object without one.
 
     Raises:
-        SceneError: If the attribute is no valid polygon, or reaches out of the box.
+        SceneError: If the attribute is no valid polygon, or extends beyond the box.
     """
     text = attributes.get(OUTLINE)
     return None if text is None else _parsed(text, size_m)
 
 
+# Reading, building and scoring ask for the same outline again and again, and parsing is slow.
 @lru_cache(maxsize=4096)
 def _parsed(text: object, size_m: Vector3) -> shapely.Polygon:
     polygon = _decoded(text)
@@ -74,10 +78,10 @@ def _is_sound(polygon: shapely.Polygon, size_m: Vector3) -> bool:
 
 
 def require_outline(attributes: Mapping[str, object], box: OrientedBox) -> None:
-    """Refuse an outline that is no polygon in an upright box.
+    """Refuse an outline that is not a polygon within an upright box.
 
     Raises:
-        SceneError: If it is none, or the box tilts.
+        SceneError: If the outline is invalid, or the box is tilted.
     """
     if OUTLINE in attributes:
         outline_in_box(attributes, box.s)

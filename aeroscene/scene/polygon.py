@@ -1,4 +1,4 @@
-"""Outlines in the plane with numpy alone: opening a scene should not load a library."""
+"""Polygons in the plane with numpy alone, because opening a scene should not load shapely."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 
 Point = tuple[float, float]
 _MANY = 64
-"""Edges from which rows of numbers are faster than single ones."""
+"""Number of edges from which numpy rows are faster than loops over single numbers."""
 
 
 def _edges(outline: Sequence[Point]) -> list[tuple[Point, Point]]:
@@ -18,7 +18,7 @@ def _edges(outline: Sequence[Point]) -> list[tuple[Point, Point]]:
 
 
 def signed_area(outline: Sequence[Point]) -> float:
-    """Area in the outline, positive when it runs counter-clockwise, m2."""
+    """Signed area of an outline in m2: positive if it runs counter-clockwise."""
     return 0.5 * sum(a[0] * b[1] - b[0] * a[1] for a, b in _edges(outline))
 
 
@@ -27,15 +27,21 @@ def _turn(a: Point, b: Point, c: Point) -> float:
 
 
 def is_simple(outline: Sequence[Point]) -> bool:
-    """Whether no two edges cross that are not neighbours; convex outlines take the short way."""
+    """True if no two edges cross that are not neighbours, and no corner is repeated.
+
+    A convex outline is recognised in linear time; all others compare every pair of edges.
+    """
     edges = _edges(outline)
     turns = [_turn(a, b, d) for (a, b), (_, d) in zip(edges, edges[1:] + edges[:1], strict=True)]
+    # All turns to the left and one full turn in all: convex. A star turns left as well, but more
+    # than once around.
     if min(turns) >= 0 and _winding_turns(edges) == 1:
         return True
     count = len(edges)
     if count > _MANY:
         return not _any_cross(edges) and len(set(outline)) == count
     for i, (a, b) in enumerate(edges):
+        # The last edge is a neighbour of the first, so that pair is left out.
         for c, d in edges[i + 2 : count - (i == 0)]:
             if _turn(a, b, c) * _turn(a, b, d) < 0 and _turn(c, d, a) * _turn(c, d, b) < 0:
                 return False
@@ -43,7 +49,7 @@ def is_simple(outline: Sequence[Point]) -> bool:
 
 
 def _any_cross(edges: Sequence[tuple[Point, Point]]) -> bool:
-    """Whether two edges cross that are not neighbours, by the same arithmetic in rows."""
+    """Do the same comparison of pairs as `is_simple`, one numpy row an edge."""
     ax, ay, bx, by = np.array(edges).reshape(-1, 4).T
     count = len(edges)
     for i in range(count - 2):
@@ -65,7 +71,7 @@ def _winding_turns(edges: Sequence[tuple[Point, Point]]) -> int:
 
 
 def distance_inside(outline: Sequence[Point], x: float, y: float) -> float:
-    """Distance from a point to the outline, negative when the point lies outside."""
+    """Distance in m from a point to the border of an outline, negative outside."""
     nearest, is_inside = math.inf, False
     for (ax, ay), (bx, by) in _edges(outline):
         dx, dy = bx - ax, by - ay
@@ -73,6 +79,7 @@ def distance_inside(outline: Sequence[Point], x: float, y: float) -> float:
         t = 0.0 if length_squared == 0 else ((x - ax) * dx + (y - ay) * dy) / length_squared
         t = min(1.0, max(0.0, t))
         nearest = min(nearest, math.hypot(ax + t * dx - x, ay + t * dy - y))
+        # Even-odd rule: count the edges to the right of the point that cross its height.
         if (ay > y) != (by > y) and x < ax + (y - ay) * dx / dy:
             is_inside = not is_inside
     return nearest if is_inside else -nearest

@@ -20,20 +20,25 @@ from jaxtyping import Float
 from aeroscene.scene.errors import SceneError, require, require_finite, require_within
 
 MOST_NODES = 512
-"""Nodes of a grid along one axis."""
+"""Most nodes of a grid along one axis."""
 MOST_HEIGHT_M = 200.0
-"""Greatest height above or below the origin."""
+"""Greatest height above or below the origin, m."""
 MOST_SLOPE = 2.0
 """Steepest gradient of a triangle, rise over run: 63 degrees."""
 SPACINGS_M = (0.1, 100.0)
-"""Least and greatest distance between neighbouring nodes."""
+"""Least and greatest distance between neighbouring nodes, m."""
 _FARTHEST_M = 10_000.0
 _SLACK = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
 class Relief:
-    """Heights of the ground over a regular grid, ENU."""
+    """Heights of the ground over a regular grid, ENU.
+
+    Raises:
+        SceneError: If there are fewer than 2 or more than `MOST_NODES` rows or columns, a height or
+            the spacing is out of range, or a slope is steeper than `MOST_SLOPE`.
+    """
 
     origin_enu_m: tuple[float, float]
     """East and north of the south-west node."""
@@ -46,7 +51,7 @@ class Relief:
     def of(
         cls, origin_enu_m: tuple[float, float], spacing_m: float, rows: Sequence[Sequence[float]]
     ) -> Relief:
-        """Relief from rows of heights.
+        """Build a relief from rows of heights.
 
         Raises:
             SceneError: If the rows differ in length, or a rule of `Relief` is broken.
@@ -78,7 +83,9 @@ class Relief:
         valid = f"{least:g} to {most:g} m"
         require(ok=ok, field_name="spacing", value=self.spacing_m, valid=valid)
         _require_heights(heights)
+        # The array is our own copy. Read-only, it can be hashed and shared between threads.
         heights.setflags(write=False)
+        # The dataclass is frozen, hence the detour.
         object.__setattr__(self, "heights_m", heights)
         _require_gentle(self)
 
@@ -94,29 +101,31 @@ class Relief:
 
     @property
     def min_m(self) -> float:
-        """Height of the lowest point."""
+        """Height of the lowest point, m."""
         return float(self.heights_m.min())
 
     @property
     def max_m(self) -> float:
-        """Height of the highest point."""
+        """Height of the highest point, m."""
         return float(self.heights_m.max())
 
     def span_m(self, axis: int) -> tuple[float, float]:
-        """Coordinates of the first and the last node along an axis: 0 is east, 1 is north."""
+        """Coordinates in m of the first and the last node along an axis: 0 is east, 1 is north."""
         first = self.origin_enu_m[axis]
         return first, first + (self.heights_m.shape[1 - axis] - 1) * self.spacing_m
 
     @cached_property
     def steepest(self) -> float:
-        """Greatest gradient of a triangle, rise over run."""
+        """Greatest gradient of any triangle, rise over run."""
         east, north = self.gradients()
         return float(np.hypot(east, north).max())
 
     def gradients(self) -> tuple[Float[np.ndarray, "2 r c"], Float[np.ndarray, "2 r c"]]:
         """Rise towards east and north of the triangles of each cell: south-eastern, north-western.
 
-        Rows and columns are those of the cells.
+        Returns:
+            Gradients towards east and towards north. The first axis is the triangle, the others are
+            rows and columns of cells.
         """
         along, up = (np.diff(self.heights_m, axis=axis) / self.spacing_m for axis in (1, 0))
         return np.stack([along[:-1], along[1:]]), np.stack([up[:, 1:], up[:, :-1]])
@@ -124,13 +133,18 @@ class Relief:
     def height_m(
         self, x_m: float | Float[np.ndarray, "*n"], y_m: float | Float[np.ndarray, "*n"]
     ) -> Float[np.ndarray, "*n"]:
-        """Height of the ground at places given by east and north, of shapes that broadcast."""
+        """Height of the ground in m at places given by east and north, of shapes that broadcast.
+
+        Beyond the grid it is the height of the nearest point of the border.
+        """
         row, column, v, u = self._cells(np.asarray(x_m, float), np.asarray(y_m, float))
         h = self.heights_m
         south_west, north_east = h[row, column], h[row + 1, column + 1]
         is_south_east = u >= v
         corner = np.where(is_south_east, h[row, column + 1], h[row + 1, column])
         first, second = np.where(is_south_east, u, v), np.where(is_south_east, v, u)
+        # A plane through three nodes: along the edge that the triangle shares with the cell's
+        # border first, then to the north-east node.
         return south_west + first * (corner - south_west) + second * (north_east - corner)
 
     def _cells(self, x_m: np.ndarray, y_m: np.ndarray) -> tuple[np.ndarray, ...]:
@@ -142,13 +156,14 @@ class Relief:
         ):
             n_cells = self.heights_m.shape[axis] - 1
             along = np.clip((place_m - start_m) / self.spacing_m, 0.0, float(n_cells))
+            # The northernmost and easternmost nodes belong to the last cell.
             cell = np.minimum(along.astype(np.int64), n_cells - 1)
             found += [cell, along - cell]
         row, v, column, u = found
         return row, column, v, u
 
     def normal_enu(self, x_m: Float[np.ndarray, "*n"], y_m: Float[np.ndarray, "*n"]) -> np.ndarray:
-        """Upward unit normals (*n, 3) of the triangles at places."""
+        """Upward unit normals, shape (*n, 3), of the triangles at places."""
         row, column, v, u = self._cells(np.asarray(x_m, float), np.asarray(y_m, float))
         which = (u < v).astype(np.int64)
         east, north = (gradient[which, row, column] for gradient in self.gradients())
@@ -159,7 +174,10 @@ class Relief:
 def ground_m(
     relief: Relief | None, x_m: float | np.ndarray, y_m: float | np.ndarray
 ) -> Float[np.ndarray, "*n"]:
-    """Height of the ground at places: 0 without a relief."""
+    """Height of the ground in m at places; 0 without a relief.
+
+    Code calls this instead of `Relief.height_m`, so that flat scenes need no case of their own.
+    """
     if relief is None:
         return np.zeros(np.broadcast_shapes(np.shape(x_m), np.shape(y_m)))
     return relief.height_m(x_m, y_m)
@@ -171,7 +189,7 @@ def _require_count(count: int, noun: str) -> None:
 
 
 def _require_heights(heights_m: np.ndarray) -> None:
-    is_wrong = ~(np.abs(heights_m) <= MOST_HEIGHT_M)  # True also for what is no number.
+    is_wrong = ~(np.abs(heights_m) <= MOST_HEIGHT_M)  # true also for NaN
     if is_wrong.any():
         row, column = np.argwhere(is_wrong)[0].tolist()
         name, most = f"heights[{row}][{column}]", MOST_HEIGHT_M

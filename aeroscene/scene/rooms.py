@@ -1,4 +1,8 @@
-"""Rooms that are no rectangles: several objects of category room, the tiles of one room."""
+"""Rooms that are not rectangles: several objects of category room are the tiles of one room.
+
+A box cannot describe an L-shaped room. Its tiles share a name in the attribute `room`, and modules
+that ask for walls, floors or contents treat them as one.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +20,7 @@ NO_ROOM = -1
 
 
 def room_of(obj: SceneObject) -> tuple[AttributeValue, int | None] | None:
-    """Name of the room that an object is a tile of; None where it is no tile.
+    """Name and parent of the room that an object is a tile of; None if it is no tile.
 
     Tiles of one room have the same attribute `room` and the same parent.
     """
@@ -25,7 +29,7 @@ def room_of(obj: SceneObject) -> tuple[AttributeValue, int | None] | None:
 
 
 def tile_groups(objects: Sequence[SceneObject]) -> Int[np.ndarray, " n"]:
-    """For each object the group of tiles that it is one of, `NO_ROOM` where it is no tile."""
+    """Group of tiles for each object, numbered from 0; `NO_ROOM` for an object that is no tile."""
     numbers: dict[tuple[AttributeValue, int | None], int] = {}
     groups = np.full(len(objects), NO_ROOM)
     for row, obj in enumerate(objects):
@@ -37,15 +41,15 @@ def tile_groups(objects: Sequence[SceneObject]) -> Int[np.ndarray, " n"]:
 def strayed_to(
     groups: Int[np.ndarray, " n"], parent: Sequence[int | None], boxes: Sequence[OrientedBox]
 ) -> dict[int, int]:
-    """What stands in another tile of its room than the one that is its parent.
+    """Find objects that stand in another tile of their room than the one that is their parent.
 
     Args:
-        groups: Group of tiles that each object is one of, see `tile_groups`.
+        groups: Group of tiles that each object belongs to, see `tile_groups`.
         parent: Row of each object's parent; None without one.
         boxes: Boxes of the objects.
 
     Returns:
-        For the row of each such object the row of the tile that its middle is in.
+        Row of the tile around the object's middle, under the row of each such object.
     """
     found: dict[int, int] = {}
     for row, above in enumerate(parent):
@@ -59,7 +63,7 @@ def strayed_to(
 
 
 def _holds(tile: OrientedBox, box: OrientedBox) -> bool:
-    """Whether the middle of a box is in a tile, seen from above."""
+    """Return true if the middle of a box is in a tile, seen from above."""
     u_m, v_m = box.p[0] - tile.p[0], box.p[1] - tile.p[1]
     c, s = math.cos(tile.yaw_rad), math.sin(tile.yaw_rad)
     return abs(c * u_m + s * v_m) <= tile.s[0] / 2 and abs(c * v_m - s * u_m) <= tile.s[1] / 2

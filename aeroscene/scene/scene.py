@@ -1,8 +1,10 @@
 """The scene document: objects, hierarchy, landing areas. Frozen and validated.
 
-The fields are those of the paper's section "AeroScene Dataset Statistic and Labels". World frame
-ENU in metres, quaternions `wxyz` body to world. A document that exists is valid: construction
-raises `SceneError` otherwise, with one line that names scene, object and field.
+The fields are those of the paper's section "AeroScene Dataset Statistic and Labels". The world
+frame is ENU in metres, quaternions are `wxyz`, body to world.
+
+Every `Scene` that exists is valid, so that no other module has to check one. Construction raises
+`SceneError` otherwise, with one line that names scene, object and field.
 """
 
 from __future__ import annotations
@@ -36,18 +38,18 @@ DroneClass = Literal["small", "medium", "large"]
 AreaKind = Literal["landing", "perching"]
 
 INSCRIBED_TOLERANCE_M = 0.01
-"""Length by which an area's radius may exceed the distance from its centroid to its border."""
+"""Length by which an area's radius may exceed the distance from its centroid to its border, m."""
 FARTHEST_M = 10_000.0
-"""Farthest that a coordinate lies from the origin; beyond, a float has no millimetres to lose."""
+"""Farthest that a coordinate lies from the origin, m; beyond, 32-bit floats lose millimetres."""
 ALTITUDES_M = (-1000.0, 10_000.0)
-"""Altitudes of the origin: below the Dead Sea's shore, above every summit."""
-MOST_YAW_RAD = 2.0 * math.pi + 1e-6
+"""Lowest and highest altitude of the origin, m: below the Dead Sea's shore, above every summit."""
+MOST_YAW_RAD = 2.0 * math.pi + 1e-6  # a full turn and its rounding
 _TOUCH_M = 1e-6
-"""Rounding of the border of a relief."""
+"""Rounding of the border of a relief, m."""
 _MOST_NUMBER = 1e9
 """Largest number of an attribute, which may become a count of parts."""
 _MOST_TEXT = 200
-"""Longest name."""
+"""Most characters of a name."""
 
 
 def _require_id(number: int) -> None:
@@ -84,7 +86,7 @@ class SceneObject:
     bbox: OrientedBox
     domain: ObjectDomain
     attributes: Mapping[str, AttributeValue] = field(default_factory=dict, hash=False)
-    """What the box does not say: colour, storeys, form, kind of room."""
+    """Properties beyond the box: colour, storeys, form, kind of room."""
 
     def __post_init__(self) -> None:
         try:
@@ -111,32 +113,37 @@ class SceneObject:
 
     @property
     def is_coarse(self) -> bool:
-        """Whether the category is one of the 23 coarse ones."""
+        """True if the category is one of the 23 coarse ones."""
         return CATALOGUE[self.category_id].level == "coarse"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class InteractionArea:
-    """Where a drone may land: a flat, clear polygon and the largest circle about its centroid."""
+    """Flat, clear polygon where a drone may land, and the largest circle about its centroid.
+
+    Raises:
+        SceneError: If the polygon is not simple or not counter-clockwise, the circle does not fit
+            in it, or a number is out of range.
+    """
 
     id: int
     kind: AreaKind = "landing"
     """Perching areas are too narrow to land on without care: ledges, wall tops, benches."""
     object_id: int | None
-    """The object that bears the area; None is the bare ground."""
+    """Object that carries the area; None is the bare ground."""
     polygon: tuple[Vector3, ...]
     """Border, ENU, m, counter-clockwise from above, not closed."""
     centroid: Vector3
     """Touchdown point, ENU, m."""
     radius: float
-    """Radius of the circle about the centroid that lies within the polygon, m."""
+    """Radius in m of a circle about the centroid that lies within the polygon."""
     drone_class: DroneClass
     """The largest class of drone that fits."""
     slope_rad: float
     clearance_m: float
-    """Free height above the surface, m; capped where nothing is above."""
+    """Free height above the surface, m; capped if nothing is above."""
     surface: str
-    """What the landing gear meets: asphalt, grass, concrete, metal, wood, fabric..."""
+    """Material under the landing gear: asphalt, grass, concrete, metal, wood, fabric..."""
 
     def __post_init__(self) -> None:
         try:
@@ -185,7 +192,11 @@ class InteractionArea:
 
 @dataclass(frozen=True, kw_only=True)
 class Scene:
-    """A place to fly in: what stands where, where the flight starts, where it may end."""
+    """A place to fly in: its objects, the start of the flight, and the areas where it may end.
+
+    Raises:
+        SceneError: If a field breaks a rule; one line names scene, object and field.
+    """
 
     scene_id: str
     domain: SceneDomain
@@ -195,7 +206,7 @@ class Scene:
     extent_max_enu_m: Vector3
     """Upper corner of the flight volume."""
     start_position_enu_m: Vector3
-    """Where the landing gear stands at the start: a point ON a surface."""
+    """Start of the landing gear: a point ON a surface, not the centre of mass."""
     start_yaw_rad: float
     latitude_deg: float
     """Geodetic place of the ENU origin, WGS 84."""
@@ -206,11 +217,12 @@ class Scene:
     """Parents come before their children."""
     interaction_areas: tuple[InteractionArea, ...] = ()
     theme: str = ""
-    """What the place is, as `park` or `office`; empty where nobody has said so."""
+    """Kind of place, such as `park` or `office`; empty if nobody stated it."""
     wishes: Mapping[str, AttributeValue] = field(default_factory=dict, hash=False)
-    """What was asked for when the scene was made, by the option's name; empty where nothing was."""
+    """Options of the command that made the scene, by name; empty without any."""
     measured: Mapping[str, AttributeValue] = field(default_factory=dict, hash=False)
-    """Figures that were measured to meet the wishes: grade of difficulty, width of passages."""
+    """Figures that the generator measured to meet the wishes: grade of difficulty, passage widths.
+    """
     relief: Relief | None = None
     """Height of the ground; without it the ground is the plane z = 0."""
 
@@ -274,12 +286,14 @@ class Scene:
         require(ok=ok, field_name="extent.z", value=(low_m, high_m), valid=valid)
 
     def _validate_hierarchy(self) -> None:
+        # The limit bounds memory and the quadratic checks of pairs, for files from anywhere.
         if (count := len(self.objects)) > MOST_OBJECTS:
             raise SceneError(f"objects are {count}; valid: at most {MOST_OBJECTS}")
         seen: set[int] = set()
         for obj in self.objects:
             if obj.id in seen:
                 raise SceneError(f"object {obj.id}: id is used twice; valid: an id of its own")
+            # Parents before children: one pass finds missing parents and rules out cycles.
             if obj.parent_id is not None and obj.parent_id not in seen:
                 raise SceneError(
                     f"object {obj.id}: parent_id is {obj.parent_id}; valid: null or the id of an "
@@ -315,12 +329,12 @@ class Scene:
 
     @cached_property
     def landing_areas(self) -> tuple[InteractionArea, ...]:
-        """Areas wide enough to land on."""
+        """Areas that are wide enough to land on."""
         return tuple(area for area in self.interaction_areas if area.kind == "landing")
 
     @cached_property
     def perching_areas(self) -> tuple[InteractionArea, ...]:
-        """Narrow areas that bear a small drone."""
+        """Narrow areas, such as ledges, that carry a small drone."""
         return tuple(area for area in self.interaction_areas if area.kind == "perching")
 
     @cached_property
@@ -330,14 +344,18 @@ class Scene:
 
     @cached_property
     def children_by_id(self) -> Mapping[int | None, tuple[SceneObject, ...]]:
-        """Children under their parent's id; roots under None."""
+        """Children of each object under its id, in file order; roots under None."""
         children: dict[int | None, list[SceneObject]] = {}
         for obj in self.objects:
             children.setdefault(obj.parent_id, []).append(obj)
         return {parent: tuple(group) for parent, group in children.items()}
 
     def ancestors(self, object_id: int) -> tuple[int, ...]:
-        """Ids from the parent of an object up to its root."""
+        """Ids from the parent of an object up to its root, nearest first.
+
+        Raises:
+            KeyError: If there is no object of this id.
+        """
         chain: list[int] = []
         parent = self.object_by_id[object_id].parent_id
         while parent is not None:

@@ -1,1 +1,1 @@
-"""The solids of a scene: what they are made of, their voxels, and the free space between them."""
+"""The solids of a scene: their primitives, their voxels, and the free space between them."""

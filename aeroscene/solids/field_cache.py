@@ -1,9 +1,12 @@
-"""Distance fields that were computed before: of this process, and of earlier ones on disk.
+"""Cache of distance fields: in this process, and on disk for later ones.
 
-A field is kept under a hash of all that it follows from: the solids, the relief, the flight volume,
-the cells and the code that computes it. A file that is damaged, or is not ours, is as good as none.
-In the folder `fields` of the user's cache (or of `AEROSCENE_CACHE_DIR`) 200 MB are kept, what was
-not used for longest goes first; `AEROSCENE_CACHE=off` reads and writes no file.
+Computing the field of a scene takes longer than loading it, and a campaign flies in the same scene
+hundreds of times. A field is kept under a hash of everything that it follows from: the solids, the
+relief, the flight volume, the cells and the code that computes it. It therefore never has to be
+invalidated. A file that is damaged or of another version counts as missing.
+
+The folder `fields` of the user's cache (or of `AEROSCENE_CACHE_DIR`) holds up to 200 MB; the files
+that were not used for longest go first. `AEROSCENE_CACHE=off` reads and writes no file.
 """
 
 from __future__ import annotations
@@ -29,6 +32,7 @@ from aeroscene.solids.shapes import Primitive
 from aeroscene.solids.wide_field import WideField
 
 BUDGET_BYTES = 200_000_000
+# Fields kept in memory: a process that flies in turn through a few scenes does not recompute.
 _KEPT_IN_PROCESS = 4
 _MAGIC = b"aeroscene field 1\n"
 _DIGEST_BYTES = 16
@@ -36,7 +40,7 @@ _DAMAGED = (OSError, ValueError, EOFError, KeyError, zlib.error)
 
 _of_process: OrderedDict[str, VoxelField] = OrderedDict()
 _wide: dict[str, WideField] = {}
-"""The last large scene's field; one may hold a gigabyte."""
+"""Field of the last large scene; one may hold a gigabyte."""
 
 
 def kept_distance_field(
@@ -45,15 +49,18 @@ def kept_distance_field(
     primitives: Sequence[Primitive],
     cap_m: float = MAX_DISTANCE_M,
 ) -> VoxelField:
-    """`build_distance_field` of a scene that is flown in more than once; not to be written to.
+    """Return `build_distance_field` of a scene, from the cache if possible.
+
+    Several flights share the array, so callers must not write to it.
 
     Args:
-        scene: The scene.
+        scene: Scene.
         resolution_m: Edge of a cell.
         primitives: The scene's primitives.
-        cap_m: Distances are capped here.
+        cap_m: Distance at which values are capped.
     """
     key = _key(scene, resolution_m, primitives, cap_m)
+    # Taken out and put back at the end, which keeps the dictionary ordered by last use.
     field = _of_process.pop(key, None)
     if field is None:
         field = _from_disk_or_new(key, scene, resolution_m, primitives, cap_m)
@@ -66,7 +73,10 @@ def kept_distance_field(
 def kept_wide_field(
     scene: Scene, resolution_m: float, primitives: Sequence[Primitive]
 ) -> WideField:
-    """Field of a large scene that is flown in more than once, with what was computed of it."""
+    """Field of a large scene together with the tiles that were computed of it so far.
+
+    Only the last scene is kept, because one field may hold a gigabyte.
+    """
     key = _key(scene, resolution_m, primitives, MAX_DISTANCE_M)
     field = _wide.get(key)
     if field is None:
@@ -76,7 +86,10 @@ def kept_wide_field(
 
 
 def forget() -> None:
-    """Drop the fields of this process; files stay."""
+    """Drop the fields of this process; files stay.
+
+    For example, tests call it to measure what the files on disk save.
+    """
     _of_process.clear()
     _wide.clear()
 
@@ -90,6 +103,7 @@ def _from_disk_or_new(
     path = folder / f"{key}.field"
     try:
         field = _decode(path.read_bytes(), resolution_m, cap_m)
+        # The modification time serves as time of last use: access times are often switched off.
         os.utime(path)
     except _DAMAGED:
         field = build_distance_field(scene, resolution_m, primitives, cap_m)
@@ -106,6 +120,8 @@ def _key(scene: Scene, resolution_m: float, primitives: Sequence[Primitive], cap
         digest.update(np.array(scene.relief.heights_m.shape).tobytes())
         digest.update(scene.relief.heights_m.tobytes())
     for one in primitives:
+        # Paint and other parts without contact do not change the field, hence do not change the
+        # key.
         if one.collides:
             digest.update(f"{one.kind} {len(one.vertices_m)} ".encode())
             numbers = (*one.position_enu_m, *one.quat_wxyz, *one.size_m)
@@ -116,7 +132,7 @@ def _key(scene: Scene, resolution_m: float, primitives: Sequence[Primitive], cap
 
 @functools.cache
 def _code() -> bytes:
-    """Hash of the code that a field follows from."""
+    """Hash of the code that a field follows from: a changed algorithm never finds old files."""
     digest = hashlib.blake2b(_MAGIC, digest_size=_DIGEST_BYTES)
     for module in (freespace, ground, relief, solids, voxels):
         digest.update(Path(str(module.__file__)).read_bytes())
@@ -124,7 +140,12 @@ def _code() -> bytes:
 
 
 def _encode(field: VoxelField, cap_m: float) -> bytes:
-    """Squares in units of half a cell, as whole numbers, up to the highest that is not capped."""
+    """Encode squared distances in units of half a cell, up to the highest layer that is not capped.
+
+    Those squares are integers (see `distance_to_occupied`), so 16 bits hold them without loss, and
+    they compress better than floats. Above the highest obstacle all cells are capped and need no
+    bytes.
+    """
     is_near = (field.distance_m < np.float32(cap_m)).any(axis=(0, 1))
     top = int(np.flatnonzero(is_near)[-1]) + 1 if is_near.any() else 0
     squares = np.rint((field.distance_m[:, :, :top] * (2 / field.resolution_m)) ** 2)
@@ -136,15 +157,16 @@ def _encode(field: VoxelField, cap_m: float) -> bytes:
         squares.astype(np.uint16),
     ):
         np.save(payload, array, allow_pickle=False)
+    # the fastest level: writing must not delay the first flight
     body = zlib.compress(payload.getvalue(), 1)
     return _MAGIC + hashlib.blake2b(body, digest_size=_DIGEST_BYTES).digest() + body
 
 
 def _decode(data: bytes, resolution_m: float, cap_m: float) -> VoxelField:
-    """The field that `_encode` wrote, to the bit.
+    """Decode the field that `_encode` wrote, equal to the bit.
 
     Raises:
-        ValueError: If the data is not that.
+        ValueError: If the data is not of this format and version.
     """
     head = len(_MAGIC) + _DIGEST_BYTES
     body = data[head:]
@@ -160,23 +182,25 @@ def _decode(data: bytes, resolution_m: float, cap_m: float) -> VoxelField:
 
 
 def _capped(resolution_m: float, cap_m: float) -> int:
-    """A square whose root is the cap or more."""
+    """Least square, in units of half a cell, whose root is the cap or more."""
     return ceil((2 * cap_m / resolution_m) ** 2)
 
 
 def _distances(most: int, resolution_m: float, cap_m: float) -> Float[np.ndarray, " squares"]:
-    """Distance of each square, as `distance_to_occupied` has it."""
+    """Distance of each square, by the same arithmetic as in `distance_to_occupied`."""
     squares: Int[np.ndarray, " squares"] = np.arange(most + 1)
     return np.minimum(np.sqrt(squares) * resolution_m / 2, cap_m).astype(np.float32)
 
 
 def _save(path: Path, data: bytes) -> None:
-    """Write a file and remove the oldest beyond the budget; without a folder to write to, nothing.
+    """Write a file and remove those beyond the budget that were not used for longest.
 
-    Other processes may do the same at the same time.
+    A folder that cannot be written to is no error: the field is then computed anew each time.
     """
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
+        # Other processes may write and delete at the same time. The file therefore appears in one
+        # step.
         with replacing(path) as file:
             file.write(data)
         files = [(one.stat().st_mtime, one.stat().st_size, one) for one in path.parent.iterdir()]

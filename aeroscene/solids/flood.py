@@ -1,6 +1,7 @@
-"""Flood of free space, compiled: columns as runs of free cells, from run to neighbouring run.
+"""Flood of free space, compiled: from each run of free cells in a column to its neighbours.
 
-Most of a scene is sky, so there are a hundred times fewer runs than cells.
+A flood cell by cell would visit tens of millions of cells. Most of a scene is sky, so a column
+consists of one or two runs of free cells, and there are a hundred times fewer runs than cells.
 """
 
 from __future__ import annotations
@@ -19,7 +20,19 @@ def flooded(
     seed_y: int,
     seed_z: int,
 ) -> Bool[np.ndarray, "nx ny nz"]:
-    """Cells with at least a radius of space that hang together, face by face, with a seed cell."""
+    """Cells with at least a radius of free space that are connected, face by face, to a seed cell.
+
+    Args:
+        distance_m: Distance of each cell to the nearest obstacle.
+        radius_m: Least distance of a cell that counts as free, of the array's type, so that
+            compiled comparisons do not widen every cell.
+        seed_x: Index of the seed cell along x.
+        seed_y: Index along y.
+        seed_z: Index along z.
+
+    Returns:
+        True in connected cells; false everywhere if the seed cell is not free.
+    """
     first, low, high = _free_runs(distance_m, radius_m)
     nx, ny, nz = distance_m.shape
     begun = -1
@@ -40,9 +53,10 @@ def flooded(
 def _free_runs(
     distance_m: Float[np.ndarray, "nx ny nz"], radius_m: np.float32
 ) -> tuple[Int[np.ndarray, " c"], Int[np.ndarray, " r"], Int[np.ndarray, " r"]]:
-    """Free runs of one column after another: first run of each column, then low and high ends."""
+    """Free runs by column: number of each column's first run, lower and upper ends of runs."""
     nx, ny, nz = distance_m.shape
     first = np.empty(nx * ny + 1, dtype=np.int64)
+    # Two runs a column are enough for most scenes; the arrays double otherwise.
     low = np.empty(2 * nx * ny, dtype=np.int32)
     high = np.empty(2 * nx * ny, dtype=np.int32)
     n_runs = 0
@@ -50,6 +64,7 @@ def _free_runs(
         for j in range(ny):
             first[i * ny + j] = n_runs
             is_free = False
+            # One step beyond the top closes a run that reaches it.
             for k in range(nz + 1):
                 was_free, is_free = is_free, k < nz and distance_m[i, j, k] >= radius_m
                 if is_free and not was_free:
@@ -73,7 +88,7 @@ def _connected(
     nx: int,
     ny: int,
 ) -> Bool[np.ndarray, " r"]:
-    """Runs that are met from one of them, column by column; none from -1."""
+    """Mark the runs that are connected to a first one; none if `begun` is -1."""
     n_runs, n_waiting = len(low), 0
     column = np.empty(n_runs, dtype=np.int64)
     for c in range(nx * ny):
@@ -86,6 +101,7 @@ def _connected(
         n_waiting = 1
     while n_waiting:
         n_waiting -= 1
+        # The stack never overflows: every run enters it once at most.
         run = waiting[n_waiting]
         i = column[run] // ny
         j = column[run] - i * ny
@@ -93,6 +109,7 @@ def _connected(
             if not (0 <= x < nx and 0 <= y < ny):
                 continue
             for other in range(first[x * ny + y], first[x * ny + y + 1]):
+                # Two neighbouring runs are connected if they share a height; ends are exclusive.
                 is_met = low[other] < high[run] and low[run] < high[other]
                 if is_met and not is_found[other]:
                     is_found[other] = True

@@ -1,7 +1,7 @@
-"""Free space: how far every cell of a scene is from the nearest occupied cell, and flooding.
+"""Free space: distance of every cell to the nearest occupied cell, and flooding.
 
-The distance is a lower bound of the true one, because occupied cells are a superset of the solids,
-so a path along which it stays above a drone's radius is free of contact.
+The distance is a lower bound of the true one, because occupied cells are a superset of the solids.
+A path along which it stays above a drone's radius is therefore free of contact.
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ from aeroscene.solids.shapes import Primitive, scene_primitives
 from aeroscene.solids.voxels import Grid, voxelise
 
 MAX_DISTANCE_M = 3.0
-"""Distances are capped here: beyond it nothing is in the way of a drone."""
+"""Distance at which values are capped: an obstacle farther away does not hinder a drone."""
 _START_SEARCH_M = 4.0
-"""How far above a start the first free cell may lie."""
+"""Greatest height above a start at which the first free cell may lie."""
 
 
 class NoFreeSpaceError(ValueError):
-    """A place from which no drone of a radius can start."""
+    """Raised for a place from which no drone of a radius can start."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -38,10 +38,10 @@ class VoxelField:
     distance_m: Float[np.ndarray, "nx ny nz"]
     """Distance from a cell's centre to the nearest occupied cell, at most the cap; 0 inside."""
     reached: dict[float, list[np.ndarray]] = field(default_factory=dict, init=False, repr=False)
-    """What `reachable` found, by its radius: parts of free space that do not hang together."""
+    """Results of `reachable` under their radius: parts of free space that are not connected."""
 
     def cell(self, position_enu_m: Vector3) -> tuple[int, int, int] | None:
-        """Index of the cell that holds a point, or None outside the grid."""
+        """Index of the cell that holds a point, or None for a point outside the grid."""
         offset = np.asarray(position_enu_m) - self.origin_enu_m
         i, j, k = np.rint(offset / self.resolution_m).astype(int).tolist()
         nx, ny, nz = self.distance_m.shape
@@ -62,10 +62,10 @@ def build_distance_field(
     """Distance field of a scene's flight volume; the ground below it counts as occupied.
 
     Args:
-        scene: The scene.
+        scene: Scene.
         resolution_m: Edge of a cell.
-        primitives: The scene's primitives, where the caller has them already.
-        cap_m: Distances are capped here; a lower cap is faster.
+        primitives: The scene's primitives, if the caller has them already.
+        cap_m: Distance at which values are capped; a lower cap is faster.
     """
     grid = field_grid(scene, resolution_m)
     occupied = voxelise(scene_primitives(scene) if primitives is None else primitives, grid)
@@ -80,8 +80,14 @@ def build_distance_field(
 
 
 def field_grid(scene: Scene, resolution_m: float) -> Grid:
-    """Cells of a scene's flight volume, and one more layer below: the ground."""
+    """Cells of a scene's flight volume, with one more layer below: the ground.
+
+    Args:
+        scene: Scene.
+        resolution_m: Edge of a cell.
+    """
     low, high = np.asarray(scene.extent_min_enu_m), np.asarray(scene.extent_max_enu_m)
+    # The small term keeps rounding from adding a layer to a volume of whole cells.
     shape = np.maximum(1, np.ceil((high - low) / resolution_m - 1e-6)).astype(int)
     origin = low + resolution_m / 2
     origin[2] -= resolution_m
@@ -96,14 +102,19 @@ def distance_to_occupied(
     Separable: along one axis, cells n apart are (2n - 1)/2 cells apart from centre to surface, and
     squares add up over the axes. Integers in units of half a cell keep it exact and fast.
     """
+    # Steps along an axis after which the cap is reached.
     n_max = ceil(cap_m / resolution_m + 0.5)
     heights = np.flatnonzero(occupied.any(axis=(0, 1)))
     distance = np.full(occupied.shape, cap_m, dtype=np.float32)
+    # Free space everywhere: `top` below needs at least one occupied cell.
     if not len(heights):
         return distance
+    # Layers farther above the highest occupied one are capped anyway.
     top = min(occupied.shape[2], int(heights[-1]) + n_max + 1)
     steps = np.maximum(2 * np.arange(n_max + 2, dtype=np.int64) - 1, 0)
     far = int(3 * steps[-1] ** 2)
+    # Integers of 16 bits are exact and fast. The last cost stands for "too far", and a quarter of
+    # the range leaves room for the sum of costs along three axes.
     costs = (steps**2).astype(np.uint16)
     costs[-1] = min(far, np.iinfo(np.uint16).max // 4)
     squared = costs[_steps_along_x(occupied[:, :, :top], n_max + 1)]
@@ -120,6 +131,7 @@ def _steps_along_x(occupied: np.ndarray, limit: int) -> Int[np.ndarray, "nx ny n
     """Cells to the nearest occupied cell along the first axis, at most `limit`."""
     steps = np.full(occupied.shape, limit, dtype=np.uint8)
     steps[occupied] = 0
+    # Two sweeps, one in each direction, find the nearest cell on either side.
     for order in (range(1, len(steps)), range(len(steps) - 2, -1, -1)):
         step = 1 if order.step < 0 else -1
         for i in order:
@@ -128,7 +140,7 @@ def _steps_along_x(occupied: np.ndarray, limit: int) -> Int[np.ndarray, "nx ny n
 
 
 def _spread(squared: np.ndarray, costs: np.ndarray, n_max: int) -> Int[np.ndarray, "a b"]:
-    """Least cost over shifts along the first axis of a plane."""
+    """Least sum of cost and shift cost over all shifts along the first axis of a plane."""
     best = squared.copy()
     limit = costs[-1]
     moved = np.empty_like(squared)
@@ -145,8 +157,8 @@ def reachable(
     """Cells to which a ball can move from above a start without touching anything.
 
     Args:
-        field: Distances; it keeps what was found, not to be written to, for who asks again.
-        start_enu_m: A point on or above a surface; the ball rises from it to the first free cell.
+        field: Distances. It keeps the result for the next call, so the array must not be changed.
+        start_enu_m: Point on or above a surface; the ball rises from it to the first free cell.
         radius_m: Radius of the ball.
 
     Raises:
@@ -157,6 +169,7 @@ def reachable(
 
     cell = start_cell(field, start_enu_m, radius_m)
     parts = field.reached.setdefault(radius_m, [])
+    # A start in a part that was flooded before needs no new flood.
     part = next((part for part in parts if part[cell]), None)
     if part is None:
         part = flooded(field.distance_m, np.float32(radius_m), *cell)
@@ -165,7 +178,9 @@ def reachable(
 
 
 def start_cell(field: VoxelField, start_enu_m: Vector3, radius_m: float) -> tuple[int, int, int]:
-    """The lowest cell above a point where a ball has space.
+    """Lowest cell above a point in which a ball has space.
+
+    A start lies on a surface, where no ball fits: it has to rise by about its radius first.
 
     Raises:
         NoFreeSpaceError: If there is none within 4 m.

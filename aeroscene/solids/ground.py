@@ -1,4 +1,9 @@
-"""The ground of a relief as cells of a grid, and as plane patches."""
+"""The ground of a relief as cells of a grid, and as plane patches.
+
+Cells are for the distance field. Patches are for what asks about planes, such as landing areas and
+the planner's obstacles: gentle ground then takes dozens of solids instead of thousands of
+triangles.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +18,7 @@ from aeroscene.scene import Relief
 from aeroscene.solids.voxels import Grid
 
 _TOUCH_M = 1e-6
-"""Ground that reaches less far into a cell than this does not occupy it."""
+"""Depth up to which ground may reach into a cell without occupying it."""
 _LARGEST = 16
 """Cells along the side of the largest patch; a power of two."""
 
@@ -24,8 +29,12 @@ Bounds = tuple[float, float, float, float]
 def ground_cells(relief: Relief, grid: Grid) -> Bool[np.ndarray, "nx ny nz"]:
     """Cells that the ground may reach into.
 
-    The test is a superset of the truth: the ground rises over a column by at most its local slope
-    times half of the column's width.
+    The result is a superset of the truth: over a column the ground rises above its middle by at
+    most its local slope times half of the column's width.
+
+    Args:
+        relief: Heights of the ground.
+        grid: Cells.
     """
     x, y, z = grid.centres(tuple(slice(0, n) for n in grid.shape))  # pyright: ignore[reportArgumentType]
     half_m = grid.resolution_m / 2
@@ -38,6 +47,7 @@ def _steepness(
 ) -> Float[np.ndarray, "nx ny"]:
     """Greatest |rise to the east| + |rise to the north| in the columns about places."""
     east, north = (np.abs(gradient).max(axis=0) for gradient in relief.gradients())
+    # A column may straddle several cells of the relief: the steepest of all of them counts.
     reach = 2 * math.ceil(half_m / relief.spacing_m) + 1
     steepest = ndimage.maximum_filter(east + north, size=reach, mode="nearest")
     column, row = (
@@ -51,7 +61,7 @@ def _steepness(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Patches:
-    """Nearly plane pieces of the ground, which together cover it: squares, and halves of cells."""
+    """Nearly plane pieces of the ground that together cover it: squares, and halves of cells."""
 
     corners_enu_m: tuple[Float[np.ndarray, "k 2"], ...]
     """Corners of each patch seen from above, counter-clockwise."""
@@ -67,15 +77,15 @@ class Patches:
 
 
 def ground_patches(relief: Relief, bounds: Bounds, tolerance_m: float) -> Patches:
-    """Divide the ground about a rectangle into patches, as large as the tolerance allows.
+    """Divide the ground about a rectangle into patches as large as the tolerance allows.
 
-    Squares of cells are halved until each lies near a plane. A single cell that does not is two
-    triangles, which are plane.
+    Squares of cells are halved until each lies near a plane. A single cell that does not becomes
+    two triangles, which are plane.
 
     Args:
-        relief: The relief.
-        bounds: The rectangle.
-        tolerance_m: Greatest distance along the vertical of the ground from a patch's plane.
+        relief: Heights of the ground.
+        bounds: Rectangle that the patches cover.
+        tolerance_m: Greatest vertical distance of the ground from a patch's plane.
     """
     x, y, heights = _nodes_about(relief, bounds)
     n_rows, n_columns = heights.shape[0] - 1, heights.shape[1] - 1
@@ -90,6 +100,7 @@ def ground_patches(relief: Relief, bounds: Bounds, tolerance_m: float) -> Patche
             is_left[r : r + side, c : c + side] = False
             corners.append(_square(x, y, r, c, side))
         planes.append(np.column_stack([plane, off_m[:, 1]])[is_whole])
+        # 16, 8, 4, 2, 1, then 0 ends the loop; cells that are left over become triangles.
         side //= 2
     for r, c in np.argwhere(is_left).tolist():
         square = _square(x, y, r, c, 1)
@@ -103,6 +114,7 @@ def _nodes_about(relief: Relief, bounds: Bounds) -> tuple[np.ndarray, np.ndarray
     """East, north and heights of the nodes of whole largest squares that cover a rectangle."""
     step_m, lines = relief.spacing_m, []
     for low, high, start in zip(bounds[:2], bounds[2:], relief.origin_enu_m, strict=True):
+        # The small terms keep a border that lies on a node from adding a row of squares.
         first = math.floor((low - start) / step_m + 1e-9)
         n = math.ceil((high - start) / step_m - 1e-9) - first
         n = _LARGEST * max(1, math.ceil(n / _LARGEST))
@@ -125,6 +137,8 @@ def _fitted(
     row, column = (side * index.ravel() for index in np.indices(blocks.shape[:2]))
     blocks = blocks.reshape(-1, side + 1, side + 1)
     step_m = float(x[1] - x[0])
+    # Coordinates about the square's middle sum to zero, so that east, north and mean are
+    # independent.
     along = step_m * (np.arange(side + 1) - side / 2)
     square_sum = (side + 1) * float((along**2).sum())
     east = np.einsum("bij,j->b", blocks, along) / square_sum
@@ -148,11 +162,12 @@ def _square(x: np.ndarray, y: np.ndarray, row: int, column: int, side: int) -> n
 def _halves(
     relief: Relief, x: np.ndarray, y: np.ndarray, heights: np.ndarray, cells: np.ndarray
 ) -> Float[np.ndarray, "n 4"]:
-    """Planes of the triangles of cells: south-eastern and north-western one of each."""
+    """Planes of the triangles of each cell: first the south-eastern, then the north-western."""
     row, column = cells.T
     south_west = heights[row, column]
     south_east, north_west = heights[row, column + 1], heights[row + 1, column]
     north_east = heights[row + 1, column + 1]
+    # Along the two legs of each triangle: rise towards east, rise towards north.
     lower = south_east - south_west, north_east - south_east
     upper = north_east - north_west, north_west - south_west
     planes = np.zeros((len(cells), 2, 4))

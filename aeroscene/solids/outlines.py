@@ -11,7 +11,7 @@ from shapely.geometry.base import BaseGeometry
 
 
 def outline_of(points_m: Float[np.ndarray, "n d"]) -> BaseGeometry:
-    """Convex hull of points from above, whatever their heights; empty without points."""
+    """Convex hull of points seen from above, whatever their heights; empty without points."""
     if not len(points_m):
         return shapely.Polygon()
     return cast("BaseGeometry", shapely.convex_hull(shapely.multipoints(points_m[:, :2])))

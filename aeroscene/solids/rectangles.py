@@ -14,11 +14,14 @@ from aeroscene.scene.outline import outline_in_box
 from aeroscene.solids.shapes.convex import Ring, convex_pieces
 
 Rectangle = tuple[tuple[float, float], float, tuple[float, float]]
-"""Middle, ENU, m; heading of the first side; lengths of both sides, m."""
+"""Middle (ENU, m), heading of the first side (rad), lengths of both sides (m)."""
 
 
 def rectangles_of(obj: SceneObject) -> Sequence[Rectangle]:
-    """The box of an object, or one rectangle about each convex piece of its outline."""
+    """The box of an object, or one rectangle about each convex piece of its outline.
+
+    A rectangle about a piece may cover more than the piece does, but never less.
+    """
     box = obj.bbox
     outline = outline_in_box(obj.attributes, box.s)
     if outline is None:
@@ -28,7 +31,7 @@ def rectangles_of(obj: SceneObject) -> Sequence[Rectangle]:
 
 
 def _about(points: np.ndarray | Ring) -> Rectangle:
-    """The smallest rectangle about some points."""
+    """The smallest rectangle about some points, in any direction."""
     around = shapely.oriented_envelope(shapely.MultiPoint(np.asarray(points)))
     (ax, ay), (bx, by), (cx, cy), *_ = shapely.get_coordinates(around).tolist()
     heading = math.atan2(by - ay, bx - ax)

@@ -1,8 +1,9 @@
 """Conservative voxelisation: a cell is occupied when a solid may reach into it.
 
-Every test is a superset of the truth by less than a cell's half diagonal, and exact for what
-scenes are mostly made of: boxes turned about the vertical, upright cylinders, round ellipsoids.
-Solids are tested one by one, each only in the block of cells around its bounding box.
+Sampling the cells' centres would miss thin walls and wires, and a drone would fly through them.
+Every test here is a superset of the truth by less than a cell's half diagonal. It is exact for the
+solids that most scenes consist of: boxes turned about the vertical, upright cylinders, round
+ellipsoids. Solids are tested one by one, each only in the block of cells around its bounding box.
 """
 
 from __future__ import annotations
@@ -33,11 +34,17 @@ class Grid:
     def block(
         self, low: Float[np.ndarray, " 3"], high: Float[np.ndarray, " 3"]
     ) -> tuple[slice, slice, slice] | None:
-        """Cells that an axis-aligned box reaches into, or None outside the grid."""
+        """Cells that an axis-aligned box reaches into, or None if it lies outside the grid.
+
+        Args:
+            low: Lower corner of the box, ENU, m.
+            high: Upper corner.
+        """
         corner = np.asarray(self.origin_enu_m) - self.resolution_m / 2
         first = np.floor((low - corner + _TOUCH_M) / self.resolution_m).astype(int)
         last = np.ceil((high - corner - _TOUCH_M) / self.resolution_m).astype(int)
         first = np.maximum(first, 0)
+        # At least one cell along each axis, however thin the box is.
         last = np.minimum(np.maximum(last, first), self.shape)
         if np.any(first >= last):
             return None
@@ -52,7 +59,12 @@ class Grid:
 
 
 def voxelise(primitives: Iterable[Primitive], grid: Grid) -> Bool[np.ndarray, "nx ny nz"]:
-    """Cells that solids may reach into; what does not collide leaves no trace."""
+    """Cells that solids may reach into.
+
+    Args:
+        primitives: Primitives; those that do not collide leave no trace.
+        grid: Cells.
+    """
     occupied = np.zeros(grid.shape, dtype=bool)
     solids = colliding(primitives)
     for index, primitive in enumerate(solids.primitives):
@@ -69,6 +81,7 @@ def _add(
     block: tuple[slice, slice, slice],
     grid: Grid,
 ) -> None:
+    # Most solids are boxes along the axes: their block of cells is the answer.
     is_upright = abs(rotation[2, 2]) > 1 - 1e-9
     is_aligned = is_upright and np.abs(rotation[:2, :2]).max() > 1 - 1e-9
     if primitive.kind == "box" and is_aligned:
@@ -90,10 +103,12 @@ def _touches_from_above(
     """Exact test in the plane of an upright box or cylinder; the block settles the height."""
     half_u, half_v = primitive.size_m[0] / 2, primitive.size_m[1] / 2
     if primitive.kind == "cylinder":
+        # Nearest point of the square cell to the axis.
         near_x = np.maximum(np.abs(x) - half_cell, 0.0)[:, None]
         near_y = np.maximum(np.abs(y) - half_cell, 0.0)[None, :]
         return near_x**2 + near_y**2 < half_u**2
     c, s = rotation[0, 0], rotation[1, 0]
+    # Reach of a square cell along a box's rotated axes.
     reach = half_cell * (abs(c) + abs(s))
     u = np.abs(c * x[:, None] + s * y[None, :])
     v = np.abs(c * y[None, :] - s * x[:, None])
@@ -103,7 +118,7 @@ def _touches_from_above(
 def _touches(
     primitive: Primitive, rotation: np.ndarray, offsets: list[np.ndarray], half_cell: float
 ) -> Bool[np.ndarray, "nx ny nz"]:
-    """Cells whose enlarged solid, by the cell's reach along each face normal, holds the centre."""
+    """Cells whose centre lies in the solid, enlarged by the cell's reach along each face normal."""
     x, y, z = np.meshgrid(*offsets, indexing="ij", sparse=True)
     if primitive.kind == "mesh":
         inside = np.ones(np.broadcast_shapes(x.shape, y.shape, z.shape), dtype=bool)

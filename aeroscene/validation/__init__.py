@@ -1,6 +1,7 @@
-"""Whether a scene keeps its promises: typed findings, each with the figures that break the rule.
+"""Validation of a scene: typed findings, each with the figures that break the rule.
 
-Claims are checked against geometry, not against the code that made them.
+Claims are checked against geometry, not against the code that made them, so that a fault in that
+code shows.
 """
 
 from __future__ import annotations
@@ -23,16 +24,16 @@ __all__ = ["Finding", "FindingKind", "validate"]
 def validate(
     scene: Scene, primitives: Sequence[Primitive] | None = None, field: VoxelField | None = None
 ) -> tuple[Finding, ...]:
-    """Everything that is wrong with a scene; nothing where it is sound.
+    """Find everything that is wrong with a scene; a sound scene has no findings.
 
-    `overlap`: boxes that share an IoU above 0.01 though neither belongs to the other. `floating`:
-    objects without support under their feet. `outside`: boxes beyond the flight volume.
-    `unreachable`: a start or an area that no free way leads to. `unlandable`: areas whose slope,
-    surface, radius, room or clearance is not what they claim.
+    `overlap`: boxes that share an IoU above 0.01 although neither belongs to the other. `floating`:
+    objects without support below their feet. `outside`: boxes beyond the flight volume.
+    `unreachable`: a start or an area without a free path to it. `unlandable`: areas whose slope,
+    surface, radius, room or clearance differs from their claim.
 
     Args:
-        scene: The scene.
-        primitives: Its primitives, where the caller has them already.
+        scene: Scene.
+        primitives: Its primitives, if the caller has them already.
         field: Its distance field, likewise; capped no lower than `FIELD_CAP_M`.
     """
     primitives = scene_primitives(scene) if primitives is None else primitives

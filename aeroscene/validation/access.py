@@ -1,4 +1,4 @@
-"""Whether the start and every area can be flown to: floods of free space."""
+"""Access to the start and to every area, by floods of free space."""
 
 from __future__ import annotations
 
@@ -12,19 +12,20 @@ from aeroscene.solids.shapes import Primitive
 from aeroscene.validation.findings import Finding
 
 SMALLEST_BALL_M = 0.45
-"""The start must let this one leave."""
+"""Radius of a ball that must be able to leave the start."""
 
 
 def unreachable(
     scene: Scene, primitives: Sequence[Primitive], field: VoxelField | None = None
 ) -> Iterator[Finding]:
-    """A start that nothing can leave, areas above which no drone of their class can get.
+    """Find a start that nothing can leave, and areas that no drone of their class can reach.
 
     Args:
-        scene: The scene.
+        scene: Scene.
         primitives: Its primitives.
-        field: Its distance field, where the caller has it already.
+        field: Its distance field, if the caller has it already.
     """
+    # One flood for each radius, since a flood takes longer than all tests of areas.
     radii = {SMALLEST_BALL_M, *(area_needs(a).flight_radius_m for a in scene.interaction_areas)}
     if field is None:
         field = access_field(scene, primitives)

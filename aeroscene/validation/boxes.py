@@ -1,6 +1,6 @@
 """Boxes against each other and against the flight volume.
 
-An object with an outline counts as the prism over it, not as the box about it.
+An object with an outline counts as the prism over it, not as the box around it.
 """
 
 from __future__ import annotations
@@ -19,18 +19,20 @@ from aeroscene.scene.rooms import NO_ROOM, tile_groups
 from aeroscene.validation.findings import Finding
 
 MAX_IOU = 0.01
-"""Largest overlap of two boxes neither of which is the other's parent, or a tile of the same room
-as its parent."""
+"""Largest overlap of two boxes unless one is the other's parent, or a tile of the same room as its
+parent.
+"""
 OUTSIDE_TOLERANCE_M = 0.01
 
 
 def overlaps(scene: Scene) -> Iterator[Finding]:
-    """Pairs of boxes that share volume and are not parent and child."""
+    """Find pairs of boxes that share volume and are not parent and child."""
     if not scene.objects:
         return
     objects, boxes = scene.objects, _boxes(scene)
     first, second = _candidates(scene, *boxes)
     shares = pair_iou(*(values[first] for values in boxes), *(values[second] for values in boxes))
+    # Boxes first; prisms, which are slower, only if their boxes overlap.
     for row in np.flatnonzero(shares > 0):
         a, b = objects[first[row]], objects[second[row]]
         if OUTLINE in a.attributes or OUTLINE in b.attributes:
@@ -47,7 +49,7 @@ def overlaps(scene: Scene) -> Iterator[Finding]:
 
 
 def _prism_iou(a: SceneObject, b: SceneObject) -> float:
-    """Intersection over union of upright prisms over footprints."""
+    """Intersection over union of upright prisms over footprints, 0 to 1."""
     (low_a, high_a), (low_b, high_b) = _heights(a), _heights(b)
     first, second = footprint(a), footprint(b)
     high = max(0.0, min(high_a, high_b) - max(low_a, low_b))
@@ -64,16 +66,16 @@ def _heights(obj: SceneObject) -> tuple[float, float]:
 def _candidates(
     scene: Scene, p: np.ndarray, q: np.ndarray, s: np.ndarray
 ) -> tuple[Int[np.ndarray, " pairs"], Int[np.ndarray, " pairs"]]:
-    """Pairs that may overlap by enough: near, like in size, not parent and child."""
+    """Pairs that may overlap by enough: near, similar in size, not parent and child."""
     a, b = near_pairs(p, q, s)
     volume = s.prod(axis=1)
     for row, obj in enumerate(scene.objects):
         if OUTLINE in obj.attributes:
             volume[row] = footprint(obj).area * s[row, 2]
-    # Two volumes so unlike share too little even where one holds the other.
+    # Volumes that differ this much have a small IoU even if one contains the other.
     ratio = volume[a] / volume[b]
     ids = np.array([obj.id for obj in scene.objects])
-    # -1 is no object's id.
+    # No object has the id -1.
     parents = np.array([-1 if obj.parent_id is None else obj.parent_id for obj in scene.objects])
     is_family = (parents[b] == ids[a]) | (parents[a] == ids[b])
     is_family |= _is_in_tiles(scene, a, b) | _is_in_tiles(scene, b, a)
@@ -84,7 +86,7 @@ def _candidates(
 def _is_in_tiles(
     scene: Scene, child: Int[np.ndarray, " pairs"], tile: Int[np.ndarray, " pairs"]
 ) -> Bool[np.ndarray, " pairs"]:
-    """Whether the second of each pair is a tile of the room that the first one is in."""
+    """Return true for pairs of which the second is a tile of the room that contains the first."""
     group = tile_groups(scene.objects)
     row = {obj.id: number for number, obj in enumerate(scene.objects)}
     around = np.array(
@@ -94,7 +96,7 @@ def _is_in_tiles(
 
 
 def outside(scene: Scene) -> Iterator[Finding]:
-    """Boxes with a corner beyond the flight volume."""
+    """Find boxes with a corner beyond the flight volume."""
     if not scene.objects:
         return
     corners = box_corners(*_boxes(scene))

@@ -1,6 +1,6 @@
 """Claims of each area, checked against the solids.
 
-Nothing here knows how areas are found, so that a fault there shows.
+Nothing here shares code with the search for areas, so that a fault there shows.
 """
 
 from __future__ import annotations
@@ -23,16 +23,17 @@ from aeroscene.validation.columns import spans
 from aeroscene.validation.findings import Finding
 
 HEIGHT_TOLERANCE_M = 0.006
-"""Gap allowed between the claimed plane and its polygon, and the surface below it."""
+"""Greatest gap between the claimed plane and its polygon, and the surface below it."""
 STEP_TOLERANCE_M = 0.004
-"""Beyond `STEP_M` and `LEGS_M`, what stands there is in the way."""
+"""Height beyond `STEP_M` and `LEGS_M` from which an object is in the way."""
 EDGE_M = 0.01
 """Distance into a circle up to which an object only touches it."""
 SLOPE_TOLERANCE_RAD = math.radians(0.2)
+# Rings and turns at which a disc is probed; the outermost stays inside the border.
 _RINGS = (0.35, 0.7, 0.98)
 _TURNS = 16
 _LEVEL = 1e-4
-"""Gradient below which a plane is level."""
+"""Gradient up to which a plane is level."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +67,7 @@ class _Obstacle:
 
 
 def unlandable(scene: Scene, solids: Solids) -> Iterator[Finding]:
-    """Areas whose own claim does not hold."""
+    """Find areas whose own claim does not hold."""
     for area in scene.interaction_areas:
         for detail in _Claim(scene, solids, area).objections():
             yield Finding(
@@ -79,7 +80,7 @@ def unlandable(scene: Scene, solids: Solids) -> Iterator[Finding]:
 
 
 class _Claim:
-    """One area and the solids about it."""
+    """One area and the solids around it."""
 
     def __init__(self, scene: Scene, solids: Solids, area: InteractionArea) -> None:
         self._scene = scene
@@ -96,7 +97,7 @@ class _Claim:
         yield from self._room()
 
     def _figures(self) -> Iterator[str]:
-        """Slope, plane and radius against the polygon and the class."""
+        """Compare slope, plane and radius with the polygon and the class."""
         area, plane = self._area, self._plane
         off_m = np.abs(plane.height_m(self._polygon[:, :2]) - self._polygon[:, 2]).max()
         if off_m > HEIGHT_TOLERANCE_M:
@@ -116,7 +117,7 @@ class _Claim:
             yield f"clearance_m is {area.clearance_m}; valid: from {self._needs.clearance_m}"
 
     def _surface(self) -> Iterator[str]:
-        """Whether the bearer has a face in the area's plane all over circle and polygon."""
+        """Check that the bearer has a face in the area's plane all over circle and polygon."""
         area, solids = self._area, self._solids
         points = np.vstack([self._disc(), self._inner_corners()])
         wanted_m = self._plane.height_m(points)
@@ -129,6 +130,7 @@ class _Claim:
         )
         for i in near[solids.object_id[near] == area.object_id]:
             off_m = np.abs(spans(solids, i, points)[:, 1] - wanted_m)
+            # A solid that misses a point has a NaN there, which `fmin` ignores.
             nearest_m = np.fmin(nearest_m, off_m)
         missing = int((nearest_m > HEIGHT_TOLERANCE_M).sum())
         if missing:
@@ -136,7 +138,7 @@ class _Claim:
             yield f"{bearer} has no face there at {missing} of {len(points)} points"
 
     def _ground(self) -> Iterator[str]:
-        """Whether the ground rises above the area, or above the legs beside it."""
+        """Check that the ground does not rise above the area, or above the legs beside it."""
         reach_m = max(self._area.radius, self._needs.body_radius_m)
         for radius_m, step_m, where in (
             (self._area.radius, STEP_M, "on"),
@@ -162,7 +164,7 @@ class _Claim:
         return centre + 0.98 * (self._polygon[:, :2] - centre)
 
     def _room(self) -> Iterator[str]:
-        """Faults by objects that stand on the circle or beside it, or hang lower than claimed."""
+        """Find objects that stand on the circle or beside it, or hang lower than claimed."""
         area, needs = self._area, self._needs
         reach_m = max(area.radius, needs.body_radius_m)
         low_m = STEP_M + STEP_TOLERANCE_M
@@ -187,8 +189,9 @@ class _Claim:
             )
 
     def _near(self, radius_m: float, high_m: float) -> list[int]:
-        """Solids that may reach into the room of the area."""
+        """Solids that may extend into the room of the area."""
         centre = self._plane.centre
+        # On a slope the plane rises and falls by this much within the radius.
         lift_m = radius_m * float(np.hypot(*self._plane.gradient))
         return self._solids.near(
             centre + np.array((-radius_m, -radius_m, STEP_M - lift_m)),
@@ -198,13 +201,14 @@ class _Claim:
     def _obstacles(
         self, near: Sequence[int], low_m: float, radius_m: float, high_m: float
     ) -> list[_Obstacle]:
-        """Solids that reach between two heights above the plane within a radius."""
+        """Solids that extend between two heights above the plane within a radius."""
         found = (self._obstacle(i, low_m, high_m) for i in near)
         return [o for o in found if o is not None and o.distance_m < radius_m - EDGE_M]
 
     def _obstacle(self, index: int, low_m: float, high_m: float) -> _Obstacle | None:
-        """Nearest point of a solid between two heights above the plane, None if there is none."""
+        """Nearest point of a solid between two heights above the plane; None if there is none."""
         solids, plane = self._solids, self._plane
+        # Upright solids above level planes are most, and need no polygons.
         if plane.is_level and solids.is_upright[index] and not solids.is_mesh[index]:
             rise_m = float(solids.low_m[index, 2] - plane.centre[2])
             top_m = float(solids.high_m[index, 2] - plane.centre[2])
@@ -236,7 +240,7 @@ class _Claim:
 
 
 def _fitted(polygon: Float[np.ndarray, "n 3"], centroid: Float[np.ndarray, " 3"]) -> _Plane:
-    """The plane through the centroid that fits the polygon best."""
+    """The plane through the centroid that fits the polygon best, by least squares."""
     offset = polygon - centroid
     gradient, *_ = np.linalg.lstsq(offset[:, :2], offset[:, 2], rcond=None)
     return _Plane(centroid, gradient)

@@ -1,4 +1,8 @@
-"""Intervals of vertical lines within solids, exact for every kind of solid."""
+"""Intervals of vertical lines within solids, exact for every kind of solid.
+
+Support, claims and sunk objects ask for the height of a surface at points. Solids are convex, so a
+line is inside of each for one interval at most.
+"""
 
 from __future__ import annotations
 
@@ -13,12 +17,15 @@ _FLAT = 1e-12
 def spans(
     solids: Solids, index: int, points_enu_m: Float[np.ndarray, "n 2"]
 ) -> Float[np.ndarray, "n 2"]:
-    """Heights at which vertical lines enter and leave a solid, NaN where they miss it.
+    """Heights at which vertical lines enter and leave a solid.
 
     Args:
-        solids: The solids of a scene.
-        index: Which of them.
+        solids: Solids of a scene.
+        index: Number of the solid.
         points_enu_m: Points through which the lines pass.
+
+    Returns:
+        Lower and upper height for each line, m; NaN if it misses the solid.
     """
     rotation, centre = solids.rotation[index], solids.centre_m[index]
     offset = np.column_stack([points_enu_m - centre[:2], np.zeros(len(points_enu_m))])
@@ -47,6 +54,7 @@ def _between(height: np.ndarray, rate: np.ndarray) -> Float[np.ndarray, "n 2"]:
     is_up, is_down = rate > _FLAT, rate < -_FLAT
     high = np.where(is_up, t, np.inf).min(axis=1)
     low = np.where(is_down, t, -np.inf).max(axis=1)
+    # Parallel to a plane and on its outer side: the line misses the solid.
     is_beside = ((np.abs(rate) <= _FLAT) & (height > _FLAT)).any(axis=1)
     return np.column_stack([np.where(is_beside, np.inf, low), high])
 
@@ -63,6 +71,7 @@ def _ball(origin: np.ndarray, direction: np.ndarray) -> Float[np.ndarray, "n 2"]
     """Interval of lines in the unit ball; a component that is zero throughout does not count."""
     a = float(direction @ direction)
     c = (origin**2).sum(axis=1) - 1.0
+    # A line along the axis of a cylinder is inside for good, or never.
     if a < _FLAT:
         inside = np.where(c <= 0, np.inf, -np.inf)
         return np.column_stack([-inside, inside])

@@ -15,7 +15,7 @@ class Finding:
     kind: FindingKind
     scene_id: str
     object_id: int | None = None
-    """The object at fault, or the one that bears the area; None for the start."""
+    """The object at fault, or the one that carries the area; None for the start."""
     area_id: int | None = None
     detail: str
     """One line with the figures that break the rule."""

@@ -1,4 +1,9 @@
-"""Support of each object: the ground, or a solid of another object under its feet."""
+"""Support of each object: the ground, or a solid of another object below its feet.
+
+An object stands if the middle of its feet lies within the hull of the parts of its feet that
+something meets from below, like a chair on its legs. Nearly all objects stand on one box, so that
+case is tested first, for all objects at once.
+"""
 
 from __future__ import annotations
 
@@ -20,20 +25,20 @@ from aeroscene.validation.columns import spans
 from aeroscene.validation.findings import Finding
 
 GAP_M = 0.02
-"""Feet nearer than this to what is below stand on it."""
+"""Distance up to which feet stand on a surface below them."""
 _FOOT_M = 0.03
-"""Solids that reach down to within this of the lowest one are feet."""
+"""Height above the lowest solid up to which a solid's underside counts as a foot."""
 _MIDDLE_M = 0.02
-"""Distance that the middle of the feet may lie outside what bears them."""
+"""Distance by which the middle of the feet may lie outside of their base."""
 _N_ACROSS = 17
-"""Points along each side of the feet at which the ground is compared with them."""
+"""Number of points along each side of the feet at which the ground is compared with them."""
 _SLACK_M = 1e-6
-"""Rounding of what lies within a box."""
+"""Rounding of a point on the border of a box, m."""
 _UP = np.array([0.0, 0.0, 1.0])
 
 
 def floating(scene: Scene, solids: Solids) -> Iterator[Finding]:
-    """Objects that stand on nothing and hang on nothing."""
+    """Find objects that stand on nothing and hang on nothing."""
     if not scene.objects:
         return
     boxes = [obj.bbox for obj in scene.objects]
@@ -45,11 +50,13 @@ def floating(scene: Scene, solids: Solids) -> Iterator[Finding]:
     family = _family(scene, row)
     is_borne = _on_one_box(solids, row_of_solid, family, np.array(bottoms_m))
     for number, obj in enumerate(scene.objects):
+        # On the ground, or on one box: no further test is needed.
         if bottoms_m[number] <= below_m[number] + GAP_M or is_borne[number]:
             continue
         own = np.flatnonzero(row_of_solid == number)
         if not len(own):
             continue
+        # An object cannot be supported by its own children.
         is_other = ~family[number, row_of_solid]
         stand = _Stand(scene.relief, solids, own, is_other, bottoms_m[number])
         detail = stand.objection()
@@ -64,7 +71,7 @@ def floating(scene: Scene, solids: Solids) -> Iterator[Finding]:
 
 
 def _family(scene: Scene, row: Mapping[int, int]) -> Bool[np.ndarray, "n n"]:
-    """Whether an object (row) is, or is above, another one (column)."""
+    """True if an object (row) is, or is an ancestor of, another one (column)."""
     family = np.eye(len(row), dtype=bool)
     for number, obj in enumerate(scene.objects):
         for ancestor in scene.ancestors(obj.id):
@@ -78,7 +85,7 @@ def _on_one_box(
     family: Bool[np.ndarray, "n n"],
     bottom_m: Float[np.ndarray, " n"],
 ) -> Bool[np.ndarray, " n"]:
-    """Objects all of whose feet are on one upright box: most are, and need no polygons."""
+    """Objects all of whose feet are on one upright box; most are, and need no polygons."""
     n = len(family)
     lowest_m = np.full(n, np.inf)
     np.minimum.at(lowest_m, owner, solids.low_m[:, 2])
@@ -106,12 +113,12 @@ def _on_one_box(
 
 
 def _may_hang(obj: SceneObject) -> bool:
-    """What is hung, and parts of a building, held from the side: galleries, canopies, floors."""
+    """Return true for hung objects, and for parts of a building that are held from the side."""
     return is_hung(obj) or (obj.is_coarse and obj.parent_id is not None)
 
 
 def _touches(solids: Solids, own: Int[np.ndarray, " k"], is_other: np.ndarray) -> bool:
-    """Whether a solid of another object meets one of an object's own, each taken as its box."""
+    """Return true if a solid of another object meets one of an object's own, each as its box."""
     quats = np.array([p.quat_wxyz for p in solids.primitives])
     for i in own:
         near = solids.near(solids.low_m[i] - GAP_M, solids.high_m[i] + GAP_M)
@@ -130,7 +137,7 @@ def _touches(solids: Solids, own: Int[np.ndarray, " k"], is_other: np.ndarray) -
 
 
 class _Stand:
-    """The feet of one object and what may bear them."""
+    """The feet of one object and the solids that may carry them."""
 
     def __init__(
         self,
@@ -154,7 +161,7 @@ class _Stand:
         self._below = below[is_other[below]]
 
     def objection(self) -> str | None:
-        """Why the object does not stand, None if it does."""
+        """Describe why the object does not stand; None if it does."""
         if self._is_balanced():
             return None
         feet = shapely.union_all([outline_of(self._solids.points(i)) for i in self._feet])
@@ -172,7 +179,7 @@ class _Stand:
         )
 
     def _is_balanced(self) -> bool:
-        """Whether a box bears the middle of an only foot, which is then borne by its own."""
+        """Return true if a box carries the middle of a single upright foot."""
         s, foot = self._solids, self._feet[0]
         if len(self._feet) > 1 or s.is_mesh[foot] or not s.is_upright[foot]:
             return False
@@ -188,7 +195,7 @@ class _Stand:
         return shapely.intersection(outline_of(points), feet)
 
     def _bearing_ground(self, relief: Relief, feet: BaseGeometry) -> BaseGeometry:
-        """Part of the feet that the ground reaches up to: on a slope their uphill side."""
+        """Part of the feet that the ground meets: on a slope their uphill side."""
         x0, y0, x1, y1 = feet.bounds
         x, y = np.meshgrid(np.linspace(x0, x1, _N_ACROSS), np.linspace(y0, y1, _N_ACROSS))
         points = np.vstack([np.column_stack([x.ravel(), y.ravel()]), shapely.get_coordinates(feet)])
@@ -196,7 +203,7 @@ class _Stand:
         return shapely.intersection(outline_of(points), feet)
 
     def _gap_m(self, feet: BaseGeometry) -> float:
-        """Least height of the corners of the feet above what is below them, or the ground."""
+        """Least height of the corners of the feet above the solids or the ground below them, m."""
         points = shapely.get_coordinates(feet)
         top_m = ground_m(self._relief, *points.T)
         for index in self._below:

@@ -27,12 +27,20 @@ _MOST_M = 18.0
 
 
 def category_chart(quality: Quality) -> np.ndarray:
-    """All categories as rgb (h, w, 3) uint8, coarse first, each with its name."""
+    """Draw all categories, each in a cell with its name, in the order of the catalogue.
+
+    Args:
+        quality: Quality of the cells' pictures.
+
+    Returns:
+        rgb (h, w, 3) uint8.
+    """
     cells = [
         label(_cell(category, quality), f"{category.name}", size_px=15)
         for category in track(list(CATALOGUE.values()), description="categories")
     ]
     width, height = _CELL_PX
+    # White cells fill the last row.
     cells += [np.full((height, width, 3), 255, np.uint8)] * (-len(cells) % _COLUMNS)
     rows = [np.hstack(cells[i : i + _COLUMNS]) for i in range(0, len(cells), _COLUMNS)]
     return np.vstack(rows)
@@ -43,6 +51,7 @@ def _cell(category: Category, quality: Quality) -> np.ndarray:
     for obj in _variants(category):
         primitives += object_primitives(obj)
         corners_enu_m.append(obj.bbox.corners())
+    # Objects come as solids beside an empty scene, because a valid scene would need room for each.
     world = build_world(_stage(), extra=(*_floor(), *primitives))
     width, height = _CELL_PX
     eye, target = frame_points(
@@ -63,9 +72,11 @@ def _variants(category: Category) -> Iterator[SceneObject]:
     """Three objects side by side, the smallest on the left, their fronts to the sun."""
     ranges = (category.length_m, category.width_m, category.height_m)
     sizes = [
+        # Categories that are longer than `_MOST_M` at their smallest keep the smallest size.
         tuple(min(low + share * (high - low), max(low, _MOST_M)) for low, high in ranges)
         for share in _SHARES
     ]
+    # The largest sets the gap, so that a row of low walls stays apart as far as one of towers.
     gap_m = 0.25 * max(max(size[:2]) for size in sizes)
     y = 0.0
     for index, (length, width, height) in enumerate(sizes):
@@ -88,6 +99,8 @@ def _floor() -> tuple[Primitive, ...]:
             kind="box",
             position_enu_m=(0.0, 0.0, -0.05),
             quat_wxyz=(1.0, 0.0, 0.0, 0.0),
+            # A millimetre thicker than twice its depth, so that it lies above the ground and hides
+            # it.
             size_m=(400.0, 400.0, 0.101),
             material="plaster_white",
             object_id=0,

@@ -44,21 +44,27 @@ the object's number and its attributes.
 
 @dataclass(frozen=True)
 class Shown:
-    """A picture of the gallery."""
+    """A picture of the gallery, with what the page says of it."""
 
     section: str
     file: str
     title: str
     text: str
     scene: str | None
-    """Which scene, as `--scene` takes it."""
+    """Scene of the picture, as `--scene` takes it; None for a picture of several."""
     beside: str | None = None
-    """File of a generated scene of the kind."""
+    """File of a generated scene of the same kind, shown on the right; None for a picture alone."""
     beside_scene: str | None = None
 
 
 def write_page(page: Path, folder: Path, shown: list[Shown]) -> None:
-    """Write the page; links are relative to it."""
+    """Write the page, section by section; its links to pictures are relative to it.
+
+    Args:
+        page: File to write.
+        folder: Folder that has the pictures.
+        shown: Pictures of all sections, in the order in which each section shows them.
+    """
     where = os.path.relpath(folder, page.parent)
     parts = [_HEAD]
     for section, intro in _SECTIONS.items():

@@ -1,4 +1,4 @@
-"""Which scenes the gallery shows, how, and what is seen in each."""
+"""Scenes that the gallery shows, the view of each, and the words below it."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ class Place:
     name: str
     title: str
     text: str
-    """Description of the picture."""
+    """Description of the picture, checked by eye: it has to change with the scene."""
     scene: str
     view: Preset = "aerial"
     cut_height_m: float | None = None
     generated: str | None = None
-    """Number of a shipped scene."""
+    """Number of a shipped scene of the same kind; None shows the curated one alone."""
 
 
 PLACES: tuple[Place, ...] = (

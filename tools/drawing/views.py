@@ -1,4 +1,8 @@
-"""Views of a scene: presets that suit any scene."""
+"""Views of a scene: presets that suit any scene.
+
+No fixed eye suits every scene: a house stands where the next scene has a square. So each preset
+proposes many views, a small renderer draws all of them, and the one that shows most is taken.
+"""
 
 from __future__ import annotations
 
@@ -20,10 +24,12 @@ Preset = Literal["overview", "top", "aerial", "street", "forward", "down", "insi
 # The sun stands in the south-west: from there faces are lit, and shadows fall to the right.
 _OVERVIEW_AZIMUTH_DEG = -118.0
 _OVERVIEW_ELEVATION_DEG = 31.0
-_STREET_EYE_M = 2.6
-_FLIGHT_M = 7.0
-_INSIDE_EYE_M = 1.9
-_TRIAL_YAWS = 24
+_STREET_EYE_M = 2.6  # eyes above ground: a standing person's, raised a little over cars
+_FLIGHT_M = 7.0  # height of a vehicle's cameras outdoors
+_INSIDE_EYE_M = 1.9  # eyes above floors
+_TRIAL_YAWS = 24  # directions from each eye, fewer if there are many eyes
+# Distances below which something counts as right before the lens, by preset. In the air the whole
+# scene is to be seen; a vehicle in the foreground needs free air around it.
 _NEAR_M, _NEAR_CHASED_M, _NEAR_IN_AIR_M = 2.4, 9.0, 17.0
 _HIGH = ((13.0, 1.0), (19.0, 1.15), (24.0, 1.3))
 _LOW = ((8.0, 0.75), (9.0, 0.95), (12.0, 1.1))
@@ -32,7 +38,7 @@ _LOW = ((8.0, 0.75), (9.0, 0.95), (12.0, 1.1))
 
 @dataclass(frozen=True)
 class View:
-    """A picture to take."""
+    """A picture to take: eye, point in its middle, and vertical field of view."""
 
     eye_enu_m: Vector3
     target_enu_m: Vector3
@@ -40,9 +46,17 @@ class View:
 
 
 def choose_view(world: World, preset: Preset, aspect: float, trial: CameraRenderer) -> View:
-    """The view of a scene for a preset, found with a small renderer of the world for trying."""
+    """Choose the view of a scene for a preset.
+
+    Args:
+        world: World of the scene.
+        preset: Preset; "overview", "top" and "down" are computed, the others tried out.
+        aspect: Width of the picture over its height.
+        trial: Small renderer of the world, with which views are tried.
+    """
     scene = world.scene
     if preset in ("overview", "top"):
+        # Not 90: straight down, no direction would be up in the picture.
         elevation = 89.9 if preset == "top" else _OVERVIEW_ELEVATION_DEG
         azimuth = -90.0 if preset == "top" else _OVERVIEW_AZIMUTH_DEG
         eye, target = frame_points(
@@ -55,6 +69,7 @@ def choose_view(world: World, preset: Preset, aspect: float, trial: CameraRender
         return View(eye, target, 38.0)
     if preset == "down":
         eye = _above(scene.start_position_enu_m, _hover_m(scene))
+        # A millimetre to the north, so that north is up.
         return View(eye, (eye[0], eye[1] + 1e-3, eye[2] - 1.0), 62.0)
     if preset == "aerial":
         return _best(world, trial, _aerial_views(world, _HIGH, 1.5), _NEAR_IN_AIR_M)
@@ -72,6 +87,7 @@ def choose_view(world: World, preset: Preset, aspect: float, trial: CameraRender
 
 
 def _hover_m(scene: Scene) -> float:
+    # Halfway to the ceiling in low rooms.
     room_m = scene.extent_max_enu_m[2] - scene.start_position_enu_m[2]
     return min(_FLIGHT_M, 0.5 * room_m) if scene.domain == "indoor" else _FLIGHT_M
 
@@ -81,17 +97,18 @@ def _above(point: Vector3, rise_m: float) -> Vector3:
 
 
 def _built_points(world: World) -> np.ndarray:
-    """Corners of what stands in the scene."""
+    """Corners (n, 3) of the objects that have solids, for a frame around the built scene."""
     shown = {solid.object_id for solid in world.solids}
     boxes = [obj.bbox.corners() for obj in world.scene.objects if obj.id in shown]
     points = np.concatenate(boxes)
+    # Solids may have been cut away above a height, and then boxes reach beyond what is drawn.
     top = max(s.position_enu_m[2] + s.size_m[2] / 2 for s in world.solids)
     points[:, 2] = np.minimum(points[:, 2], top)
     return points
 
 
 def _street_eyes(scene: Scene) -> list[Vector3]:
-    """Places above roads, walks and squares."""
+    """Places above roads, walks and squares: their middles, and near both ends."""
     grounds = [obj for obj in scene.objects if obj.category in WAYS | PARKING]
     eyes = []
     for ground in grounds:
@@ -103,7 +120,7 @@ def _street_eyes(scene: Scene) -> list[Vector3]:
 
 
 def _inside_eyes(scene: Scene) -> list[Vector3]:
-    """Places in rooms, towards their corners; above the start where there are none."""
+    """Places in the eight largest rooms, near their corners; above the start without rooms."""
     rooms = sorted(
         (obj for obj in scene.objects if obj.category in ROOMS),
         key=lambda room: -room.bbox.s[0] * room.bbox.s[1],
@@ -123,7 +140,13 @@ def _inside_eyes(scene: Scene) -> list[Vector3]:
 def _aerial_views(
     world: World, stands: tuple[tuple[float, float], ...], target_m: float
 ) -> list[View]:
-    """Views from the sunny side, over the edge of the scene, onto its middle."""
+    """Views from the sunny side, over the edge of the scene, onto its middle.
+
+    Args:
+        world: World of the scene.
+        stands: Heights of eyes in m, and their distances from the middle in halves of the scene.
+        target_m: Height of the point in the middle of the pictures.
+    """
     points = _built_points(world)
     low, high = points.min(axis=0), points.max(axis=0)
     middle, half = (low + high) / 2, (high - low) / 2
@@ -133,13 +156,14 @@ def _aerial_views(
         reach = np.array([math.cos(azimuth), math.sin(azimuth)]) * half[:2].mean()
         for height_m, share in stands:
             east, north = middle[:2] + share * reach
+            # A little on this side of the middle, so that the near half is not cut off below.
             target = (middle[0] + 0.1 * reach[0], middle[1] + 0.1 * reach[1], target_m)
             views.append(View((east, north, height_m), target, 52.0))
     return views
 
 
 def _all_round(eyes: list[Vector3], *, dip: float, fov_deg: float) -> list[View]:
-    """Every eye in many directions, looking a little down."""
+    """Every eye in many directions, looking a little down: by `dip` on a metre."""
     n_yaws = max(8, _TRIAL_YAWS // max(1, len(eyes) // 8))
     yaws = [2 * math.pi * k / n_yaws for k in range(n_yaws)]
     return [
@@ -150,7 +174,7 @@ def _all_round(eyes: list[Vector3], *, dip: float, fov_deg: float) -> list[View]
 
 
 def _best(world: World, trial: CameraRenderer, views: list[View], near_m: float = _NEAR_M) -> View:
-    """The view that shows most, with little nearer than a distance."""
+    """The most interesting view, with little nearer than a distance."""
     data = world.new_data()
 
     def interest(view: View) -> float:
@@ -162,14 +186,19 @@ def _best(world: World, trial: CameraRenderer, views: list[View], near_m: float 
 
 
 def _interest(frame: RgbdFrame, scene: Scene, near_m: float) -> float:
-    """Much of the scene at many distances, many edges, nothing right before the lens."""
+    """Interest of a frame: much of the scene, at many distances, many edges, nothing near the lens.
+
+    The weights were chosen by eye; what is too near counts most, because it hides the rest.
+    """
     grey = frame.rgb.astype(float).mean(axis=2)
     edges = np.abs(np.diff(grey, axis=0)).mean() + np.abs(np.diff(grey, axis=1)).mean()
     seen = frame.depth_m[np.isfinite(frame.depth_m)]
+    # Mostly sky.
     if len(seen) < 0.3 * frame.depth_m.size:
         return -1.0
     too_near = float((seen < near_m).mean())
     built = _share_of_scene(frame, scene)
+    # Quantiles, because one pixel through a gap would count as depth.
     spread = float(np.log(np.quantile(seen, 0.9) / max(0.3, np.quantile(seen, 0.1))))
     return edges / 12 + 3.0 * built + 0.6 * spread - 6.0 * too_near
 
@@ -178,10 +207,12 @@ def _share_of_scene(frame: RgbdFrame, scene: Scene) -> float:
     """Share of the picture in which something of the scene stands, rather than ground or sky."""
     height, width = frame.depth_m.shape
     u, v = np.meshgrid(np.arange(width), np.arange(height))
+    # Sky lies far outside of the scene, and so counts as none of it.
     depth_m = np.where(np.isfinite(frame.depth_m), frame.depth_m, 1e5)
     x, y = (u - frame.cx) / frame.fx * depth_m, (v - frame.cy) / frame.fy * depth_m
     local = np.stack([x, y, depth_m], axis=-1)
     points = local @ frame.rotation_enu_from_optical.T + np.array(frame.position_enu_m)
     low, high = np.array(scene.extent_min_enu_m), np.array(scene.extent_max_enu_m)
     is_inside = ((points > low) & (points < high)).all(axis=-1)
+    # Above 0.3 m: lawns and paving alone make no picture.
     return float((is_inside & (points[..., 2] > 0.3)).mean())

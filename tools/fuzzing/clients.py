@@ -23,9 +23,10 @@ from flightsim.mavlink.signing import Signing, key_of_passphrase
 LinkName = Literal["in-process", "udp", "tcp", "serial", "signed"]
 LINKS: tuple[LinkName, ...] = ("in-process", "udp", "tcp", "serial", "signed")
 
+# The key of the signed link: an enemy that cannot sign is turned away before anything is decoded.
 _KEY = key_of_passphrase("known to the enemy")
 _BAUD = 921_600
-_MOST_UNSENT_BYTES = 1 << 16
+_MOST_UNSENT_BYTES = 1 << 16  # a line that nobody reads must not fill the memory
 _DISHONEST_SHARE = 0.1
 """Share of the frames on a signed link whose signature is missing, forged or a copy."""
 
@@ -34,11 +35,11 @@ class Client(Protocol):
     """A client that sends whole frames and throws away what it gets."""
 
     def send(self, data: bytes) -> None:
-        """Send a frame."""
+        """Send a frame, or lose it if the link takes no more."""
         ...
 
     def recv(self) -> bytes:
-        """What came, possibly nothing."""
+        """Return something that came since the last call, possibly nothing, and drop the rest."""
         ...
 
 
@@ -53,6 +54,7 @@ class Access:
     def __init__(self, link: LinkName | None, n_clients: int) -> None:
         self.now_s = 0.0
         self._name = link
+        # A line has two ends.
         self._n_clients = 1 if link == "serial" else n_clients
         self._stack = contextlib.ExitStack()
         self._ports = _free_ports()
@@ -112,12 +114,14 @@ class _SocketClient:
         self._socket = link
 
     def send(self, data: bytes) -> None:
+        # A full buffer loses the frame, as on a radio; to wait would stop the simulation.
         with contextlib.suppress(BlockingIOError):
             self._socket.send(data)
 
     def recv(self) -> bytes:
         data = b""
         with contextlib.suppress(BlockingIOError):
+            # To the end, so that the vehicle's sends never block.
             while more := self._socket.recv(1 << 16):
                 data = more
         return data
@@ -154,14 +158,17 @@ class _Signer:
         self._last = b""
 
     def send(self, data: bytes) -> None:
+        # Scaled so that draws below 1 are the dishonest ones, and divided among three kinds.
         draw = self._rng.random() / _DISHONEST_SHARE
         if draw < 0.3:
             self._client.send(data)
             return
         frame = self._signed(data)
         if draw < 0.6:
+            # The last byte belongs to the signature.
             frame = frame[:-1] + bytes((frame[-1] ^ 1,))
         elif draw < 1.0:
+            # A copy has an old time stamp, which a receiver must refuse.
             frame = self._last or frame
         self._last = frame
         self._client.send(frame)
@@ -171,6 +178,7 @@ class _Signer:
 
     def _signed(self, data: bytes) -> bytes:
         is_version_2 = data[0] == MARKER_V2
+        # Sequence, system and component stand at other places in the two versions.
         start, (sequence, system, component) = (10, data[4:7]) if is_version_2 else (6, data[2:5])
         number = int.from_bytes(data[7:10], "little") if is_version_2 else data[5]
         layout = LAYOUTS[MESSAGE_NAMES[number]]
@@ -183,6 +191,7 @@ def _free_ports() -> list[int]:
     """Three ports that nothing has: two of UDP and one of TCP."""
     with contextlib.ExitStack() as stack:
         kinds = (socket.SOCK_DGRAM, socket.SOCK_DGRAM, socket.SOCK_STREAM)
+        # All at once, so that the two of UDP differ.
         probes = [stack.enter_context(socket.socket(socket.AF_INET, kind)) for kind in kinds]
         for probe in probes:
             probe.bind(("127.0.0.1", 0))

@@ -47,7 +47,7 @@ OBEYED_MESSAGES = frozenset(
         "PARAM_SET",
     }
 )
-"""Messages that do so, or that change the parameters by which it flies."""
+"""Messages that do so, or that change the parameters by which the vehicle flies."""
 _ADDRESSED = sorted(
     name for name, kind in TYPES.items() if any(f.name.startswith("target") for f in kind.fields)
 )
@@ -58,11 +58,12 @@ _PARAMETERS = (
     *(b"RTL_ALT", b"FENCE_ACTION", b"SYSID_THISMAV", b"_HASH_CHECK", b"\xff" * 16),
 )
 _ITEMS = {0: (16, 20, 21, 22, 19, 93), 1: (5000, 5001, 5003), 2: (5100,), 255: (16,)}
-"""Commands of the items of each type of mission."""
+"""Commands of the items of each type of mission: flight, fence, rally points, all."""
 _ITEM_MESSAGES = ("MISSION_ITEM_INT", "MISSION_ITEM")
 _ASKED_FIRST = 12
-"""Items of a mission that are sent or asked for in one conversation."""
+"""Number of items of a mission that are sent or asked for in one conversation."""
 
+# 90 is the data of one message of a log, 239 of one message of the file protocol.
 _OFFSETS = (0, 0, 90, 239, 100_000, 2**31, 2**32 - 1)
 _PATHS = (b"/", b"/log", b"/log/0.ulg", b"log/3.ulg", b"/log/../../etc/passwd", b"\xff" * 40, b"")
 _LINES = (
@@ -70,17 +71,20 @@ _LINES = (
     *(b"listener vehicle_attitude\n", b"listener", b"param show " + b"*?" * 29, b" " * 70),
     *(b"param set MPC_XY_CRUISE 1e30\n", b"commander land\n", b"commander mode orbit\n"),
 )
+# The last three of `_LINES` move a vehicle.
 _N_HARMLESS = 10
 _PAUSES, _PAUSE_FRAMES = 5e-6, 24_000
-"""How often everybody falls silent, and for as many frames as four clients send in six seconds."""
+"""Share of draws at which everybody falls silent, and the frames that four clients send in 6 s."""
 
 Act = Callable[[random.Random], Sequence[bytes]]
 
 
 class Traffic:
-    """Endless traffic of one seed.
+    """Endless traffic of one seed, the same in every process.
 
-    With `is_obeyed` it may move the vehicle, without it nothing in it should.
+    Args:
+        seed: Seed.
+        is_obeyed: True for traffic that may move the vehicle; without it nothing in it should.
     """
 
     def __init__(self, seed: int, *, is_obeyed: bool) -> None:
@@ -102,7 +106,7 @@ class Traffic:
         )
 
     def frames(self) -> Iterator[bytes]:
-        """Frames without end; an empty one is silence, in which what was begun times out."""
+        """Draw frames without end; an empty one is silence, in which what was begun times out."""
         rng = self._rng
         while True:
             if chance(rng, _PAUSES):
@@ -121,7 +125,7 @@ class Traffic:
         return (frame(rng, name),)
 
     def _current(self, rng: random.Random) -> int:
-        """What an item says of itself: from 2 on, ArduPilot's vehicles fly to it at once."""
+        """Draw an item's field `current`: from 2 on, ArduPilot's vehicles fly to it at once."""
         return rng.randrange(4 if self._is_obeyed else 2)
 
     def _any_message(self, rng: random.Random) -> Sequence[bytes]:
@@ -137,7 +141,7 @@ class Traffic:
         return (_command(rng, number),)
 
     def _interval(self, rng: random.Random) -> Sequence[bytes]:
-        """An interval is set and asked for, of the same message."""
+        """Set the interval of a message, then ask for it."""
         message_id = float(pick(rng, _IDS))
         return (
             _command(rng, mav.MAV_CMD_SET_MESSAGE_INTERVAL, param1=message_id),
@@ -154,7 +158,7 @@ class Traffic:
         return (asked, *self._interval(rng))
 
     def _upload(self, rng: random.Random) -> Sequence[bytes]:
-        """A list is begun, some of its items come, out of order or not, and it is left or read."""
+        """Begin a list, send some of its items, in order or not, and leave or read it."""
         kind = pick(rng, (0, 1, 2, 255))
         count = pick(rng, (0, 1, 2, 5, 65535))
         begin = frame(rng, "MISSION_COUNT", count=count, mission_type=kind)
@@ -188,28 +192,31 @@ class Traffic:
         return (frame(rng, "PARAM_SET", param_id=name), read)
 
     def _home(self, rng: random.Random) -> Sequence[bytes]:
-        """Home goes somewhere, and is told."""
+        """Move the vehicle's home, then ask for it in both ways."""
         return (
             _command(rng, mav.MAV_CMD_DO_SET_HOME, param1=float(rng.randrange(2))),
             _command(rng, mav.MAV_CMD_GET_HOME_POSITION),
+            # 242 is HOME_POSITION.
             _command(rng, mav.MAV_CMD_REQUEST_MESSAGE, param1=242.0),
         )
 
     def _fleeting(self, rng: random.Random) -> Sequence[bytes]:
-        """What is answered at once, with what it held."""
+        """Requests that are answered at once, with the values that they held."""
         name = pick(rng, ("PING", "TIMESYNC", "FILE_TRANSFER_PROTOCOL", "LOG_REQUEST_DATA"))
         return (frame(rng, name), frame(rng, "FILE_TRANSFER_PROTOCOL", target_network=0))
 
     def _log(self, rng: random.Random) -> Sequence[bytes]:
-        """Logs are listed, read from anywhere, and erased while they are read."""
+        """List logs, read one from anywhere, and perhaps erase them while they are read."""
         log_id = rng.randrange(3)
         read = frame(rng, "LOG_REQUEST_DATA", id=log_id, ofs=pick(rng, _OFFSETS))
         after = pick(rng, ("LOG_ERASE", "LOG_REQUEST_END", "LOG_REQUEST_LIST"))
         return (frame(rng, "LOG_REQUEST_LIST", start=0), read, frame(rng, after))
 
     def _file(self, rng: random.Random) -> Sequence[bytes]:
-        """A file or folder is opened, and read at once or in a burst, from anywhere."""
+        """Open a file or a folder, and read it at once or in a burst, from anywhere."""
         path, offset = pick(rng, _PATHS), pick(rng, _OFFSETS)
+        # Opcodes: 3 lists a folder, 4 opens for reading, 14 sums up; 5 reads, 15 reads in a burst;
+        # any follows.
         asked = [
             (pick(rng, (3, 4, 14)), path),
             (pick(rng, (5, 15)), b""),
@@ -228,6 +235,7 @@ class Traffic:
     def _shell(self, rng: random.Random) -> Sequence[bytes]:
         line = pick(rng, _LINES if self._is_obeyed else _LINES[:_N_HARMLESS])
         data = [*line.ljust(70, b"\0")[:70]]
+        # Device 10 is the shell; the flags ask for an answer, and with 4 for the line alone.
         said = frame(
             rng, "SERIAL_CONTROL", device=10, flags=pick(rng, (2, 6)), count=len(line), data=data
         )
@@ -236,6 +244,7 @@ class Traffic:
 
 def _file_request(rng: random.Random, opcode: int, data: bytes, offset: int) -> bytes:
     size = len(data) if chance(rng, 0.8) else rng.randrange(256)
+    # Sequence, session, opcode, size, opcode answered, end of a burst, padding, offset.
     head = struct.pack(
         "<HBBBBBxI", rng.randrange(1 << 16), pick(rng, (0, 0, 1)), opcode, size, 0, 0, offset
     )
@@ -246,6 +255,7 @@ def _command(rng: random.Random, number: int, **given: float) -> bytes:
     name = pick(rng, ("COMMAND_LONG", "COMMAND_INT"))
     for index in range(1, 5):
         if chance(rng, 0.3):
+            # The first eight are ordinary numbers, with which a command may get far.
             given.setdefault(f"param{index}", pick(rng, FLOATS[:8]))
     if name == "COMMAND_INT":
         given.setdefault("frame", pick(rng, (0, 1, 3, 5, 6, 8, 10, 11, 12, 255)))

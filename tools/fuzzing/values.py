@@ -14,6 +14,8 @@ from flightsim.mavlink.dialect import LAYOUTS, dialect
 
 _T = TypeVar("_T")
 
+# Zero and small numbers, degrees out of range, ends of integer types, not-a-number, the largest and
+# smallest floats, and 21196, by which arming is forced.
 FLOATS = (
     *(0.0, -0.0, 1.0, -1.0, 2.0, 3.0, 0.5, 47.4, 8.5, 90.1, 180.1, 255.0, 256.0, 65535.0, 65536.5),
     *(math.nan, math.inf, -math.inf, 1e30, -1e30, 5e9, -5e9, 2147483648.0, -2147483649.0, 1e-40),
@@ -21,17 +23,19 @@ FLOATS = (
 )
 _TEXTS = (
     *(b"", b"\xff" * 250, b"A" * 250, b"%s%n/../"),
+    # Names of parameters are the texts that are looked up.
     *(b"_HASH_CHECK", b"SYS_AUTOSTART", b"MPC_XY_CRUISE"),
 )
 _BITS = {"b": 8, "h": 16, "i": 32, "q": 64}
 _V2_IDS = 256
 """Least number of a message that MAVLink 1 cannot carry."""
-VEHICLE = (1, 1)
+VEHICLE = (1, 1)  # system and component
+# Mostly a ground station; the vehicle itself, everybody and nobody too.
 _SENDERS = ((255, 190), (255, 190), (254, 1), (1, 191), (0, 0), (1, 1), (255, 255))
 
 
 def chance(rng: random.Random, share: float) -> bool:
-    """True in a share of the calls."""
+    """Return true in a share of the calls."""
     return rng.random() < share
 
 
@@ -45,12 +49,13 @@ class Field:
 
 
 class MessageType:
-    """A message type with its fields in wire order."""
+    """A message type with its fields in wire order, and how to draw each."""
 
     def __init__(self, message_class: Any) -> None:
         self.name: str = message_class.msgname
         self.layout = LAYOUTS[self.name]
         self._struct: struct.Struct = message_class.unpacker
+        # A struct format: byte order first, then a count and a letter for each field.
         parts = re.findall(r"(\d*)(\D)", self._struct.format[1:])
         names: Sequence[str] = message_class.ordered_fieldnames
         self.fields = [
@@ -63,10 +68,18 @@ class MessageType:
             for name, number in zip(("target_system", "target_component"), VEHICLE, strict=True)
             if name in names
         }
-        """Fields that say for whom it is, and the vehicle's numbers."""
+        """Fields that name the receiver, with the vehicle's numbers."""
 
     def payload(self, rng: random.Random, given: dict[str, Any]) -> bytes:
-        """A payload of drawn values, but for the given ones."""
+        """Pack a payload of drawn values, but for the given ones.
+
+        Args:
+            rng: Draws.
+            given: Values by the names of fields; a list for an array.
+
+        Raises:
+            struct.error: If a given value does not fit its field.
+        """
         values: list[Any] = []
         for name, draw in self._drawers:
             if name in given:
@@ -78,12 +91,12 @@ class MessageType:
 
 
 def pick(rng: random.Random, options: Sequence[_T]) -> _T:
-    """One of some options; `Random.choice` takes twice as long."""
+    """Pick one of some options; `Random.choice` takes twice as long."""
     return options[int(rng.random() * len(options))]
 
 
 def _drawer(field: Field) -> Callable[[random.Random], Sequence[Any]]:
-    """Draws the values of a field, mostly at the extremes of its type."""
+    """Function that draws the values of a field, mostly at the extremes of its type."""
     letter, count = field.letter, field.count
     if letter == "s":
         return lambda rng: (pick(rng, _TEXTS) if rng.random() < 0.7 else rng.randbytes(count),)
@@ -93,6 +106,7 @@ def _drawer(field: Field) -> Callable[[random.Random], Sequence[Any]]:
     if count == 1:
         return lambda rng: (number(rng),)
 
+    # Half of the arrays have one value throughout.
     def array(rng: random.Random) -> Sequence[Any]:
         if rng.random() < 0.5:
             return (number(rng),) * count
@@ -109,6 +123,7 @@ def _extremes(letter: str) -> tuple[int, int, tuple[int, ...]]:
     """Bits and least number of a type, and its extremes."""
     bits, is_signed = _BITS[letter.lower()], letter.islower()
     low, high = (-(1 << bits - 1), (1 << bits - 1) - 1) if is_signed else (0, (1 << bits) - 1)
+    # 190 is the component of a ground station.
     return bits, low, (low, high, 0, 1, 2, 3, 5, high - 1, min(high, 190))
 
 
@@ -125,8 +140,9 @@ def _whole_drawer(letter: str) -> Callable[[random.Random], int]:
 
 
 def _byte_drawer(letter: str, count: int) -> Callable[[random.Random], Sequence[int]]:
-    """Draws an array of bytes: one extreme throughout, any bytes, or extremes among them."""
+    """Drawer of an array of bytes: one extreme throughout, any bytes, or extremes among them."""
     _, low, extremes = _extremes(letter)
+    # One table does all bytes at once: a third stay what they are, the others become extremes.
     mixed = bytes(
         byte if byte % 3 == 0 else (extremes[byte % len(extremes)] - low) for byte in range(256)
     )
@@ -146,7 +162,16 @@ TYPES = {c.msgname: MessageType(c) for c in dialect.mavlink_map.values()}
 
 
 def frame(rng: random.Random, name: str, /, **given: Any) -> bytes:
-    """A frame of a message whose other fields are drawn; mostly meant for the vehicle."""
+    """Draw a frame of a message.
+
+    In four of five draws it is addressed to the vehicle. One in ten of those that MAVLink 1 can
+    carry has that version.
+
+    Args:
+        rng: Draws.
+        name: Name of the message.
+        given: Values of fields that are not drawn.
+    """
     kind = TYPES[name]
     if rng.random() < 0.8:
         given = kind.addressed | given

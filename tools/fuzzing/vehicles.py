@@ -1,4 +1,4 @@
-"""A vehicle under fire, beside its twin that nobody talks to."""
+"""Vehicle under fire, beside a twin that nobody talks to."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from flightsim.testbench import Testbench, TestbenchCfg
 from fuzzing.clients import Access, LinkName
 
 FRAMES_PER_TICK = 20
-"""As many as one client may send without losing any."""
+"""Number of frames that one client may send in a tick without losing any."""
 HEIGHT_M = 10.0
 _LOWEST_M, _FARTHEST_M = 1.0, 1e3
-"""Beyond these a vehicle starts again, so that hostile traffic meets a flight."""
-_SETTLE_S = 30.0
+"""Height and distance at which a vehicle starts again, so that hostile traffic meets a flight."""
+_SETTLE_S = 30.0  # to climb, and for the hover to become still
 _LEAST_CHARGE = 0.3
-"""Below that an autopilot soon flies home."""
+"""Charge at which a battery is changed; with less, an autopilot soon flies home."""
 _TICK_S = 0.02
 _SILENCE: Iterator[bytes] = iter(())
 _PING = LAYOUTS["PING"]
@@ -53,6 +53,7 @@ class Vehicle:
     def take_off(self) -> None:
         """Climb to the height and come to rest there."""
         bench, autopilot = self.bench, self.bench.autopilot
+        # The estimator settles on the ground before it lets the vehicle arm.
         bench.run(5.0)
         autopilot.parameters.reset()
         autopilot.parameters.set("MIS_TAKEOFF_ALT", HEIGHT_M)
@@ -63,27 +64,32 @@ class Vehicle:
 
     @property
     def n_received(self) -> int:
-        """Number of valid messages that the hostile clients have brought through."""
+        """Number of valid messages from hostile clients that the vehicle has received."""
         return sum(channel.n_received for link in self._access.links for channel in link.channels)
 
     @property
     def is_flying(self) -> bool:
-        """Whether it is armed, up and near."""
+        """True if the vehicle is armed, up and near."""
         x, y, z = self.bench.plant.truth.position_enu_m
         return self.bench.autopilot.is_armed and z > _LOWEST_M and math.hypot(x, y) < _FARTHEST_M
 
     @property
     def is_spent(self) -> bool:
-        """Whether its battery has to be changed."""
+        """True if the battery has to be changed."""
         return self.bench.plant.battery.remaining < _LEAST_CHARGE
 
     def tick(self, traffic: Iterator[bytes] = _SILENCE) -> None:
-        """Let each hostile client send, and step by 20 ms."""
+        """Let each hostile client send its frames, and step by 20 ms.
+
+        Args:
+            traffic: Frames to send; an empty one is left out, and counts as sent.
+        """
         for client in self.clients:
             for data in filter(None, itertools.islice(traffic, FRAMES_PER_TICK)):
                 client.send(data)
         self._access.now_s += _TICK_S
         self.bench.simulator.step()
+        # Read, so that no buffer fills up and blocks the vehicle.
         for client in self.clients:
             client.recv()
 
@@ -91,9 +97,10 @@ class Vehicle:
         """Hold that an honest client is answered within a tick.
 
         Raises:
-            DeadVehicleError: If it is not.
+            DeadVehicleError: If no answer with the right number comes.
         """
         client = self.bench.stack.pipe()
+        # Answers of earlier ticks are thrown away.
         client.recv()
         self._n_pings += 1
         payload = _PING.encode(seq=self._n_pings)
@@ -107,5 +114,5 @@ class Vehicle:
             raise DeadVehicleError("an honest client's ping was not answered")
 
     def close(self) -> None:
-        """Close every link."""
+        """Close every link, and the testbench."""
         self._stack.close()

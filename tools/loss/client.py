@@ -20,18 +20,18 @@ Item = tuple[int, int, float, float, float, float, int, int, float]
 """Frame, command, four parameters, latitude and longitude in 1e-7 degrees, altitude in m."""
 
 VEHICLE = (1, 1)
-_HEADER_BYTES = 10
+_HEADER_BYTES = 10  # header of a frame of MAVLink 2
 _TICK_S = 0.02
 _TIMEOUT_S, _ITEM_TIMEOUT_S = 1.5, 0.25
-"""Times after which a request is repeated, and one for an item."""
+"""Times after which a request is repeated, and one for an item; the protocol's own defaults."""
 
 
 class GaveUpError(Exception):
-    """The client has repeated itself as often as it may."""
+    """The client has repeated itself as often as it may, or was refused."""
 
 
 class PatientClient:
-    """Transfers missions and parameters through a lossy proxy.
+    """A client that transfers missions and parameters through a lossy proxy.
 
     Attributes:
         n_repeats: Number of times that it had to repeat itself.
@@ -59,10 +59,16 @@ class PatientClient:
     def upload(self, mission_type: int, items: Sequence[Item]) -> None:
         """Upload a list of items.
 
+        Args:
+            mission_type: Kind of the list, MAV_MISSION_TYPE.
+            items: Items in their order.
+
         Raises:
-            GaveUpError: If the vehicle refuses it, or does not answer.
+            GaveUpError: If the vehicle refuses the list, or does not answer.
         """
         said = mav.MAVLink_mission_count_message(*VEHICLE, len(items), mission_type)
+        # The vehicle asks for each item. If it is silent, its question or our answer was lost, and
+        # we say the last thing again.
         while True:
             answer = self._ask(
                 said,
@@ -77,6 +83,9 @@ class PatientClient:
 
     def download(self, mission_type: int) -> list[Item]:
         """Download a list of items.
+
+        Args:
+            mission_type: Kind of the list, MAV_MISSION_TYPE.
 
         Raises:
             GaveUpError: If the vehicle does not answer.
@@ -100,7 +109,11 @@ class PatientClient:
         return items
 
     def parameters(self) -> dict[str, bytes]:
-        """All parameters, by name, as the four bytes of their values.
+        """Read all parameters.
+
+        Returns:
+            The four bytes of each value by its name: bits, because integers travel in the field of
+            a float.
 
         Raises:
             GaveUpError: If the vehicle does not answer.
@@ -109,12 +122,14 @@ class PatientClient:
         first = self._ask(
             mav.MAVLink_param_request_list_message(*VEHICLE),
             ("PARAM_VALUE",),
+            # Answers to other requests have an index that is out of range.
             lambda m: m.param_index < m.param_count,
         )
         last = first
         while last is not None:
             found[last.param_index] = (last.param_id, _value_bytes(last))
             last = self._wait(("PARAM_VALUE",), lambda m: m.param_index < m.param_count, _TIMEOUT_S)
+        # The stream of all of them has ended; the lost ones are asked for one by one.
         for index in sorted(set(range(first.param_count)) - set(found)):
             value = self._ask(
                 mav.MAVLink_param_request_read_message(*VEHICLE, b"", index),
@@ -143,7 +158,7 @@ class PatientClient:
     def _wait(
         self, names: Sequence[str], is_wanted: Callable[[Message], bool], timeout_s: float
     ) -> Message | None:
-        """The next wanted message; what came before it is thrown away."""
+        """The next wanted message, or None; what came before it is thrown away."""
         for _ in range(round(timeout_s / _TICK_S)):
             while self._inbox:
                 message = self._inbox.pop(0)
@@ -153,6 +168,8 @@ class PatientClient:
         return None
 
     def _tick(self) -> None:
+        # Before the step, so that the vehicle gets what was just sent, and after it for its
+        # answers.
         self._proxy.carry()
         self._bench.simulator.step()
         self._proxy.carry()
@@ -166,7 +183,13 @@ class PatientClient:
 
 
 def item_message(seq: int, item: Item, mission_type: int) -> Message:
-    """MISSION_ITEM_INT of an item."""
+    """MISSION_ITEM_INT that carries an item of a list.
+
+    Args:
+        seq: Place of the item in the list.
+        item: Item.
+        mission_type: Kind of the list, MAV_MISSION_TYPE.
+    """
     frame, command, p1, p2, p3, p4, x, y, z = item
     return mav.MAVLink_mission_item_int_message(
         *VEHICLE, seq, frame, command, 0, 1, p1, p2, p3, p4, x, y, z, mission_type
@@ -174,5 +197,6 @@ def item_message(seq: int, item: Item, mission_type: int) -> Message:
 
 
 def _value_bytes(message: Message) -> bytes:
-    """The value as it came: a float, or an integer bytewise."""
+    """Four bytes of a value as they came: of a float, or of an integer bytewise."""
+    # The value is the first field of the payload, because the largest fields come first.
     return bytes(message.get_msgbuf()[_HEADER_BYTES : _HEADER_BYTES + 4])

@@ -1,4 +1,4 @@
-"""`tools/bench.py approaches`: does free flight miss a contact, or come to it elsewhere?
+"""Comparison of free flight with MuJoCo: are contacts missed, or come to elsewhere?
 
 The same approach is flown twice at a time, once with the steps that the kernel takes itself
 (`flightsim.plant.free_flight`) and once by MuJoCo alone, at one control tick a physics step, so
@@ -30,15 +30,16 @@ N_TOGETHER = 64
 _SPEED_MPS = (1.0, 20.0)
 _RATE_RADPS = 5.0
 _WAY_M = (0.5, 2.5)
-"""Way to where the aim is, besides the vehicle's own radius."""
+"""Distance from where the aim is, besides the vehicle's own radius."""
 _BEYOND_M = 0.5
 """Way beyond the aim after which an approach that met nothing ends."""
 _HEIGHT_M = 100.0
-"""At which another vehicle is met."""
+"""Height at which another vehicle is met."""
 _ASIDE = 0.8
 """Farthest aim off its middle, over its radius."""
 _GROUND_M = 10.0
 """Way from the start within which the ground is aimed at."""
+# Coprime to the number of scenes.
 _STEP = 613
 """Scenes are taken in steps of this many, which visit all of them in turn."""
 _PHYSICS_HZ = 500
@@ -50,10 +51,10 @@ _COLUMNS = (
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Approaches:
-    """What became of n approaches, each flown in both ways."""
+    """Results of n approaches, each flown in both ways."""
 
     kind: np.ndarray
-    """What was flown at (n,): the name of a shape, or "vehicle"."""
+    """Thing that was flown at (n,): the name of a shape, or "vehicle"."""
     first_step: np.ndarray
     """Physics step of the first contact (n, 2), free flight first; -1 without one."""
     apart: np.ndarray
@@ -64,17 +65,25 @@ class Approaches:
 
     @property
     def is_missed(self) -> np.ndarray:
-        """Where the first contacts are not in the same step (n,)."""
+        """Approaches (n,) whose first contacts are not in the same step."""
         return self.first_step[:, 0] != self.first_step[:, 1]
 
     @property
     def is_contact(self) -> np.ndarray:
-        """Where MuJoCo alone found a contact on the way (n,), not at its beginning."""
+        """Approaches (n,) in which MuJoCo alone found a contact, and not at the beginning."""
         return self.first_step[:, 1] > 0
 
 
 def rows(cfg: ApproachesBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
-    """Fly all approaches, and count those that differ."""
+    """Fly all approaches, and count those that differ.
+
+    Args:
+        cfg: Options of the benchmark.
+        on_progress: Called with what is being done, and the share that is done.
+
+    Returns:
+        Rows of results, as they come.
+    """
     airframe, rng = airframe_by_name(cfg.vehicle), np.random.default_rng(cfg.seed)
     n_each = math.ceil(cfg.count / (2 * cfg.scenes))
     pair = build_world(load_scene("field"), airframe, airframe)
@@ -119,6 +128,8 @@ def fly_approaches(world: World, n: int, rng: np.random.Generator) -> Approaches
 
 
 def _fleet(world: World, *, is_free: bool) -> Fleet:
+    # Without noise and effects, so that nothing but the steps can differ; physics and control at
+    # one rate.
     cfg = PlantCfg(
         seed=0,
         state="truth",
@@ -142,9 +153,11 @@ def _fly(world: World, free: Fleet, engine: Fleet, rng: np.random.Generator) -> 
     for _ in range(n_advances):
         for fleet, log in zip((free, engine), logs, strict=True):
             fleet.advance()
+            # The first vehicle of each world; the second only waits.
             log.append(fleet.history[:: fleet.n_together].copy())
     flown = [np.concatenate(log, axis=1) for log in logs]
     first = np.stack([_first_step(history["is_touching"] > 0) for history in flown], axis=1)
+    # After a contact both may differ, because a bounce magnifies rounding.
     is_before = np.arange(flown[0].shape[1]) < np.where(first < 0, np.inf, first).min(1)[:, None]
     apart = sum(np.abs(flown[0][name] - flown[1][name]).max(2) for name in _COLUMNS)
     n_steps = len(free) * n_advances * _PHYSICS_HZ // ADVANCE_HZ
@@ -169,11 +182,17 @@ def _first_step(is_touching: np.ndarray) -> np.ndarray:
 def _begin(
     world: World, states: Sequence[mujoco.MjData], speed_mps: float, rng: np.random.Generator
 ) -> str:
-    """Put the vehicles of a world where an approach begins; returns what it goes to."""
+    """Put the vehicles of a world where an approach begins, in both simulations alike.
+
+    Returns:
+        Thing that the first vehicle flies at.
+    """
     kind, aim_enu_m = _draw_aim(world, rng)
+    # Normal components make a direction, and a quaternion below, that is evenly distributed.
     way = rng.normal(size=3)
     way /= np.linalg.norm(way)
     if kind != _VEHICLE:
+        # From above, because most things stand on the ground.
         way[2] = -abs(way[2])
     away_m = rng.uniform(*_WAY_M) + world.airframe.collision_radius_m
     poses, velocities = [], []
@@ -185,16 +204,21 @@ def _begin(
         velocities.append((*(speed_mps * way if k == 0 else np.zeros(3)), *rate_radps))
     for data in states:
         data.qpos[:], data.qvel[:] = np.ravel(poses), np.ravel(velocities)
+        # The solver begins its search there, and both are to begin at the same place.
         data.qacc_warmstart[:] = 0.0
     return kind
 
 
 def _draw_aim(world: World, rng: np.random.Generator) -> tuple[str, np.ndarray]:
-    """What to fly at, each kind of shape as often as any other, and a place in it."""
+    """Draw a thing to fly at, and a place in it.
+
+    Each kind of shape is as likely as any other, however many solids have it.
+    """
     if world.n_vehicles > 1:
         reach_m = _ASIDE * world.airframe.collision_radius_m
         return _VEHICLE, rng.uniform(-reach_m, reach_m, size=3) + np.array([0.0, 0.0, _HEIGHT_M])
     model = world.model
+    # Solids of the scene that collide.
     solids = np.flatnonzero((model.geom_bodyid == 0) & (model.geom_contype != 0))
     kind = rng.choice(np.unique(model.geom_type[solids]))
     geom = rng.choice(solids[model.geom_type[solids] == kind])
@@ -203,6 +227,7 @@ def _draw_aim(world: World, rng: np.random.Generator) -> tuple[str, np.ndarray]:
         start_enu_m = np.array(world.scene.start_position_enu_m)
         east_m, north_m = start_enu_m[:2] + rng.uniform(-_GROUND_M, _GROUND_M, size=2)
         return name, np.array([east_m, north_m, 0.0])
+    # A place in the box around a shape, turned as the shape is.
     turn = np.empty(9)
     mujoco.mju_quat2Mat(turn, model.geom_quat[geom])
     middle, half = model.geom_aabb[geom, :3], model.geom_aabb[geom, 3:]

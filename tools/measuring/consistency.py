@@ -20,7 +20,7 @@ from flightsim.plant import Plant
 
 BLOCKS = {"position": POSITION, "velocity": VELOCITY, "attitude": ATTITUDE}
 """First index of each block of three states whose errors have a truth."""
-_DIMENSION = 3
+_DIMENSION = 3  # states of a block
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +32,11 @@ class Band:
 
 
 def band(n_flights: int) -> Band:
-    """95% band of a block's mean NEES over independent flights."""
+    """95% band of a block's mean NEES over independent flights.
+
+    Args:
+        n_flights: Number of flights, 1 or more.
+    """
     from scipy.stats import chi2
 
     freedom = _DIMENSION * n_flights
@@ -59,7 +63,7 @@ def attitude_error(
 
 
 def nees(plant: Plant) -> dict[str, float]:
-    """Present NEES of each of `BLOCKS`."""
+    """Present NEES of each of `BLOCKS`; 3 on average for a consistent filter."""
     covariance = plant.filter["covariance"]
     found = {}
     for block, e in errors(plant).items():

@@ -20,7 +20,15 @@ _SHARES = (("first third", 1 / 3), ("median", 0.5), ("second third", 2 / 3))
 
 
 def rows(cfg: DifficultyBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
-    """Measure scenes drawn from the dataset."""
+    """Measure scenes drawn from the dataset.
+
+    Args:
+        cfg: Options of the benchmark.
+        on_progress: Called with what is being done, and the share that is done.
+
+    Returns:
+        Rows of results.
+    """
     airframe = airframe_by_name(cfg.vehicle)
     found: list[Difficulty] = []
     n_blocked = 0

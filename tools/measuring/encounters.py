@@ -1,7 +1,7 @@
-"""`tools/bench.py encounters`: does the whole stack keep clear of drones that come its way?
+"""Encounters of the whole stack with drones that come its way: does it keep clear of them?
 
-Each scene is first flown with nobody near: what is flown then tells where the vehicle will be. Then
-one drone a flight is at that place at that time, from ahead, from the side, from above or from
+Each scene is first flown with nobody near: this flight gives the place of the vehicle at each time.
+Then one drone a flight is at that place at that time, from ahead, from the side, from above or from
 below. It heeds nobody. The pilot sees it by its depth camera alone, and the truth judges.
 """
 
@@ -30,23 +30,26 @@ from scenarios.run.hangar import Hangar
 from scenarios.run.sitl import Sitl
 from scenarios.trials.result import TrialResult
 
+# Least gap between the hulls that counts as kept clear.
 LEAST_GAP_M = 0.3
 _VEHICLES = ("iris", "hummingbird")
+# Coprime to the number of scenes.
 _STEP = 613
 """Scenes are taken in steps of this many, which visit all of them in turn."""
 _RISEN_M = 0.5
-"""Whoever crosses the start before that meets a vehicle that stands."""
+"""Rise from which a vehicle flies: a drone that crosses the start earlier meets one that stands."""
+# Farther than anything looks.
 _FAR_ENU_M = (0.0, 0.0, 400.0)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Flight:
-    """A flight, and what the vehicle did."""
+    """A flight: its result, its path and its phases."""
 
     result: TrialResult
     way: FlownWay
     begins_s: Mapping[Phase, float]
-    """When the pilot first came to each phase."""
+    """Time at which the pilot first came to each phase."""
     surroundings: Surroundings
 
 
@@ -56,16 +59,24 @@ class _Rehearsal:
 
     way: FlownWay
     between_s: tuple[float, float]
-    """From the climb until the pilot looks down for a place."""
+    """Time from the climb until the pilot looks down for a place, in which drones may come."""
     surroundings: Surroundings
 
     def is_free(self, places_enu_m: np.ndarray, room_m: float) -> np.ndarray:
-        """Whether the scene leaves room for a sphere at places."""
+        """True for places at which the scene leaves room for a sphere."""
         return self.surroundings.map.distance_m(places_enu_m) > room_m
 
 
 def rows(cfg: EncountersBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
-    """Meet drones in one scene after the other until there were enough encounters."""
+    """Meet drones in one scene after the other until there were enough encounters.
+
+    Args:
+        cfg: Options of the benchmark.
+        on_progress: Called with what is being done, and the share that is done.
+
+    Returns:
+        Rows of results, of all directions and of each.
+    """
     met: dict[Direction, list[TrialResult]] = defaultdict(list)
     n_met, number, n_scenes = 0, cfg.seed, 0
     with Hangar() as hangar:
@@ -80,6 +91,7 @@ def rows(cfg: EncountersBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
             rehearsal = _rehearse(scene, bench, hangar)
             if rehearsal is None:
                 continue
+            # Of the scene too, so that its encounters are the same wherever the benchmark begins.
             rng = np.random.default_rng([cfg.seed, number])
             for direction in DIRECTIONS:
                 mover = draw_meeting(
@@ -94,7 +106,8 @@ def rows(cfg: EncountersBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
 
 
 def _rehearse(scene: Scene, bench: TestbenchCfg, hangar: Hangar) -> _Rehearsal | None:
-    """Fly a scene with a drone far above; None where there is no mission, or it does not land."""
+    """Fly a scene with a drone far above; None without a mission or a landing."""
+    # With a drone far away rather than none, so that only the meeting is new afterwards.
     x, y, z = _FAR_ENU_M
     far = MovingObstacle(kind="drone", path_enu_m=((x, y, z), (x + 5.0, y, z)), speed_mps=1.0)
     try:
@@ -129,6 +142,7 @@ def _fly(scene: Scene, bench: TestbenchCfg, hangar: Hangar, mover: MovingObstacl
         return _Flight(
             result=result,
             way=FlownWay(time_s=np.array(times_s), position_enu_m=np.array(places)),
+            # Backwards, so that the first time of a phase is the one that stays.
             begins_s={c.target: c.time_us * 1e-6 for c in reversed(pilot.transitions)},
             surroundings=pilot.mission.surroundings,
         )

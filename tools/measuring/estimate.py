@@ -1,7 +1,7 @@
-"""`tools/bench.py estimate`: consistency, accuracy and cost of the filter.
+"""Consistency, accuracy and cost of the filter: `tools/bench.py estimate`.
 
-Short flights of the plant alone, each with its own noise and curves; every second the error
-against the truth is compared with the covariance that the filter claims.
+Short flights of the plant alone, each with its own noise and curves; every second the error against
+the truth is compared with the covariance that the filter claims.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from scenarios.bench.row import OnProgress, Row, higher, lower
 
 STEP_LIMIT_US = 20.0
 JUMP_LIMIT_M = 0.1
-_VISIT_S = 50.0
+_VISIT_S = 50.0  # into the room, a while there, and out
 _WIND_MPS = 5.0
 _WIND = WindCfg(speed_mps=_WIND_MPS, from_deg=233.0, turbulence_mps=SIGMA_OVER_W20 * _WIND_MPS)
 _UNITS = {"position": ("m", 1.0), "velocity": ("m/s", 1.0), "attitude": ("deg", 180.0 / math.pi)}
@@ -36,7 +36,7 @@ _UNITS = {"position": ("m", 1.0), "velocity": ("m/s", 1.0), "attitude": ("deg", 
 
 @dataclass(frozen=True, kw_only=True)
 class Case:
-    """One source of position."""
+    """A source of position, with the sensors and the wind that it is tested with."""
 
     title: str
     aiding: Literal["gnss", "vio", "mocap", "auto"]
@@ -63,7 +63,7 @@ class Flights:
     nees: dict[str, Float[np.ndarray, "flights instants"]]
     error: dict[str, Float[np.ndarray, "flights instants 3"]]
     wind_error_mps: Float[np.ndarray, "flights 2"]
-    """Wind error at the end of each flight."""
+    """Wind error at the end of each flight, when the filter has had time to find the wind."""
     innovation_square_sum: Float[np.ndarray, " kinds"]
     n_innovations: Float[np.ndarray, " kinds"]
 
@@ -79,10 +79,15 @@ class _Log:
 def rows(cfg: EstimateBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
     """Run every part of the benchmark.
 
+    Args:
+        cfg: Options of the benchmark.
+        on_progress: Called with what is being done, and the share that is done.
+
     Raises:
         AirframeError: If there is no such vehicle.
     """
     airframe = airframe_by_name(cfg.vehicle)
+    # Beforehand, so that no flight pays for it.
     compile_kernels()
     world = build_world(meadow(has_room=False), airframe)
     for number, case in enumerate(CASES):
@@ -100,7 +105,13 @@ def rows(cfg: EstimateBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
 
 
 def fly_case(world: World, case: Case, cfg: EstimateBenchCfg) -> Flights:
-    """Make all flights of a case."""
+    """Make all flights of a case.
+
+    Args:
+        world: World with the vehicle.
+        case: Case.
+        cfg: Options of the benchmark.
+    """
     logs, winds, squares, counts = [], [], 0.0, 0.0
     for seed in range(cfg.seed, cfg.seed + cfg.count):
         plant = Plant(
@@ -108,6 +119,7 @@ def fly_case(world: World, case: Case, cfg: EstimateBenchCfg) -> Flights:
             PlantCfg(seed=seed, aiding=case.aiding, gnss=case.gnss, imu=case.imu, wind=case.wind),
         )
         log = _Log()
+        # The second number makes a stream of draws of its own: the plant has the seed alone.
         for time_s in fly(plant, curves(np.random.default_rng((seed, 1))), cfg.seconds):
             if math.isclose(time_s, round(time_s), abs_tol=1e-6):
                 log.nees.append(nees(plant))
@@ -148,7 +160,7 @@ def _error_rows(case: Case, flights: Flights) -> Iterator[Row]:
 
 
 def _innovation_rows(case: Case, flights: Flights) -> Iterator[Row]:
-    """Mean squared innovation over its variance: 1 if the noise is as specified."""
+    """Mean squared innovation over its variance, for each kind: 1 if its noise is as specified."""
     for kind, square, n in zip(
         MEASUREMENTS, flights.innovation_square_sum, flights.n_innovations, strict=True
     ):
@@ -170,6 +182,7 @@ def _door_rows(world: World, cfg: EstimateBenchCfg) -> Iterator[Row]:
         jumps.append(largest_jump(h))
         error = np.linalg.norm(h["position_est_enu_m"] - h["position_true_enu_m"], axis=1)
         errors_m.append(error)
+        # A fix is known once an advance, the history has a row for each tick.
         indoors.append(np.repeat(~np.array(is_fixed), len(plant.history)))
     is_lost, error_m = np.concatenate(indoors), np.concatenate(errors_m)
     yield lower("through a door: largest jump of the estimate", max(jumps), "m", JUMP_LIMIT_M)
@@ -180,7 +193,11 @@ def _door_rows(world: World, cfg: EstimateBenchCfg) -> Iterator[Row]:
 
 
 def largest_jump(history: np.ndarray) -> float:
-    """Largest change of the estimated position in a tick beyond what its velocity explains, m."""
+    """Largest change of the estimated position in a tick beyond what its velocity explains, m.
+
+    Args:
+        history: Rows of a plant's history, one a tick.
+    """
     position, velocity = history["position_est_enu_m"], history["velocity_est_enu_mps"]
     dt_s = 1e-6 * np.diff(history["time_us"])[:, None]
     jump = np.diff(position, axis=0) - velocity[1:] * dt_s
@@ -189,6 +206,7 @@ def largest_jump(history: np.ndarray) -> float:
 
 def _step_rows(world: World, cfg: EstimateBenchCfg) -> Iterator[Row]:
     plant = Plant(world, PlantCfg(seed=cfg.seed, aiding="auto"))
+    # Flown to its end; the times are not wanted.
     deque(fly(plant, curves(np.random.default_rng(cfg.seed)), 1.0), maxlen=0)
     filters = np.array([plant.filter])
     for metric, has_all in (

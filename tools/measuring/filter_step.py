@@ -21,9 +21,11 @@ _N_TRIES = 5
 def step_us(filters: np.ndarray, *, has_all: bool) -> float:
     """CPU time of one step of a flying filter in us, the least of several tries.
 
+    The least, because other processes can only slow a try down.
+
     Args:
         filters: Filter in flight, in an array of shape (1,); it is not changed.
-        has_all: Whether every step has all measurements, instead of each at its own rate.
+        has_all: True for all measurements in every step, false for each at its own rate.
     """
     least = np.inf
     for attempt in range(_N_TRIES + 1):
@@ -37,10 +39,19 @@ def step_us(filters: np.ndarray, *, has_all: bool) -> float:
 
 @kernel
 def run_filter(filters: np.ndarray, n_steps: int, has_all: bool) -> None:
-    """Step a hovering filter with consistent measurements, at the plant's rates."""
+    """Step a hovering filter with consistent measurements.
+
+    Consistent ones leave its state where it is, so that every step takes the usual way.
+
+    Args:
+        filters: Array with one filter, which is changed.
+        n_steps: Number of steps.
+        has_all: True for all measurements in every step, false for each at its rate in the plant.
+    """
     f = filters[0]
     _hover(f)
     accel, gyro = np.zeros(3), np.zeros(3)
+    # At rest an accelerometer feels the ground's push, upwards.
     accel[2] = f.gravity_mps2
     rotors = np.full(4, 800.0)
     sigma = np.full(3, 0.05)

@@ -1,7 +1,7 @@
-"""`tools/bench.py grow`: what does a trial cost where the map grows, among movers, and in both?
+"""Cost of a trial where the map grows, among movers, and in both: `tools/bench.py grow`.
 
-Each trial is flown as in a campaign, in this one process; the first trial of each kind pays for
-the planner's programs and is not counted. A trial's task counts, as in a campaign's rows.
+Each trial is flown as in a campaign, in this one process; the first trial of each kind pays for the
+planner's programs and is not counted. A trial's task counts, as in a campaign's rows.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ KINDS: Mapping[str, Recipe] = {
     "both": Recipe(map=("onboard",), traffic=_CROWD),
 }
 MOST_CPU_S = 12.0
+# Coprime to the number of scenes.
 _STEP = 613
 """Scenes are taken in steps of this many, which visit all of them in turn."""
 _MOST_SCENES_A_TRIAL = 4
@@ -31,7 +32,15 @@ _MOST_SCENES_A_TRIAL = 4
 
 
 def rows(cfg: GrowBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
-    """Fly trials of each kind and sum up what they cost and how they ended."""
+    """Fly trials of each kind, and sum up their costs and results.
+
+    Args:
+        cfg: Options of the benchmark.
+        on_progress: Called with what is being done, and the share that is done.
+
+    Returns:
+        Rows of results.
+    """
     for n, (kind, recipe) in enumerate(KINDS.items()):
         with Flyer(Suite(recipe=recipe)) as flyer:
             on_progress(kind, n / len(KINDS))
@@ -48,6 +57,7 @@ def rows(cfg: GrowBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
 
 def _flown(cfg: GrowBenchCfg, flyer: Flyer) -> Iterator[TrialRow]:
     """Rows of the trials but the first, which warms the process up."""
+    # From -1, so that the first flight is number 0 and not counted.
     n_flown, number = -1, cfg.seed
     for _ in range(_MOST_SCENES_A_TRIAL * (cfg.count + 1)):
         if n_flown == cfg.count:

@@ -1,4 +1,9 @@
-"""Reference for the optimiser: states and times of a corridor problem solved jointly by ipopt."""
+"""Reference for the optimiser: states and times of a corridor problem solved jointly by ipopt.
+
+Our optimiser splits the problem into inner states for given times and the times themselves, and
+keeps limits by certificates. Ipopt, which takes some seconds for a problem, solves all of it at
+once, so that the difference in cost is the price of the split.
+"""
 
 from __future__ import annotations
 
@@ -54,12 +59,15 @@ def joint_optimum(
     times = first_times(corridor, bounds) if near is None else near.durations_s
     nodes = np.zeros((n + 1, 3, 3))
     nodes[:, 0] = corridor.gates_enu_m
+    # From rest to rest through the middles of the gates, or from the given solution.
     if near is not None:
         nodes = near.nodes
+    # Derivatives at a node are scaled by the times about it, which makes all unknowns of one size.
     tau = np.sqrt(times[:-1] * times[1:])[:, None, None]
     inner = nodes[1:-1] * tau ** np.arange(3)[None, :, None]
     table = np.concatenate([corridor.planes, corridor.rates_mps[:, :, None]], axis=2)
     fixed = [start.ravel(), goal.ravel(), table.ravel(), bounds.as_array(), np.ones(n)]
+    # Bounds: all times and states are free; the last n unknowns would relax limits, and stay 0.
     free = math.inf * np.ones(10 * n - 9)
     solve = _solver(n, planes, limits, quadrotor)
     solution = solve(
@@ -85,6 +93,7 @@ def _solver(n: int, planes: int, limits: FlightLimits, quadrotor: QuadrotorParam
         for i in range(1, _N_SAMPLES + 1):
             v, a, j = (_at(curve, i / _N_SAMPLES) for curve in points)
             asked = effort(ca.vertsplit(v), ca.vertsplit(a), ca.vertsplit(j), quadrotor)
+            # Tilt as a polynomial: cos^2 (1 + tan^2) is 1 at the limit, and more below it.
             upright = asked.cos_tilt
             rows.append(asked.specific_thrust_mps2 / limits.max_specific_thrust_mps2(quadrotor) - 1)
             rows.append(1 - upright**2 * (1 + tangent**2))
@@ -98,7 +107,7 @@ def _solver(n: int, planes: int, limits: FlightLimits, quadrotor: QuadrotorParam
 
 
 def _at(points: list[Any], share: float) -> Any:
-    """Value of a Bezier curve."""
+    """Value of a Bezier curve at a share of its length, by the Bernstein polynomials."""
     n = len(points) - 1
     return sum(
         math.comb(n, i) * share**i * (1 - share) ** (n - i) * point

@@ -40,42 +40,52 @@ from scenarios.pilot.eyes import camera_mount
 from scenarios.pilot.landing_watch import PERCHING_SCATTER_M, SCATTER_M, landing_needs
 from scenarios.trials.result import TrialResult
 
+# Targets of the results: percent of the sites and cells, m, m/s and CPU ms.
 MOST_UNSAFE_SITES, MOST_UNSAFE_CELLS = 0.5, 2.0
 MOST_TOUCHDOWN_ERROR_M, MOST_TOUCHDOWN_SPEED_MPS = 0.10, 0.5
 MOST_UPDATE_MS = 8.0
 VEHICLES = ("iris", "hummingbird")
-_AREAS_A_SCENE = 10
+_AREAS_A_SCENE = 10  # few, so that many scenes count
 _PERCHES_A_SCENE = 2
 _N_UPDATES = 40
-_LOOK_SHARE = 0.85
+_LOOK_SHARE = 0.85  # share of the progress that the looks take; the rest are flights
 
 
 @dataclass(kw_only=True, slots=True)
 class _Tally:
-    """Results so far for areas of one kind."""
+    """Results so far for areas of one kind; flags are true for what is bad."""
 
     n_areas: int = 0
     n_found: int = 0
     chosen: list[bool] = field(default_factory=list)
-    """Whether each site, as first chosen, is unsafe."""
+    """For each site, as first chosen, true if it is unsafe."""
     committed: list[bool] = field(default_factory=list)
     without_margin: list[bool] = field(default_factory=list)
-    """Whether each committed site would be unsafe somewhere within the scatter."""
+    """For each committed site, true if it would be unsafe somewhere within the scatter."""
     unsafe_cells: list[bool] = field(default_factory=list)
-    """Whether each cell that was taken for safe is unsafe."""
+    """For each cell that was taken for safe, true if it is unsafe."""
     missed_cells: list[bool] = field(default_factory=list)
-    """Whether each safe cell was missed."""
+    """For each safe cell, true if it was missed."""
     slope_errors_deg: list[float] = field(default_factory=list)
     aborts: Counter[str] = field(default_factory=Counter)
 
 
 def rows(cfg: LandBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
-    """Observe areas, fly to some and time the map."""
+    """Observe areas, fly to some and time the map.
+
+    Args:
+        cfg: Options of the benchmark.
+        on_progress: Called with what is being done, and the share that is done.
+
+    Returns:
+        Rows of results.
+    """
     numbers = scene_numbers(max(2, math.ceil(cfg.areas / _AREAS_A_SCENE)))
     landing, perching = _Tally(), _Tally()
     for index, number in enumerate(numbers):
         on_progress(f"scene {number}", _LOOK_SHARE * index / len(numbers))
         airframe = airframe_by_name(VEHICLES[index % len(VEHICLES)])
+        # Makes up for areas that earlier scenes lacked.
         share = cfg.areas * (index + 1) // len(numbers) - landing.n_areas
         _look_at_scene(number, airframe, share, cfg, (landing, perching))
     yield from _site_rows("", landing, MOST_UNSAFE_SITES)
@@ -132,6 +142,7 @@ def _judge(
     wide = landing_needs(surroundings.airframe, scatter_m)
     tally.n_areas += 1
     tally.n_found += look.committed is not None
+    # The first word of a reason names its kind; figures follow.
     tally.aborts.update(reason.split()[0] for reason in look.aborts)
     for sites, site, needs in (
         (tally.chosen, look.chosen, bare),
@@ -147,13 +158,14 @@ def _judge(
     exact = ground.judge(cells.true_enu_m, from_m, bare)
     with_margin = ground.judge(cells.true_enu_m, from_m, wide).is_safe
     tally.unsafe_cells += (~exact.is_safe[said]).tolist()
+    # Cells that keep the limits with the margin too should have been recognised.
     tally.missed_cells += (~said[with_margin]).tolist()
     errors = np.abs(cells.slope_rad - exact.slope_rad)[said & exact.is_safe]
     tally.slope_errors_deg += np.degrees(errors).tolist()
 
 
 def _update_ms(cfg: LandBenchCfg) -> float:
-    """Time to fuse and judge a frame of level ground 4 m below, on a map of 6 x 6 m."""
+    """CPU time to fuse and judge a frame, ms: level ground 4 m below, a map of 6 x 6 m."""
     airframe = airframe_by_name(VEHICLES[0])
     focal = HEIGHT_PX / 2 / math.tan(camera_mount(airframe, "down").vertical_fov_rad / 2)
     eye, rotation = camera_pose((0.0, 0.0, 4.0), (1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0), math.pi / 2)
@@ -177,6 +189,7 @@ def _update_ms(cfg: LandBenchCfg) -> float:
         elevation.add(image)
         assess(elevation, needs)
         spent_s.append(time.process_time() - begun_s)
+    # The least, because other processes can only slow an update down.
     return 1e3 * min(spent_s)
 
 

@@ -14,6 +14,10 @@ from scenarios.trials.result import TrialResult
 def fly_landing(scene: Scene, cfg: TestbenchCfg) -> tuple[TrialResult, int]:
     """Plan a mission through a scene and fly it.
 
+    Args:
+        scene: Scene.
+        cfg: Settings of the testbench.
+
     Returns:
         The result, and the number of descents that were called off.
 
@@ -26,6 +30,8 @@ def fly_landing(scene: Scene, cfg: TestbenchCfg) -> tuple[TrialResult, int]:
             changes = () if sitl.pilot is None else sitl.pilot.transitions
     except TestbenchError as error:
         if isinstance(error.__cause__, MissionError):
+            # The testbench wraps errors of the pilot that it starts.
             raise error.__cause__ from None
         raise
+    # The pilot climbs again only from a descent that it gives up.
     return result, sum(change.target is Phase.CLIMB for change in changes)

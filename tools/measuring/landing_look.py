@@ -38,6 +38,7 @@ N_CELLS = 80
 # The worst of 20 flights with RTK, docs/notebook.md: 0.15 m and 0.34 degrees in three axes.
 _POSITION_ERROR_M, _TILT_ERROR_RAD = 0.09, math.radians(0.2)
 _ERROR_CORRELATION_S = 10.0
+# The vehicle sways about its commanded place and tilts to hold it; the pilot knows both.
 _WOBBLE_M, _WOBBLE_RAD, _WOBBLE_CORRELATION_S = 0.04, math.radians(1.5), 0.7
 _STEP_S = 1e-6 * FRAME_PERIOD_US
 
@@ -51,14 +52,15 @@ class Wander:
         self.value = sigma * rng.standard_normal(len(sigma))
 
     def step(self) -> None:
-        """Advance by the period of the frames."""
+        """Advance the process by the period of the frames."""
         fresh = self._sigma * self._rng.standard_normal(len(self._sigma))
+        # Scaled so that the variance stays what it was.
         self.value = self._keep * self.value + math.sqrt(1.0 - self._keep**2) * fresh
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class JudgedSite:
-    """A site and the place where the vehicle would really land."""
+    """A site, and the place where the vehicle would really land if it went there."""
 
     site: LandingSite
     true_enu_m: Float[np.ndarray, " 2"]
@@ -75,15 +77,15 @@ class SeenCells:
 
 @dataclass(kw_only=True, eq=False)
 class Look:
-    """Result at one area."""
+    """Result of a landing on one area."""
 
     chosen: JudgedSite | None = None
-    """Choice from the hover point in the first search."""
+    """Choice from the hover point in the first search; None if there was none."""
     committed: JudgedSite | None = None
     """Site a metre below the vehicle after the last check; None if the area was given up."""
     cells: SeenCells | None = None
     aborts: list[str] = field(default_factory=list)
-    """Reasons for aborted descents."""
+    """Reasons of the watch for which descents were called off."""
 
 
 class LookRig:
@@ -97,7 +99,13 @@ class LookRig:
     def frame(
         self, position_enu_m: np.ndarray, quat_wxyz: np.ndarray, rng: np.random.Generator
     ) -> PosedDepth:
-        """Camera frame from a given pose."""
+        """Render a camera frame from a given pose, with the errors of the camera.
+
+        Args:
+            position_enu_m: True position of the vehicle.
+            quat_wxyz: True attitude.
+            rng: Source of the camera's errors.
+        """
         self._data.qpos[:7] = (*position_enu_m, *quat_wxyz)
         frame = self._renderer.render_depth(self._data, CAMERA, 0)
         if self._camera is not None:
@@ -105,12 +113,12 @@ class LookRig:
         return frame
 
     def close(self) -> None:
-        """Release the renderer."""
+        """Release the renderer, which holds memory of the graphics."""
         self._renderer.close()
 
 
 class Looker:
-    """One landing on one area."""
+    """One landing on one area, as the pilot goes about it."""
 
     def __init__(
         self,
@@ -132,11 +140,12 @@ class Looker:
         self._mount = camera_mount(surroundings.airframe, CAMERA)
 
     def land(self) -> Look:
-        """Search, choose, descend; climb back and search again if the place turns out bad."""
+        """Search, choose and descend; climb back and search again if the place turns out bad."""
         look = Look()
         for _ in range(MAX_LOOKS):
             watch = LandingWatch(self._world, self._area, self._hover_enu_m)
             site = self._search(watch)
+            # Only the first search counts, so that every area has one choice.
             if look.cells is None:
                 look.cells = self._cells(watch)
                 look.chosen = self._judged(site)
@@ -158,7 +167,11 @@ class Looker:
         return None
 
     def _descend(self, watch: LandingWatch, site: LandingSite) -> tuple[LandingSite, str | None]:
-        """The site as known from a metre above, and the reason against it, if any."""
+        """Descend over a site.
+
+        Returns:
+            The site as known from a metre above, and the reason against it, if any.
+        """
         height_m = self._hover_enu_m[2]
         leg_m = self._world.airframe.leg_length_m
         while height_m > site.position_enu_m[2] + leg_m + COMMIT_HEIGHTS_M[0]:
@@ -176,8 +189,10 @@ class Looker:
         believed = commanded_enu_m + self._wobble.value
         yaw = Rotation.from_rotvec([0.0, 0.0, self._yaw_rad])
         attitude = yaw * Rotation.from_rotvec(self._tilt.value)
+        # The estimate is the truth and its error.
         true = believed - self._position_error.value
         frame = self._rig.frame(true, attitude.as_quat(scalar_first=True), self._rng)
+        # In the world: the error turns the attitude that the vehicle has.
         seen_as = Rotation.from_rotvec(self._turn_error.value) * attitude
         quat = tuple(seen_as.as_quat(scalar_first=True).tolist())
         telemetry = Telemetry(position_enu_m=vector3(believed), quat_wxyz=quat)
@@ -187,6 +202,7 @@ class Looker:
     def _judged(self, site: LandingSite | None) -> JudgedSite | None:
         if site is None:
             return None
+        # The vehicle flies to the site in its estimate, and so misses it by the estimate's error.
         true = np.array(site.position_enu_m[:2]) - self._position_error.value[:2]
         return JudgedSite(site=site, true_enu_m=true)
 

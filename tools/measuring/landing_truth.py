@@ -1,4 +1,7 @@
-"""True landing ground of a vehicle: vertical rays onto the solids of the physics."""
+"""True landing ground of a vehicle, by vertical rays onto the solids of the physics.
+
+The pilot's own map is not asked: a fault in its judgement would confirm itself.
+"""
 
 from __future__ import annotations
 
@@ -13,12 +16,12 @@ from flightsim.looks.geom_groups import GeomGroup
 from flightsim.looks.rays import RayScene
 from flightsim.world import World
 
-_SPACING_M = 0.03
+_SPACING_M = 0.03  # between two rays
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class TrueGround:
-    """True ground under a vehicle at several places."""
+    """True ground under a vehicle at n places."""
 
     slope_rad: Float[np.ndarray, " n"]
     """Slope of the least-squares plane under the feet."""
@@ -31,7 +34,7 @@ class TrueGround:
 
 
 class ExactGround:
-    """Solids of a world, probed from above."""
+    """Solids of a world, probed from above; all of them as triangles."""
 
     def __init__(self, world: World) -> None:
         model, data = world.model, world.new_data()
@@ -47,9 +50,9 @@ class ExactGround:
         """Judge places for a vehicle's centre.
 
         Args:
-            places_enu_m: Horizontal positions.
-            from_m: Height at which the rays start.
-            needs: Needs of the vehicle, without margin.
+            places_enu_m: Horizontal positions, n x 2.
+            from_m: Height at which the rays start; what hangs above it is not seen.
+            needs: Needs of the vehicle, with or without margin.
         """
         offsets = _disc(needs.body_radius_m)
         points = (places_enu_m[:, None] + offsets).reshape(-1, 2)
@@ -57,8 +60,10 @@ class ExactGround:
         down = np.broadcast_to(np.array([0.0, 0.0, -1.0]), eyes.shape)
         height = from_m - self._rays.first_hits(eyes, down).distance.astype(float)
         height = height.reshape(len(places_enu_m), len(offsets))
+        # Feet may end up anywhere in the circle, because the heading at touchdown is free.
         is_foot = np.hypot(*offsets.T) <= needs.footprint_radius_m
         design = np.column_stack([np.ones(len(offsets)), offsets])
+        # One pseudo-inverse serves all places: the rays lie alike about each.
         plane = np.linalg.pinv(design[is_foot]) @ height[:, is_foot].T
         above = height - (design @ plane).T
         slope = np.arctan(np.hypot(plane[1], plane[2]))

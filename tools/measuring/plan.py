@@ -1,6 +1,8 @@
 """Share of problems that the planner solves, its speed and the quality of its plans.
 
-Times are CPU times of the process, kernels compiled and programs built.
+Times are CPU times of the process, kernels compiled and programs built. Plans are compared with two
+others: the joint optimum of the same problem, which shows what the split of ours costs, and
+primitives by Mueller, Hehn and D'Andrea 2015, which are a common fast planner.
 """
 
 from __future__ import annotations
@@ -36,18 +38,19 @@ from scenarios.bench.row import OnProgress, Row, higher, lower
 from scenarios.mission.mission import plan_mission
 from scenarios.mission.surroundings import MissionError, Surroundings, survey
 
+# Targets of the results: percent, CPU ms, and percent above the optimum.
 LEAST_SOLVED, LEAST_AVOIDED = 99.5, 95.0
 MOST_MISSION_MS, MOST_REPLAN_MS = 500.0, 20.0
 MOST_ABOVE_OPTIMUM = 1.0
 N_PIECES = 8
-_CHECK_STEP_S = 0.004
+_CHECK_STEP_S = 0.004  # between samples of the independent check
 _TOLERANCE = 0.011
 """Tolerance that the certificate grants on a limit, plus rounding."""
 
 
 @dataclass(kw_only=True, slots=True)
 class _Tally:
-    """Results so far."""
+    """Results so far, of all scenes."""
 
     n_pairs: int = 0
     n_sound: int = 0
@@ -65,7 +68,15 @@ class _Tally:
 
 
 def rows(cfg: PlanBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
-    """Plan missions and pairs in scenes, replan some and compare with other planners."""
+    """Plan missions and pairs in scenes, replan some and compare with other planners.
+
+    Args:
+        cfg: Options of the benchmark.
+        on_progress: Called with what is being done, and the share that is done.
+
+    Returns:
+        Rows of results.
+    """
     airframe = airframe_by_name(cfg.vehicle)
     tally = _Tally()
     numbers = scene_numbers(cfg.scenes)
@@ -74,6 +85,7 @@ def rows(cfg: PlanBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
     prepare()
     for index, number in enumerate(numbers):
         on_progress(f"scene {number}", index / len(numbers))
+        # Differences of rounded shares, so that the counts of all scenes add up.
         n_pairs = cfg.count * (index + 1) // len(numbers) - cfg.count * index // len(numbers)
         rng = np.random.default_rng([cfg.seed, number])
         _measure_scene(number, airframe, n_pairs, cfg, rng, tally)
@@ -120,7 +132,15 @@ def _measure_scene(
 
 
 def is_sound(world: Surroundings, plan: Trajectory) -> bool:
-    """Whether dense samples, independent of the certificate, touch nothing and keep the limits."""
+    """Check a plan by dense samples, apart from the certificate.
+
+    Args:
+        world: World that the plan was made in.
+        plan: Plan.
+
+    Returns:
+        True if no sample touches anything or breaks a limit.
+    """
     times = np.arange(0.0, plan.duration_s, _CHECK_STEP_S)
     velocity, acceleration, jerk = (plan.derivatives(times, order) for order in (1, 2, 3))
     limits, quadrotor = world.limits, world.airframe.quadrotor
@@ -140,7 +160,7 @@ def is_sound(world: Surroundings, plan: Trajectory) -> bool:
 
 
 def cost_s(plan: Trajectory) -> float:
-    """Cost that the optimiser minimises: time plus weighted squared jerk."""
+    """Cost that the optimiser minimises: time plus weighted squared jerk, in s."""
     jerk = float(np.sum(squared_jerk(plan.coefficients, plan.durations_s)))
     return jerk / JERK_WEIGHT_M2PS5 + plan.duration_s
 
@@ -170,6 +190,7 @@ def _replan_ms(world: Surroundings, plan: Trajectory) -> list[float]:
     if len(plan.durations_s) != N_PIECES:
         return []
     spent = []
+    # Within the first piece, so that all eight are still ahead.
     for share in (0.2, 0.4, 0.6):
         at_s = share * float(plan.durations_s[0])
         begun_s = time.process_time()
@@ -179,7 +200,7 @@ def _replan_ms(world: Surroundings, plan: Trajectory) -> list[float]:
 
 
 def _again(world: Surroundings, plan: Trajectory, cfg: PlannerCfg) -> Trajectory:
-    """A new plan between the same places."""
+    """Plan again between the same places, with other settings."""
     start, goal = (plan.sample(t).position_enu_m for t in (0.0, plan.duration_s))
     return plan_trajectory(
         FlatReference(position_enu_m=start),
@@ -191,7 +212,7 @@ def _again(world: Surroundings, plan: Trajectory, cfg: PlannerCfg) -> Trajectory
 
 
 def _above_optimum(world: Surroundings, plan: Trajectory) -> list[float]:
-    """Percentage by which a plan costs more than the joint optimum, if that is found."""
+    """Percentage by which a plan costs more than the joint optimum; empty if that is not found."""
     start, goal = (plan.sample(t).position_enu_m for t in (0.0, plan.duration_s))
     assert plan.corridor is not None
     best = joint_optimum(

@@ -1,4 +1,8 @@
-"""Crossing traffic on a plan that is being flown: a trial of replanning and braking, by seed."""
+"""Crossing traffic on a plan that is being flown: a trial of replanning and braking, by seed.
+
+The plan is followed exactly and the walker is seen with errors, so that the trial measures the
+planner and neither the pilot nor the perception.
+"""
 
 from __future__ import annotations
 
@@ -13,14 +17,16 @@ from scenarios.mission.surroundings import Surroundings
 
 _PERSON_RADIUS_M = 0.35
 _PERSON_HALF_HEIGHT_M = 0.6
-_MOST_SPEED_MPS = 3.0
+_MOST_SPEED_MPS = 3.0  # walkers run, too
+# Sightings, the time that a new plan takes, and the time after the meeting that is looked at.
 _LOOK_EVERY_S = 0.2
 _PLANNING_TIME_S = 0.1
 _AFTER_S = 2.5
+# growth of the walker's room in the planner's eyes, for its velocity is uncertain
 _GROWTH_MPS = 0.2
 _POSITION_SIGMA_M = (0.1, 0.1, 0.1)
 _VELOCITY_SIGMA_MPS = (0.2, 0.2, 0.0)
-_MARGIN_M = 0.3
+_MARGIN_M = 0.3  # a plan that leads nearer is changed
 _STEP_S = 0.02
 
 
@@ -30,9 +36,9 @@ class Crossing:
 
     is_avoided: bool
     has_braked: bool
-    """Stopped or stepped aside, because no way past could be certified."""
+    """True if the vehicle stopped or stepped aside, because no way past could be certified."""
     has_gone_on: bool
-    """The vehicle ends at its goal, or on a plan to it."""
+    """True if the vehicle ends at its goal, or on a plan to it."""
     replans_ms: tuple[float, ...]
 
 
@@ -47,7 +53,13 @@ def fly_past_a_crossing(
     than 0.3 m, a new one takes over 0.1 s later; without one the vehicle stops or steps aside, and
     tries to continue with each sighting.
 
-    None if the plan is too short for that, or the walker would start within 0.6 m of the vehicle.
+    Args:
+        world: World that the plan was made in.
+        plan: Plan.
+        rng: Source of the walker and of all errors.
+
+    Returns:
+        The result; None if the plan is too short, or the walker would start within 0.6 m.
     """
     at_s = rng.uniform(2.0, 4.0)
     speed, heading = rng.uniform(0.5, _MOST_SPEED_MPS), rng.uniform(-math.pi, math.pi)
@@ -55,6 +67,7 @@ def fly_past_a_crossing(
         return None
     velocity = speed * np.array([math.cos(heading), math.sin(heading), 0.0])
     meet = plan.positions(np.array([at_s]))[0]
+    # Its room does not grow: this is the true walker.
     walker = _capsule(meet - velocity * at_s, velocity, growth_mps=0.0)
     if walker.distances(plan.positions(np.zeros(1)), np.zeros(1))[0][0, 0] < world.radius_m + 0.6:
         return None
@@ -64,6 +77,7 @@ def fly_past_a_crossing(
         now_s = look * _LOOK_EVERY_S
         seen_velocity = velocity + rng.normal(0.0, _VELOCITY_SIGMA_MPS)
         seen = walker.position_enu_m[0] + velocity * now_s + rng.normal(0.0, _POSITION_SIGMA_M)
+        # A new plan begins after the time that planning takes, when the walker has moved on.
         ahead = seen + seen_velocity * _PLANNING_TIME_S
         t = now_s + np.arange(0.0, _PLANNING_TIME_S, _STEP_S)
         path = [flight.positions(t)]
@@ -81,7 +95,7 @@ def fly_past_a_crossing(
 
 
 class _Flight:
-    """The present plan, and the way to the goal if that plan is a stop."""
+    """Present plan, and the way to the goal if that plan is a stop."""
 
     def __init__(self, world: Surroundings, plan: Trajectory) -> None:
         self._world, self._plan, self._since_s = world, plan, 0.0
@@ -90,11 +104,16 @@ class _Flight:
         self.replans_ms: list[float] = []
 
     def positions(self, times_s: np.ndarray) -> np.ndarray:
-        """Positions of the vehicle."""
+        """Positions of the vehicle at times of the trial, n x 3."""
         return self._plan.positions(times_s - self._since_s)
 
     def look(self, then_s: float, seen: MovingObstacles) -> None:
-        """Change the plan from a given time on, if necessary."""
+        """Change the plan from a given time on, if necessary.
+
+        Args:
+            then_s: Time at which a new plan would begin.
+            seen: The walker as seen, at that time.
+        """
         at_s = then_s - self._since_s
         if not self.is_holding and not self._meets(at_s, seen, _MARGIN_M):
             return
@@ -106,6 +125,7 @@ class _Flight:
         self.replans_ms.append(1e3 * (time.process_time() - begun_s))
         if plan is None:
             return
+        # The first stop keeps the way that it interrupts; further ones must not.
         if is_stop and not self.is_holding:
             self._way, self._way_at_s = self._plan, at_s
         self._plan, self._since_s, self.is_holding = plan, then_s, is_stop
@@ -114,6 +134,7 @@ class _Flight:
     def _go_on(self, at_s: float, seen: MovingObstacles) -> Trajectory:
         if not self.is_holding:
             return self._world.replan(self._plan, at_s, moving=seen)
+        # From the middle of a stop back to the way that it has interrupted.
         start = self._plan.sample(at_s)
         return self._world.replan(self._way, self._way_at_s, moving=seen, start=start)
 
@@ -128,7 +149,7 @@ class _Flight:
             return None
 
     def _meets(self, at_s: float, seen: MovingObstacles, margin_m: float) -> bool:
-        """Whether the present plan comes nearer than a margin to what is seen."""
+        """True if the present plan comes nearer than a margin to what is seen."""
         t = np.arange(0.0, seen.horizon_s, 0.05)
         distance = seen.distances(self._plan.positions(at_s + t), t)[0]
         return bool(distance.min() < self._world.radius_m + margin_m)

@@ -25,9 +25,10 @@ _PATIENCE_S = 30.0
 """Wall time within which an answer must come, or another try at arming succeed."""
 _ACK_S, _TRIES = 3.0, 10
 """Wall time after which a command is repeated: at many times real time UDP loses some messages."""
+# A stack gives no sign that it hovers, so that the speed has to show it.
 _SLOW_MPS, _SETTLED_S = 0.3, 5.0
-"""Hover is told from flight by the speed, and is steady after so long."""
-_TAKEOFF_M = 5.0
+"""Speed below which the vehicle hovers, and the time until its throttle is steady."""
+_TAKEOFF_M = 5.0  # height at which ArduCopter's take-off ends
 _RELATIVE = mavlink.MAV_FRAME_GLOBAL_RELATIVE_ALT_INT
 _STREAMS_HZ = {
     mavlink.MAVLINK_MSG_ID_ATTITUDE_TARGET: 10,
@@ -43,20 +44,23 @@ Item = tuple[int, tuple[float, float, float, float], Waypoint]
 
 @dataclass(frozen=True, kw_only=True)
 class Customs:
-    """Where PX4 and ArduCopter want it said differently."""
+    """Ways in which PX4 and ArduCopter want the same thing said."""
 
     before_arming: tuple[float, ...]
-    """Mode to arm in: the last parameters of MAV_CMD_DO_SET_MODE; none keeps its own."""
+    """Mode to arm in: the last parameters of MAV_CMD_DO_SET_MODE; empty keeps the stack's own."""
     mission_mode: tuple[float, ...]
     takeoff_m: float
-    """Height told at take-off; PX4 takes its own, MIS_TAKEOFF_ALT, for not a number."""
+    """Height given at take-off; for not-a-number PX4 takes its own, MIS_TAKEOFF_ALT."""
     unused: float
-    """Said for a parameter of the take-off that is left open; ArduCopter's simulation ends by it
-    where it is not a number."""
+    """Value of a take-off's parameter that is left open.
+
+    ArduCopter's simulation ends by one that is not a number.
+    """
     first_item: int
     """Number of the first item of a mission; ArduCopter's number 0 is home."""
 
 
+# PX4's mode (4, 4) is automatic flight of a mission; ArduCopter's 4 is guided, 3 automatic.
 CUSTOMS = {
     "px4": Customs(
         before_arming=(), mission_mode=(4, 4), takeoff_m=math.nan, unused=math.nan, first_item=0
@@ -68,15 +72,24 @@ CUSTOMS = {
 
 
 class StackError(RuntimeError):
-    """The flight stack did not do what it was told."""
+    """The flight stack refused something, did not answer, or was too slow."""
 
 
 class Client:
-    """Commands one flight stack, and keeps what it says of its hover."""
+    """A ground station that commands one flight stack, and keeps its throttle in hover."""
 
     def __init__(self, name: str, address: str) -> None:
-        """Connect, and ask for what is measured."""
+        """Connect, and ask for what is measured.
+
+        Args:
+            name: "px4" or "ardupilot".
+            address: Address in the words of pymavlink.
+
+        Raises:
+            StackError: If no heartbeat comes.
+        """
         self._customs = CUSTOMS[name]
+        # Another system than a usual ground station, so that a real one may listen too.
         self._link = mavutil.mavlink_connection(address, source_system=254, retries=60)
         if self._link.wait_heartbeat(timeout=2 * _PATIENCE_S) is None:
             raise StackError(f"no heartbeat at {address}")
@@ -90,15 +103,25 @@ class Client:
     def fly(self, waypoints: Sequence[Waypoint], laps: int, hover_s: float) -> int:
         """Fly a mission some times over, hover at its end, return and land.
 
+        Args:
+            waypoints: Places to fly to.
+            laps: Number of times that all of them are flown.
+            hover_s: Time of steady hover.
+
         Returns:
             Number of waypoints that the stack has reported to have reached.
+
+        Raises:
+            StackError: If the stack refuses something, or stays silent.
         """
         customs, first = self._customs, self._customs.first_item
         plain = (0.0, 0.0, 0.0, 0.0)
         items: list[Item] = [(mavlink.MAV_CMD_NAV_WAYPOINT, plain, place) for place in waypoints]
         if laps > 1:
+            # Back to the first item, once less than there are laps.
             jump = (float(first), laps - 1.0, 0.0, 0.0)
             items.append((mavlink.MAV_CMD_DO_JUMP, jump, (0.0, 0.0, 0.0)))
+        # ArduCopter takes item 0 for home, so that any item may stand there.
         self._upload([items[0]] * first + items)
         _say(f"has {len(items)} items of a mission")
         self._arm()
@@ -115,7 +138,7 @@ class Client:
         return n_reached
 
     def _follow(self, n_waypoints: int, laps: int) -> int:
-        """Wait for the end of the mission; the number of waypoints reported to be reached."""
+        """Wait for the end of the mission, and count the waypoints reported to be reached."""
         first, n_reached = self._customs.first_item, 0
         complete = mavlink.MISSION_STATE_COMPLETE
         while n_reached < laps * n_waypoints:
@@ -148,7 +171,7 @@ class Client:
             raise StackError(f"mission of {len(items)} items: refused with {asked.type}")
 
     def _arm(self) -> None:
-        """Arm as soon as the stack lets us: it is ready only when its estimator is."""
+        """Arm as soon as the stack accepts it: it is ready only when its estimator is."""
         deadline_s = time.monotonic() + 2 * _PATIENCE_S
         while True:
             self._set_mode(self._customs.before_arming)
@@ -180,10 +203,15 @@ class Client:
             raise StackError(f"command {number}: refused with {result}")
 
     def _command(self, number: int, *params: float) -> int:
-        """Send a command and return what it is answered with."""
+        """Send a command, again if no answer comes.
+
+        Returns:
+            MAV_RESULT of the answer.
+        """
         padded = (*params, *(0.0,) * (7 - len(params)))
         system, component = self._link.target_system, self._link.target_component
         for attempt in range(_TRIES):
+            # The confirmation counts repetitions of a command.
             self._link.mav.command_long_send(system, component, number, attempt, *padded)
             with contextlib.suppress(StackError):
                 acked = self._wait("COMMAND_ACK", lambda m: m.command == number, limit_s=_ACK_S)
@@ -196,10 +224,20 @@ class Client:
         is_it: Callable[[Message], bool] = lambda _: True,
         limit_s: float = math.inf,
     ) -> Message:
-        """Wait for a message; everything that comes in the meantime is looked at."""
+        """Wait for a message; every other one that comes in the meantime is looked at, too.
+
+        Args:
+            kinds: Names of messages, one of which is wanted.
+            is_it: True for the wanted message among those of these names.
+            limit_s: Longest wall time to wait.
+
+        Raises:
+            StackError: If the message does not come, or the stack falls silent.
+        """
         wanted = [kinds] if isinstance(kinds, str) else kinds
         began_s = heard_s = time.monotonic()
         while time.monotonic() < min(heard_s + _PATIENCE_S, began_s + limit_s):
+            # Without its heartbeats a ground station counts as lost.
             self._beat()
             message = self._link.recv_match(blocking=True, timeout=1.0)
             if message is None:
@@ -238,7 +276,11 @@ def _say(line: str) -> None:
 
 
 def main() -> int:
-    """Fly what comes as JSON on standard input: waypoints, laps and hover_s."""
+    """Fly the task that comes as JSON on standard input: waypoints, laps and hover_s.
+
+    Returns:
+        Exit status: 1 if the stack failed.
+    """
     name, address = sys.argv[1:]
     task = json.load(sys.stdin)
     try:

@@ -1,4 +1,8 @@
-"""Collects the objects of a scene and refuses whatever would overlap."""
+"""Builder of a scene: it collects objects and refuses every one that would overlap.
+
+The grammar therefore needs no bookkeeping: a place tries to put an object down and goes on without
+it if it does not fit. Every scene is free of overlaps from the first object on, at any step.
+"""
 
 from __future__ import annotations
 
@@ -14,13 +18,13 @@ from aeroscene.scene.catalogue import category_id
 from aeroscene.scene.overlap import iou
 
 Attributes = Mapping[str, AttributeValue]
-"""What the box of an object does not say."""
+"""Attributes of an object: its properties beyond the box."""
 TOUCH_M = 0.001
-"""Overlaps below this count as touching."""
+"""Overlap up to which two boxes count as touching, m."""
 _RESERVED = -1
-"""Number of an occupant that is no object, but air that is kept free."""
+"""Number of an occupant that is not an object but air to be kept free."""
 MAX_IOU = 0.01
-"""Largest overlap of two boxes neither of which is the other's parent."""
+"""Largest overlap (intersection over union) of two boxes unless one is the other's parent."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +46,7 @@ class Placed:
 
 @dataclass(frozen=True, slots=True)
 class _Occupant:
-    """An upright box as the overlap test wants it."""
+    """An upright box in the form that the overlap test needs."""
 
     x: float
     y: float
@@ -56,17 +60,20 @@ class _Occupant:
     object_id: int
 
     def overlaps(self, other: _Occupant) -> bool:
-        """Whether two boxes share more than a touch."""
+        """Return true if two boxes share more than a touch."""
         if self.low >= other.high - TOUCH_M or other.low >= self.high - TOUCH_M:
             return False
+        # Circles around both outlines decide most pairs without their axes.
         dx, dy = other.x - self.x, other.y - self.y
         reach = self.reach + other.reach
         if dx * dx + dy * dy >= reach * reach:
             return False
+        # Upright boxes overlap if no axis separates them: heights are compared above, and each
+        # outline has two axes.
         return self._is_near(other, dx, dy) and other._is_near(self, -dx, -dy)
 
     def _is_near(self, other: _Occupant, dx: float, dy: float) -> bool:
-        """Whether neither axis of this box separates the two."""
+        """Return true if neither axis of this box separates the two outlines."""
         c = abs(self.cos * other.cos + self.sin * other.sin)
         s = abs(self.sin * other.cos - self.cos * other.sin)
         along = abs(dx * self.cos + dy * self.sin)
@@ -78,7 +85,14 @@ class _Occupant:
 
 
 class Builder:
-    """The growing scene: every object gets the next id, so that parents precede children."""
+    """The growing scene: every object gets the next id, so that parents precede children.
+
+    Attributes:
+        scene_id: Id of the scene.
+        objects: Objects so far.
+        n_coarse: Number of coarse objects so far.
+        n_fine: Number of fine objects so far.
+    """
 
     def __init__(self, scene_id: str) -> None:
         self.scene_id = scene_id
@@ -90,7 +104,7 @@ class Builder:
         self._bounds: tuple[tuple[float, float], tuple[float, float]] | None = None
 
     def enclose(self, low: tuple[float, float], high: tuple[float, float]) -> None:
-        """Refuse from now on whatever leaves an upright rectangle, ENU, m."""
+        """Refuse from now on every object that leaves an upright rectangle, ENU, m."""
         self._bounds = (low, high)
 
     def place(
@@ -106,22 +120,23 @@ class Builder:
         domain: ObjectDomain | None = None,
         look: Attributes | None = None,
     ) -> Placed | None:
-        """Put an object into the scene, or return None where it does not fit.
+        """Put an object into the scene, or return None if it does not fit.
 
         Args:
             name: Category.
             spot: Place and heading of the centre.
-            size: Full extents, m.
+            size: Full extents, m; rounded to millimetres.
             base: Height of the underside, m; by default the parent's top, or else the ground.
-            parent: What carries or contains the object: the two may overlap. With the parent's
-                own line it may share as little as two strangers may.
+            parent: Object that carries or contains this one: the two may overlap. With the parent's
+                own ancestors it may share as little as two strangers may.
             within: Object whose outline must hold this one's.
             margin: Distance to keep from everything else, m.
             domain: Indoor or outdoor; the parent's by default.
-            look: Attributes of the object: what the box does not say.
+            look: Attributes of the object.
         """
         if base is None:
             base = parent.top if parent else 0.0
+        # Rounded as files are, so that the test sees the sizes that readers will see.
         size = (round(size[0], 3), round(size[1], 3), round(size[2], 3))
         box = _occupant(spot, size, base, margin, len(self.objects))
         line = frozenset() if parent is None else self._ancestors[parent.id] | {parent.id}
@@ -142,17 +157,26 @@ class Builder:
             domain=domain,
             attributes=dict(look or {}),
         )
+        # Ancestors were left out of the overlap test, because a room lies inside its building. An
+        # object that fills most of a remote ancestor is refused here.
         if any(_share_too_much(obj, self.objects[i]) for i in line if i != obj.parent_id):
             return None
         self.objects.append(obj)
         self.n_coarse += obj.is_coarse
         self.n_fine += not obj.is_coarse
+        # Without the margin, which is this object's wish and no claim on later ones.
         self._occupants.append(_occupant(spot, size, base, 0.0, obj.id))
         self._ancestors[obj.id] = line
         return Placed(obj.id, name, spot, size, base, domain)
 
     def reserve(self, spot: Frame, size: Vector3, base: float) -> None:
-        """Keep a box of air free of everything that is placed from now on."""
+        """Keep a box of air free of every object that is placed from now on.
+
+        Args:
+            spot: Place and heading of its centre.
+            size: Full extents, m.
+            base: Height of its underside, m.
+        """
         self._occupants.append(_occupant(spot, size, base, 0.0, _RESERVED))
 
     def is_free(
@@ -164,9 +188,14 @@ class Builder:
         *,
         or_reserved: bool = False,
     ) -> bool:
-        """Whether nothing stands in a box, but for what contains it.
+        """Return true if nothing stands in a box, apart from the objects that contain it.
 
-        Air that is kept free counts as taken, unless `or_reserved`.
+        Args:
+            spot: Place and heading of the box.
+            size: Full extents, m.
+            base: Height of its underside, m.
+            inside: Object that contains the box; its ancestors contain it as well.
+            or_reserved: Count reserved air as free.
         """
         line = frozenset() if inside is None else self._ancestors[inside.id] | {inside.id}
         line |= {_RESERVED} if or_reserved else set()
@@ -207,6 +236,7 @@ def _occupant(spot: Frame, size: Vector3, base: float, margin: float, object_id:
 
 def _share_too_much(first: SceneObject, second: SceneObject) -> bool:
     volumes = sorted((math.prod(first.bbox.s), math.prod(second.bbox.s)))
+    # Sharing cannot exceed the smaller volume, so unequal boxes need no exact test.
     return volumes[0] > MAX_IOU * volumes[1] and iou(first.bbox, second.bbox) > MAX_IOU
 
 

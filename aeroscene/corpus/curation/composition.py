@@ -1,9 +1,10 @@
-"""How a scene grows: composers lay places out, places fill themselves step by step.
+"""Growth of a scene: composers lay places out, places fill themselves step by step.
 
 A place is a small grammar. Each of its two generators yields after a step that leaves the scene
-whole: first what makes the place what it is, then what enriches it, the least telling last. The
-curator takes steps from all places in turn and stops when the scene has as many objects as it
-should, so that every scene keeps its budget whatever stands in it.
+whole. The first steps place what characterises the place, later ones enrich it, and the least
+characteristic come last. The curator takes steps from all places in turn and stops when the scene
+has as many objects as it should. Every scene therefore keeps its budget whatever stands in it, and
+no place is left half finished.
 """
 
 from __future__ import annotations
@@ -20,35 +21,48 @@ class Place(Protocol):
     """One place of a scene: a parcel, a street, a floor of rooms."""
 
     def structures(self) -> Iterator[None]:
-        """Place what is coarse: ground, buildings, rooms, fences."""
+        """Grow coarse objects: ground, buildings, rooms, fences.
+
+        Each step leaves the place whole; the first one makes it recognisable.
+        """
         ...
 
     def details(self) -> Iterator[None]:
-        """Place what is fine: furniture, plants, vehicles."""
+        """Grow fine objects: furniture, plants, vehicles.
+
+        They are asked for after the structures of all places, and after the home pad.
+        """
         ...
 
 
 @dataclass(frozen=True, kw_only=True)
 class Composition:
-    """What a composer has laid out."""
+    """Result of a composer: the places of a scene and its bounds."""
 
     theme: str
-    """Name of what the scene is."""
+    """Name of the kind of scene."""
     places: list[Place]
     extent_min_enu_m: Vector3
     """Lower corner of the flight volume."""
     extent_max_enu_m: Vector3
-    """Upper corner of the flight volume; its height is raised over what stands higher."""
+    """Upper corner of the flight volume; the curator raises it over higher objects."""
     fulness: float = 1.0
-    """How many fine objects it should have, relative to the average scene."""
+    """Number of fine objects, relative to the average scene."""
     place_start: Callable[[], Placed]
-    """Puts the home pad down, once the structures stand and before the details."""
+    """Function that puts the home pad down, after the structures and before the details."""
 
 
 def fill(growths: Iterable[Iterator[None]], is_full: Callable[[], bool]) -> None:
-    """Take steps in turn, at least one of each, until the scene is full or nothing grows."""
+    """Take steps in turn until the scene is full or nothing grows.
+
+    Args:
+        growths: Generators of steps. Each takes at least one step, even in a full scene, because
+            the first step makes a place recognisable.
+        is_full: Asked before each further step.
+    """
     growing = [growth for growth in growths if _step(growth)]
     while growing and not is_full():
+        # A copy, because places that have ended leave the list.
         for growth in tuple(growing):
             if is_full():
                 return
@@ -57,7 +71,7 @@ def fill(growths: Iterable[Iterator[None]], is_full: Callable[[], bool]) -> None
 
 
 def _step(growth: Iterator[None]) -> bool:
-    """Whether the growth goes on after one more step."""
+    """Take one more step, and return true if the growth goes on."""
     return next(growth, _DONE) is not _DONE
 
 

@@ -1,4 +1,4 @@
-"""Makes a scene of the corpus, given its number."""
+"""Curation of one scene of the corpus, given its number."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from aeroscene.scene import Scene, SceneDomain
 from aeroscene.scene.origin import ALTITUDE_M, LATITUDE_DEG, LONGITUDE_DEG
 
 _SEED_SPACE = 2026
-"""Entropy of the corpus beside the scene's number."""
+"""Entropy of the corpus, beside the scene's number."""
 HEADROOM_M = 10.0
-"""Flight volume above the highest thing, where the sky is open."""
+"""Height of the flight volume above the highest object under open sky."""
 
 _Spread = tuple[float, float]
 
@@ -39,7 +39,8 @@ _N_FINE: dict[SceneDomain, _Spread] = {
 }
 """Mean and spread of the numbers of objects at which a scene is full.
 
-The rooms of mixed scenes hold as much as rooms do, on top of what stands outdoors.
+Mixed scenes have more fine objects, because their rooms are as full as other rooms, in addition to
+the objects outdoors.
 """
 _UNDER_SKY: tuple[_Spread, ...] = ((61.5, 8.0), (14.0, 2.5), (12.5, 1.2), (20.0, 5.0))
 _N_AREAS: dict[SceneDomain, tuple[_Spread, ...]] = {
@@ -49,15 +50,15 @@ _N_AREAS: dict[SceneDomain, tuple[_Spread, ...]] = {
 }
 """Mean and spread of the most areas that a scene keeps: small, medium, large, perching.
 
-Scenes that have less to offer keep all; the averages over all domains come out at the paper's.
-Rooms offer fewer than sites do, and hardly any to large drones: these need open floors or roofs.
+Scenes with fewer areas keep all; the averages over all domains equal the paper's. Rooms offer fewer
+areas than sites do, and hardly any to large drones, which need open floors or roofs.
 """
 _OF_ALL: tuple[_Spread, ...] = ((31.0, 4.0), (108.5, 12.0), *_N_AREAS["indoor"])
 
 
 @dataclass(frozen=True, slots=True)
 class Budget:
-    """How many objects a scene should have, and how many areas at most."""
+    """Number of objects that a scene should have, and the most areas that it keeps."""
 
     n_coarse: int
     n_fine: int
@@ -65,22 +66,32 @@ class Budget:
 
 
 def curate_scene(index: int) -> Scene:
-    """Scene `index` of the procedural corpus; equal on every call."""
+    """Return scene `index` of the procedural corpus; equal on every call.
+
+    Args:
+        index: Number of the scene, which is its seed and decides on its domain.
+
+    Raises:
+        NoGroundError: If no site of its theme has the parcels that it needs.
+        NoStartError: If no place is open for the home pad.
+    """
+    # Streams of their own: the land changes nothing of the layout, and the size nothing of both.
     scene = raise_relief(curate_layout(index), _streams(index)[2])
     areas = derive_interaction_areas(scene, limits=_budget(index).areas)
     return replace(scene, interaction_areas=areas)
 
 
 def most_landing_areas(index: int) -> int:
-    """How many landing areas scene `index` has at most."""
+    """Return the greatest number of landing areas that scene `index` may have."""
     limits = _budget(index).areas
     return limits.small + limits.medium + limits.large
 
 
 def curate_layout(index: int) -> Scene:
-    """Scene `index` on flat ground and without its areas.
+    """Return scene `index` on flat ground and without its areas.
 
-    Areas take ten times as long as all else together.
+    Areas take ten times as long as everything else together, so callers that only need the layout
+    save most of the time.
     """
     budget = _budget(index)
     layout = _streams(index)[0]
@@ -89,6 +100,7 @@ def curate_layout(index: int) -> Scene:
     composition = _COMPOSERS[domain](builder, layout)
     places = composition.places
     fill([place.structures() for place in places], lambda: builder.n_coarse >= budget.n_coarse)
+    # The pad comes between structures and details: it needs solid ground, and nothing may block it.
     pad = composition.place_start()
     n_fine = round(composition.fulness * budget.n_fine)
     fill([place.details() for place in places], lambda: builder.n_fine >= n_fine)
@@ -96,7 +108,7 @@ def curate_layout(index: int) -> Scene:
 
 
 def _streams(index: int) -> list[np.random.Generator]:
-    """Randomness of a scene's layout, of its size and of its land."""
+    """Randomness of a scene's layout, its size and its land, each a stream of its own."""
     streams = np.random.SeedSequence((_SEED_SPACE, index)).spawn(3)
     return [np.random.default_rng(stream) for stream in streams]
 
@@ -106,12 +118,12 @@ def _budget(index: int) -> Budget:
 
 
 def draw_budget(rng: np.random.Generator, domain: SceneDomain | None = None) -> Budget:
-    """Counts about the paper's averages, each scene its own, within two and a half spreads.
+    """Draw counts about the paper's averages, within two and a half spreads.
 
     Args:
         rng: Draws the counts.
-        domain: Whose grammar is to be filled; None for the averages over all scenes, which is what
-            a model is asked for that was trained before domains had budgets of their own.
+        domain: Domain whose grammar is to be filled. None gives the averages over all scenes, for
+            models that were trained before domains had budgets of their own.
     """
     rows = _OF_ALL if domain is None else (_N_COARSE[domain], _N_FINE[domain], *_N_AREAS[domain])
     means, spreads = np.array(rows).T
@@ -127,6 +139,7 @@ def _finish(builder: Builder, composition: Composition, pad: Placed, index: int)
     domain = scene_domain(index)
     x, y, ceiling = composition.extent_max_enu_m
     top = max(obj.bbox.p[2] + obj.bbox.s[2] / 2 for obj in builder.objects)
+    # An indoor scene ends at its roof; outdoors a drone may fly over everything.
     if domain != "indoor":
         ceiling = float(max(ceiling, ceil(top + HEADROOM_M)))
     return Scene(

@@ -1,4 +1,4 @@
-"""Every kind of room under its name."""
+"""Kinds of rooms: the function that furnishes each of them, under its name."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from aeroscene.corpus.curation.rooms.rest import furnish_rest
 from aeroscene.corpus.curation.rooms.uses import USES
 
 _SETTLED = 0.55
-"""How full rooms of a mixed scene are when the rest of it begins to grow, relative to their use."""
+"""Fullness of rooms in a mixed scene when the rest of it begins to grow, relative to their use."""
 
 FURNISHINGS: dict[str, Callable[[Interior], Iterator[None]]] = {
     "office": work.furnish_office,
@@ -61,21 +61,35 @@ FURNISHINGS: dict[str, Callable[[Interior], Iterator[None]]] = {
     "checkout": storage.furnish_checkout,
     "booths": fair.furnish_booths,
 }
-"""What each kind of room contains: steps that each leave the room whole, most telling first."""
+"""Furnishings of each kind of room: steps that each leave it whole, most characteristic first."""
 
 __all__ = ["FURNISHINGS", "Interior", "furnish_room", "settle"]
 
 
 def furnish_room(builder: Builder, draw: Draw, space: RoomSpace, kind: str = "") -> Iterator[None]:
-    """All furniture of a room by itself, of its own use or else of a kind."""
+    """Furnish a single room until it is full.
+
+    Args:
+        builder: Builder of the scene.
+        draw: Randomness.
+        space: Room; its own use decides on the furniture.
+        kind: Kind of furniture for a room that has no use of its own.
+    """
     kind = space.kind or kind
     room = Interior(builder, draw, space)
     yield from FURNISHINGS[kind](room)
+    # The furniture of the use is exhausted first; the rest is taken from what any room may have.
     yield from furnish_rest(room, kind)
 
 
 def settle(builder: Builder, space: RoomSpace, growth: Iterator[None]) -> None:
-    """Let a room's furniture grow until it looks lived in."""
+    """Let a room's furniture grow until it looks lived in, and leave the rest for later.
+
+    Args:
+        builder: Builder of the scene, whose fine objects are counted.
+        space: Room.
+        growth: Steps of `furnish_room`, which are not exhausted.
+    """
     area = space.placed.size[0] * space.placed.size[1]
     wanted = builder.n_fine + _SETTLED * USES[space.kind].per_100_m2 * area / 100.0
     for _ in growth:

@@ -1,4 +1,8 @@
-"""Rectangles, blocks and parcels: how the ground of a site is divided."""
+"""Rectangles, blocks and parcels: the division of a site's ground.
+
+Streets cut a site into blocks, and blocks are cut into parcels, one for each place. All of them are
+rectangles, so that a place can be written once and turned to any street.
+"""
 
 from __future__ import annotations
 
@@ -12,16 +16,16 @@ from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.frame import Frame
 
 Side = str
-"""south, east, north or west."""
+"""One of south, east, north and west."""
 
 
 @dataclass(frozen=True, slots=True)
 class Land:
-    """What a part of the site lies on: the flat ground, or a raised bank."""
+    """Base of a part of the site: the flat ground, or a raised bank."""
 
     level: float = 0.0
     bearer: Placed | None = None
-    """The terrain that carries it."""
+    """Terrain object that carries it; None for the flat ground."""
 
 
 FLAT = Land()
@@ -37,7 +41,11 @@ class Rectangle:
     y1: float
 
     def side_frame(self, side: Side) -> tuple[Frame, float, float]:
-        """Frame in the middle of a side with v inwards, the side's length, and the depth."""
+        """Give a side's frame and sizes.
+
+        Returns:
+            Frame in the middle of the side with v inwards, the side's length, and the depth, m.
+        """
         x, y = (self.x0 + self.x1) / 2, (self.y0 + self.y1) / 2
         width, depth = self.x1 - self.x0, self.y1 - self.y0
         return {
@@ -48,7 +56,12 @@ class Rectangle:
         }[side]
 
     def without(self, side: Side, strip: float) -> Rectangle:
-        """What is left when a strip along one side is taken away."""
+        """Give the rectangle without a strip along one side.
+
+        Args:
+            side: Side.
+            strip: Width of the strip, m; less than the rectangle has there.
+        """
         x0, y0, x1, y1 = self.x0, self.y0, self.x1, self.y1
         return {
             "south": Rectangle(x0, y0 + strip, x1, y1),
@@ -66,7 +79,7 @@ class Block:
     street_sides: tuple[Side, ...]
     land: Land = FLAT
     uses: tuple[str, ...] = ()
-    """Kinds of places of which one should fill it."""
+    """Kinds of places, one of which should fill it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,13 +90,13 @@ class Parcel:
     width: float
     depth: float
     level: float = 0.0
-    """Height of the ground that the place starts from."""
+    """Height of the ground at the street."""
     rise: float = 0.0
     """Climb of the ground from the street to the back, m."""
     bearer: Placed | None = None
     """Terrain that carries the parcel."""
     uses: tuple[str, ...] = ()
-    """Kinds of places of which the plan wants one here; any where empty."""
+    """Kinds of places of which the plan wants one here; empty for any."""
 
     def middle(self) -> Frame:
         """The same frame moved to the middle of the parcel."""
@@ -91,19 +104,27 @@ class Parcel:
 
 
 _WHOLE_M = 40.0
-"""Fronts up to this length stay whole."""
+"""Length up to which a front stays whole."""
 _PARCEL_M = 28.0
-"""About the width of the parcels that a longer front is cut into."""
+"""Typical width of the parcels into which a longer front is cut."""
 
 
 def cut_unequal(
     width: float, rng: np.random.Generator, piece_m: float = _PARCEL_M
 ) -> Sequence[tuple[float, float]]:
-    """Intervals about zero that fill a width, each its own length, about `piece_m` on average."""
+    """Cut a width into intervals about zero, each with its own length.
+
+    Args:
+        width: Length to be filled, m.
+        rng: Randomness.
+        piece_m: Typical length of an interval.
+    """
     if width < _WHOLE_M:
         return [(-width / 2, width / 2)]
+    # Drawn to be rather fewer than would fit.
     count = max(2, round(width / piece_m + float(rng.uniform(-0.8, 0.3))))
     shares = rng.uniform(0.75, 1.35, count)
     borders = np.concatenate([[0.0], np.cumsum(shares / shares.sum())]) * width - width / 2
+    # Centimetres, because parcels become objects and files have no more digits than they need.
     cuts = [round(float(border), 2) for border in borders[1:-1]]
     return list(zip([-width / 2, *cuts], [*cuts, width / 2], strict=True))

@@ -1,4 +1,4 @@
-"""A room to furnish."""
+"""Rooms as the space that furniture may fill."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ class RoomSpace:
 
     placed: Placed
     kind: str = ""
-    """Its use, where that is decided already."""
+    """Use of the room if it is decided already; empty otherwise."""
 
     @property
     def floor(self) -> float:
-        """Height on which furniture stands."""
+        """Height of the floor's finish, on which furniture stands, m."""
         return self.placed.base + FINISH_M

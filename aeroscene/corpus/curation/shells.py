@@ -29,7 +29,7 @@ from aeroscene.solids.shapes.facade import (
 
 STOREY_M = 3.3
 _BEARING_M = 0.1
-"""How far an upper slab reaches into the walls that carry it."""
+"""Depth by which an upper slab extends into the walls that carry it."""
 _APRON_M = 1.3
 """Depth of the air kept free on either side of an opening."""
 
@@ -39,7 +39,7 @@ __all__ = ["STOREY_M", "RoomSpace", "Shell", "raise_shell"]
 
 @dataclass(frozen=True, slots=True)
 class Shell:
-    """A building with its rooms."""
+    """A building, its rooms and its height."""
 
     building: Placed
     rooms: tuple[RoomSpace, ...]
@@ -61,9 +61,24 @@ def raise_shell(
     colour: str,
     kinds: Sequence[str],
 ) -> Shell | None:
-    """Place an enterable building with slabs, partitions and rooms, or None if it does not fit.
+    """Place an enterable building with slabs, partitions and rooms.
 
-    Its rooms are of the kinds in turn.
+    Args:
+        builder: Builder of the scene.
+        draw: Randomness.
+        frame: Frame of the parcel.
+        at: Middle of the building in that frame, m.
+        name: Category of the shell.
+        depth: Extent along the building's x, m.
+        length: Extent along its y, the front, m.
+        storeys: Number of storeys.
+        base: Height of the ground, m.
+        turn: Heading of the building in the frame, rad.
+        colour: Colour of the walls.
+        kinds: Kinds of its rooms, in turn.
+
+    Returns:
+        The building and its rooms, or None if it does not fit.
     """
     height = round(storeys * STOREY_M, 3)
     look = {"is_enterable": True, "storeys": storeys, "colour": colour}
@@ -73,6 +88,7 @@ def raise_shell(
     if shell is None:
         return None
     rooms: list[RoomSpace] = []
+    # The queue goes on from storey to storey, so that all kinds occur before one repeats.
     waiting = deque(kinds)
     for storey in range(storeys):
         rooms += _fit_out_storey(builder, draw, shell, storey, storeys, waiting)
@@ -83,15 +99,17 @@ def raise_shell(
 def _fit_out_storey(
     builder: Builder, draw: Draw, shell: Placed, storey: int, storeys: int, kinds: deque[str]
 ) -> list[RoomSpace]:
-    """Slab, rooms and the walls between them with a door to each."""
+    """Lay slab, rooms and the walls between them, with a door to each room."""
     foot = shell.base + storey * STOREY_M
     _lay_slab(builder, shell, foot, is_upper=storey > 0)
+    # A storey ends at the underside of the next slab; the last one ends at the roof.
     ceiling = STOREY_M if storey == storeys - 1 else STOREY_M + SLAB_TOP_M - SLAB_M
     level, clear = round(foot + SLAB_TOP_M, 4), round(ceiling - SLAB_TOP_M, 4)
     zones = plan_storey(draw, shell.size[:2], kinds, level, clear)
     borders = find_borders(zones)
     rooms: list[RoomSpace | None] = []
     for zone, margin in zip(zones, insets(zones, borders), strict=True):
+        # Rooms may lack space for their zone; walls and doors are those of the zones.
         finish = draw.one_of(FINISHES.get(zone.kind, ("floor_tiles",)))
         rooms.append(lay_room(builder, shell, zone, margin, finish))
     raise_walls(builder, draw, shell, zones, borders, choose_doors(zones, borders))
@@ -99,7 +117,7 @@ def _fit_out_storey(
 
 
 def _lay_slab(builder: Builder, shell: Placed, foot: float, *, is_upper: bool) -> None:
-    """A storey's floor; an upper one hangs lower and reaches into the walls."""
+    """Lay a storey's floor; an upper one hangs lower and extends into the walls."""
     under = SLAB_TOP_M - SLAB_M if is_upper else 0.0
     reach = 2 * _BEARING_M if is_upper else 0.0
     depth, length = shell.size[0] - 2 * WALL_M, shell.size[1] - 2 * WALL_M
@@ -116,8 +134,10 @@ def _keep_openings_free(builder: Builder, shell: Placed, storeys: int) -> None:
         foot = shell.base + storey * STOREY_M
         for bay in range(plan.n_bays):
             low, high = plan.opening(bay)
+            # In front and behind: openings of both long sides lie opposite each other.
             for sign in (-1, 1):
                 is_door = sign > 0 and storey == 0 and bay == door_bay
+                # A little above the sill, so that furniture below the window does not count.
                 sill = SLAB_TOP_M + 0.03 if is_door else SILL_M + 0.05
                 size = (2 * _APRON_M, opening_width(length), LINTEL_M - sill)
                 at = sign * (depth / 2 - WALL_M / 2)

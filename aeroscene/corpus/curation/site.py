@@ -1,4 +1,4 @@
-"""The ground plan of a scene: what plans lay down, from carriageways to parcels."""
+"""The ground plan of a scene: the surfaces that plans lay down, from carriageways to parcels."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ SIDEWALK_M = 0.15
 VERGE_M = 0.12
 WATER_M = 0.15
 PARKING_LANE_M = 2.2
-"""Heights of the surfaces above the ground."""
+"""Width of a lane for parked vehicles; above it, heights of the surfaces above the ground."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +39,14 @@ class Road:
     """End along x where people cross, 0 for neither."""
 
     def lane(self, side: int) -> float:
-        """Middle of the lane for moving traffic on a side, m along y."""
+        """Middle of the lane for moving traffic on a side.
+
+        Args:
+            side: Side along y, -1 or 1.
+
+        Returns:
+            Place along y, m; parked vehicles take a part of the width.
+        """
         low, high = (
             sign * (self.placed.size[1] / 2 - (PARKING_LANE_M if sign in self.parking else 0.0))
             for sign in (-1, 1)
@@ -53,7 +60,7 @@ class Site:
 
     builder: Builder
     frame: Frame
-    """Frame of the plan in the world: a city need not lie along the axes."""
+    """Frame of the plan in the world, because a city need not lie along the axes."""
     half_x: float
     half_y: float
     road_m: float
@@ -78,16 +85,27 @@ class Site:
 
     @property
     def half_extent(self) -> tuple[float, float]:
+        # A turned rectangle reaches as far as its corners.
         """Half sides of the upright rectangle around the turned plan, m."""
         c, s = abs(math.cos(self.frame.yaw)), abs(math.sin(self.frame.yaw))
         return (c * self.half_x + s * self.half_y, s * self.half_x + c * self.half_y)
 
     def world(self, frame: Frame) -> Frame:
-        """A frame of the plan in the world."""
+        """Give a frame of the plan in the world, where objects are placed."""
         return self.frame.moved(frame.x, frame.y, frame.yaw)
 
     def raise_land(self, area: Rectangle, level: float, finish: str, wall: str) -> Land:
-        """Raised ground on a rectangle of the plan, its sides retaining walls."""
+        """Raise ground on a rectangle of the plan; its sides are retaining walls.
+
+        Args:
+            area: Rectangle.
+            level: Height of the raised ground, m.
+            finish: Finish of its upper face.
+            wall: Material of its sides.
+
+        Returns:
+            The raised land, or the flat one if there is no space.
+        """
         frame, width, depth = area.side_frame("south")
         look = {"form": "terrace", "finish": finish, "wall": wall}
         size = (width, depth, level)
@@ -96,7 +114,15 @@ class Site:
         return Land(level, block) if block else FLAT
 
     def fill_with_water(self, area: Rectangle, quay: Side) -> Placed | None:
-        """Water on a rectangle of the plan, seen from the quay on one of its sides."""
+        """Fill a rectangle of the plan with water.
+
+        Args:
+            area: Rectangle.
+            quay: Side from which people see it, and at which boats are moored.
+
+        Returns:
+            The water; None if there is no space.
+        """
         frame, width, depth = area.side_frame(quay)
         spot = self.world(frame).moved(0, depth / 2)
         size = (width, depth, WATER_M)
@@ -116,16 +142,19 @@ class Site:
         after: Placed | None = None,
         height: float = ROAD_M,
     ) -> Placed | None:
-        """A carriageway along the x axis of a frame of the plan.
+        """Lay a carriageway along the x axis of a frame of the plan.
 
         Args:
             frame: Its middle.
-            length: Along x, m.
-            width: Across, m; the site's by default.
-            zebra_end: At which end along x people cross it, 0 for neither.
-            land: What it lies on.
-            after: A carriageway that this one continues, and may overlap at the bend.
-            height: Height of its surface above the land.
+            length: Length along x, m.
+            width: Width, m; the site's by default.
+            zebra_end: End along x at which people cross it (-1 or 1); 0 for neither.
+            land: Ground that carries it.
+            after: Carriageway that this one continues, and may overlap at the bend.
+            height: Height of its surface above the land, m.
+
+        Returns:
+            The carriageway, or None if it does not fit.
         """
         size = (length, width or self.road_m, height)
         look = {"zebra_end": zebra_end, **self._form("road")}
@@ -133,6 +162,7 @@ class Site:
             "road", self.world(frame), size, base=land.level, parent=after or land.bearer, look=look
         )
         if road:
+            # Roads of a width of their own, such as turning heads, have no parked vehicles.
             parking = self.parking if width is None else ()
             self.roads.append(Road(road, parking, zebra_end))
         return road
@@ -146,7 +176,18 @@ class Site:
         after: Placed | None = None,
         height: float = SIDEWALK_M,
     ) -> Placed | None:
-        """A sidewalk whose kerb lies on the x axis of a frame of the plan; see `lay_road`."""
+        """Lay a sidewalk whose kerb lies on the x axis of a frame of the plan.
+
+        Args:
+            frame: Middle of the kerb; the sidewalk lies on the side of positive y.
+            length: Length along x, m.
+            land: Ground that carries it.
+            after: Sidewalk that this one continues, and may overlap at the bend.
+            height: Height of its surface above the land, m.
+
+        Returns:
+            The sidewalk, or None if it does not fit.
+        """
         spot = self.world(frame).moved(0, self.walk_m / 2)
         size, look = (length, self.walk_m, height), self._form("sidewalk")
         strip = self.builder.place(
@@ -157,7 +198,7 @@ class Site:
         return strip
 
     def lay_verge(self, frame: Frame, length: float, width: float) -> None:
-        """A strip of green between carriageway and sidewalk, the kerb on the frame's x axis."""
+        """Lay a strip of green between carriageway and sidewalk, its kerb on the frame's x axis."""
         spot = self.world(frame).moved(0, width / 2)
         size = (length, width, VERGE_M)
         strip = self.builder.place("lawn", spot, size, look={"form": "plain"})
@@ -168,12 +209,13 @@ class Site:
         return {"form": self.style[name]} if name in self.style else {}
 
     def pave(self, block: Block, rng: np.random.Generator) -> None:
-        """Sidewalks along the block's streets; the rest becomes parcels of unequal size."""
+        """Lay sidewalks along the block's streets; divide the rest into parcels of unequal size."""
         rest = block.area
         for side in block.street_sides:
             frame, length, _ = rest.side_frame(side)
             self.lay_sidewalk(frame, length, land=block.land)
             rest = rest.without(side, self.walk_m)
+        # The street that the parcels face; the other streets run along their sides or backs.
         front = str(rng.choice(list(block.street_sides)))
         self.part(rest, front, rng, land=block.land, uses=block.uses)
 
@@ -186,7 +228,15 @@ class Site:
         land: Land = FLAT,
         uses: tuple[str, ...] = (),
     ) -> None:
-        """Cut a rectangle across its front into unequal parcels; whole for a wanted use."""
+        """Cut a rectangle across its front into unequal parcels; a wanted use keeps it whole.
+
+        Args:
+            area: Rectangle.
+            front: Side at the street.
+            rng: Draws the cuts.
+            land: Ground that carries the parcels.
+            uses: Kinds of places of which the plan wants one here.
+        """
         frame, width, depth = area.side_frame(front)
         for low, high in [(-width / 2, width / 2)] if uses else cut_unequal(width, rng):
             at = self.world(frame.moved((low + high) / 2, 0))

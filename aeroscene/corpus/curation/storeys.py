@@ -1,4 +1,4 @@
-"""How a storey of a furnished building is divided: rooms in two bands, or side by side.
+"""Division of a furnished building's storey: rooms in two bands, or side by side.
 
 A partition meets the facade between two bays, where a pier stands, so that windows stay open. Rooms
 are about as large as their uses ask for, as far as whole bays allow.
@@ -17,13 +17,13 @@ from aeroscene.solids.shapes.facade import WALL_M, bay_borders
 _LEAST_BAND_M = 3.2
 """Least depth of a band of rooms: a bedroom's width."""
 _FRONT_SHARE = (0.5, 0.56)
-"""How much of the depth the front band takes."""
+"""Share of the depth that the front band takes."""
 _WIDE_M2 = 30.0
-"""Uses that ask for more than this take the whole depth of a building, as halls do."""
+"""Area from which a use takes the whole depth of a building, as halls do."""
 _LEAST_ROOM_M = DOORS_M[-1] + 2 * JAMB_M
 """Shortest room along the facade: a door between its jambs."""
 _TIGHT = 0.85
-"""How much smaller than its use asks for a room may be."""
+"""Least share of the area that its use asks for."""
 
 _Room = tuple[str, int, int]
 """Kind, first and last line."""
@@ -32,12 +32,12 @@ _Room = tuple[str, int, int]
 def plan_storey(
     draw: Draw, size: tuple[float, float], kinds: deque[str], level: float, clear: float
 ) -> tuple[Zone, ...]:
-    """Rooms of a storey, in the building's frame; the first is one at the front.
+    """Divide a storey into rooms, in the building's frame; the first one is at the front.
 
     Args:
         draw: Sizes of the rooms.
         size: Outer depth (x, the front at +x) and length (y) of the building, m.
-        kinds: What the rooms are to be in turn; goes on to what the next storey begins with.
+        kinds: Kinds of the rooms in turn; rotated to the one with which the next storey begins.
         level: Height of the slab's upper face, m.
         clear: Height from the slab to the ceiling, m.
     """
@@ -77,18 +77,20 @@ def plan_storey(
 def _next_room(
     draw: Draw, kinds: deque[str], lines: Sequence[float], first: int, depth: float
 ) -> _Room:
-    """The next kind that the rest of a band has space for, on as many bays as it asks for."""
+    """The next kind that fits into the rest of a band, on as many bays as it asks for."""
     end = len(lines) - 1
     space = (lines[end] - lines[first]) * depth
     kind = next((k for k in kinds if _TIGHT * USES[k].least_m2 <= space), kinds[0])
+    # To the end of the queue, so that every kind has its turn.
     kinds.remove(kind)
     kinds.append(kind)
     wanted = USES[kind].draw_area(draw) / depth
     ends = [n for n in range(first + 1, end) if _may_end(lines, first, n)]
+    # Of all lines the one that gives the area closest to the drawn one.
     last = min((*ends, end), key=lambda n: abs(lines[n] - lines[first] - wanted))
     return (kind, first, last)
 
 
 def _may_end(lines: Sequence[float], first: int, last: int) -> bool:
-    """Whether a room between two lines, and what is left beside it, are wide enough for doors."""
+    """Return true if a room between two lines, and the rest beside it, have room for doors."""
     return min(lines[last] - lines[first], lines[-1] - lines[last]) >= _LEAST_ROOM_M

@@ -1,4 +1,4 @@
-"""What stands and drives on streets: bus stops, footbridges, traffic, lamps, trees, benches."""
+"""Furniture and vehicles of streets: bus stops, footbridges, traffic, lamps, trees, benches."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _FLIGHT_M = (6.0, 1.2)
 
 @dataclass(slots=True)
 class Streets:
-    """All streets of a site."""
+    """Furniture and vehicles of all streets of a site."""
 
     builder: Builder
     draw: Draw
@@ -33,7 +33,8 @@ class Streets:
     _stops: list[tuple[Placed, Placed]] = field(default_factory=list)
 
     def structures(self) -> Iterator[None]:
-        """Carriageways and sidewalks are laid already: a footbridge, shelters at bus stops."""
+        """Grow a footbridge and shelters at bus stops; carriageways and sidewalks are there."""
+        # A shorter road has no room for the bridge's stairs.
         roads = [road for road in self.site.roads if road.placed.size[0] > 30]
         if roads and self.draw.chance(self.bridge_chance):
             self._bridge(roads[0])
@@ -46,9 +47,11 @@ class Streets:
     def _bridge(self, road: Road) -> None:
         """A footbridge from sidewalk to sidewalk with a flight of stairs at each end."""
         placed, walk_m = road.placed, self.site.walk_m
+        # Off the middle, where streets meet.
         u = (1 if self.draw.chance(0.5) else -1) * self.draw.between(0.4, 0.6) * placed.size[0] / 2
         end = min(_FLIGHT_M[1], walk_m - 0.5)
         reach = placed.size[1] / 2 + end
+        # Both ends must stand on sidewalks.
         walks = [self._walk_at(placed.frame.point(u, sign * (reach - end / 2))) for sign in (-1, 1)]
         base = placed.base + 0.15
         size = (2 * reach, 2.4, _BRIDGE_Z[0])
@@ -75,7 +78,7 @@ class Streets:
         return None
 
     def _shelter(self, walk: Placed) -> None:
-        """A roof over the wait for a bus."""
+        """A roof over the people who wait for a bus."""
         u = self.draw.between(-0.3, 0.3) * walk.size[0]
         colour = {"colour": self.draw.one_of(("blue", "green", "red"))}
         size = (1.5, self.draw.between(3.2, 4.4), 2.7)
@@ -87,7 +90,7 @@ class Streets:
             self._stops.append((walk, shelter))
 
     def details(self) -> Iterator[None]:
-        """Signals, then by turns traffic, lamps and what else stands on the sidewalks."""
+        """Grow signals, then in turn traffic, lamps and other objects on the sidewalks."""
         for junction in self.site.junctions:
             self._signal(junction)
             yield
@@ -97,6 +100,7 @@ class Streets:
         growths += [self._light(walk) for walk in self.site.sidewalks]
         growths += [self._plant(verge) for verge in self.site.verges]
         growths += [self._furnish(walk) for walk in self.site.sidewalks]
+        # In any order, so that a scene that fills up early does not lack the same kind every time.
         yield from in_turn(*(growths[index] for index in self.draw.shuffled(range(len(growths)))))
 
     def _wait_at_stops(self) -> Iterator[None]:
@@ -113,6 +117,7 @@ class Streets:
                 yield
 
     def _road_beside(self, walk: Placed, u: float) -> Road | None:
+        # A metre before the kerb, on the carriageway.
         x, y = walk.frame.point(u, -walk.size[1] / 2 - 1.0)
         for road in self.site.roads:
             along, across = road.placed.frame.local(x, y)
@@ -122,7 +127,7 @@ class Streets:
         return None
 
     def _light(self, walk: Placed) -> Iterator[None]:
-        """Lamps in a row."""
+        """Lamps in a row, in random order so that a sparse scene has some everywhere."""
         length, width, _ = walk.size
         count = max(1, round(length / _LAMP_STEP_M))
         height = self.draw.between(5.0, 6.5)
@@ -143,6 +148,7 @@ class Streets:
             size = (crown, crown, self.draw.between(4.5, 6.5))
             self._stand(verge, "tree", u, 0.0, size, {"form": form})
             yield
+            # Halfway between two trees.
             self._stand(verge, "bush", u + length / count / 2, 0.0, (0.9, 1.4, 0.8))
             yield
 
@@ -181,6 +187,7 @@ class Streets:
 
     def _signal(self, junction: Frame) -> None:
         """Traffic lights on the sidewalk corners around a crossing."""
+        # Every light of a crossing has one height.
         height = self.draw.between(3.0, 3.8)
         for walk in self.site.sidewalks:
             if abs(sin(walk.frame.yaw - junction.yaw)) > 0.5:

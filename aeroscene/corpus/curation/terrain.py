@@ -17,16 +17,26 @@ _PARAPET = (0.25, 0.6)
 """Thickness and height of the wall on a terrace's edge, m."""
 _STAIRS_M = 2.4
 _RAMP_M = 2.1
-"""Widths of the ways up."""
+"""Widths of stairs and ramp."""
 _TREAD_PER_RISE = 1.75
 _RUN_PER_RISE = 8.0
-"""Length of stairs and of a ramp for each metre of height."""
+"""Length of stairs, and of a ramp, for each metre of height."""
 _LEAST_DEPTH_M = 14.0
 
 
 def raise_terrace(builder: Builder, draw: Draw, parcel: Parcel) -> Parcel:
-    """Lift a parcel above the street behind a strip of green; the parcel itself if too shallow."""
+    """Lift a parcel above the street behind a strip of green.
+
+    Args:
+        builder: Builder of the scene.
+        draw: Randomness.
+        parcel: Flat parcel.
+
+    Returns:
+        The parcel on its terrace; the given one if it is too shallow or no longer flat.
+    """
     height = draw.between(0.55, 1.3)
+    # The strip has room for the stairs, or the ramp beside them.
     strip_m = round(max(_RAMP_M, _TREAD_PER_RISE * height) + draw.between(0.5, 1.0), 2)
     depth = round(parcel.depth - strip_m, 2)
     if depth - _PARAPET[0] < _LEAST_DEPTH_M or parcel.rise or parcel.level:
@@ -48,6 +58,7 @@ def raise_terrace(builder: Builder, draw: Draw, parcel: Parcel) -> Parcel:
         _join(builder, draw, parcel, strip, block)
     return replace(
         parcel,
+        # Places begin behind the parapet.
         frame=frame.moved(0, _PARAPET[0]),
         depth=round(depth - _PARAPET[0], 2),
         level=height,
@@ -56,7 +67,7 @@ def raise_terrace(builder: Builder, draw: Draw, parcel: Parcel) -> Parcel:
 
 
 def _join(builder: Builder, draw: Draw, parcel: Parcel, strip: Placed, block: Placed) -> None:
-    """Stairs and perhaps a ramp up to a terrace, and a parapet between them."""
+    """Place stairs and perhaps a ramp up to a terrace, and a parapet between them."""
     height = block.top - strip.top
     edge = strip.size[1]
     half = parcel.width / 2
@@ -68,6 +79,7 @@ def _join(builder: Builder, draw: Draw, parcel: Parcel, strip: Placed, block: Pl
     gaps = [(stairs_u, _STAIRS_M)]
     long = round(_RUN_PER_RISE * height, 2)
     far = -side * (half - 0.3)
+    # A ramp of one in eight needs half of the front.
     if draw.chance(0.6) and long < half + 0.1 * half:
         low_end = far + side * long
         spot = parcel.frame.moved(
@@ -76,6 +88,7 @@ def _join(builder: Builder, draw: Draw, parcel: Parcel, strip: Placed, block: Pl
         size = (long, _RAMP_M, height)
         look = {"form": "ramp", "finish": "paving"}
         ramp = builder.place("terrain", spot, size, parent=strip, look=look)
+        # Open at the ramp's upper end.
         if ramp:
             gaps.append((far + side * 0.9, 2.2))
     _parapet(builder, parcel, block, edge, gaps)
@@ -84,9 +97,10 @@ def _join(builder: Builder, draw: Draw, parcel: Parcel, strip: Placed, block: Pl
 def _parapet(
     builder: Builder, parcel: Parcel, block: Placed, edge: float, gaps: list[tuple[float, float]]
 ) -> None:
-    """Walls along a terrace's edge, but for the gaps (middle, width)."""
+    """Place walls along a terrace's edge, apart from the gaps (middle, width)."""
     thick, height = _PARAPET
     at = -parcel.width / 2
+    # A gap beyond the end closes the last piece.
     for middle, width in [*sorted(gaps), (parcel.width / 2 + 0.5, 1.0)]:
         low, high = at, middle - width / 2
         at = middle + width / 2
@@ -103,7 +117,7 @@ class Slope:
     ground: Ground
 
     def structures(self) -> Iterator[None]:
-        """The hill, a path up it, a platform to look from."""
+        """Grow the hill, a path up it, and a platform to look from."""
         ground, draw = self.ground, self.ground.draw
         ground.cover("lawn")
         yield
@@ -115,7 +129,7 @@ class Slope:
         yield
 
     def _lay_path(self, u: float) -> None:
-        """Paving a little above the grass, at the hill's own slope."""
+        """Lay paving a little above the grass, at the hill's own slope."""
         ground, parcel = self.ground, self.ground.parcel
         ground.builder.place(
             "terrain",
@@ -128,7 +142,7 @@ class Slope:
         )
 
     def details(self) -> Iterator[None]:
-        """Trees and bushes between benches that look down the hill."""
+        """Grow trees and bushes between benches that look down the hill."""
         ground, draw = self.ground, self.ground.draw
         half, depth = ground.parcel.width / 2, ground.parcel.depth
         for _ in range(6):

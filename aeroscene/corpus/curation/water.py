@@ -30,9 +30,11 @@ class Basin:
 
     def structures(self) -> Iterator[None]:
         """Jetties from the quay, as many as the basin has room for."""
+        # A boat has to pass behind the jetties.
         length, depth, _ = self.water.size
         reach = min(8.0, depth - 6.0)
         yield
+        # One jetty for each 24 m of quay.
         count = int(length // 24) if reach >= 4 else 0
         for index in range(count):
             u = -length / 2 + (index + 0.5) * length / count + self.draw.between(-3, 3)

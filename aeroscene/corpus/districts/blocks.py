@@ -1,7 +1,8 @@
 """A block of a district: sidewalks along its streets, and places on the parcels within.
 
-Each block is a scene of its own while it grows, with its own randomness and its own objects, so
-that a district of a hundred blocks takes a hundred times as long as one.
+Each block is a scene of its own while it grows, with its own randomness and its own objects. The
+test for overlap compares an object with all others of its builder, so that a district of a hundred
+blocks takes a hundred times as long as one block, and not ten thousand times.
 """
 
 from __future__ import annotations
@@ -28,9 +29,9 @@ from aeroscene.corpus.districts.tower import LEAST_M, FurnishedTower
 PLATE_M, _WALK_M = 0.1, 0.05
 """Height of a block above the ground, and of its sidewalks above that."""
 _TWO_ROWS_M = 30.0
-"""Depth of a block from which on it has parcels on two sides, back to back."""
+"""Depth from which a block has parcels on two sides, back to back."""
 _ALWAYS_CHANCE = 0.3
-"""How often a block has the places that its theme always has, such as a square."""
+"""Probability that a block has the places that its theme always has, such as a square."""
 
 _ZONES: Sequence[tuple[float, Mapping[str, float]]] = (
     (0.4, {"urban_block": 0.5, "old_town": 0.25, "+urban_block": 0.25}),
@@ -48,26 +49,33 @@ _ZONES: Sequence[tuple[float, Mapping[str, float]]] = (
 """Themes of blocks and their weights, by the distance from the middle of the district as a share of
 that of a corner. Those with a plus have buildings to enter."""
 HOMES = Theme(weight=1.0, plans={}, others={"row_houses": 0.65, "houses": 0.35})
-"""Parcels of a district that is asked for houses."""
+"""Theme of the parcels of a district that is asked for houses."""
 GREEN = Theme(weight=1.0, plans={}, others={"park": 0.7, "allotments": 0.3})
-"""Parcels without buildings."""
+"""Theme of parcels without buildings."""
 
 
 @dataclass(slots=True)
 class GrowingBlock:
-    """A block that fills."""
+    """A block that is being filled."""
 
     builder: Builder
     site: Site
     places: list[Place]
     walks: Streets
-    """What stands on its sidewalks."""
+    """Street furniture on its sidewalks."""
 
 
 def theme_of(block: Block, half_sides_m: tuple[float, float], rng: np.random.Generator) -> Theme:
-    """Character of a block by its place in the district."""
+    """Draw the theme of a block by its distance from the middle of the district.
+
+    Args:
+        block: Block.
+        half_sides_m: Half sides of the district, along east and north.
+        rng: Draws the theme, and whether its certain places are certain here.
+    """
     area = block.area
     x, y = (area.x0 + area.x1) / 2, (area.y0 + area.y1) / 2
+    # Divided by the root of two, so that a corner of the district has share 1.
     share = float(np.hypot(x / half_sides_m[0], y / half_sides_m[1]) / np.sqrt(2.0))
     name = draw_one(rng, next(weights for limit, weights in _ZONES if share <= limit))
     theme = MIXED[name[1:]] if name.startswith("+") else OUTDOOR[name]
@@ -75,12 +83,21 @@ def theme_of(block: Block, half_sides_m: tuple[float, float], rng: np.random.Gen
 
 
 def begin_homes(block: GrowingBlock, parcel: Parcel, rng: np.random.Generator) -> list[Place]:
-    """Dwellings on a parcel."""
+    """Begin dwellings on a parcel, and add them to the block's places.
+
+    Args:
+        block: Block of the parcel.
+        parcel: Open parcel of the block.
+        rng: Draws everything of the parcel.
+
+    Returns:
+        The places, none of whose objects stand yet.
+    """
     return _begin_alone(block, parcel, HOMES, rng)
 
 
 def begin_green(block: GrowingBlock, parcel: Parcel, rng: np.random.Generator) -> list[Place]:
-    """A place without buildings on a parcel."""
+    """Begin a place without buildings on a parcel; see `begin_homes`."""
     return _begin_alone(block, parcel, GREEN, rng)
 
 
@@ -103,12 +120,13 @@ def begin_block(
     """Lay a block's ground and sidewalks and choose its places; nothing stands yet.
 
     Args:
-        block: The ground.
+        block: Ground of the block.
         network: Site of the streets around it.
-        theme: Which places it has; None leaves its parcels open.
+        theme: Theme that chooses its places; None leaves its parcels open.
         rng: Draws everything of the block.
         n_storeys: Storeys of a furnished tower on its widest parcel; None for no tower.
     """
+    # Streams of their own, so that one part may draw more without changing the others.
     cut, choice, tower, streets = rng.spawn(4)
     builder = Builder("block")
     area = block.area
@@ -116,6 +134,7 @@ def begin_block(
     site = replace(
         network, builder=builder, roads=[], sidewalks=[], verges=[], parcels=[], junctions=[]
     )
+    # The plate is object 0, to which `compose` attaches all objects that stand free in the block.
     frame, width, depth = area.side_frame("south")
     look = {"form": "terrace", "finish": "paving", "wall": "concrete", "part": "block"}
     size = (width, depth, PLATE_M)
@@ -129,12 +148,13 @@ def begin_block(
         places.append(FurnishedTower(Ground(builder, Draw(tower), parcel), n_storeys))
     if theme is not None:
         places += choose_places(builder, site, theme, choice)
+    # Footbridges would cross carriageways, which are not objects of the block.
     walks = Streets(builder, Draw(streets), site, bridge_chance=0.0)
     return GrowingBlock(builder, site, places, walks)
 
 
 def has_tower_room(block: Block) -> bool:
-    """Whether a block is large enough for a tower."""
+    """Return true if a block is wide enough for a tower; the least parcel is half of it."""
     area = block.area
     return min(area.x1 - area.x0, area.y1 - area.y0) > 2 * LEAST_M[1]
 
@@ -144,7 +164,7 @@ def _tower_room(parcel: Parcel) -> float:
 
 
 def _pave(site: Site, block: Block, land: Land) -> Rectangle:
-    """Lay sidewalks along the streets; return what is left."""
+    """Lay sidewalks along the streets, and return the rest of the ground."""
     rest = block.area
     for side in block.street_sides:
         frame, length, _ = rest.side_frame(side)
@@ -154,7 +174,7 @@ def _pave(site: Site, block: Block, land: Land) -> Rectangle:
 
 
 def _part(site: Site, rest: Rectangle, land: Land, rng: np.random.Generator) -> None:
-    """Cut the ground into parcels, in one row or in two that stand back to back."""
+    """Cut the ground into parcels, in one row or in two that lie back to back."""
     width, depth = rest.x1 - rest.x0, rest.y1 - rest.y0
     is_along_x = width >= depth
     front, back = ("south", "north") if is_along_x else ("west", "east")
@@ -162,6 +182,7 @@ def _part(site: Site, rest: Rectangle, land: Land, rng: np.random.Generator) -> 
     if across < _TWO_ROWS_M:
         site.part(rest, front, rng, land=land)
         return
+    # Unequal rows, because real blocks are; centimetres, because files have no more digits.
     first = round(across * float(rng.uniform(0.44, 0.56)), 2)
     site.part(rest.without(back, across - first), front, rng, land=land)
     site.part(rest.without(front, first), back, rng, land=land)

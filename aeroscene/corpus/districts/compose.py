@@ -1,4 +1,4 @@
-"""Composes a district: streets first, then all blocks side by side, then one document."""
+"""Composition of a district: first its streets, then all blocks side by side, then one document."""
 
 from __future__ import annotations
 
@@ -30,15 +30,15 @@ from aeroscene.scene.catalogue import BUILDINGS
 from aeroscene.scene.origin import ALTITUDE_M, LATITUDE_DEG, LONGITUDE_DEG
 
 _SEED_SPACE = 4045
-"""Entropy of districts beside the seed."""
+"""Entropy of districts, beside the seed."""
 HEADROOM_M = 12.0
-"""Flight volume above the highest thing."""
+"""Height of the flight volume above the highest object."""
 _STRUCTURES_SHARE = 0.55
-"""Share of the objects at which structures stop to grow, so that something stands among them."""
+"""Share of the objects at which structures stop growing, so that details find their place."""
 _AREAS_OF_BLOCK = AreaLimits(small=7, medium=4, large=3, perching=2)
-"""Areas of each block at most, on average."""
+"""Most areas for each block, on average."""
 _TRIES = 40
-"""Districts that are begun until one has about as many buildings as are asked for."""
+"""Number of districts that are begun until one has about as many buildings as asked for."""
 _HOUSES_SHARE = 0.1
 """Share by which the number of buildings may be missed."""
 
@@ -67,13 +67,14 @@ def compose_district(request: DistrictRequest, scene_id: str | None = None) -> S
     """Make the district of a request; equal on every call.
 
     Args:
-        request: What is asked for.
+        request: Size and contents of the district.
         scene_id: Name of the scene; by default it follows from the seed.
 
     Raises:
         DistrictError: If the ground has no room for what is asked for.
     """
     growth = _grow_structures(request)
+    # The third number names the stream: 1 for details, 2 for homes.
     rng = np.random.default_rng((_SEED_SPACE, request.seed, 1))
     pad = _place_start(growth, request, rng)
     _grow_details(growth, request.wanted_objects, rng)
@@ -83,7 +84,7 @@ def compose_district(request: DistrictRequest, scene_id: str | None = None) -> S
 
 
 def _grow_structures(request: DistrictRequest) -> _Growth:
-    """Structures of all blocks, with about as many buildings as are asked for.
+    """Grow structures of all blocks, with about as many buildings as asked for.
 
     Raises:
         DistrictError: If no try has them.
@@ -91,9 +92,11 @@ def _grow_structures(request: DistrictRequest) -> _Growth:
     found: list[int] = []
     for attempt in range(_TRIES):
         growth = _begin(request)
+        # Structures must leave a part of the number for furniture, trees and cars.
         most = _STRUCTURES_SHARE * request.wanted_objects
         walks = [block.walks.structures() for block in growth.blocks]
         places = [place.structures() for block in growth.blocks for place in block.places]
+        # The lambda binds its values as defaults: a closure would see those of the next attempt.
         fill([*places, *walks], lambda growth=growth, most=most: growth.n_objects >= most)
         wanted = request.n_houses
         if wanted is None:
@@ -110,7 +113,7 @@ def _grow_structures(request: DistrictRequest) -> _Growth:
 
 
 def _grow_homes(growth: _Growth, wanted: int, rng: np.random.Generator) -> None:
-    """Dwellings on one parcel after another until there are enough, and green on the others."""
+    """Place dwellings on one parcel after another until there are enough, and green on the rest."""
     parcels = [(block, parcel) for block in growth.blocks for parcel in block.site.parcels]
     for index in rng.permutation(len(parcels)).tolist():
         block, parcel = parcels[index]
@@ -120,7 +123,7 @@ def _grow_homes(growth: _Growth, wanted: int, rng: np.random.Generator) -> None:
 
 
 def _begin(request: DistrictRequest) -> _Growth:
-    """Streets and grounds of a district; where houses are asked for, parcels are still open."""
+    """Lay streets and grounds of a district; parcels stay open if houses are asked for."""
     plan, choice, content = np.random.default_rng((_SEED_SPACE, request.seed)).spawn(3)
     network = lay_network(request.sides_m, plan)
     half = (request.sides_m[0] / 2, request.sides_m[1] / 2)
@@ -136,6 +139,7 @@ def _begin(request: DistrictRequest) -> _Growth:
 
 def _tower_block(blocks: Sequence[Block]) -> int:
     """Number of the block for the tower: the one nearest to the middle that has room."""
+    # Without a roomy block the nearest one is taken; the tower then may not fit.
     roomy = [n for n, block in enumerate(blocks) if has_tower_room(block)] or range(len(blocks))
 
     def away(number: int) -> float:
@@ -146,7 +150,7 @@ def _tower_block(blocks: Sequence[Block]) -> int:
 
 
 def _place_start(growth: _Growth, request: DistrictRequest, rng: np.random.Generator) -> Placed:
-    """The home pad in a block at a corner, from which all else is far.
+    """Put the home pad into a block at a corner, from which flights across are long.
 
     Raises:
         DistrictError: If no block has an open place.
@@ -159,6 +163,7 @@ def _place_start(growth: _Growth, request: DistrictRequest, rng: np.random.Gener
         try:
             return place_start(block.builder, Draw(rng), half)
         except NoStartError:
+            # The block has no open place; the next one inwards may have.
             continue
     raise DistrictError(
         f"outline {request.sides_m[0]:g},{request.sides_m[1]:g} has no open place to start from "
@@ -167,7 +172,7 @@ def _place_start(growth: _Growth, request: DistrictRequest, rng: np.random.Gener
 
 
 def _grow_details(growth: _Growth, n_objects: int, rng: np.random.Generator) -> None:
-    """What stands on the streets and in the blocks, until there are enough objects."""
+    """Grow objects on the streets and in the blocks, until there are enough."""
     site = growth.network.site
     traffic = [
         Streets(site.builder, Draw(stream), replace(site, roads=[road], junctions=[])).details()
@@ -181,18 +186,20 @@ def _grow_details(growth: _Growth, n_objects: int, rng: np.random.Generator) -> 
 
 
 def _joined(growth: _Growth, request: DistrictRequest, pad: Placed, scene_id: str) -> Scene:
-    """One document of streets and blocks: what stands free in a block belongs to its ground."""
+    """Join streets and blocks to one document."""
     objects: list[SceneObject] = []
     for builder in growth.builders:
         first = len(objects)
         is_block = builder is not growth.network.site.builder
         for obj in builder.objects:
             parent = obj.parent_id
+            # Objects that stand free in a block become children of its plate, object 0.
             if parent is None and is_block and obj.id > 0:
                 parent = 0
             parent_id = None if parent is None else first + parent
             objects.append(replace(obj, id=first + obj.id, scene_id=scene_id, parent_id=parent_id))
     half_x, half_y = request.sides_m[0] / 2, request.sides_m[1] / 2
+    # Over the highest object, as in every outdoor scene.
     top = max(obj.bbox.p[2] + obj.bbox.s[2] / 2 for obj in objects)
     is_mixed = any(obj.domain == "indoor" for obj in objects)
     return Scene(
@@ -224,10 +231,12 @@ def _wishes(request: DistrictRequest) -> dict[str, AttributeValue]:
 
 
 def _limits(n_blocks: int, n_areas: int | None) -> AreaLimits:
-    """How many areas of each class a district keeps at most."""
+    """Most areas of each class that a district keeps."""
     usual = {name: n_blocks * getattr(_AREAS_OF_BLOCK, name) for name in _AREAS_OF_BLOCK.__slots__}
     if n_areas is None:
         return AreaLimits(**usual)
     n_landing = sum(usual[name] for name in ("small", "medium", "large"))
+    # All classes shrink alike; perching areas are not counted as landing areas.
     share = min(1.0, n_areas / n_landing)
+    # Rounded down, so that their sum does not exceed the wish.
     return AreaLimits(**{name: int(share * count) for name, count in usual.items()})

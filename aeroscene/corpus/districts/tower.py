@@ -1,4 +1,7 @@
-"""A furnished tower: storeys that repeat one floor plan, each furnished anew."""
+"""A furnished tower: storeys that repeat one floor plan, each furnished anew.
+
+Repeating the plan keeps walls above walls, as in real buildings.
+"""
 
 from __future__ import annotations
 
@@ -41,18 +44,18 @@ _PROGRAMMES = (
     ("living", "kitchen", "bedroom", "bathroom", "bedroom"),
     ("office", "meeting", "office", "washroom", "office", "store"),
 )
-"""Rooms of a storey: flats or offices."""
+"""Kinds of rooms of a storey: flats or offices."""
 _SIZE_M = (9.0, 12.6)
 """Depth and length of the tower."""
 _BEARING_M = 0.1
-"""How far an upper slab reaches into the walls that carry it."""
+"""Depth by which an upper slab extends into the walls that carry it."""
 _APRON_M = 1.3
 """Depth of the air kept free on either side of an opening."""
 
 
 @dataclass(slots=True)
 class FurnishedTower:
-    """A tower that a drone can fly into on every storey."""
+    """A tower that a drone can enter on every storey, as a place of a district."""
 
     ground: Ground
     n_storeys: int
@@ -61,10 +64,11 @@ class FurnishedTower:
     _rooms: list[RoomSpace] = field(default_factory=list)
 
     def structures(self) -> Iterator[None]:
-        """The shell with slabs, rooms and walls, and its roof; then a hedge behind it."""
+        """Grow the shell with slabs, rooms and walls, and its roof; then a hedge behind it."""
         ground, draw = self.ground, self.ground.draw
         ground.cover("plaza")
         deep, length = _SIZE_M
+        # A short way before the door, unless the parcel is too shallow for it.
         setback = min(3.5, ground.parcel.depth - deep - 1.0)
         look = {
             "is_enterable": True,
@@ -82,15 +86,18 @@ class FurnishedTower:
         yield
 
     def _fit_out(self, tower: Placed) -> None:
-        """The same rooms on every storey: the plan is drawn again from the same number."""
+        """Fit out every storey with the same rooms: the plan is redrawn from one number."""
         draw, kinds = self.ground.draw, _PROGRAMMES[self.ground.draw.count(0, 1)]
         seed = draw.count(0, 2**31)
         for storey in range(self.n_storeys):
             foot = tower.base + storey * STOREY_M
             self._lay_slab(tower, foot, is_upper=storey > 0)
             is_top = storey == self.n_storeys - 1
+            # A storey ends at the underside of the next slab; the last one ends at the roof.
             ceiling = STOREY_M if is_top else STOREY_M + SLAB_TOP_M - SLAB_M
             level, clear = round(foot + SLAB_TOP_M, 4), round(ceiling - SLAB_TOP_M, 4)
+            # The same seed on each storey repeats the plan; only the furniture draws from another
+            # stream.
             again = Draw(np.random.default_rng(seed))
             zones = plan_storey(again, tower.size[:2], deque(kinds), level, clear)
             borders = find_borders(zones)
@@ -103,7 +110,8 @@ class FurnishedTower:
             self._keep_openings_free(tower, storey)
 
     def _lay_slab(self, tower: Placed, foot: float, *, is_upper: bool) -> None:
-        """A storey's floor; an upper one hangs lower and reaches into the walls."""
+        """Lay a storey's floor; an upper one hangs lower and extends into the walls."""
+        # A slab between two storeys rests in the walls; the lowest one ends at their inner faces.
         under = SLAB_TOP_M - SLAB_M if is_upper else 0.0
         reach = 2 * (_BEARING_M * is_upper - WALL_M)
         size = (tower.size[0] + reach, tower.size[1] + reach, SLAB_TOP_M - under)
@@ -120,6 +128,7 @@ class FurnishedTower:
         for bay in range(plan.n_bays):
             low, high = plan.opening(bay)
             for sign in (-1, 1):
+                # The door is on the front, in the middle; every other opening is a window.
                 is_door = sign > 0 and storey == 0 and bay == door_bay
                 sill = SLAB_TOP_M + 0.03 if is_door else SILL_M + 0.05
                 size = (2 * _APRON_M, opening_width(length), LINTEL_M - sill)
@@ -127,7 +136,7 @@ class FurnishedTower:
                 self.ground.builder.reserve(spot, size, foot + sill)
 
     def details(self) -> Iterator[None]:
-        """Furniture of all rooms, machines on the roof, a forecourt."""
+        """Grow furniture of all rooms, machines on the roof, and a forecourt."""
         ground, draw = self.ground, self.ground.draw
         growths = [furnish(ground, self._rooms)]
         if self._roof:

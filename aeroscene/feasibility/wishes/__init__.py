@@ -1,1 +1,1 @@
-"""Wishes of testers that change a scene before, or judge it after, the projection."""
+"""Wishes of testers that change a scene before the projection, or judge it afterwards."""

@@ -1,6 +1,6 @@
-"""Clutter: more loose things on the ground and on the floors of rooms.
+"""Clutter: more loose objects on the ground and on the floors of rooms.
 
-They are thrown onto open ground and floors by area, on top of whatever stands there; the projection
+They are thrown onto open ground and floors by area, on top of whatever stands there. The projection
 that follows moves each to the nearest free place, out of doorways and away from the home pad.
 """
 
@@ -17,23 +17,27 @@ from aeroscene.scene.box import quat_from_yaw
 from aeroscene.scene.catalogue import FLOORS, LOOSE, ROOMS, TERRAIN, by_name
 
 _LOOSE = sorted(LOOSE)
-"""In an order, so that the same seed throws the same."""
+"""Sorted, so that the same seed throws the same objects: sets have no order of their own."""
 USUAL = 15
-"""Loose things on the ground and floors of a scene, the mean of 30 shipped ones; a scene that has
-fewer counts as if it had so many."""
+"""Mean number of loose objects on the ground and floors of 30 shipped scenes. A scene with fewer
+counts as if it had this many.
+"""
 _LEAST_SIDE_M = 2.0
-"""Ground and rooms that are narrower stay as they are."""
+"""Width up to which ground and rooms stay as they are."""
 _RIM_M = 0.7
-"""Distance of a thing's middle from the border of what it is thrown onto."""
+"""Distance of an object's middle from the border of the surface onto which it is thrown."""
 
 
 def cluttered(scene: Scene, times: float, rng: np.random.Generator) -> Scene:
-    """Throw loose things into a scene until it has so many times as many; overlaps are left.
+    """Throw loose objects into a scene until it has a multiple of them; overlaps are left.
 
     Args:
         scene: A scene before its projection.
-        times: Factor from 1.
-        rng: Draws what is thrown and where.
+        times: Factor, from 1.
+        rng: Draws objects and places.
+
+    Returns:
+        The scene; the given one if it has no open surface or nothing is to be added.
     """
     hosts = [obj for obj in scene.objects if _is_open(obj)]
     n_loose = sum(_is_loose(scene, obj) for obj in scene.objects)
@@ -48,7 +52,7 @@ def cluttered(scene: Scene, times: float, rng: np.random.Generator) -> Scene:
 
 
 def clutter_factor(before: Scene, after: Scene) -> float:
-    """Factor by which a scene has more loose things than before `cluttered`, 1 for as many."""
+    """Factor by which a scene has more loose objects than before `cluttered`; 1 for as many."""
     n_before, n_after = (
         sum(_is_loose(scene, obj) for obj in scene.objects) for scene in (before, after)
     )
@@ -63,7 +67,7 @@ def _is_open(obj: SceneObject) -> bool:
 
 
 def _is_loose(scene: Scene, obj: SceneObject) -> bool:
-    """Whether an object lies about on ground or a floor, not on a shelf."""
+    """Return true if an object lies about on ground or a floor, not on a shelf."""
     if obj.category not in LOOSE or obj.parent_id is None:
         return False
     return scene.object_by_id[obj.parent_id].category in BEARING | ROOMS | FLOORS

@@ -17,7 +17,7 @@ _STEP_M = 0.05
 _ENDS_M = 0.5
 """Length at either end of a corridor that may be closed, by its end walls."""
 _TOLERANCE_M = 0.01
-"""Width that a passage may lack."""
+"""Width by which a passage may fall short."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +31,7 @@ class Passage:
 
 
 def widened(scene: Scene, least_m: float) -> Scene:
-    """Give every door of a wall at least a width; the projection fits doors into their walls."""
+    """Widen every door of a wall to at least a width; the projection fits doors into walls."""
     return replace(scene, objects=tuple(_widened(obj, least_m) for obj in scene.objects))
 
 
@@ -55,12 +55,12 @@ def passages(scene: Scene) -> Iterator[Passage]:
 
 
 def narrowest(scene: Scene) -> Passage | None:
-    """The narrowest door or corridor of a scene, None where it has neither."""
+    """The narrowest door or corridor of a scene; None if it has neither."""
     return min(passages(scene), key=lambda passage: passage.width_m, default=None)
 
 
 def too_narrow(scene: Scene, least_m: float) -> str | None:
-    """Why the passages of a scene are not wide enough, in one line; None if they are."""
+    """Describe in one line why a scene's passages are not wide enough; None if they are."""
     found = narrowest(scene)
     if found is None or found.width_m >= least_m - _TOLERANCE_M:
         return None
@@ -76,12 +76,14 @@ def _door_m(obj: SceneObject) -> float:
 
 
 def _corridor_width_m(room: SceneObject, walls: list[SceneObject]) -> float:
-    """Width of the widest disc that can be pushed along a corridor from end to end."""
+    """Width of the widest disc that can be pushed along a corridor from end to end, m."""
     low, high = _rise_m(room.bbox)
+    # The walls are cut at half the room's height, at most a metre above its floor.
     middle_m = (low + min(high, low + 2.0)) / 2
     inside = _footprint(room.bbox)
     solid = [_footprint(w.bbox) for w in walls if _spans(w.bbox, middle_m)]
     free = inside.difference(shapely.union_all(solid)) if solid else inside
+    # From the full width down in small steps, until a disc passes.
     width_m = min(room.bbox.s[:2])
     while width_m > 0 and not _is_passable(free, room.bbox, width_m):
         width_m -= _STEP_M
@@ -89,7 +91,7 @@ def _corridor_width_m(room: SceneObject, walls: list[SceneObject]) -> float:
 
 
 def _is_passable(free: BaseGeometry, box: OrientedBox, width_m: float) -> bool:
-    """Whether the middles of a disc reach from near one end of a corridor to near the other."""
+    """Return true if the middles of a disc reach from one end of a corridor nearly to the other."""
     centres = free.buffer(-width_m / 2 + 1e-6)
     length_m = max(box.s[:2])
     wanted_m = length_m - width_m - 2 * _ENDS_M
@@ -97,7 +99,7 @@ def _is_passable(free: BaseGeometry, box: OrientedBox, width_m: float) -> bool:
 
 
 def _reach_m(part: BaseGeometry, box: OrientedBox) -> float:
-    """Extent of a place along the long axis of a box."""
+    """Extent of a place along the long axis of a box, m."""
     if part.is_empty:
         return -1.0
     turned = affinity.rotate(part, -box.yaw_rad, origin=(0, 0), use_radians=True)

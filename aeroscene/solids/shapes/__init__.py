@@ -1,4 +1,4 @@
-"""Category to primitives: what every object looks like and collides as. Pure data."""
+"""Shapes of objects: the primitives by which each category is seen and touched. Pure data."""
 
 from aeroscene.solids.shapes.build import SHAPES, object_primitives, scene_primitives
 from aeroscene.solids.shapes.forms import FORMS

@@ -1,4 +1,4 @@
-"""Fittings of a bathroom; the back, which stands at the wall, is -x."""
+"""Fittings of a bathroom; their back, at the wall, is -x."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _TAP_M = 0.12
 _USER_M = 0.75
 """Length of a basin for each person who washes at it."""
 _TUB_M = 0.62
-"""Greatest height of a tub's rim; a higher box also holds what stands on the rim."""
+"""Greatest height of a tub's rim; a higher box also holds a pane or rod on the rim."""
 _SHOWER_M = 1.2
 """Boxes above this height hold a shower, or a tub with a pane beside it."""
 _LYING_M = 1.3
@@ -24,9 +24,13 @@ _PANE_M = 0.02
 
 
 def toilet(look: Look) -> list[Part]:
-    """A bowl before a cistern, its lid down or up, or a bowl that hangs from a tiled casing."""
+    """A bowl before a cistern, its lid down or up, or a bowl that hangs from a tiled casing.
+
+    Reads the attribute `form`.
+    """
     x, y, z = look.size_m
     form = look.choice("form", FORMS["toilet"])
+    # Proportions instead of metres for boxes that are low or shallow, so that parts stay inside.
     seat, deep = min(_SEAT_M, 0.55 * z), min(0.16 if form == "panel" else 0.2, 0.35 * x)
     back, long = (-x / 2, deep - x / 2), x - deep
     middle, rim = back[1] + long / 2, (long, min(y, 0.8 * long))
@@ -52,8 +56,13 @@ def toilet(look: Look) -> list[Part]:
 
 
 def basin(look: Look) -> list[Part]:
-    """A basin on a pedestal, one in a cupboard, or a trough on the wall; a tap for each user."""
+    """A basin on a pedestal, one in a cupboard, or a trough on the wall; a tap for each user.
+
+    Reads the attributes `form` and `doors`.
+    """
     x, y, z = look.size_m
+    # Narrow basins may have any form; wide ones serve several people, for whom a pedestal is too
+    # weak.
     form = look.choice("form", FORMS["basin"], () if y < 0.9 else ("vanity", "trough"))
     rim = z - min(_TAP_M, 0.2 * z)
     count = 1 if form == "pedestal" else max(1, min(4, round(y / _USER_M)))
@@ -101,13 +110,16 @@ def basin(look: Look) -> list[Part]:
 def bath(look: Look) -> list[Part]:
     """A tub in a tiled casing, one on feet, or the tray of a shower between panes of glass.
 
-    A tub in a higher box has a pane at one end or the rod of a shower head.
+    A tub in a higher box has a pane at one end or the rod of a shower head. Reads the attributes
+    `form`, `casing` and, of a shower, `hand`.
     """
     x, y, z = look.size_m
     lying = ("tub", "oval") if z < _SHOWER_M else ("tub", "shower")
     form = look.choice("form", FORMS["bath"], ("shower",) if y < _LYING_M else lying)
     if form == "shower":
         return _shower(look)
+    # Up to a third above a usual rim the box is just a deep tub; higher ones have something on the
+    # rim.
     rim = z if z < 1.3 * _TUB_M else _TUB_M
     wall, low = 0.09 * x, 0.2 * rim if form == "oval" else 0.0
     floor = low + 0.2 * rim
@@ -153,5 +165,5 @@ def _shower(look: Look) -> list[Part]:
 
 
 def _hollow(x: Interval, y: Interval, z: float) -> Part:
-    """What one sees of the inside of a basin from above."""
+    """Inner surface of a basin as seen from above, drawn on its rim."""
     return paint(x, y, (z, z + 0.004), "concrete")

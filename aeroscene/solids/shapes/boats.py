@@ -1,4 +1,4 @@
-"""Boats: a hull with its bow at +x; what stands on it makes the kind."""
+"""Boats: a hull with its bow at +x, and the fittings that make its kind."""
 
 from __future__ import annotations
 
@@ -10,13 +10,16 @@ from aeroscene.solids.shapes.primitive import Part, block, cylinder, hull
 from aeroscene.solids.shapes.solids import paint, prism
 
 _ROWING_M = 5.5
-"""Longer boats are not rowed."""
+"""Length up to which a boat may be a rowing boat."""
 _MAST_PER_LENGTH = 0.6
-"""What is at least this high for its length has a mast."""
+"""Ratio of height to length from which a boat has a mast."""
 
 
 def boat(look: Look) -> list[Part]:
-    """An open rowing boat, a motor boat with a cabin, or a sailing boat with its mast."""
+    """An open rowing boat, a motor boat with a cabin, or a sailing boat with its mast.
+
+    Reads the attributes `form` and `colour`.
+    """
     x, _, z = look.size_m
     fitting = ("motor", "rowing") if x <= _ROWING_M else ("motor",)
     if z >= _MAST_PER_LENGTH * x:
@@ -31,6 +34,7 @@ def boat(look: Look) -> list[Part]:
 def _keel(x: float, y: float, rise: float, material: str) -> Part:
     """A pointed hull that widens upwards."""
     vertices: list[Vector3] = []
+    # Two rings, at the gunwale and at the keel: height, share of the beam, and place of the bow.
     for height, beam, bow in ((rise, 1.0, 0.5), (0.0, 0.55, 0.36)):
         for along, share in ((-0.5, 0.8), (0.05, 1.0), (0.3, 0.72)):
             vertices += [(along * x, side * share * beam * y / 2, height) for side in (-1, 1)]
@@ -40,6 +44,8 @@ def _keel(x: float, y: float, rise: float, material: str) -> Part:
 
 def _rowing(look: Look, colour: str) -> list[Part]:
     x, y, z = look.size_m
+    # The floor and the thwarts lie just above the hull, which is solid: a convex collider has no
+    # inside.
     rise = min(z, 0.75)
     parts = [_keel(x, y, rise - 0.03, colour)]
     parts.append(paint((-0.44 * x, 0.26 * x), 0.62 * y, (rise - 0.03, rise - 0.02), "wood"))

@@ -1,4 +1,9 @@
-"""Builds the primitives of objects in the world."""
+"""Primitives of objects in the world, from the shapes of their categories.
+
+Collisions, pictures, maps, landing areas and exports all start from these primitives, so that a
+drone lands on what it sees and hits what is drawn. Shapes are functions that are found by the name
+of their category; a new category needs no registration.
+"""
 
 from __future__ import annotations
 
@@ -63,18 +68,27 @@ SHAPES: Mapping[str, Shape] = {
     for name, shape in getmembers(module, isfunction)
     if name.removesuffix("_") in by_name() and shape.__module__ == module.__name__
 }
-"""The shape of every category: the function of its name, as `boats.boat`."""
+"""Shape of every category: the function of its name, for example `boats.boat`."""
 
 
 _KEPT = 1024
-"""Objects whose primitives are kept: those of a few scenes."""
+"""Number of objects whose primitives are kept: those of a few scenes."""
 _LEAST_M = 5e-4
 _SLACK_M = 0.02
-"""Length by which a part may stand out of its box: paint on a road, a handle."""
+"""Length by which a part may extend beyond its box: paint on a road, a handle."""
 
 
 def object_parts(category: str, look: Look) -> list[Part]:
-    """Parts of a category at a size; a size too odd for its shape gives a plain box."""
+    """Parts of an object of some category.
+
+    Args:
+        category: Name of a category.
+        look: Size, attributes and number of the object.
+
+    Returns:
+        Parts in the frame of the box. A size that is too odd for the shape gives a plain box
+        instead, because no size of a valid scene may fail.
+    """
     parts = outlined_parts(category, look) or SHAPES[category](look)
     is_solid = any(part.collides for part in parts)
     if is_solid and all(_is_sound(part, look.size_m) for part in parts):
@@ -87,9 +101,11 @@ def _is_sound(part: Part, size_m: Vector3) -> bool:
     if min(part.size_m) < _LEAST_M:
         return False
     extents = part.size_m
+    # A box about a turned part: sums of absolute values, the usual bound of a rotated box.
     if part.quat_wxyz != IDENTITY:
         extents = (np.abs(rotation_matrix(part.quat_wxyz)) @ extents).tolist()
     x, y, z = part.position_m
+    # Parts are placed from the bottom of the box, hence the half height.
     offsets = (x, y, z - size_m[2] / 2)
     return all(
         abs(offset) + extent / 2 <= whole / 2 + _SLACK_M
@@ -99,7 +115,10 @@ def _is_sound(part: Part, size_m: Vector3) -> bool:
 
 @lru_cache(maxsize=_KEPT)
 def object_primitives(obj: SceneObject) -> tuple[Primitive, ...]:
-    """Primitives of one object in the world, ENU; kept, since a scene in the making asks again."""
+    """Primitives of one object in the world, ENU.
+
+    They are kept, because a scene in the making asks for them again and again.
+    """
     box = obj.bbox
     look = Look(box.s, obj.attributes, obj.id)
     rows = rotation_matrix(box.q).tolist()
@@ -130,7 +149,7 @@ def scene_primitives(scene: Scene) -> tuple[Primitive, ...]:
     """Primitives of every object of a scene, in the order of the objects.
 
     Raises:
-        SceneError: If they are more than `MOST_PRIMITIVES`.
+        SceneError: If there are more than `MOST_PRIMITIVES`.
     """
     primitives: list[Primitive] = []
     for obj in scene.objects:

@@ -1,7 +1,7 @@
-"""Solid buildings; the front is +x. `shell` has those that a drone can fly into.
+"""Solid buildings; the front is +x. Buildings that a drone can fly into are in `shell`.
 
-A mass keeps its full outline at its upper edge, where the roof lies on it. Below that, walls may
-stand back: what is left are ledges and balconies deep enough for a drone to perch on.
+A mass keeps its full outline at its upper edge, because the roof lies there. Below that, walls may
+stand back: the rest of the depth becomes ledges and balconies, deep enough for a drone to perch on.
 """
 
 from __future__ import annotations
@@ -18,8 +18,9 @@ from aeroscene.solids.shapes.solids import about, inwards, paint, prism, shifted
 
 _STOREY_M = FACADE_BAY_M[1]
 _LEDGE_M = 0.9
-"""Depth of ledges: a Hummingbird reaches 0.4 m."""
+"""Depth of ledges; a Hummingbird's rotors extend to 0.4 m."""
 _BALCONY_M = 1.3
+# Bounds the parts: balconies at most, and storeys from which every other one has a ledge.
 _MOST_BALCONIES = 5
 _ATTIC_M = 0.45
 _TWO_STOREYS_M = 5.8
@@ -27,11 +28,16 @@ _WAREHOUSE_PITCH_RAD = radians(7.0)
 
 
 def building(look: Look) -> list[Part]:
-    """An upright block: enterable shell, or a mass: plain, with balconies, ledges or an arcade."""
+    """An upright block: a shell to enter, or a mass: plain, with balconies, ledges or an arcade.
+
+    Reads the attributes `colour`, `is_enterable` and `form`.
+    """
     colour = look.choice("colour", (*WALL_COLOURS, "brick"))
     if look.flag("is_enterable"):
         return shell(look, _wall(colour))
     x, y, z = look.size_m
+    # Ledges and balconies need two storeys, and a mass behind them that still looks like a
+    # building.
     is_tall = z > _TWO_STOREYS_M and min(x, y) > 5.0
     form = look.choice("form", FORMS["building"] if is_tall else ("plain",))
     if form == "balconies" and is_tall:
@@ -50,6 +56,7 @@ def _wall(colour: str) -> str:
 def _mass(x: Interval, y: Interval, z: Interval, colour: str) -> list[Part]:
     """A block with painted windows on its four sides."""
     core = block(x, y, z, _wall(colour))
+    # The panels stand 4 cm before the wall on each side, so that faces do not flicker in pictures.
     length, width = x[1] - x[0] + 0.08, y[1] - y[0] + 0.08
     panels = window_panels(length, width, z[1] - z[0], f"facade_{colour}")
     middle = ((x[0] + x[1]) / 2, (y[0] + y[1]) / 2)
@@ -65,6 +72,7 @@ def _door(front: float, at_y: float, z: float, wide: float = 1.4) -> Part:
 def _plain(look: Look, colour: str) -> list[Part]:
     """One mass with a projecting attic and a porch roof over the door."""
     x, y, z = look.size_m
+    # The door is in the middle or to one side, by the object's number.
     front, door_y = x / 2 - 0.12, 0.0 if look.variant % 2 else -y / 4
     attic = min(_ATTIC_M, 0.1 * z)
     parts = _mass(centred(x - 0.24), centred(y - 0.24), (0, z - attic), colour)
@@ -78,6 +86,7 @@ def _balconies(look: Look, colour: str) -> list[Part]:
     front = x / 2 - _BALCONY_M
     parts = _mass((-x / 2 + 0.05, front), centred(y - 0.1), (0, z - _ATTIC_M), colour)
     parts.append(block(x, y, (z - _ATTIC_M, z), "concrete"))
+    # The lowest balcony is on the first floor, and its door needs 2.2 m below the attic.
     storeys = min(_MOST_BALCONIES, int((z - _ATTIC_M - 2.2) // _STOREY_M))
     wide = centred(0.7 * y)
     for storey in range(1, storeys + 1):
@@ -119,12 +128,16 @@ def _podium(look: Look, colour: str) -> list[Part]:
 
 
 def house(look: Look) -> list[Part]:
-    """A dwelling: plain with a plinth, with a veranda, or with a bay window."""
+    """A dwelling: plain with a plinth, with a veranda, or with a bay window.
+
+    Reads the attributes `colour`, `is_enterable` and `form`.
+    """
     if look.flag("is_enterable"):
         return building(look)
     x, y, z = look.size_m
     colour = look.choice("colour", (*WALL_COLOURS, "brick"))
     form = look.choice("form", FORMS["house"])
+    # Fittings of the ground floor keep to it in a higher house.
     top = min(z, 2.7)
     if form == "plain":
         front = x / 2 - 0.1
@@ -143,6 +156,7 @@ def house(look: Look) -> list[Part]:
             block((front, x / 2), about(0.22 * y, 1.6), (0.92 * top, top), "dark_wood"),
         ]
         return [*parts, _door(front, 0.22 * y, z, 1.1)]
+    # What is left is the veranda.
     front = x / 2 - 1.8
     parts = _mass((-x / 2 + 0.05, front), centred(y - 0.1), (0, z), colour)
     floor, roof = 0.16, (top - 0.14, top)
@@ -163,13 +177,17 @@ def house(look: Look) -> list[Part]:
 
 
 def tower(look: Look) -> list[Part]:
-    """A tall slim block with a set-back crown, stepped in three tiers, or with ribs."""
+    """A tall slim block with a set-back crown, stepped in three tiers, or with ribs.
+
+    Reads the attributes `form` and `colour`.
+    """
     x, y, z = look.size_m
     form = look.choice("form", FORMS["tower"])
     colour = look.choice("colour", WALL_COLOURS)
     if form == "stepped":
         parts: list[Part] = []
         low = 0.0
+        # Each tier: share of the outline, and share of the height up to which it reaches.
         for share, high in ((1.0, 0.5), (0.78, 0.8), (0.5, 1.0)):
             along, across = share * x - 0.08, share * y - 0.08
             parts += _mass(centred(along), centred(across), (low, high * z), colour)
@@ -193,7 +211,11 @@ def _lobby(front: float) -> Part:
 
 
 def warehouse(look: Look) -> list[Part]:
-    """A hall of sheet metal with a gate; with loading docks, or with a low pitched roof."""
+    """A hall of sheet metal with a gate; with loading docks, or with a low pitched roof.
+
+    Reads the attributes `form`, `cladding`, `colour` and `is_enterable`. The number of the object
+    never draws the low pitch, only the attribute chooses it.
+    """
     if look.flag("is_enterable"):
         return enterable_warehouse(look)
     x, y, z = look.size_m

@@ -1,7 +1,8 @@
-"""Walls with openings: a facade of bays and storeys as piers, bands and panes.
+"""Walls with openings: a facade of bays and storeys, made of piers, bands and panes.
 
-Bays and openings follow from lengths alone, so that whoever plans rooms knows where the openings
-are: a partition meets the facade at a border between bays, where a pier stands.
+Bays and openings follow from lengths alone. A generator that plans rooms therefore knows where the
+openings are without building the facade: a partition meets it at a border between bays, where a
+pier stands.
 """
 
 from __future__ import annotations
@@ -15,16 +16,18 @@ from aeroscene.solids.shapes.primitive import Interval, Part, block, centred
 WALL_M = 0.25
 """Thickness of an outer wall."""
 SLAB_TOP_M = 0.15
-"""A storey's floor above the storey's base."""
+"""Height of a storey's floor above the storey's base."""
 SLAB_M = 0.25
 """Thickness of a slab between storeys."""
 BAY_M = 3.0
-"""Length of wall for one opening."""
+"""Length of wall for each opening."""
 OPENING_M = 2.0
 """Widest window or door."""
 SILL_M = 0.85
 LINTEL_M = 2.75
-"""Underside of the wall above every opening; both above the storey's base. Low storeys lower it."""
+"""Underside of the wall above every opening. `SILL_M` and this one count from the storey's base;
+low storeys lower the lintel.
+"""
 _BAND_RECESS_M = 0.03
 _PIER_M = 0.5
 """Width of a pier between the panes of a closed wall."""
@@ -45,27 +48,34 @@ class FacadePlan:
 
     @property
     def n_bays(self) -> int:
-        """How many openings stand side by side."""
+        """Number of openings side by side."""
         return count_bays(self.length_m)
 
     def opening(self, bay: int) -> Interval:
-        """From where to where along the wall a bay is open, m."""
+        """Ends of the opening of a bay along the wall, m.
+
+        Args:
+            bay: Number of the bay, from 0 at the low end.
+        """
         middle = -self.length_m / 2 + (bay + 0.5) * self.length_m / self.n_bays
         half = opening_width(self.length_m) / 2
         return (middle - half, middle + half)
 
 
 _MOST_BAYS = 60
-"""A wall of 1,000 m would have hundreds, in each of its storeys."""
+"""Most bays of a wall; a wall of 1,000 m would have hundreds, in each of its storeys."""
 
 
 def count_bays(length_m: float) -> int:
-    """Openings side by side in a wall."""
+    """Number of openings side by side in a wall."""
     return min(max(1, round(length_m / BAY_M)), _MOST_BAYS)
 
 
 def opening_width(length_m: float) -> float:
-    """Width of each opening of a wall, m."""
+    """Width of each opening of a wall, m.
+
+    It leaves a pier on both sides. A wall that is too short for one gets a width of zero or less.
+    """
     return min(OPENING_M, length_m / count_bays(length_m) - 2 * WALL_M - 0.3)
 
 
@@ -76,14 +86,22 @@ def bay_borders(length_m: float) -> list[float]:
 
 
 def facade_parts(plan: FacadePlan, across: Interval, material: str) -> list[Part]:
-    """Parts of a wall that runs along y and is `across` thick in x; z from the ground."""
+    """Parts of a wall with openings that runs along y; z counts from the ground.
+
+    Args:
+        plan: Bays, storeys, door and glazing of the wall.
+        across: Ends of its thickness in x, m.
+        material: Name of the wall's material.
+    """
     height = plan.storeys * plan.storey_m
     edges = [-plan.length_m / 2]
+    # Openings alternate with piers, so the sorted ends pair up to the piers.
     for bay in range(plan.n_bays):
         edges += plan.opening(bay)
     edges.append(plan.length_m / 2)
     piers = zip(edges[::2], edges[1::2], strict=True)
     parts = [block(across, pier, (0.0, height), material) for pier in piers]
+    # Set back on both sides: faces of bands and piers in one plane would flicker.
     band = (across[0] + _BAND_RECESS_M, across[1] - _BAND_RECESS_M)
     for y, z in _bands(plan, height):
         parts.append(block(band, y, z, material))
@@ -100,7 +118,15 @@ def facade_parts(plan: FacadePlan, across: Interval, material: str) -> list[Part
 def ribbon_parts(
     length_m: float, height_m: float, rows: list[Interval], across: Interval, material: str
 ) -> list[Part]:
-    """A closed wall that runs along y: rows of glass between bands, divided by piers."""
+    """A closed wall that runs along y: rows of glass between bands, divided by piers.
+
+    Args:
+        length_m: Length of the wall.
+        height_m: Height of the wall.
+        rows: Lower and upper end of each row of glass, ascending.
+        across: Ends of the wall's thickness in x, m.
+        material: Name of the wall's material.
+    """
     full = centred(length_m)
     edges = [0.0, *(edge for row in rows for edge in row), height_m]
     parts = [
@@ -116,13 +142,15 @@ def ribbon_parts(
 
 
 def _bands(plan: FacadePlan, height: float) -> list[tuple[Interval, Interval]]:
-    """Horizontal strips between one storey's openings and the next one's, as (y, z)."""
+    """Horizontal strips between one storey's openings and those of the next, as (y, z)."""
     full = centred(plan.length_m)
     bands: list[tuple[Interval, Interval]] = []
     for storey in range(1, plan.storeys + 1):
         low = (storey - 1) * plan.storey_m + min(LINTEL_M, plan.storey_m - 0.25)
+        # The topmost band reaches to the upper edge of the wall.
         high = storey * plan.storey_m + SILL_M if storey < plan.storeys else height
         bands.append((full, (low, high)))
+    # The sill of the ground floor is interrupted at the door, which gets a low threshold instead.
     if plan.door_bay is None:
         return [(full, (0.0, SILL_M)), *bands]
     door = plan.opening(plan.door_bay)
@@ -132,10 +160,18 @@ def _bands(plan: FacadePlan, height: float) -> list[tuple[Interval, Interval]]:
 
 
 def window_panels(size_x: float, size_y: float, height: float, material: str) -> list[Part]:
-    """Four skins with a windows texture around a solid mass, each with local z outwards.
+    """Four skins with a texture of windows around a solid mass, each with local z outwards.
 
-    A panel is a whole number of bays wide where the wall allows, so that no window is cut.
+    A skin is a whole number of bays wide and of storeys high if the wall allows, so that no window
+    is cut. Skins touch nothing.
+
+    Args:
+        size_x: Length of the mass along x, m.
+        size_y: Length along y, m.
+        height: Height, m.
+        material: Name of a facade material.
     """
+    # Local z to +x, -x, +y and -y; local y points up in all four.
     quats = (
         (0.5, 0.5, 0.5, 0.5),
         (0.5, 0.5, -0.5, -0.5),
@@ -143,6 +179,7 @@ def window_panels(size_x: float, size_y: float, height: float, material: str) ->
         (0.5**0.5, 0.5**0.5, 0.0, 0.0),
     )
     bay_m, storey_m = FACADE_BAY_M
+    # Without the small term a wall of exactly whole storeys could lose one to rounding.
     rise = max(1, int(height / storey_m + 1e-6)) * storey_m
     rise = min(rise, height)
     parts: list[Part] = []
@@ -166,7 +203,10 @@ def window_panels(size_x: float, size_y: float, height: float, material: str) ->
 
 
 def turned(parts: list[Part]) -> list[Part]:
-    """Parts turned by a quarter about the vertical: x becomes y, y becomes minus x."""
+    """Turn parts by a quarter about the vertical: x becomes y, y becomes minus x.
+
+    Only for boxes along the axes, whose sizes are swapped instead of turning them.
+    """
     return [
         replace(
             part,

@@ -9,12 +9,16 @@ from aeroscene.solids.shapes.primitive import Interval, Part, block
 from aeroscene.solids.shapes.solids import about
 
 _POST_SPACING_M = 2.5
+# Bounds the parts of a long fence; its posts then stand farther apart.
 _MOST_POSTS = 7
 _WIRES = 4
 
 
 def fence(look: Look) -> list[Part]:
-    """A hedge, boards or rails between posts, a wall with a coping, or a mesh of wires."""
+    """A hedge, boards or rails between posts, a wall with a coping, or a mesh of wires.
+
+    Reads the attributes `form`, `material` (of a wall) and `wood` (of boards).
+    """
     form = look.choice("form", FORMS["fence"])
     x, y, z = look.size_m
     if form == "hedge":
@@ -24,6 +28,7 @@ def fence(look: Look) -> list[Part]:
         wall = look.choice("material", ("brick", "stone", *plaster[:3]))
         cope = min(0.08, 0.1 * z)
         return [block(0.8 * x, y, (0, z - cope), wall), block(x, y, (z - cope, z), "concrete")]
+    # Only a hedge or a wall fills a wide box; other fences stay thin in the middle of it.
     thick = min(x, 0.1)
     if form == "boards":
         wood = look.choice("wood", ("wood", "dark_wood", "pale_wood"))

@@ -1,7 +1,7 @@
-"""The variants of every category: values of the attribute `form`, which pins one of them.
+"""Forms of every category: valid values of the attribute `form`.
 
-Without the attribute the object's id picks. A form that a size has no room for falls back on the
-first that fits; walls, floors and rooms vary by finish and colour.
+Without the attribute, the object's id picks a form. A form that a size has no room for falls back
+on the first that fits. Walls, floors and rooms have no forms and vary by finish and colour.
 """
 
 from __future__ import annotations
@@ -77,4 +77,4 @@ FORMS: Mapping[str, tuple[str, ...]] = {
     "book": ("pile", "open", "upright"),
     "box": ("taped", "labelled", "tub"),
 }
-"""Names of at least three forms under each category that has forms."""
+"""At least three names under each category that has forms."""

@@ -1,6 +1,6 @@
 """Furniture with a top to put things on; the front, where a person sits or stands, is +x.
 
-Under a table the air is free between the legs.
+The space under a table is free between its legs, so that a small drone can fly there.
 """
 
 from __future__ import annotations
@@ -13,11 +13,14 @@ from aeroscene.solids.shapes.solids import about, inwards, legs, paint
 WOODS = ("wood", "pale_wood", "dark_wood")
 _TOP_M = 0.045
 _SQUARE = 1.3
-"""Tables longer than this for their width are not round."""
+"""Ratio of length to width up to which a table may be round."""
 
 
 def table(look: Look) -> list[Part]:
-    """A top on four legs or two trestles; a small square one may be round or have one foot."""
+    """A top on four legs or two trestles; a small square one may be round or have one foot.
+
+    Reads the attributes `form`, `wood` and `legs`.
+    """
     x, y, z = look.size_m
     is_small = max(x, y) <= min(1.5, _SQUARE * min(x, y))
     form = look.set_choice("form", FORMS["table"], () if is_small else ("legs", "trestle"))
@@ -46,7 +49,10 @@ def table(look: Look) -> list[Part]:
 
 
 def coffee_table(look: Look) -> list[Part]:
-    """A low top on two panels, round on a drum, or on legs with a board between them."""
+    """A low top on two panels, round on a drum, or on legs with a board between them.
+
+    Reads the attributes `form` and `wood`.
+    """
     x, y, z = look.size_m
     is_square = max(x, y) <= 1.15 * min(x, y)
     form = look.choice("form", FORMS["coffee_table"], () if is_square else ("panels", "legs"))
@@ -70,14 +76,17 @@ def coffee_table(look: Look) -> list[Part]:
 
 
 def _round_tops(wide: float, y: float) -> list[float]:
-    """One round table in the middle, or two side by side where there is room."""
+    """Middle of one round table, or of two side by side if there is room."""
     if y < 1.8 * wide:
         return [0.0]
     return [-(y - wide) / 2, (y - wide) / 2]
 
 
 def desk(look: Look) -> list[Part]:
-    """A top with a drawer block, on four legs with a modesty panel, or on two lifting columns."""
+    """A top with a drawer block, on four legs with a modesty panel, or on two lifting columns.
+
+    Reads the attributes `form` and `wood`.
+    """
     x, y, z = look.size_m
     form, wood = look.set_choice("form", FORMS["desk"]), look.set_choice("wood", WOODS)
     under = z - 0.04
@@ -110,7 +119,10 @@ def desk(look: Look) -> list[Part]:
 
 
 def nightstand(look: Look) -> list[Part]:
-    """A small chest with two drawers, an open case, or a round side table."""
+    """A small chest with two drawers, an open case, or a round side table.
+
+    Reads the attributes `form` and `wood`.
+    """
     x, y, z = look.size_m
     form, wood = look.set_choice("form", FORMS["nightstand"]), look.set_choice("wood", WOODS)
     if form == "round":
@@ -134,7 +146,10 @@ def nightstand(look: Look) -> list[Part]:
 
 
 def counter(look: Look) -> list[Part]:
-    """A worktop over cupboards, plain or with a sink, or a bar with a panel to lean on."""
+    """A worktop over cupboards, plain or with a sink, or a bar with a panel to lean on.
+
+    Reads the attributes `form`, `doors` and, of a bar, `wood`.
+    """
     x, y, z = look.size_m
     form = look.choice("form", FORMS["counter"])
     top = block(x, y, (z - 0.05, z), "stone")
@@ -148,6 +163,7 @@ def counter(look: Look) -> list[Part]:
         ]
     front = inwards(1, x / 2 - 0.02, 0.02)
     doors = look.choice("doors", ("plastic_white", "pale_wood", "paint_green"))
+    # One door for each 60 cm, the usual width of kitchen cupboards.
     count = max(1, min(6, round(y / 0.6)))
     step = y / count
     parts = [
@@ -161,6 +177,7 @@ def counter(look: Look) -> list[Part]:
     if form == "sink" and y > 1.0:
         at = -y / 2 + 0.25 * y
         parts.append(paint(0.6 * x, about(at, 0.5), (z, z + 0.004), "dark_metal"))
+        # The tap stays within the slack by which parts may exceed their box.
         tap = (-0.36 * x, -0.36 * x + 0.03)
         parts.append(paint(tap, about(at, 0.03), (z - 0.01, z + 0.018), "metal"))
     return parts

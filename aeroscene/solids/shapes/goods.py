@@ -1,4 +1,4 @@
-"""What lies about in yards and halls, and the pads that drones land on."""
+"""Loose goods of yards and halls, and the pads that drones land on."""
 
 from __future__ import annotations
 
@@ -17,7 +17,10 @@ def _paint_colour(look: Look) -> str:
 
 
 def crate(look: Look) -> list[Part]:
-    """A crate of boards, a plastic one in colour, or a chest with metal bands."""
+    """A crate of boards, a plastic one in colour, or a chest with metal bands.
+
+    Reads the attributes `form` and, of a plastic crate, `colour`.
+    """
     x, y, z = look.size_m
     form = look.choice("form", FORMS["crate"])
     if form == "plastic":
@@ -38,7 +41,10 @@ def crate(look: Look) -> list[Part]:
 
 
 def pallet(look: Look) -> list[Part]:
-    """A pallet; where the box is taller, with boxes sacks or bricks on it."""
+    """A pallet; in a taller box it carries boxes, sacks or bricks.
+
+    Reads the attribute `form`.
+    """
     x, y, z = look.size_m
     deck = min(z, PALLET_M)
     is_loaded = z > deck + 0.1
@@ -56,6 +62,7 @@ def pallet(look: Look) -> list[Part]:
         return [
             *parts,
             block(0.96 * x, 0.96 * y, (deck, split), "cardboard"),
+            # The upper layer is a little smaller, so that the two cartons show.
             block(0.94 * x, 0.92 * y, (split, z), "cardboard"),
             paint(0.97 * x, 0.1, (deck, split), "paint_blue"),
         ]
@@ -72,7 +79,7 @@ def pallet(look: Look) -> list[Part]:
 
 
 def _sacks(x: float, y: float, z: Interval) -> list[Part]:
-    """Layers of two sacks, the top one level."""
+    """Layers of two sacks each; the top is level, so that a drone can land on it."""
     layers = max(1, min(3, round((z[1] - z[0]) / 0.3)))
     rise = (z[1] - z[0]) / layers
     return [
@@ -88,12 +95,16 @@ def _sacks(x: float, y: float, z: Interval) -> list[Part]:
 
 
 def landing_pad(look: Look) -> list[Part]:
-    """A mat with a ring and a letter, with rings like a target, or with a cross and corners."""
+    """A mat with a ring and a letter, with rings like a target, or with a cross and corners.
+
+    Reads the attributes `form` and `mat`.
+    """
     x, y, z = look.size_m
     form, side = look.choice("form", FORMS["landing_pad"]), min(x, y)
     ground = look.choice("mat", ("dark_concrete", "rubber", "concrete"))
     mat = block(x, y, (0, z), ground)
     if form == "rings":
+        # From the widest to the narrowest, because each is painted over the last.
         widths = (
             (0.94, "marking_white"),
             (0.78, "light_red"),
@@ -118,6 +129,7 @@ def landing_pad(look: Look) -> list[Part]:
             for sy in (-1, 1)
         ]
         return [mat, *bars, *corners]
+    # Above the two discs of the ring.
     flat = (z + 0.004, z + 0.006)
     strokes = [
         paint(0.46 * side, about(sign * 0.15 * side, 0.08 * side), flat, "marking_white")
@@ -129,5 +141,5 @@ def landing_pad(look: Look) -> list[Part]:
 
 
 def _disc(wide: float, z: float, layer: int, material: str) -> Part:
-    """One coat of paint in the middle, over those of lower layers."""
+    """One coat of paint in the middle, above the coats of lower layers."""
     return disc((0, 0, z + 0.001 + 0.0015 * layer), wide, 0.0015, material)

@@ -1,4 +1,4 @@
-"""Surfaces that lie on the ground, and what is painted on them. Paint touches nothing."""
+"""Surfaces that lie on the ground, and the paint on them. Paint touches nothing."""
 
 from __future__ import annotations
 
@@ -13,9 +13,10 @@ BAY_WIDTH_M = 2.5
 BAY_DEPTH_M = 5.0
 _DASH_PERIOD_M = 6.0
 _DASH_M = 2.5
+# Bounds the parts of a long road; its dashes then lie farther apart.
 _MOST_DASHES = 12
 _TWO_LANES_M = 5.5
-"""Narrower roads have no line in the middle."""
+"""Width from which a road has a line in the middle."""
 
 
 def _slab(look: Look, material: str) -> Part:
@@ -28,7 +29,10 @@ def _coat(z: float) -> Interval:
 
 
 def road(look: Look) -> list[Part]:
-    """A carriageway along x: dashes, edge lines or arrows, and a zebra crossing where asked."""
+    """A carriageway along x: dashes, edge lines or arrows, and a zebra crossing if asked for.
+
+    Reads the attributes `form` and `zebra_end` (1 or -1: crossing at that end of x).
+    """
     x, y, z = look.size_m
     form, end = look.choice("form", FORMS["road"]), look.number("zebra_end", 0.0)
     parts = [_slab(look, "asphalt")]
@@ -39,6 +43,7 @@ def road(look: Look) -> list[Part]:
             paint(x, about(sign * (y / 2 - 0.25), 0.12), _coat(z), "marking_white")
             for sign in (-1, 1)
         ]
+    # Arrows need a straight of 24 m; traffic keeps to the right, so each points along its lane.
     if form == "arrows" and x > 24 and y >= _TWO_LANES_M:
         for sign in (-1, 1):
             parts += _arrow((sign * (x / 2 - 9.0), -sign * y / 4), sign, z)
@@ -46,13 +51,14 @@ def road(look: Look) -> list[Part]:
 
 
 def _dashes(x: float, z: float, zebra_end: float) -> list[Part]:
-    """The middle line, which ends before a crossing."""
+    """Dashes of the middle line, which ends before a crossing."""
     count = min(_MOST_DASHES, int((x - 2.0) // _DASH_PERIOD_M))
     period = (x - 2.0) / max(1, count)
     middles = [(index - (count - 1) / 2) * period for index in range(count)]
     return [
         paint(about(at, _DASH_M), 0.14, _coat(z), "marking_white")
         for at in middles
+        # A crossing takes the last 3.3 m; dashes keep half their length from it.
         if zebra_end == 0 or zebra_end * at < x / 2 - 5.5
     ]
 
@@ -83,11 +89,15 @@ def _zebra(x: float, y: float, z: float, end: float) -> list[Part]:
 
 
 def parking_lot(look: Look) -> list[Part]:
-    """Asphalt with bays for cars along the long (x) sides, cars heading along y."""
+    """Asphalt with bays for cars along the long (x) sides, cars heading along y.
+
+    Reads the attributes `form` and `rows` (1 or 2).
+    """
     x, y, z = look.size_m
     form = look.choice("form", FORMS["parking_lot"])
     n_bays = int((x - 0.1) // BAY_WIDTH_M)
     deep = min(BAY_DEPTH_M, y - 0.4)
+    # A single row lies at +y; narrow lots have no room for a second one.
     signs = (1, -1)[: round(look.number("rows", 2 if y > 12 else 1))]
     parts = [_slab(look, "asphalt")]
     for sign in signs:
@@ -108,10 +118,14 @@ def parking_lot(look: Look) -> list[Part]:
 
 
 def sidewalk(look: Look) -> list[Part]:
-    """Raised paving with a kerb along the street (-y); bands or a tactile strip on it."""
+    """Raised paving with a kerb along the street (-y); bands or a tactile strip on it.
+
+    Reads the attributes `form` and `paving`.
+    """
     x, y, z = look.size_m
     form = look.choice("form", FORMS["sidewalk"])
     paving = look.choice("paving", ("paving",))
+    # No room for a kerb.
     if y < 0.6:
         return [_slab(look, paving)]
     kerb = -y / 2 + 0.18
@@ -124,7 +138,10 @@ def sidewalk(look: Look) -> list[Part]:
 
 
 def plaza(look: Look) -> list[Part]:
-    """Paving with a border, with bands across it, or with a cross and a disc in the middle."""
+    """Paving with a border, with bands across it, or with a cross and a disc in the middle.
+
+    Reads the attributes `form` and `paving`.
+    """
     x, y, z = look.size_m
     form = look.choice("form", FORMS["plaza"])
     base = look.choice("paving", ("red_paving", "paving"))
@@ -140,6 +157,7 @@ def plaza(look: Look) -> list[Part]:
         parts += [
             paint(x, 0.9, _coat(z), trim),
             paint(0.9, y, _coat(z), trim),
+            # Both discs lie above the bars of the cross.
             disc((0, 0, z + 0.004), 0.4 * min(x, y), 0.008, trim),
             disc((0, 0, z + 0.006), 0.3 * min(x, y), 0.008, base),
         ]
@@ -152,7 +170,10 @@ def plaza(look: Look) -> list[Part]:
 
 
 def lawn(look: Look) -> list[Part]:
-    """Grass; with a path along the middle, or with beds along two sides."""
+    """Grass; with a path along the middle, or with beds along two sides.
+
+    Reads the attribute `form`.
+    """
     x, y, z = look.size_m
     form = look.choice("form", FORMS["lawn"])
     parts = [_slab(look, "grass")]

@@ -1,4 +1,4 @@
-"""Screens, lamps and the small things that lie on furniture; the front is +x."""
+"""Screens, lamps and the small objects that lie on furniture; the front is +x."""
 
 from __future__ import annotations
 
@@ -12,7 +12,11 @@ from aeroscene.solids.shapes.solids import about, cone, disc, leaning, paint
 
 
 def lamp(look: Look) -> list[Part]:
-    """A shade on a stem and a foot: a drum, a globe or a cone; pinned, a pendant on its cord."""
+    """A shade on a stem and a foot: a drum, a globe or a cone, or a pendant on its cord.
+
+    Reads the attributes `form` and `foot`. Only the attribute chooses a pendant: one that the
+    number of the object drew would hang in the air.
+    """
     x, y, z = look.size_m
     form = look.set_choice("form", (*FORMS["lamp"], "pendant"), FORMS["lamp"])
     wide = min(x, y)
@@ -35,7 +39,10 @@ def lamp(look: Look) -> list[Part]:
 
 
 def television(look: Look) -> list[Part]:
-    """A flat screen on a foot, on two legs, or over a bar of loudspeakers."""
+    """A flat screen on a foot, on two legs, or over a bar of loudspeakers.
+
+    Reads the attribute `form`.
+    """
     x, y, z = look.size_m
     form = look.choice("form", FORMS["television"])
     low = 0.12 * z
@@ -64,7 +71,10 @@ def _screen(width: float, z: tuple[float, float], at_y: float) -> list[Part]:
 
 
 def monitor(look: Look) -> list[Part]:
-    """A computer screen on a foot; two side by side where wide enough; or thin on a tall stem."""
+    """A computer screen on a foot, two side by side if wide enough, or one on a tall stem.
+
+    Reads the attribute `form`.
+    """
     x, y, z = look.size_m
     form = look.choice("form", FORMS["monitor"])
     low = 0.3 * z if form != "thin" else 0.42 * z
@@ -78,11 +88,15 @@ def monitor(look: Look) -> list[Part]:
 
 
 def laptop(look: Look) -> list[Part]:
-    """A keyboard half and a screen that leans back."""
+    """A keyboard half and a screen that leans back.
+
+    Reads the attribute `form`, which is the colour of its case.
+    """
     x, y, z = look.size_m
     form = look.choice("form", FORMS["laptop"])
     case = {"silver": "metal", "black": "plastic_black", "white": "plastic_white"}[form]
     depth, thick = 0.85 * x, 0.012
+    # The lid leans over the rest of the depth; its thickness counts on both axes.
     rise, run = z - 0.02 - thick, x - depth
     lean = atan2(run, rise)
     middle = (-x / 2 + run / 2 + 0.005, 0.0, 0.02 + rise / 2)
@@ -95,7 +109,10 @@ def laptop(look: Look) -> list[Part]:
 
 
 def plate(look: Look) -> list[Part]:
-    """A flat disc on a foot, a bowl, or a plate with a meal on it."""
+    """A flat disc on a foot, a bowl, or a plate with a meal on it.
+
+    Reads the attribute `form`.
+    """
     x, y, z = look.size_m
     form, wide = look.set_choice("form", FORMS["plate"]), min(x, y)
     if form == "bowl":
@@ -116,7 +133,10 @@ def plate(look: Look) -> list[Part]:
 
 
 def cup(look: Look) -> list[Part]:
-    """A mug with a handle, a glass, or a paper cup with a lid."""
+    """A mug with a handle, a glass, or a paper cup with a lid.
+
+    Reads the attributes `form` and, of a mug, `glaze`.
+    """
     x, y, z = look.size_m
     form, wide = look.set_choice("form", FORMS["cup"]), min(x, y)
     if form == "glass":
@@ -134,8 +154,12 @@ def cup(look: Look) -> list[Part]:
 
 
 def book(look: Look) -> list[Part]:
-    """A pile, one that lies open, or a row that stands upright."""
+    """A pile, one that lies open, or a row that stands upright.
+
+    Reads the attribute `form`.
+    """
     x, y, z = look.size_m
+    # High boxes suit a row, very low ones an open book, all of them a pile.
     drawn = ("pile", "upright") if z > 0.1 else ("pile", "open") if z < 0.05 else ("pile",)
     form = look.choice("form", FORMS["book"], drawn)
     covers = [
@@ -145,6 +169,7 @@ def book(look: Look) -> list[Part]:
     if form == "upright":
         return [
             block(
+                # Uneven depths and heights make four volumes of one block.
                 (0.9, 0.76, 1.0, 0.84)[i] * x,
                 about((i - 1.5) * y / 4, 0.235 * y),
                 (0, (0.94, 1.0, 0.86, 0.97)[i] * z),
@@ -169,7 +194,10 @@ def book(look: Look) -> list[Part]:
 
 
 def box(look: Look) -> list[Part]:
-    """A carton with tape, one with a label, or a plastic tub with a lid."""
+    """A carton with tape, one with a label, or a plastic tub with a lid.
+
+    Reads the attributes `form` and, of a tub, `colour`.
+    """
     x, y, z = look.size_m
     form = look.choice("form", FORMS["box"])
     if form == "tub":

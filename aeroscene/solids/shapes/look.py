@@ -1,4 +1,8 @@
-"""What a shape is drawn from: the box's size, its attributes and a number for variety."""
+"""Input of a shape: the box's size, its attributes and a number for variety.
+
+A scene says how large an object is and rarely how it looks. Shapes draw the rest from the object's
+id, so that a row of houses varies, yet the same file looks the same in every process.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +15,8 @@ from aeroscene.solids.shapes.primitive import Part
 
 _LEAST_STOREY_M = 1.5
 _MOST_STOREYS = 60
-"""A file may say any number; the parts of a facade are as many as its storeys times its bays."""
+"""Most storeys. A file may state any number, and a facade has as many parts as storeys times bays.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,22 +26,23 @@ class Look:
     size_m: Vector3
     attributes: Mapping[str, AttributeValue]
     variant: int
-    """Varies what no attribute fixes; the object's id."""
+    """Number that varies whatever no attribute fixes; the object's id."""
 
     def choice(self, name: str, options: Sequence[str], drawn: Sequence[str] = ()) -> str:
-        """A named attribute, if it is one of the options, else the variant's pick.
+        """Return a named attribute if it is one of the options, else the variant's pick.
 
         Args:
             name: Name of the attribute.
             options: Its valid values.
-            drawn: Those among which the variant picks; all by default.
+            drawn: Values among which the variant picks; all options by default.
         """
         return self._pinned(name, options) or _pick(name, str(self.variant), drawn or options)
 
     def set_choice(self, name: str, options: Sequence[str], drawn: Sequence[str] = ()) -> str:
-        """Like `choice`, but what shares its wood and colour with others, shares this too.
+        """Like `choice`, but objects with equal `wood` and `colour` share the pick.
 
-        The chairs of one room are of one kind, though each has its own id.
+        The chairs of one room are of one kind, though each has its own id. Generators give them the
+        same wood and colour, which therefore serve as the seed.
         """
         taste = [str(self.attributes[key]) for key in ("wood", "colour") if key in self.attributes]
         seed = "-".join(taste) or str(self.variant)
@@ -47,18 +53,19 @@ class Look:
         return value if isinstance(value, str) and value in options else None
 
     def number(self, name: str, default: float) -> float:
-        """A numeric attribute."""
+        """Return a numeric attribute, or the default if it is missing or no number."""
         value = self.attributes.get(name, default)
+        # In Python a bool is an int as well.
         is_number = isinstance(value, int | float) and not isinstance(value, bool)
         return float(value) if is_number else default
 
     def storeys(self, default: int) -> int:
-        """Number of storeys, as many as the height has room for."""
+        """Number of storeys: the attribute, limited to the number that the height has room for."""
         asked = max(1, round(self.number("storeys", default)))
         return min(asked, _MOST_STOREYS, max(1, int(self.size_m[2] / _LEAST_STOREY_M)))
 
     def flag(self, name: str) -> bool:
-        """A yes-or-no attribute."""
+        """Return true if a yes-or-no attribute is set."""
         return self.attributes.get(name) is True
 
 
@@ -66,5 +73,9 @@ Shape = Callable[[Look], list[Part]]
 
 
 def _pick(name: str, seed: str, options: Sequence[str]) -> str:
-    """The same for the same name and seed in every process; names vary independently."""
+    """Pick the same option for the same name and seed in every process.
+
+    Python's own `hash` of texts differs between processes, hence the checksum. The name is part of
+    its text, so that attributes vary independently.
+    """
     return options[crc32(f"{name} of {seed}".encode()) % len(options)]

@@ -1,7 +1,8 @@
-"""Materials by name: colour, texture, friction. A renderer draws the textures it knows.
+"""Materials by name: colour, texture, friction.
 
 A texture is the name of a pattern that the colour tints (`flightsim.looks.textures` paints them);
-`texture_size_m` says how much of a surface one tile of it covers.
+`texture_size_m` is the part of a surface that one tile of it covers. A renderer draws the textures
+that it knows.
 """
 
 from __future__ import annotations
@@ -10,13 +11,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 FACADE_BAY_M = (3.0, 3.2)
-"""Width and height of one bay of a painted facade: a window and the wall about it."""
+"""Width and height of one bay of a painted facade: a window and the wall about it, m."""
 _TWO_BAYS_M = (2 * FACADE_BAY_M[0], 2 * FACADE_BAY_M[1])
 
 
 @dataclass(frozen=True, slots=True)
 class Material:
-    """How a surface looks and grips."""
+    """Look and grip of a surface."""
 
     name: str
     rgba: tuple[float, float, float, float]

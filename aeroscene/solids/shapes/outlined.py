@@ -35,7 +35,7 @@ GROUND_FINISHES = (
     "soil",
     "water",
 )
-"""What a cover with an outline may be made of: attribute `finish`."""
+"""Materials of a cover with an outline: values of its attribute `finish`."""
 _FINISH = {
     "road": "asphalt",
     "parking_lot": "asphalt",
@@ -46,19 +46,30 @@ _FINISH = {
 }
 _BLOCK_MATERIAL = {"warehouse": "cladding_grey", "garage": "concrete", "kiosk": "timber"}
 _PANEL_M, _DOOR_M = 0.012, 0.018
-"""Thickness of panes and doors, half of it before the wall, within what a box lets stand out."""
+"""Thickness of panes and of doors. Half of it lies before the wall, within the slack by which parts
+may exceed their box.
+"""
 _LEAST_WALL_M = 2.0
-"""Shorter walls have no windows."""
+"""Length from which a wall has windows."""
+# Bounds the parts of an outline with hundreds of corners; the longest walls come first.
 _MOST_PANELS = 200
 _RIGHT = 1e-3
-"""Cosine up to which a corner is a right angle."""
+"""Cosine up to which a corner counts as a right angle."""
 _POST_M = 0.25
 _CANOPY_M = 0.25
 _MOST_POSTS = 12
 
 
 def outlined_parts(category: str, look: Look) -> list[Part] | None:
-    """Parts of an object that has an outline; None for one that has none."""
+    """Parts of an object that has an outline; None for one without.
+
+    Args:
+        category: Name of the object's category; its roles choose the shape.
+        look: Size and attributes of the object.
+
+    Raises:
+        SceneError: If the attribute `outline` is no valid polygon.
+    """
     polygon = outline_in_box(look.attributes, look.size_m)
     if polygon is None:
         return None
@@ -68,7 +79,13 @@ def outlined_parts(category: str, look: Look) -> list[Part] | None:
 
 
 def prisms(polygon: shapely.Polygon, z: Interval, material: str) -> list[Part]:
-    """Upright prisms over a polygon; those over rectangles are boxes."""
+    """Upright prisms over a polygon; prisms over rectangles are boxes, which collide faster.
+
+    Args:
+        polygon: Outline, in m.
+        z: Lower and upper end, m.
+        material: Name of the material.
+    """
     return [_prism(ring, z, material) for ring in convex_pieces(polygon)]
 
 
@@ -79,10 +96,11 @@ def _prism(ring: Ring, z: Interval, material: str) -> Part:
 
 
 def _upright_box(ring: Ring, z: Interval, material: str) -> Part | None:
-    """The box over a rectangle, None for another quadrilateral."""
+    """The box over a rectangle; None for any other quadrilateral."""
     (ax, ay), (bx, by), (cx, cy), (dx, dy) = ring
     length, width = hypot(bx - ax, by - ay), hypot(cx - bx, cy - by)
     dot = (bx - ax) * (cx - bx) + (by - ay) * (cy - by)
+    # One right angle and equal opposite sides make a rectangle.
     if abs(dot) > _RIGHT * length * width or hypot(ax - bx + cx - dx, ay - by + cy - dy) > 1e-3:
         return None
     heading = atan2(by - ay, bx - ax)
@@ -96,7 +114,10 @@ def _upright_box(ring: Ring, z: Interval, material: str) -> Part | None:
 
 
 def _building(category: str, look: Look, polygon: shapely.Polygon) -> list[Part]:
-    """A mass with windows on its walls and a door in the longest of them."""
+    """A mass with windows on its walls and a door in the longest of them.
+
+    Reads the attribute `colour`.
+    """
     z = look.size_m[2]
     if category in _BLOCK_MATERIAL:
         return prisms(polygon, (0.0, z), _BLOCK_MATERIAL[category])
@@ -113,6 +134,7 @@ def _building(category: str, look: Look, polygon: shapely.Polygon) -> list[Part]
 
 
 def _walls(polygon: shapely.Polygon) -> list[tuple[Point2, Point2]]:
+    # Shapely's default turns the exterior counter-clockwise and holes clockwise.
     """Edges of a polygon, each with the inside to its left."""
     import shapely
 
@@ -134,13 +156,15 @@ def _whole_storeys(height_m: float) -> float:
 def _skin(
     wall: tuple[Point2, Point2], z: Interval, material: str, width_m: float | None = None
 ) -> Part:
-    """A pane of colour in the middle of a wall, its local z outwards, whole bays wide."""
+    """A pane of colour in the middle of a wall, local z outwards; whole bays wide by default."""
     (ax, ay), (bx, by) = wall
     length = hypot(bx - ax, by - ay)
     bay_m = FACADE_BAY_M[0]
     wide = min(length, max(1, int(length / bay_m + 1e-6)) * bay_m if width_m is None else width_m)
     thick = _PANEL_M if width_m is None else _DOOR_M
+    # The inside is to the left of the wall, hence outwards is to its right.
     out = atan2(ax - bx, by - ay)
+    # The product of a turn about z by `out` and the turn that takes local z to x, local y up.
     c, s = cos(out / 2) / 2, sin(out / 2) / 2
     return Part(
         kind="box",
@@ -158,6 +182,7 @@ def _canopy(_category: str, look: Look, polygon: shapely.Polygon) -> list[Part]:
 
     z = look.size_m[2]
     thick = min(_CANOPY_M, 0.3 * z)
+    # An outline too narrow for posts leaves nothing, and the roof has none.
     inner = shapely.buffer(polygon, -_POST_M, join_style="mitre")
     ring = shapely.get_coordinates(shapely.simplify(inner, 1.0))[:-1].tolist()
     step = max(1, len(ring) // _MOST_POSTS)
@@ -190,4 +215,4 @@ _SHAPES: Mapping[str, _OutlinedShape] = {
     "canopy": _canopy,
     "cover": _cover,
 }
-"""Shape of each role; of other categories a plain prism."""
+"""Shape of each role; all other categories are a plain prism."""

@@ -1,5 +1,7 @@
 """Pitched roofs over outlines: gable, hip and shed.
 
+Parts of a roof have to be convex, so the outline decides which roof is built over it:
+
 | outline | gable | hip |
 |---|---|---|
 | convex | two planes from the ridge along x | a plane from every edge to a ridge |
@@ -23,9 +25,9 @@ if TYPE_CHECKING:
 
 PITCHED = ("gable", "hip", "shed")
 LEAST_FILL = 0.55
-"""Share of its box that an outline fills at least to have one gable."""
+"""Least share of its box that an outline fills to have one gable."""
 _WINGS_FILL = 0.85
-"""An outline that fills more of its box has no wings."""
+"""Share of its box from which an outline counts as one block without wings."""
 _MOST_WINGS = 8
 _CONVEX_SHARE = 0.995
 """Share of its hull's area from which a polygon counts as convex."""
@@ -38,17 +40,20 @@ _HeightAt = Callable[[Point2], float]
 
 
 def is_convex(polygon: shapely.Polygon) -> bool:
-    """Whether a polygon has no courtyards and, but for rounding, no corner that turns inwards."""
+    """True if a polygon has no courtyard and, apart from rounding, no corner that turns inwards."""
     return polygon.area > _CONVEX_SHARE * polygon.convex_hull.area
 
 
 def can_be_pitched(polygon: shapely.Polygon) -> bool:
-    """Whether a gable or a hip can be built over a polygon in the frame of its box."""
+    """True if a gable or a hip can be built over a polygon in the frame of its box.
+
+    Generators ask before they choose a form, so that a roof does not fall back on a flat one.
+    """
     return is_convex(polygon) or _is_full(polygon) or bool(wings(polygon))
 
 
 def _is_full(polygon: shapely.Polygon) -> bool:
-    """Whether one gable over all of it looks like a roof: hardly any courtyard or recess."""
+    """True if one gable over all of it looks like a roof: hardly any courtyard or recess."""
     return _fill(polygon) >= LEAST_FILL and not polygon.interiors
 
 
@@ -58,7 +63,14 @@ def _fill(polygon: shapely.Polygon) -> float:
 
 
 def outlined_roof(look: Look, polygon: shapely.Polygon) -> list[Part] | None:
-    """A pitched roof; None for a flat one, and where the outline is too irregular for its form."""
+    """Parts of a pitched roof; None if it is flat, or the outline too irregular for its form.
+
+    Reads the attributes `form`, `tiles` and `colour`.
+
+    Args:
+        look: Size and attributes of the roof.
+        polygon: Outline in the frame of its box, m.
+    """
     import shapely
 
     form = look.attributes.get("form")
@@ -93,6 +105,7 @@ def _gable(polygon: shapely.Polygon, z: float, wall: str, tiles: str) -> list[Pa
     middle, half = (y0 + y1) / 2, (y1 - y0) / 2
     low = min(_EDGE_M, 0.3 * z)
     parts: list[Part] = []
+    # Each plane rises over its own half, so that pieces stay on one side of the ridge.
     for side in (shapely.box(x0, y0, x1, middle), shapely.box(x0, middle, x1, y1)):
         for piece in shapely.get_parts(shapely.intersection(polygon, side)):
             if isinstance(piece, shapely.Polygon):
@@ -107,6 +120,7 @@ def _planes(polygon: shapely.Polygon, height: _HeightAt, wall: str, tiles: str) 
     parts: list[Part] = []
     for ring in convex_pieces(polygon):
         top = [(x, y, height((x, y))) for x, y in ring]
+        # Tiles take at most half of the height, so that the edge at the eaves stays above zero.
         under = [(x, y, max(0.5 * h, h - _TILES_M)) for x, y, h in top]
         parts.append(hull([*((x, y, 0.0) for x, y in ring), *under], wall))
         parts.append(hull([*under, *top], tiles))
@@ -123,9 +137,10 @@ def _corners(shape: shapely.Polygon) -> list[Point2]:
 
 
 def _inner_ring(shape: shapely.Polygon) -> list[Point2]:
-    """Corners of the ridge in which planes meet that rise evenly from every edge of a polygon."""
+    """Corners of the ridge of planes that rise evenly from every edge of a polygon."""
     import shapely
 
+    # At the full radius the inner polygon would be a point or nothing.
     depth = _RIDGE_SHARE * shapely.maximum_inscribed_circle(shape, 0.01).length
     inner = shapely.buffer(shape, -depth, join_style="mitre", mitre_limit=20.0)
     if inner.is_empty:
@@ -134,10 +149,16 @@ def _inner_ring(shape: shapely.Polygon) -> list[Point2]:
 
 
 def wings(polygon: shapely.Polygon) -> list[_Rectangle]:
-    """The rectangles of which an outline along the axes consists; empty for any other outline.
+    """Rectangles that an outline along the axes consists of; empty for any other outline.
 
     They overlap in corners: each takes its full length through the corner, so that the roofs over
     them meet in a valley.
+
+    Args:
+        polygon: Outline in the frame of its box, m.
+
+    Returns:
+        Least x and y, greatest x and y of each wing; at most `_MOST_WINGS`, else none.
     """
     import shapely
 
@@ -147,6 +168,7 @@ def wings(polygon: shapely.Polygon) -> list[_Rectangle]:
     grown = {_grown(piece, polygon, axis) for piece in pieces for axis in (0, 1)}
     chosen: list[_Rectangle] = []
     left: shapely.geometry.base.BaseGeometry = polygon
+    # Greedily, largest first; wings that add less than 2% of the area are left out.
     for wing in sorted(grown, key=lambda r: -(r[2] - r[0]) * (r[3] - r[1])):
         box = shapely.box(*wing)
         if shapely.intersection(left, box).area > 0.02 * polygon.area:
@@ -161,9 +183,10 @@ def _bounds(ring: Ring) -> _Rectangle:
 
 
 def _grown(rectangle: _Rectangle, polygon: shapely.Polygon, axis: int) -> _Rectangle:
-    """A rectangle stretched along an axis, then along the other, as far as the polygon reaches."""
+    """Stretch a rectangle along an axis, then along the other, as far as the polygon reaches."""
     import shapely
 
+    # A centimetre larger, so that borders which coincide count as covered.
     reach = shapely.buffer(polygon, 0.01, join_style="mitre")
     corners = shapely.get_coordinates(polygon)
     levels = [sorted({round(float(v), 3) for v in corners[:, k]}) for k in (0, 1)]
@@ -189,6 +212,7 @@ def _wing(rectangle: _Rectangle, z: float, form: str, tiles: str) -> Part:
     """A gable or hip over a rectangle, its ridge along the longer side."""
     x0, y0, x1, y1 = rectangle
     mx, my = (x0 + x1) / 2, (y0 + y1) / 2
+    # The hip's ridge ends half a width before each end, which gives all planes one slope.
     back = _short_side(rectangle) / 2 if form == "hip" else 0.0
     ends = [(x0 + back, my), (x1 - back, my)]
     if x1 - x0 < y1 - y0:

@@ -1,7 +1,8 @@
-"""Primitives in the world and parts in an object's own frame: pure data.
+"""Primitives in the world, and parts in an object's own frame: pure data.
 
-A part is placed in the frame of its object's box: x forwards, y left, origin in the middle of the
-box's bottom, so that z is the height above what the object stands on.
+Every primitive is convex, because physics engines collide convex solids only. A part is placed in
+the frame of its object's box: x forwards, y left, origin in the middle of the box's bottom, so that
+z is the height above the surface on which the object stands.
 """
 
 from __future__ import annotations
@@ -14,10 +15,11 @@ from aeroscene.scene import Quaternion, Vector3
 PrimitiveKind = Literal["box", "cylinder", "ellipsoid", "mesh"]
 Interval = tuple[float, float]
 Span = Interval | float
-"""An interval, or its length where it lies about zero."""
+"""An interval, or the length of an interval about zero."""
 Axis = Literal["x", "y", "z"]
 
 IDENTITY: Quaternion = (1.0, 0.0, 0.0, 0.0)
+# Turns that take local z, along which cylinders stand, to each axis.
 _HALF_SQRT_2 = 0.5**0.5
 _QUAT_Z_TO: dict[Axis, Quaternion] = {
     "x": (_HALF_SQRT_2, 0.0, _HALF_SQRT_2, 0.0),
@@ -28,7 +30,7 @@ _QUAT_Z_TO: dict[Axis, Quaternion] = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Primitive:
-    """A convex solid in the world, from which a geom or a mesh is built."""
+    """A convex solid in the world, from which MuJoCo geoms and meshes are built."""
 
     kind: PrimitiveKind
     """A cylinder stands along its local z; a mesh is the convex hull of its vertices."""
@@ -49,7 +51,7 @@ class Primitive:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Part:
-    """A primitive in the frame of its object."""
+    """A primitive in the frame of its object; the fields are as in `Primitive`."""
 
     kind: PrimitiveKind
     position_m: Vector3
@@ -68,7 +70,7 @@ def block(x: Span, y: Span, z: Span, material: str, *, collides: bool = True) ->
 def centred_block(
     centre_m: Vector3, size_m: Vector3, material: str, *, collides: bool = True
 ) -> Part:
-    """A box along the axes, from its centre and full extents."""
+    """A box along the axes, from its centre and full extents, m."""
     return Part(
         kind="box", position_m=centre_m, size_m=size_m, material=material, collides=collides
     )
@@ -83,7 +85,7 @@ def cylinder(
     axis: Axis = "z",
     collides: bool = True,
 ) -> Part:
-    """A cylinder along one of the axes."""
+    """A cylinder along one of the axes; diameter and length in m."""
     return Part(
         kind="cylinder",
         position_m=centre_m,
@@ -113,9 +115,17 @@ def _inscribed(
 
 
 def hull(vertices_m: list[Vector3], material: str, *, collides: bool = True) -> Part:
-    """The convex hull of some points."""
+    """The convex hull of some points, in m.
+
+    Args:
+        vertices_m: At least four points that do not lie in one plane, in the object's frame. Points
+            inside the hull do no harm.
+        material: Name of the material.
+        collides: False for decor.
+    """
     low = tuple(min(v[i] for v in vertices_m) for i in range(3))
     high = tuple(max(v[i] for v in vertices_m) for i in range(3))
+    # Vertices are kept about the centre of their bounding box, which becomes the part's position.
     centre = ((low[0] + high[0]) / 2, (low[1] + high[1]) / 2, (low[2] + high[2]) / 2)
     return Part(
         kind="mesh",

@@ -17,15 +17,19 @@ PARAPET_M = 0.2
 _TILES_M = 0.18
 """Thickness of a pitched roof's planes."""
 _EAVES_M = 0.4
-"""How far a gable roof hangs over the wall below."""
+"""Overhang of a gable roof over the wall below."""
 _SHED_EDGE_M = 0.2
 _SHED_PITCH_RAD = radians(9.5)
 _PITCHED_M = 1.2
-"""Lower roofs are flat unless told otherwise."""
+"""Height up to which a roof is flat unless its attribute `form` differs."""
 
 
 def roof(look: Look) -> list[Part]:
-    """A flat roof, a gable with its ridge along x, a hip, or one plane that rises towards +x."""
+    """A flat roof, a gable with its ridge along x, a hip, or one plane that rises towards +x.
+
+    Reads the attributes `form`, `cover` (of flat roofs and single planes), `tiles` and `colour` (of
+    pitched ones).
+    """
     z = look.size_m[2]
     drawn = ("gable", "hip") if z > _PITCHED_M else ("flat",)
     form = look.choice("form", FORMS["roof"], drawn)
@@ -38,9 +42,10 @@ def roof(look: Look) -> list[Part]:
 
 
 def _flat(look: Look) -> list[Part]:
-    """A deck, and a parapet where the box is high enough."""
+    """A deck, and a parapet if the box is high enough."""
     x, y, z = look.size_m
     slab = min(ROOF_SLAB_M, z)
+    # Roofing twice: it is drawn twice as often as each of the others.
     cover = look.choice("cover", ("roofing", "roofing", "gravel", "concrete"))
     parts = [block(x, y, (0, slab), cover)]
     if z <= slab + 0.05:
@@ -74,6 +79,7 @@ def _gable(look: Look, tiles: str) -> list[Part]:
     ]
     back = min(_EAVES_M, 0.1 * min(x, y))
     foot = y / 2 - back
+    # The wall ends below the planes, at the height that they have above its foot.
     ridge = (z - thick) * foot / (y / 2)
     wall: list[Vector3] = [
         (end, across, height)
@@ -87,6 +93,7 @@ def _gable(look: Look, tiles: str) -> list[Part]:
 def _hip(look: Look, tiles: str) -> Part:
     x, y, z = look.size_m
     eaves = min(0.15, 0.2 * z)
+    # The ridge is shorter than the roof by 0.7 of the short side, which gives the ends their slope.
     ridge = max(0.0, x / 2 - 0.35 * min(x, y))
     corners: list[Vector3] = [
         (sx * x / 2, sy * y / 2, h) for sx in (-1, 1) for sy in (-1, 1) for h in (0.0, eaves)

@@ -1,4 +1,4 @@
-"""What stands on roofs."""
+"""Equipment that stands on roofs; the front is +x."""
 
 from __future__ import annotations
 
@@ -12,7 +12,10 @@ from aeroscene.solids.shapes.solids import about, cone, disc, inwards, leaning, 
 
 
 def ac_unit(look: Look) -> list[Part]:
-    """A housing with a fan on top, with two fans in front, or with a duct behind it."""
+    """A housing with a fan on top, with two fans in front, or with a duct behind it.
+
+    Reads the attribute `form`.
+    """
     x, y, z = look.size_m
     form = look.choice("form", FORMS["ac_unit"])
     front = inwards(1, x / 2, 0.02)
@@ -39,7 +42,10 @@ def ac_unit(look: Look) -> list[Part]:
 
 
 def chimney(look: Look) -> list[Part]:
-    """A brick stack with a cap, one with two pots, or a flue of steel."""
+    """A brick stack with a cap, one with two pots, or a flue of steel.
+
+    Reads the attribute `form`.
+    """
     x, y, z = look.size_m
     form = look.choice("form", FORMS["chimney"])
     if form == "flue":
@@ -65,7 +71,10 @@ def chimney(look: Look) -> list[Part]:
 
 
 def solar_panel(look: Look) -> list[Part]:
-    """A panel that leans back from low front (+x) to high rear; one, two in rows, or a tent."""
+    """A panel that leans back from low front (+x) to high rear; one, two in rows, or a tent.
+
+    Reads the attribute `form`.
+    """
     x, y, z = look.size_m
     form = look.choice("form", FORMS["solar_panel"] if x > 1.2 else ("rack",))
     if form == "tent":
@@ -85,6 +94,7 @@ def _panel(along: Interval, y: float, z: float) -> list[Part]:
     thick, low = 0.05, min(0.12, 0.3 * z)
     length_x = along[1] - along[0]
     rise, run = z - low - thick, length_x - thick
+    # The panel's own thickness takes part of both sides of the triangle that it spans.
     tilt = atan2(rise, run)
     length = hypot(rise, run) - thick * sin(tilt)
     middle = ((along[0] + along[1]) / 2, 0.0, low + rise / 2)
@@ -99,11 +109,15 @@ def _mirrored(part: Part) -> Part:
     """The same part on the other side of x = 0."""
     w, qx, qy, qz = part.quat_wxyz
     px, py, pz = part.position_m
+    # A mirror image of a turn keeps the component along the mirror's normal and negates the others.
     return replace(part, position_m=(-px, py, pz), quat_wxyz=(w, qx, -qy, -qz))
 
 
 def water_tank(look: Look) -> list[Part]:
-    """A drum on a frame, a wooden one under a pointed hat, or one that lies on saddles."""
+    """A drum on a frame, a wooden one under a pointed hat, or one that lies on saddles.
+
+    Reads the attribute `form`.
+    """
     x, y, z = look.size_m
     form, wide = look.choice("form", FORMS["water_tank"]), min(x, y)
     if form == "lying" and max(x, y) > 0.8 * z:

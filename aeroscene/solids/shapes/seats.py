@@ -1,4 +1,4 @@
-"""What one sits or lies on; the front is +x, the back or the headboard -x."""
+"""Furniture to sit or lie on; the front is +x, the back or the headboard -x."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from aeroscene.solids.shapes.solids import about, cone, disc, inwards, leaning, 
 SEAT_M = 0.46
 """Height of a chair's seat."""
 _BACK_LEAN = 0.1
-"""How far a back rest leans, radians."""
+"""Angle by which a back rest leans, rad, as rise to run."""
 
 
 def _fabric(look: Look) -> str:
@@ -22,7 +22,10 @@ def _fabric(look: Look) -> str:
 
 
 def chair(look: Look) -> list[Part]:
-    """Seat and back on four legs, on two runners, upholstered, or on a column with a star foot."""
+    """Seat and back on four legs, on two runners, upholstered, or on a column with a star foot.
+
+    Reads the attributes `form`, `wood` and `colour`.
+    """
     x, y, z = look.size_m
     form = look.set_choice("form", FORMS["chair"])
     wood, seat = look.set_choice("wood", WOODS), min(SEAT_M, 0.6 * z)
@@ -56,13 +59,17 @@ def _back(look: Look, low: float, thick: float, width: float, material: str) -> 
     """A rest that leans back within the box."""
     x, _, z = look.size_m
     rise = z - low
+    # At most 12% of the depth, so that a tall rest leaves room to sit.
     run = min(_BACK_LEAN * rise, 0.12 * x)
     profile = [(-x / 2 + run, low), (-x / 2 + run + thick, low), (-x / 2 + thick, z), (-x / 2, z)]
     return prism(profile, width, material)
 
 
 def sofa(look: Look) -> list[Part]:
-    """Base, back and arms; on feet with cushions, or with a long seat at one end."""
+    """Base, back and arms; on feet with cushions, or with a long seat at one end.
+
+    Reads the attributes `form` and `colour`.
+    """
     x, y, z = look.size_m
     form, cloth = look.set_choice("form", FORMS["sofa"]), _fabric(look)
     arm = 0.2 if form == "block" else 0.13
@@ -89,7 +96,10 @@ def sofa(look: Look) -> list[Part]:
 
 
 def armchair(look: Look) -> list[Part]:
-    """A seat between arms: square, with a high wing back on feet, or a round tub."""
+    """A seat between arms: square, with a high wing back on feet, or a round tub.
+
+    Reads the attributes `form` and `colour`.
+    """
     x, y, z = look.size_m
     form, cloth = look.set_choice("form", FORMS["armchair"]), _fabric(look)
     if form == "tub":
@@ -120,7 +130,10 @@ def armchair(look: Look) -> list[Part]:
 
 
 def bed(look: Look) -> list[Part]:
-    """Frame, mattress, cover, pillows; a headboard, an upholstered divan, or four low posts."""
+    """Frame, mattress, cover, pillows; a headboard, an upholstered divan, or four low posts.
+
+    Reads the attributes `form`, `wood`, `colour` and `cover`.
+    """
     x, y, z = look.size_m
     form, cloth = look.set_choice("form", FORMS["bed"]), _fabric(look)
     wood = look.set_choice("wood", WOODS)
@@ -135,7 +148,9 @@ def bed(look: Look) -> list[Part]:
         block((-x / 2, -x / 2 + 0.07), y, (low, head), frame),
     ]
     if form != "divan":
+        # Legs of a plain bed end under the frame; posts rise to the height of the headboard.
         parts += legs(x, y, (0, low if form == "boards" else head), 0.07, wood)
+    # Lower boxes end with the mattress and leave no room for pillows.
     if z > top + 0.08:
         count = 2 if y > 1.3 else 1
         parts += [
@@ -155,7 +170,10 @@ def _cover(look: Look) -> str:
 
 
 def bench(look: Look) -> list[Part]:
-    """A seat for two to four: with a leaning rest behind, plain, or planks on blocks of stone."""
+    """A seat for two to four: with a leaning rest behind, plain, or planks on blocks of stone.
+
+    Reads the attribute `form`.
+    """
     x, y, z = look.size_m
     form = look.choice("form", FORMS["bench"])
     seat = min(0.45, z) if form != "rest" else min(0.45, 0.6 * z)

@@ -1,4 +1,8 @@
-"""Enterable buildings: shells with openings, and the slabs, walls and rooms inside them."""
+"""Buildings to fly into: shells with openings, and the slabs, walls and rooms inside them.
+
+A shell has no roof and no floors of its own. They are objects of the scene, so that a building may
+have any number of storeys and rooms, each of them a node of the hierarchy.
+"""
 
 from __future__ import annotations
 
@@ -31,7 +35,7 @@ FINISHES = (
     "pale_wood",
     "rubber",
 )
-"""Floors of rooms; one that names none has one of the first three."""
+"""Floors of rooms; a room that names none gets one of the first three."""
 GLASS_TOP_M = 2.6
 """Upper end of the pane in a wall of glass."""
 
@@ -39,7 +43,12 @@ GLASS_TOP_M = 2.6
 def shell(look: Look, wall: str) -> list[Part]:
     """Four walls of bays and storeys; the front (+x) has the door, the flanks have panes.
 
-    Of the form "closed" every wall is: bands of windows that nothing passes.
+    The form "closed" has bands of windows instead, which nothing can fly through. Reads the
+    attributes `form` and `storeys`.
+
+    Args:
+        look: Size and attributes of the building.
+        wall: Name of the walls' material.
     """
     x, y, z = look.size_m
     if look.attributes.get("form") == "closed":
@@ -48,6 +57,7 @@ def shell(look: Look, wall: str) -> list[Part]:
     rise = z / storeys
     front = FacadePlan(y, storeys, rise, count_bays(y) // 2, "open")
     back = FacadePlan(y, storeys, rise, None, "open")
+    # The flanks stand between front and back, which keep the corners.
     flank = FacadePlan(x - 2 * WALL_M, storeys, rise, None, "glass")
     parts = facade_parts(front, (x / 2 - WALL_M, x / 2), wall)
     parts += facade_parts(back, (-x / 2, -x / 2 + WALL_M), wall)
@@ -57,7 +67,7 @@ def shell(look: Look, wall: str) -> list[Part]:
 
 
 def _closed_shell(look: Look, wall: str) -> list[Part]:
-    """Four walls with a row of windows a storey; a warehouse has them high up."""
+    """Four walls with a row of windows for each storey; a warehouse has them high up."""
     x, y, z = look.size_m
     storeys = look.storeys(1)
     if wall == "corrugated":
@@ -75,12 +85,16 @@ def _closed_shell(look: Look, wall: str) -> list[Part]:
 
 
 def enterable_warehouse(look: Look) -> list[Part]:
-    """A hall of sheet metal with a gate at each end, or closed with windows under the eaves."""
+    """A hall of sheet metal with a gate at each end, or closed with windows under the eaves.
+
+    Reads the attributes `form` and `colour`.
+    """
     x, y, z = look.size_m
     if look.attributes.get("form") == "closed":
         return _closed_shell(look, "corrugated")
     roof = block(x, y, (z - 0.3, z), "roofing")
     stripe = "paint_" + look.choice("colour", PAINT_COLOURS)
+    # A small hall has a smaller gate, with wall beside it and above it.
     gate_y, gate_z = min(GATE_M[0], y - 2), min(GATE_M[1], z - 1.2)
     parts = [roof]
     for sign in (-1, 1):
@@ -98,15 +112,22 @@ def enterable_warehouse(look: Look) -> list[Part]:
 
 
 def floor(look: Look) -> list[Part]:
-    """The slab of one storey: raw or polished concrete, or stone."""
+    """The slab of one storey: raw or polished concrete, or stone.
+
+    Reads the attribute `finish`.
+    """
     x, y, z = look.size_m
     material = look.choice("finish", ("concrete", "dark_concrete", "stone"))
     return [block(x, y, (0, z), material)]
 
 
 def room(look: Look) -> list[Part]:
-    """A room is the space between walls: the floor's finish, and lights under its ceiling."""
+    """The space between walls: the floor's finish, and lights under its ceiling.
+
+    Reads the attributes `finish` and `use` (a `court` has lines).
+    """
     x, y, z = look.size_m
+    # Finishes such as rubber are for rooms that ask for them.
     options = FINISHES if "finish" in look.attributes else FINISHES[:3]
     parts = [block(x, y, (0, FINISH_M), look.choice("finish", options))]
     if look.attributes.get("use") == "court":
@@ -128,7 +149,7 @@ def _court_lines(x: float, y: float) -> list[Part]:
 
 
 def _lights(x: float, y: float, z: float) -> list[Part]:
-    """Luminous panels in rows, one for each began 7 m of the room's sides, at most 3 by 3."""
+    """Luminous panels in rows: one for each 7 m begun of the room's sides, at most 3 by 3."""
     columns, rows = (min(3, max(1, round(side / 7.0))) for side in (x, y))
     long, wide = (1.5, 0.5) if x >= y else (0.5, 1.5)
     return [
@@ -158,7 +179,8 @@ def wall(look: Look) -> list[Part]:
 
     Openings come from attributes in m: `door_m` wide at `door_offset_m` along y, `door_height_m`
     high; `window_m`, `window_offset_m`, `window_sill_m`, `window_height_m` (its head) likewise.
-    What an opening leaves of the wall is there however narrow, down to the least size of a box.
+    `form` is `glass` for a glass wall, and `colour` that of plaster. The remainder of the wall is
+    built however narrow it is, down to the least size of a box.
     """
     x, y, z = look.size_m
     material = "plaster_" + look.choice("colour", WALL_COLOURS)
@@ -178,7 +200,7 @@ def wall(look: Look) -> list[Part]:
 
 
 def _openings(look: Look) -> list[_Opening]:
-    """Door and window, from low to high along y; those that do not fit are left out."""
+    """Door and window, from low to high along y; openings that do not fit are left out."""
     _, y, z = look.size_m
     found: list[_Opening] = []
     for name, default_head in (("door", 2.4), ("window", 2.2)):
@@ -187,6 +209,7 @@ def _openings(look: Look) -> list[_Opening]:
         sill = look.number("window_sill_m", 0.9) if name == "window" else 0.0
         head = min(z, look.number(f"{name}_height_m", default_head))
         hole = _Opening(middle - width / 2, middle + width / 2, sill, head)
+        # The door comes first, so a window that overlaps it is left out, not the door.
         is_apart = all(hole.low > other.high or hole.high < other.low for other in found)
         if width > 0 and hole.low > -y / 2 and hole.high < y / 2 and is_apart and head > sill:
             found.append(hole)
@@ -201,6 +224,7 @@ def _glazing(span: Interval, thick: float, z: float, material: str) -> list[Part
         block(0.04, span, (0.1, top), "glass"),
         block(thick, span, (0.0, 0.1), "dark_metal"),
         block(thick, span, (top, z), material),
+        # Posts overlap the pane, hence they touch nothing.
         *(block(0.08, post, (0.1, top), "dark_metal", collides=False) for post in posts),
     ]
 

@@ -15,7 +15,10 @@ _PITCH_RAD = radians(6.0)
 
 
 def garage(look: Look) -> list[Part]:
-    """A garage with a roller door, a shed of boards, or a carport to park and fly under."""
+    """A garage with a roller door, a shed of boards, or a carport to park and fly under.
+
+    Reads the attributes `form`, `wall` and `door`.
+    """
     x, y, z = look.size_m
     form = look.choice("form", FORMS["garage"])
     roof = block(x, y, (z - _ROOF_M, z), "roofing")
@@ -65,7 +68,10 @@ def _shed(look: Look) -> list[Part]:
 
 
 def kiosk(look: Look) -> list[Part]:
-    """A stall with a hatch under a projecting roof, a round pavilion, or a market stall."""
+    """A stall with a hatch under a projecting roof, a round pavilion, or a market stall.
+
+    Reads the attributes `form` and `colour`.
+    """
     x, y, z = look.size_m
     form = look.choice("form", FORMS["kiosk"])
     colour = "paint_" + look.choice("colour", PAINT_COLOURS)
@@ -95,6 +101,7 @@ def _stall(look: Look, colour: str) -> list[Part]:
     x, y, z = look.size_m
     fall = min(x * tan(_PITCH_RAD), 0.15 * z)
     cloth = [(-x / 2, z), (x / 2, z - fall), (x / 2, z - fall - 0.08), (-x / 2, z - 0.08)]
+    # Stripes are a little thicker than the cloth, so that they lie above it.
     stripe = [(px, pz + 0.012) if pz > z - fall - 0.05 else (px, pz) for px, pz in cloth]
     stripes = [prism(stripe, about(at * y, 0.16 * y), colour) for at in (-0.34, 0.0, 0.34)]
     return [
@@ -107,13 +114,17 @@ def _stall(look: Look, colour: str) -> list[Part]:
 
 
 def container(look: Look) -> list[Part]:
-    """A shipping container, closed or open at its front, or one that is a site office."""
+    """A shipping container, closed or open at its front, or one that is a site office.
+
+    Reads the attributes `form` and `colour`.
+    """
     x, y, z = look.size_m
     form = look.choice("form", FORMS["container"])
     colour = "paint_" + look.choice("colour", PAINT_COLOURS)
     front, ends = inwards(1, x / 2, 0.03), (-x / 2, x / 2 - 0.03)
     if form == "open":
         skin = 0.08
+        # No wall at +x: a small drone can fly in.
         return [
             block(x, y, (z - skin, z), colour),
             block(x, y, (0, 0.12), "dark_wood"),

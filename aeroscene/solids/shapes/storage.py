@@ -1,4 +1,4 @@
-"""Cases for things: cabinets, wardrobes, shelves, and kitchen appliances; the front is +x."""
+"""Cases with doors and boards: cabinets, wardrobes, shelves, kitchen appliances; front is +x."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ _DOOR_M = 0.02
 
 
 def _case(look: Look, low: float, material: str) -> tuple[Part, Interval]:
-    """A solid case above `low` and the interval in front of it where doors are."""
+    """A solid case above `low`, and the interval in front of it for doors."""
     x, y, z = look.size_m
     front = inwards(1, x / 2, _DOOR_M)
     return block((-x / 2, front[0]), y, (low, z), material), front
 
 
 def _grid(front: Interval, y: float, z: Interval, count: tuple[int, int], name: str) -> list[Part]:
-    """Doors or drawers, so many side by side and above each other, with joints between."""
+    """Doors or drawers in columns and rows (`count`), with joints between them."""
     wide, high = y / count[0], (z[1] - z[0]) / count[1]
     return [
         paint(
@@ -35,7 +35,10 @@ def _grid(front: Interval, y: float, z: Interval, count: tuple[int, int], name: 
 
 
 def cabinet(look: Look) -> list[Part]:
-    """A chest with doors, with drawers, or a sideboard on legs."""
+    """A chest with doors, with drawers, or a sideboard on legs.
+
+    Reads the attributes `form` and `wood`.
+    """
     x, y, z = look.size_m
     form, wood = look.set_choice("form", FORMS["cabinet"]), look.set_choice("wood", WOODS)
     pane = "pale_wood" if wood != "pale_wood" else "plastic_white"
@@ -51,7 +54,10 @@ def cabinet(look: Look) -> list[Part]:
 
 
 def wardrobe(look: Look) -> list[Part]:
-    """A tall case with doors, with a sliding mirror, or open with clothes on a rail."""
+    """A tall case with doors, with a sliding mirror, or open with clothes on a rail.
+
+    Reads the attributes `form`, `wood` and `doors`.
+    """
     _, y, z = look.size_m
     form, wood = look.choice("form", FORMS["wardrobe"]), look.choice("wood", WOODS)
     if form == "open":
@@ -91,14 +97,20 @@ def _open_wardrobe(look: Look, wood: str) -> list[Part]:
 
 
 def shelf_boards(height_m: float) -> tuple[float, ...]:
-    """Heights of the upper faces of an open shelf's or a bookcase's boards, from the lowest, m."""
+    """Heights of the upper faces of an open shelf's or a bookcase's boards, from the lowest, m.
+
+    Generators place objects on the boards by these heights.
+    """
     levels = max(2, min(5, round(height_m / 0.42)))
     rise = (height_m - 0.05) / levels
     return tuple(0.045 + level * rise for level in range(levels))
 
 
 def shelf(look: Look) -> list[Part]:
-    """Boards between two sides, a rack of steel with cartons, or a bookcase with a back."""
+    """Boards between two sides, a rack of steel with cartons, or a bookcase with a back.
+
+    Reads the attributes `form`, `wood` and, of a rack, `posts`.
+    """
     x, y, z = look.size_m
     form = look.set_choice("form", FORMS["shelf"])
     if form == "rack":
@@ -118,10 +130,11 @@ def shelf(look: Look) -> list[Part]:
 
 
 def _books(look: Look, levels: int, rise: float, form: str) -> list[Part]:
-    """A row of books on each level of a bookcase, on every other one of an open shelf."""
+    """A row of books on each level of a bookcase, on every other level of an open shelf."""
     x, y, _ = look.size_m
     parts: list[Part] = []
     for level in range(0, levels, 1 if form == "bookcase" else 2):
+        # A share of 4/9 to 8/9 of the width, which looks random but follows from level and object.
         share = ((level * 37 + look.variant * 13) % 5 + 4) / 9
         start = -y / 2 + 0.04
         low = 0.045 + level * rise
@@ -138,7 +151,7 @@ def _books(look: Look, levels: int, rise: float, form: str) -> list[Part]:
 
 
 def _rack(look: Look) -> list[Part]:
-    """Four posts, a deck every metre or so, cartons on the lower ones."""
+    """Four posts, a deck every 0.8 m or so, cartons on all but the highest."""
     x, y, z = look.size_m
     levels = max(3, min(5, round(z / 0.8)))
     rise = (z - 0.1) / (levels - 1)
@@ -149,6 +162,7 @@ def _rack(look: Look) -> list[Part]:
     for index, at in enumerate(decks[:-1]):
         share = ((index * 29 + look.variant * 7) % 4 + 4) / 8
         wide = share * (y - 0.2)
+        # Cartons stand at the left or right end in turn.
         side = (1 if (index + look.variant) % 2 else -1) * (y - 0.2 - wide) / 2
         carton = (at + 0.04, at + 0.04 + 0.62 * (rise - 0.04))
         parts.append(block(0.8 * x, about(side, wide), carton, "cardboard"))
@@ -156,7 +170,10 @@ def _rack(look: Look) -> list[Part]:
 
 
 def fridge(look: Look) -> list[Part]:
-    """A tall case with a freezer above, with two doors side by side, or a coloured retro one."""
+    """A tall case with a freezer above, with two doors side by side, or a coloured retro one.
+
+    Reads the attributes `form` and, of a retro one, `colour`.
+    """
     x, y, z = look.size_m
     form = look.choice("form", FORMS["fridge"])
     if form == "retro":
@@ -183,7 +200,10 @@ def fridge(look: Look) -> list[Part]:
 
 
 def stove(look: Look) -> list[Part]:
-    """An oven under four plates, a wide range with two ovens, or a flat hob of glass."""
+    """An oven under four plates, a wide range with two ovens, or a flat hob of glass.
+
+    Reads the attribute `form`.
+    """
     x, y, z = look.size_m
     form = look.choice("form", FORMS["stove"])
     material = {"plates": "plastic_white", "range": "dark_metal", "island": "metal"}[form]

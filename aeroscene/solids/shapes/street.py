@@ -1,4 +1,4 @@
-"""Street furniture: what stands along roads and paths; lights and signs face +x."""
+"""Street furniture, along roads and paths; lights and signs face +x."""
 
 from __future__ import annotations
 
@@ -10,7 +10,10 @@ from aeroscene.solids.shapes.solids import about, cone, disc, frustum, inwards, 
 
 
 def street_lamp(look: Look) -> list[Part]:
-    """A post with an arm over the road (+x), with one over each side, or with a lantern."""
+    """A post with an arm over the road (+x), with one over each side, or with a lantern.
+
+    Reads the attribute `form`. Short boxes have no room for an arm and hold a lantern.
+    """
     x, y, z = look.size_m
     form = look.choice("form", FORMS["street_lamp"] if x > 0.9 else ("lantern",))
     post = min(0.14, 0.5 * min(x, y))
@@ -22,6 +25,7 @@ def street_lamp(look: Look) -> list[Part]:
             cone(0.5 * wide, wide, (low, z - 0.2 * head), "light_warm", sides=6),
             cone(wide, 0.2 * wide, (z - 0.2 * head, z), "dark_metal", sides=6),
         ]
+    # A twin stands in the middle; a single arm starts from the rear end of the box.
     foot = 0.0 if form == "twin" else -x / 2 + 0.15
     arm = (-x / 2, x / 2) if form == "twin" else (foot, x / 2)
     head = min(0.6, 0.4 * x)
@@ -34,9 +38,13 @@ def street_lamp(look: Look) -> list[Part]:
 
 
 def traffic_light(look: Look) -> list[Part]:
-    """A post with a head of lamps; three for vehicles, with or without a plate, two for people."""
+    """A post with a head of lamps: three for vehicles, with or without a plate, or two for people.
+
+    Reads the attribute `form`.
+    """
     x, y, z = look.size_m
     form = look.choice("form", FORMS["traffic_light"])
+    # From the lowest lamp to the highest.
     colours = ["light_green", "marking_yellow", "light_red"]
     if form == "pedestrian":
         colours = ["light_green", "light_red"]
@@ -65,7 +73,11 @@ def traffic_light(look: Look) -> list[Part]:
 
 
 def sign(look: Look) -> list[Part]:
-    """A plate on a post, a round traffic sign, a board between two posts; pinned, a flat panel."""
+    """A plate on a post, a round traffic sign, a board between two posts, or a flat panel.
+
+    Reads the attributes `form` and `colour`. Only the attribute chooses a panel, which has no post:
+    it hangs on a wall.
+    """
     x, y, z = look.size_m
     drawn = FORMS["sign"] if y > 0.9 else FORMS["sign"][:2]
     form = look.choice("form", (*FORMS["sign"], "panel"), drawn)
@@ -106,7 +118,10 @@ def sign(look: Look) -> list[Part]:
 
 
 def bin_(look: Look) -> list[Part]:
-    """A wheeled bin with a lid, a round litter bin, or a container with a domed top."""
+    """A wheeled bin with a lid, a round litter bin, or a container with a domed top.
+
+    Reads the attributes `form` and `material`.
+    """
     x, y, z = look.size_m
     form, wide = look.choice("form", FORMS["bin"]), min(x, y)
     colour = look.choice(

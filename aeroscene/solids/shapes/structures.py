@@ -1,4 +1,4 @@
-"""Open structures: canopies, decks, stairs and bridges. What one walks or lands on is level."""
+"""Open structures: canopies, decks, stairs and bridges. Surfaces to walk or land on are level."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from aeroscene.solids.shapes.primitive import Interval, Part, block, cylinder
 from aeroscene.solids.shapes.solids import about, inwards, leaning, legs, prism
 
 _RISER_M = 0.19
+# Bounds the parts of a high flight of stairs; its risers are higher then.
 _MOST_STEPS = 16
 RAIL_M = 1.1
 """Height of a bridge's railing."""
@@ -19,7 +20,10 @@ _SLAB_M = 0.16
 
 
 def canopy(look: Look) -> list[Part]:
-    """A roof on posts, open on every side: level, a low gable, or one plane of solar panels."""
+    """A roof on posts, open on every side: level, a low gable, or one plane of solar panels.
+
+    Reads the attributes `form` and `colour`.
+    """
     x, y, z = look.size_m
     form = look.choice("form", FORMS["canopy"])
     paint = "paint_" + look.choice("colour", PAINT_COLOURS)
@@ -58,7 +62,7 @@ def canopy(look: Look) -> list[Part]:
 
 
 def _columns(x: float, y: float, heights: tuple[float, float]) -> list[Part]:
-    """Four round posts a little inside the corners, as high as given at -x and at +x."""
+    """Four round posts a little inside the corners; heights are those at -x and at +x."""
     inset = min(0.25, 0.12 * min(x, y))
     return [
         cylinder((sx * (x / 2 - inset), sy * (y / 2 - inset), height / 2), 0.14, height, "metal")
@@ -68,7 +72,10 @@ def _columns(x: float, y: float, heights: tuple[float, float]) -> list[Part]:
 
 
 def deck(look: Look) -> list[Part]:
-    """A wooden platform: on a dark plinth, on posts, or with a darker edge."""
+    """A wooden platform: on a dark plinth, on posts, or with a darker edge.
+
+    Reads the attributes `form` and `boards`.
+    """
     x, y, z = look.size_m
     form = look.choice("form", FORMS["deck"])
     top = 0.1 if z > 0.2 else 0.5 * z
@@ -96,16 +103,20 @@ def deck(look: Look) -> list[Part]:
 
 
 def count_steps(rise_m: float) -> int:
-    """Steps of a flight of stairs of a height."""
+    """Number of steps in a flight of stairs of some height."""
     return max(2, min(_MOST_STEPS, round(rise_m / _RISER_M)))
 
 
 def stairs(look: Look) -> list[Part]:
-    """Steps that rise towards +x: solid, open treads on two beams, or between cheek walls."""
+    """Steps that rise towards +x: solid, open treads on two beams, or between cheek walls.
+
+    Reads the attributes `form` and `material`.
+    """
     x, y, z = look.size_m
     form = look.choice("form", FORMS["stairs"])
     count = count_steps(z)
     run, rise = x / count, z / count
+    # Low or narrow flights have no room for beams under the treads.
     if form == "open" and z > 0.9 and y > 0.6:
         slab = min(0.06, 0.5 * rise)
         treads = [
@@ -130,6 +141,7 @@ def stairs(look: Look) -> list[Part]:
         ]
     cheek = min(0.25, 0.1 * y) if form == "cheeks" else 0.0
     stone = look.choice("material", ("concrete", "stone"))
+    # Each step is a block from its riser to the back, so that the steps carry each other.
     steps = [
         block((-x / 2 + i * run, x / 2), y - 2 * cheek, (i * rise, (i + 1) * rise), stone)
         for i in range(count)
@@ -141,10 +153,14 @@ def stairs(look: Look) -> list[Part]:
 
 
 def bridge(look: Look) -> list[Part]:
-    """A footbridge along x: level from end to end, with stairs at both ends, or a truss."""
+    """A footbridge along x: level from end to end, with stairs at both ends, or a truss.
+
+    Reads the attribute `form`.
+    """
     x, y, z = look.size_m
     form = look.choice("form", FORMS["bridge"])
     top = z - RAIL_M
+    # Stairs of 32 degrees; they have to leave at least 6 m of level deck.
     run = 1.6 * top
     if form == "stairs" and x - 2 * run > 6:
         ends = [part for sign in (-1, 1) for part in _flight(sign, (x / 2 - run, x / 2), y, top)]
@@ -155,7 +171,7 @@ def bridge(look: Look) -> list[Part]:
 
 
 def _span(x: float, y: float, z: float, panel: str) -> list[Part]:
-    """A deck on two piers with handrails and panels."""
+    """A deck on two piers with handrails and, unless `panel` is "none", panels below them."""
     top = z - RAIL_M
     parts = [block(x, y, (top - 0.35, top), "concrete")]
     for sign in (-1, 1):

@@ -11,22 +11,25 @@ from aeroscene.solids.shapes.primitive import Part, block, centred, hull
 from aeroscene.solids.shapes.solids import cone, disc, inwards
 
 FINISHES = ("grass", "paving", "asphalt", "gravel", "concrete")
-"""What terrain may be covered with: attribute `finish`."""
+"""Covers of terrain: values of the attribute `finish`."""
 _CRUST_M = 0.15
 """Thickness of a terrace's cover over its retaining walls."""
 _MOUND_SIDE_RAD = radians(19.0)
 """Steepest side of a mound."""
 _MOUND_SLOPE_SHARE = 0.8
-"""Share of the way to the middle that the sides may take."""
+"""Share of the distance to the middle that the sides may take."""
 _MOUND_CORNERS = 12
 _SHEET_M = 0.03
-"""How far a pond's water stands above its bed of grass."""
+"""Height of a pond's water above its bed of grass."""
 _POND_M = 15.0
-"""Wider water has banks of its own, and no rim unless told so."""
+"""Width from which water has banks of its own, and no rim unless its attribute says so."""
 
 
 def terrain(look: Look) -> list[Part]:
-    """Raised ground: a terrace, a low mound, or a ramp from nothing at -x to its height at +x."""
+    """Raised ground: a terrace, a low mound, or a ramp from nothing at -x to its height at +x.
+
+    Reads the attributes `form`, `finish` and, of a terrace, `wall`.
+    """
     form, finish = look.choice("form", FORMS["terrain"]), look.choice("finish", FINISHES)
     if form == "terrace":
         return _terrace(look, finish)
@@ -36,6 +39,7 @@ def terrain(look: Look) -> list[Part]:
 def _terrace(look: Look, finish: str) -> list[Part]:
     x, y, z = look.size_m
     wall = look.choice("wall", ("stone", "brick", "dark_concrete"))
+    # Low terraces and those walled with their own cover are one block.
     if z < 2 * _CRUST_M or wall == finish:
         return [block(x, y, (0, z), finish)]
     low = z - _CRUST_M
@@ -53,18 +57,19 @@ def _ramp(look: Look, finish: str) -> Part:
 def mound_top(size_m: Vector3) -> tuple[float, float, float]:
     """Extents along x and y of a mound's level top, and its height, m.
 
-    A box too high for its width holds a mound that is lower than the box.
+    A box that is too high for its width holds a mound that is lower than the box.
     """
     x, y, z = size_m
     # A polygon's sides lie further in than its corners: they are what is steepest.
     reach = min(x, y) / 2 * cos(pi / _MOUND_CORNERS)
     height = min(z, _MOUND_SLOPE_SHARE * reach * tan(_MOUND_SIDE_RAD))
+    # The sides narrow both axes by the same share, hence one share for x and y.
     share = 1 - height / tan(_MOUND_SIDE_RAD) / reach
     return (share * x, share * y, height)
 
 
 def _mound(look: Look, finish: str) -> Part:
-    """Two rings of one shape: the sides of least reach are the steepest."""
+    """Two rings of one shape: along the shorter axis the sides are steepest."""
     x, y, _ = look.size_m
     top_x, top_y, height = mound_top(look.size_m)
     return cone((x, y), (top_x, top_y), (0.0, height), finish, sides=_MOUND_CORNERS)
@@ -80,6 +85,7 @@ def _pond(look: Look) -> list[Part]:
     level = 0.5 * z
     bed = level - min(_SHEET_M, 0.5 * level)
     parts = [block(x, y, (0, bed), "grass")]
+    # Sixteen corners are smooth enough for a shore seen from a drone.
     shore: list[Vector3] = []
     for corner in range(16):
         angle = 2 * pi * corner / 16
@@ -91,7 +97,10 @@ def _pond(look: Look) -> list[Part]:
 
 
 def water(look: Look) -> list[Part]:
-    """A basin with a rim, bare or with water lilies; `open` is a sheet, `pond` a natural one."""
+    """A basin with a rim, bare or with water lilies; `open` is a sheet, `pond` a natural one.
+
+    Reads the attributes `form` and `rim`.
+    """
     x, y, z = look.size_m
     is_pond = max(x, y) <= _POND_M
     form = look.choice("form", FORMS["water"], ("basin", "planted") if is_pond else ("open",))

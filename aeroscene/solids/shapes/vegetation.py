@@ -1,4 +1,4 @@
-"""Trees, bushes and plants: crowns are what a drone hits, so they collide as they look."""
+"""Trees, bushes and plants. Crowns collide as they look, because drones do hit them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,10 @@ _CLEAR_TRUNK_M = 2.6
 
 
 def tree(look: Look) -> list[Part]:
-    """A trunk under a crown; a birch is slim, pale and sparse."""
+    """A trunk under a crown; a birch is slim, pale and sparse.
+
+    Reads the attributes `form` and `leaves`.
+    """
     form = look.choice("form", FORMS["tree"])
     z = look.size_m[2]
     base = min(0.32 * z, _CLEAR_TRUNK_M)
@@ -27,14 +30,16 @@ def tree(look: Look) -> list[Part]:
         "birch": _birch_crown,
     }[form](look, base)
     thick = max(0.14, min(0.5, 0.034 * z)) * (0.85 if form == "birch" else 1.0)
+    # At most 40% of the box, for saplings that are high and narrow.
     thick = min(thick, 0.4 * min(look.size_m[:2]))
+    # The trunk ends inside the crown; a birch shows its trunk almost to the top.
     rise = 0.9 * z if form == "birch" else base + 0.35 * z
     bark = "birch_bark" if form == "birch" else "bark"
     return [cylinder((0, 0, rise / 2), thick, rise, bark), *crown]
 
 
 def _leaves(look: Look) -> str:
-    """Mostly green."""
+    """Material of the leaves; green is drawn three times out of four."""
     return look.choice("leaves", LEAVES, ("leaves", "leaves", "leaves_dark", "leaves_autumn"))
 
 
@@ -106,7 +111,10 @@ def _birch_crown(look: Look, base: float) -> list[Part]:
 
 
 def bush(look: Look) -> list[Part]:
-    """Clumps, a clipped ball on a stem, or a shrub in flower."""
+    """Clumps, a clipped ball on a stem, or a shrub in flower.
+
+    Reads the attributes `form` and `leaves`.
+    """
     x, y, z = look.size_m
     form = look.choice("form", FORMS["bush"])
     leaves = look.choice("leaves", LEAVES[:2])
@@ -125,7 +133,10 @@ def bush(look: Look) -> list[Part]:
 
 
 def planter(look: Look) -> list[Part]:
-    """A trough or a pot with a shrub, or a bed of flowers."""
+    """A trough or a pot with a shrub, or a bed of flowers.
+
+    Reads the attribute `form`.
+    """
     x, y, z = look.size_m
     form = look.choice("form", FORMS["planter"])
     rim = min(0.5, 0.6 * z) if form != "flowers" else max(0.6 * z, z - 0.35)
@@ -147,7 +158,7 @@ def planter(look: Look) -> list[Part]:
 
 
 def _flowers(look: Look, rows: int, rim: float, z: float) -> list[tuple[str, Interval]]:
-    """Colour and rise of each clump of a bed."""
+    """Colour and rise of each clump of a bed; every other clump is a little lower."""
     names = ("blossom", "blossom_yellow", "leaves_light", "blossom_red")
     return [
         (names[(index + look.variant) % 4], (rim - 0.1 * z, z if index % 2 else 0.9 * z))
@@ -156,7 +167,10 @@ def _flowers(look: Look, rows: int, rim: float, z: float) -> list[tuple[str, Int
 
 
 def plant(look: Look) -> list[Part]:
-    """A house plant in a pot: bushy, a palm, or upright blades."""
+    """A house plant in a pot: bushy, a palm, or upright blades.
+
+    Reads the attributes `form` and `pot`.
+    """
     x, y, z = look.size_m
     form = look.choice("form", FORMS["plant"])
     rim, wide = 0.28 * z, min(x, y)
@@ -173,6 +187,7 @@ def plant(look: Look) -> list[Part]:
         fan = (0.62 * z, z - 0.02 * z)
         return [
             pot,
+            # Three crossed fronds, 60 degrees apart, make a star of six.
             stem,
             _frond(0.94 * wide, 0.3 * wide, fan, 0.0),
             _frond(0.94 * wide, 0.3 * wide, fan, 1.05),

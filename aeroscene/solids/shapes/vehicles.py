@@ -1,6 +1,7 @@
-"""What drives: cars, vans, trucks, buses and bicycles; the front is +x.
+"""Vehicles: cars, vans, trucks, buses and bicycles; the front is +x.
 
-Wheels, lights and panes are decor: the body's underside lies lower than any drone.
+Wheels, lights and panes are decor that touches nothing: the body's underside lies lower than any
+drone could fly.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from aeroscene.solids.shapes.solids import disc, inwards, paint, prism
 
 
 def _wheels(x: float, y: float, diameter: float, axles: Sequence[float]) -> list[Part]:
+    # Short or narrow vehicles get smaller wheels, which stay inside the box.
     width = min(0.24, 0.2 * y)
     diameter = min(diameter, 0.3 * x)
     return [
@@ -43,7 +45,7 @@ class _CarPlan:
     """Side view of a car in fractions of its length and height."""
 
     cabin: Interval
-    """Span from the rear pane's foot to the windscreen's."""
+    """Extent from the rear pane's foot to the windscreen's."""
     roof: Interval
     waist: float = 0.57
     nose: float = 0.44
@@ -62,14 +64,19 @@ _CARS = {
 
 
 def car(look: Look) -> list[Part]:
-    """A body with a sloping bonnet, a glass cabin under a painted roof, wheels and lights."""
+    """A body with a sloping bonnet, a glass cabin under a painted roof, wheels and lights.
+
+    Reads the attributes `form` and `colour`.
+    """
     x, y, z = look.size_m
     form = look.choice("form", FORMS["car"])
     plan, colour = _CARS[form], _colour(look)
     waist, tail = plan.waist * z, -x / 2 + 0.03
+    # Side view from the tail clockwise; 3 cm at each end are left to lights and bumpers.
     body = prism(
         [
             (tail, plan.sill_m),
+            # A saloon's boot falls a little to the rear.
             (tail, 0.94 * waist if form == "saloon" else waist),
             (plan.cabin[1] * x, waist),
             (x / 2 - 0.03, plan.nose * z),
@@ -101,13 +108,17 @@ def car(look: Look) -> list[Part]:
 
 
 def van(look: Look) -> list[Part]:
-    """A closed panel van, a minibus with windows, or a parcel van with a box of its own."""
+    """A closed panel van, a minibus with windows, or a parcel van with a box of its own.
+
+    Reads the attributes `form` and `colour`.
+    """
     x, y, z = look.size_m
     form, colour = look.choice("form", FORMS["van"]), _colour(look)
     split, side = 0.24 * x, centred(y - 0.06)
     tall = z if form != "parcel" else min(z, 0.88 * z + 0.1)
     face, foot = x / 2 - 0.03, 0.44 * z
     nose = [(split, 0.25), (split, tall), (0.3 * x, tall), (face, foot), (face, 0.25)]
+    # The windscreen lies on the slope between roof and bonnet, a few centimetres thick.
     slope = [(0.3 * x + t * (face - 0.3 * x), tall + t * (foot - tall)) for t in (0.08, 0.6)]
     screen = [(at + out, height) for at, height in slope for out in (-0.03, 0.02)]
     parts = [
@@ -127,7 +138,10 @@ def van(look: Look) -> list[Part]:
 
 
 def truck(look: Look) -> list[Part]:
-    """A cab before a box, a flat bed or a tank, all on a dark frame."""
+    """A cab before a box, a flat bed or a tank, all on a dark frame.
+
+    Reads the attributes `form`, `colour` and, of a box, `cargo`.
+    """
     x, y, z = look.size_m
     form = look.choice("form", FORMS["truck"])
     cab_z, split = min(z, 2.75), x / 2 - min(2.1, 0.34 * x)
@@ -160,6 +174,7 @@ def _load(form: str, along: Interval, y: float, z: float, look: Look) -> list[Pa
             block(along, y, (0.95, 1.15), "wood"),
             block(head, y, (1.15, min(z, 2.0)), "dark_metal"),
         ]
+    # The tank lies on the frame, 0.95 m above the road, with a walkway on top to land on.
     wide = min(y - 0.1, z - 1.0)
     middle = ((along[0] + along[1]) / 2, 0.0, 0.95 + wide / 2)
     tank = cylinder(middle, wide, along[1] - along[0], "metal", axis="x")
@@ -169,7 +184,10 @@ def _load(form: str, along: Interval, y: float, z: float, look: Look) -> list[Pa
 
 
 def bus(look: Look) -> list[Part]:
-    """A city bus or a coach with a band of windows, or a school bus with a bonnet."""
+    """A city bus or a coach with a band of windows, or a school bus with a bonnet.
+
+    Reads the attributes `form` and, except of a school bus, `colour`.
+    """
     x, y, z = look.size_m
     form = look.choice("form", FORMS["bus"])
     colour = "paint_yellow" if form == "school" else _colour(look)
@@ -192,11 +210,15 @@ def bus(look: Look) -> list[Part]:
 
 
 def bicycle(look: Look) -> list[Part]:
-    """Two wheels, a frame, a saddle and a handlebar; a cargo bicycle has a box in front."""
+    """Two wheels, a frame, a saddle and a handlebar; a cargo bicycle has a box in front.
+
+    Reads the attributes `form` and `colour`.
+    """
     x, y, z = look.size_m
     form, colour = look.choice("form", FORMS["bicycle"]), _colour(look)
     wheel = min(0.68, 0.4 * x, 0.7 * z)
     small = wheel if form != "cargo" else 0.7 * wheel
+    # Middles of the wheels.
     front, rear = (x - small) / 2, (wheel - x) / 2
     saddle = -0.2 * x
     bar = front - 0.16 * x if form != "cargo" else 0.02 * x

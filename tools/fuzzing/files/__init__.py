@@ -1,4 +1,8 @@
-"""Hostile files of every kind that a command reads, each with the command that meets it."""
+"""Hostile files of every kind that a command reads, each with the command that meets it.
+
+A case is a rule that was broken once or could be: an extreme value, a name with control characters,
+a file that claims to be large, text that nests without end, or code that a folder names.
+"""
 
 from collections.abc import Iterator
 
@@ -26,11 +30,18 @@ _MAKERS = {
 
 
 def all_cases() -> Iterator[Case]:
-    """All of them, kind by kind."""
+    """Every case of every kind, kind by kind."""
     for make in _MAKERS.values():
         yield from make()
 
 
 def cases_of(kind: str) -> Iterator[Case]:
-    """Cases of one kind; seconds of work are spared those who want few."""
+    """Cases of one kind; the other kinds, which take seconds to make, are not made.
+
+    Args:
+        kind: A key of `_MAKERS`.
+
+    Raises:
+        KeyError: If there is no such kind.
+    """
     yield from _MAKERS[kind]()

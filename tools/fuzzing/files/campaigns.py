@@ -1,4 +1,8 @@
-"""Folders of campaigns that somebody has shared."""
+"""Hostile folders of campaigns that somebody has shared.
+
+A campaign names the pilot and the stack that fly it, so that whoever flies a trial again would run
+a stranger's code. `judging` sees that by a file called "owned".
+"""
 
 from __future__ import annotations
 
@@ -29,6 +33,7 @@ _ROW: dict[str, Any] = {
     "reason": "touched",
     "start": [0.0, 0.0, 0.0],
 }
+# A program that leaves a file, by whose name the judge sees that it ran.
 _TOUCH = "sh -c 'touch {here}/owned'"
 _CODE: tuple[tuple[str, dict[str, Any]], ...] = (
     ("program", {"pilot": "mavlink", "program": _TOUCH}),
@@ -66,6 +71,7 @@ def campaign_cases() -> Iterator[Case]:
         manifest = {**_MANIFEST, "suite": {**_MANIFEST["suite"], **suite}}
         files = {
             "c/campaign.json": json.dumps(manifest).encode(),
+            # Exits at once, so that an import shows by a fault of its own, too.
             "c/owned.py": b"raise SystemExit",
         }
         yield Case(kind="campaign", name=f"names-a-{name}", files=files, command=fly)
@@ -127,6 +133,7 @@ def _journals() -> Iterator[tuple[str, bytes]]:
         for i in range(900_000)
     )
     yield "journal-many-rows", b"".join(rows)
+    # One path of 24 MB in one row.
     yield "journal-long-row", b'{"trial_id":"1","flown_enu_m":[' + b"[0,0,0]," * 3_000_000 + b"]}\n"
     yield "journal-of-text", b'{"trial_id":"' + b"x" * (20 << 20) + b'"}\n'
 
@@ -139,9 +146,11 @@ def _tables() -> Iterator[tuple[str, bytes]]:
     yield "table-of-other-kinds", _parquet({"trial_id": [1, 2], "success": ["yes", "no"]})
     yield "table-50-million-rows", _parquet({"trial_id": pa.nulls(50_000_000, pa.string())})
     one = pa.array(["x" * (1 << 20)])
+    # A dictionary of one text, named 60,000 times: small in the file, 60 GB when it is unfolded.
     repeated = pa.DictionaryArray.from_arrays(np.zeros(60_000, np.int32), one)
     ids = pa.array([str(i) for i in range(60_000)])
     yield "table-60-GB-of-text", _parquet({"trial_id": ids, "reason": repeated})
+    # Twenty million positions of zeros, which compress to almost nothing.
     zeros = pa.FixedSizeListArray.from_arrays(pa.array(np.zeros(60_000_000, np.float32)), 3)
     offsets = pa.array([0, 20_000_000], pa.int32())
     way = pa.ListArray.from_arrays(offsets, zeros)

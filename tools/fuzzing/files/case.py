@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 HERE = "{here}"
-"""In a command, and in a text of a file: the folder in which the files of the case lie."""
+"""Placeholder in a command for the folder of the files; in contents it stays as it is."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,7 +26,14 @@ class Case:
     """Contents by their paths."""
 
     def write(self, folder: Path) -> list[str]:
-        """Write the files; returns the words of the command."""
+        """Write the files of the case.
+
+        Args:
+            folder: Folder to write in, made if it is missing.
+
+        Returns:
+            Words of the command, with the folder in the place of `HERE`.
+        """
         for name, content in self.files.items():
             path = folder / name
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -35,7 +42,13 @@ class Case:
 
 
 def changed(document: Any, way: str, value: Any) -> bytes:
-    """A JSON document with one value changed; the way is such as `objects.0.bbox.p`."""
+    """A JSON document with one value changed, as UTF-8; the document itself stays.
+
+    Args:
+        document: Document.
+        way: Keys and indices down to the value, such as `objects.0.bbox.p`.
+        value: New value; it need not be one that JSON knows, such as NaN.
+    """
     copy = deepcopy(document)
     place = copy
     *steps, last = (int(step) if step.isdigit() else step for step in way.split("."))
@@ -46,7 +59,15 @@ def changed(document: Any, way: str, value: Any) -> bytes:
 
 
 def packed(piece: bytes, count: int) -> bytes:
-    """Gzip of a piece, again and again, made without unpacking it all."""
+    """Gzip of a piece, repeated, made without unpacking it all.
+
+    A gzip file may have several members, one after another, so that one compressed mebibyte serves
+    for all of them.
+
+    Args:
+        piece: Piece to repeat.
+        count: Number of times.
+    """
     most = max(1, (1 << 20) // max(1, len(piece)))
     whole, rest = divmod(count, most)
     return gzip.compress(piece * most, 1) * whole + gzip.compress(piece * rest, 1)

@@ -1,4 +1,4 @@
-"""Layouts of other projects, as files that such a project would not write."""
+"""Hostile layouts, in the forms of other projects, with values that no project would write."""
 
 from __future__ import annotations
 
@@ -95,13 +95,14 @@ _AUTHORS_VALUES: tuple[tuple[str, str, Any], ...] = (
 
 
 def layout_cases() -> Iterator[Case]:
-    """Layouts in each form, then files of lines."""
+    """Cases of layouts: each form with one hostile value, then files of lines."""
     for name, way, value in _ROOM_VALUES:
         yield _case(name, "l.jsonl", changed(_ROOM, way, value))
     for name, way, value in _HOUSE_VALUES:
         yield _case(f"house-{name}", "l.json", changed(_HOUSE, way, value))
     for name, way, value in _AUTHORS_VALUES:
         yield _case(f"authors-{name}", "l.json", changed(_AUTHORS, way, value))
+    # Four hundred rooms within rooms, each of which a reader has to enter.
     indoor: list[Any] = []
     for _ in range(400):
         indoor = [{"name": "box", "translation": [0, 0, 0], "indoor": indoor}]
@@ -121,6 +122,7 @@ def layout_cases() -> Iterator[Case]:
 def _lines() -> Iterator[tuple[str, str, bytes]]:
     line = json.dumps(_ROOM).encode() + b"\n"
     small = b'{"scene_id":"%d","domain":"outdoor","floor":[[0,0],[1,0],[0,1]],"objects":[]}\n'
+    # Blank lines are cheap to pack: 300 MiB of them make a small file.
     yield "lines-blank", "l.jsonl.gz", packed(b"\n", 300 << 20)
     yield "lines-blank-too-many", "l.jsonl.gz", packed(b"\n", 100 << 20)
     yield "lines-not-utf-8", "l.jsonl", b"\xff\xfe" + line
@@ -130,6 +132,7 @@ def _lines() -> Iterator[tuple[str, str, bytes]]:
     yield "lines-of-nested-lists", "l.jsonl", (b"[" * 90_000 + b"\n") * 20
     yield "lines-of-values", "l.jsonl.gz", packed(b"[" + b"[]," * 900_000 + b"0]\n", 20)
     yield "line-of-60-MB", "l.jsonl.gz", packed(b"a" * (1 << 20), 60)
+    # The fault stands at the end, where everything before it has been taken in.
     many = b"".join(small % i for i in range(20_000))
     yield "many-small-then-a-fault", "l.jsonl.gz", gzip.compress(many + b"{}\n", 1)
     yield "gzip-cut-short", "l.jsonl.gz", packed(line, 1)[:-9]

@@ -1,4 +1,4 @@
-"""Recordings that no flight has made."""
+"""Hostile recordings: files that no flight has made."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ _RUNS: tuple[tuple[str, dict[str, Any], dict[str, Any]], ...] = (
 
 
 def recording_cases() -> Iterator[Case]:
-    """Files that are no recordings, then recordings with hostile properties."""
+    """Cases of recordings: files that are none, then recordings with hostile properties."""
     flight = _recording(_RUN, {"figures": "{}"})
     for name, content in (
         ("empty", b""),
@@ -50,6 +50,7 @@ def recording_cases() -> Iterator[Case]:
         ("magic-alone", flight[:16]),
         ("cut-short", flight[: len(flight) // 2]),
         ("damaged", flight[:200] + bytes(100) + flight[300:]),
+        # Lengths in the header become enormous.
         ("lengths", flight[:24] + b"\xff" * 64 + flight[88:]),
         ("twice", flight + flight),
     ):
@@ -75,6 +76,7 @@ def _recording(run: Mapping[str, Any], verdict: Mapping[str, Any]) -> bytes:
         if verdict:
             stream.send_property(layout.VERDICT_PROPERTY, rr.AnyValues(**verdict))
         stream.set_time(layout.TIMELINE, duration=1.0)
+        # A path of an entity that leaves its folder, if a name of a file is made of it.
         stream.log(f"{layout.VEHICLE}/../\x1b[2J", rr.Scalars(1.0))
         stream.flush()
         stream.disconnect()

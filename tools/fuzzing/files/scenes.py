@@ -1,4 +1,4 @@
-"""Scenes in our own format that are wrong, enormous or malicious."""
+"""Hostile scenes in our own format: wrong, enormous or malicious."""
 
 from __future__ import annotations
 
@@ -12,17 +12,20 @@ from fuzzing.files.case import HERE, Case, changed, packed
 
 
 def _relief(heights: Any, spacing: Any = 200.0, origin: Any = (-100.0, -100.0)) -> dict[str, Any]:
-    """A relief; by its defaults one cell that covers the scene."""
+    """A relief; by its defaults its grid of two nodes by two is one cell that covers the scene."""
     return {"origin": origin, "spacing": spacing, "heights": heights}
 
 
+# Beyond 64 bits; Python reads it, and arrays cannot hold it.
 _HUGE = 10**30
 _IDS: tuple[tuple[str, str], ...] = (
     ("id-parent-folder", "../../x"),
     ("id-absolute", "/aeroscene-hostile-x"),
     ("id-option", "--help"),
     ("id-hidden", ".bashrc"),
+    # Terminals obey these: the first sets the window's title, the second clears the screen.
     ("id-control", "\x1b]0;title\x07\x1b[2J"),
+    # Right-to-left override: a file shows as if it ended otherwise.
     ("id-reversed", "gpj.\u202escene"),
     ("id-markup", "[/bold][red]x"),
     ("id-long", "x" * 200),
@@ -31,6 +34,7 @@ _IDS: tuple[tuple[str, str], ...] = (
 )
 _VALUES: tuple[tuple[str, str, Any], ...] = (
     ("id-number", "scene_id", 7),
+    # CSI as one character, without the escape that filters look for.
     ("theme-control", "theme", "\x9b31m"),
     ("domain-unknown", "domain", "\x1b[31msea"),
     ("seed-30-digits", "seed", _HUGE),
@@ -96,7 +100,7 @@ _VALUES: tuple[tuple[str, str, Any], ...] = (
 
 
 def scene_cases() -> Iterator[Case]:
-    """Scenes of one object in a hostile form, then files that are no document or far too large."""
+    """Cases of scenes: one hostile value each, then files that are no document or far too large."""
     document = json.loads(scene_to_json(field_scene()))
     for name, scene_id in _IDS:
         yield _case(name, _renamed(document, scene_id))
@@ -140,6 +144,7 @@ def _raw(document: Any) -> Iterator[tuple[str, bytes]]:
     yield "integer-of-a-million-digits", text.replace(b'"seed": 0', b'"seed": ' + b"9" * 1_000_000)
     yield "float-of-a-million-digits", text.replace(b'"yaw": 0.0', b'"yaw": 0.' + b"1" * 1_000_000)
     yield "bomb-of-zeros", packed(bytes(1 << 20), 600)
+    # 60 MiB of open brackets, past any parser that recurses.
     yield "bomb-of-brackets", packed(b"[" * (1 << 20), 60)
     yield "bomb-of-objects", packed(b'{"format":"aeroscene-scene"},' * 1000, 3_000)
     yield "bomb-of-text", b'{"format":"' + b"\xf0\x9f\x98\x80" * 7_000_000 + b'"}'
@@ -148,6 +153,7 @@ def _raw(document: Any) -> Iterator[tuple[str, bytes]]:
 
 
 def _renamed(document: Any, scene_id: str) -> bytes:
+    # Objects name their scene, and a scene with another name would be refused for that alone.
     objects = [{**each, "scene_id": scene_id} for each in document["objects"]]
     return json.dumps(document | {"scene_id": scene_id, "objects": objects}).encode()
 
@@ -159,8 +165,9 @@ def _many_objects(document: Any, count: int) -> bytes:
 
 
 def _shelves(document: Any, count: int) -> bytes:
-    """Boxes that our shapes fill with a thousand boards each."""
+    """A scene of boxes, each of which our shapes fill with a thousand boards."""
     s = (900.0, 900.0, 900.0)
+    # One bit of the index for each axis.
     corners = [[(i >> k & 1) * 900.0 - 450.0 for k in range(3)] for i in range(8)]
     shelf = {
         "scene_id": "field",

@@ -1,4 +1,4 @@
-"""Recipes, settings of trainings, outlines, keys and checkpoints."""
+"""Hostile recipes, settings of trainings, outlines and keys."""
 
 from __future__ import annotations
 
@@ -48,11 +48,12 @@ _KEYS: tuple[tuple[str, bytes], ...] = (
 
 
 def settings_cases() -> Iterator[Case]:
-    """Each kind in turn."""
+    """Cases of recipes, settings, outlines and keys, kind by kind."""
     for name, text in _RECIPES:
         yield Case(
             kind="recipe",
             name=name,
+            # A lone surrogate stands for a byte that is no UTF-8.
             files={"r.toml": text.encode(errors="surrogateescape")},
             command=("fly", "--recipe", f"{HERE}/r.toml", "--out", f"{HERE}/out", "--trial", "0"),
         )

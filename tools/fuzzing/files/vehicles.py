@@ -1,4 +1,4 @@
-"""Airframes, bodies, meshes and lidars that are damaged or hostile."""
+"""Hostile airframes, bodies, meshes and lidars."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from importlib import resources
 
 from fuzzing.files.case import HERE, Case
 
+# A valid file with one hostile value reaches deeper than one that is wrong throughout.
 _IRIS = resources.files("flightsim.vehicles").joinpath("shipped/iris.toml").read_text()
 _LIDAR = resources.files("flightsim.lidars").joinpath("shipped/vlp16.toml").read_text()
 _TOML: tuple[tuple[str, str], ...] = (
@@ -39,11 +40,12 @@ _AIRFRAME: tuple[tuple[str, str, str], ...] = (
 
 
 def vehicle_cases() -> Iterator[Case]:
-    """Files of airframes, then what they name, then lidars."""
+    """Cases of airframes, then of the files that they name, then of lidars."""
     for name, text in _TOML:
         yield _airframe(name, text)
         yield _lidar(name, text)
     for name, before, after in _AIRFRAME:
+        # A shipped file that changed would make the case an honest one.
         assert before in _IRIS
         yield _airframe(name, _IRIS.replace(before, after, 1))
     for name, content in _meshes():
@@ -112,6 +114,7 @@ def _meshes() -> Iterator[tuple[str, bytes]]:
     triangle = facet.format("vertex 0 0 0\nvertex .1 0 0\nvertex 0 .1 .05\n")
     yield "empty.obj", b""
     yield "empty.stl", b""
+    # Binary STL: 80 bytes of header, the number of triangles, and 50 bytes for each.
     yield "cut-short.stl", bytes(80) + (4).to_bytes(4, "little") + bytes(70)
     yield "zeros.stl", bytes(80) + (4).to_bytes(4, "little") + bytes(200)
     yield "claims-billions.stl", bytes(80) + (2**32 - 1).to_bytes(4, "little") + bytes(5000)
@@ -137,6 +140,7 @@ def _meshes() -> Iterator[tuple[str, bytes]]:
 
 
 def _bodies() -> Iterator[tuple[str, bytes]]:
+    # Ten of the entity before in each: 10 to the power of 11 words, in a kilobyte.
     lol = "".join(f'<!ENTITY l{i} "{f"&l{i - 1};" * 10}">' for i in range(1, 12))
     box = '<geom type="box" size=".1 .1 .1" mass="1.5"/>'
     yield "empty.urdf", b""

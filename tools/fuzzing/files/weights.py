@@ -1,4 +1,4 @@
-"""Checkpoints and datasets, as other programs or nobody would write them."""
+"""Hostile checkpoints and datasets, as other programs or nobody would write them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _SHIPPED = resources.files("aeroscene.learning").joinpath("checkpoints/default.s
 
 
 def weight_cases() -> Iterator[Case]:
-    """Checkpoints, then folders of scenes."""
+    """Cases of checkpoints, then of folders of scenes."""
     for name, content in _checkpoints():
         yield Case(
             kind="checkpoint",
@@ -33,6 +33,7 @@ def weight_cases() -> Iterator[Case]:
 
 def _safetensors(header: Any, body: bytes = b"") -> bytes:
     text = header if isinstance(header, bytes) else json.dumps(header).encode()
+    # The format: length of the header in eight bytes, header in JSON, numbers.
     return len(text).to_bytes(8, "little") + text + body
 
 
@@ -44,6 +45,7 @@ def _checkpoints() -> Iterator[tuple[str, bytes]]:
     yield "header-claims-all", b"\xff" * 8 + b"{}"
     yield "header-nested", _safetensors(b"[" * 1_000_000)
     yield "no-metadata", _safetensors({"a": one}, bytes(4))
+    # The first bytes of a pickle, which would run code if it were loaded.
     yield "pickle", b"\x80\x04\x95csystem\n(S'true'\ntR."
     yield (
         "metadata-nested",

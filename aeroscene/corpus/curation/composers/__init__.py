@@ -1,4 +1,4 @@
-"""Composers: one file a domain, each lays out the places of a scene."""
+"""Composers: one file for each domain, which lays out the places of a scene."""
 
 from aeroscene.corpus.curation.composers.indoor import compose_indoor
 from aeroscene.corpus.curation.composers.mixed import compose_mixed

@@ -19,7 +19,13 @@ from aeroscene.solids.shapes.materials import WALL_COLOURS
 
 
 def compose_indoor(builder: Builder, rng: np.random.Generator) -> Composition:
-    """A theme, its floor plan raised, and one place that fills it."""
+    """Draw a theme, raise its floor plan, and let one place fill it.
+
+    Args:
+        builder: Empty builder of the scene.
+        rng: Randomness of the layout.
+    """
+    # Streams of their own: a change to furniture then leaves plans and walls as they were.
     choice, layout, walls, furniture = rng.spawn(4)
     weights = np.array([theme.weight for theme in THEMES])
     theme = THEMES[int(choice.choice(len(THEMES), p=weights / weights.sum()))]
@@ -27,6 +33,7 @@ def compose_indoor(builder: Builder, rng: np.random.Generator) -> Composition:
     plan = draw_plan(Draw(layout), theme)
     building = raise_building(builder, Draw(walls), Frame(0.0, 0.0, turn * pi / 2), plan)
     place = IndoorPlace(builder, Draw(furniture), building, theme.features)
+    # Odd quarter turns exchange the building's length and width.
     x, y = plan.size if turn % 2 == 0 else plan.size[::-1]
     return Composition(
         theme=theme.name,
@@ -39,12 +46,14 @@ def compose_indoor(builder: Builder, rng: np.random.Generator) -> Composition:
 
 
 def draw_plan(draw: Draw, theme: Theme) -> FloorPlan:
-    """Size, height and zones of a building of a theme."""
+    """Draw size, height and zones of a building of a theme."""
     length_m, width_m, roof_m = theme.size_m
     is_tall = draw.chance(theme.tall_chance)
     share = theme.tall_share if is_tall else 1.0
     size = (_half_metres(draw, length_m, share), _half_metres(draw, width_m))
+    # A tall building needs room for two storeys; halls of tall themes have it anyway.
     low, high = TALL_M if is_tall and roof_m[1] < TALL_M[0] else roof_m
+    # Whole quarter metres, the pitch of the grid that plans and maps use.
     height = 0.25 * draw.count(round(4 * low), round(4 * high))
     programme = replace(theme.programme, is_tall=is_tall)
     return FloorPlan(

@@ -14,7 +14,7 @@ from aeroscene.corpus.curation.sites import Scale
 _DENSE = Scale(side_m=(48.0, 64.0), roads_m=(5.6, 6.0, 6.4), parking_chance=0.35)
 """Towns: houses stand close, and streets are narrow."""
 _SQUARE = ("square", "square", "square", "square", "market", "park")
-"""Open places of a town, the most frequent more than once."""
+"""Open places of a town; names that occur more often are drawn more often."""
 
 THEMES: Mapping[str, Theme] = {
     "urban_block": Theme(
@@ -124,5 +124,13 @@ THEMES: Mapping[str, Theme] = {
 
 
 def compose_outdoor(builder: Builder, rng: np.random.Generator) -> Composition:
-    """One of the themes of the open air."""
+    """Compose one of the themes of the open air.
+
+    Args:
+        builder: Empty builder of the scene.
+        rng: Randomness of the layout.
+
+    Raises:
+        NoGroundError: If no site of the drawn theme has the parcels that it needs.
+    """
     return compose_theme(builder, rng, THEMES)

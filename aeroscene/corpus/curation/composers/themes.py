@@ -1,4 +1,9 @@
-"""What a site is: which plan its streets follow and which places stand on its parcels."""
+"""Themes of sites: the plan that their streets follow, and the places on their parcels.
+
+A theme keeps streets and places together, so that a farm does not stand in a town. Each theme has
+places that are certain and places that chance adds. Site plans are tried on paper first, because
+not every plan has parcels that are large enough for the certain ones.
+"""
 
 from __future__ import annotations
 
@@ -44,13 +49,14 @@ from aeroscene.corpus.curation.streets import Streets
 from aeroscene.corpus.curation.terrain import Slope, raise_terrace
 from aeroscene.corpus.curation.water import Basin
 
+# At least so high is the flight volume; tall objects raise it.
 _CEILING_M = 22.0
 _TRIES = 200
 """Sites tried on paper at most. One in 2,000 scenes has no ground in the first 20."""
 
 
 class NoGroundError(RuntimeError):
-    """A theme whose sites have no parcel for the places that it cannot do without."""
+    """Raised if no site of a theme has parcels for the places that it cannot do without."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,15 +67,16 @@ class Kind:
     width: float
     depth: float
     is_lifted: bool = True
-    """Whether it may stand on a terrace above the street; not where vehicles drive in."""
+    """True if it may stand on a terrace above the street; false if vehicles drive in."""
     border: tuple[str, float] | None = None
-    """Form and height of the fences that it has where the site ends, m."""
+    """Form and height (m) of its fences where the site ends."""
 
     def fits(self, parcel: Parcel) -> bool:
-        """Whether a parcel is large enough."""
+        """Return true if a parcel is large enough, in width and in depth."""
         return parcel.width >= self.width and parcel.depth >= self.depth
 
 
+# Least width and depth of the ground of each, m.
 KINDS: Mapping[str, Kind] = {
     "offices": Kind(Offices, 17, 18, border=("hedge", 1.2)),
     "houses": Kind(Houses, 16, 15, border=("boards", 1.5)),
@@ -103,7 +110,7 @@ KINDS: Mapping[str, Kind] = {
 """Kinds of places under the names that themes use."""
 
 _ANYWHERE = "park"
-"""What a parcel becomes that is too small for everything else."""
+"""Use of a parcel that is too small for everything else."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -111,25 +118,36 @@ class Theme:
     """A character that streets and places of a scene share."""
 
     weight: float
-    """How often it is drawn, relative to the others."""
+    """Relative frequency of the theme."""
     plans: Mapping[str, float]
     """Ground plans and their weights."""
     always: Sequence[Sequence[str]] = ()
-    """Rows of which one kind each is certain, as far as parcels fit, the best for the first."""
+    """Rows of kinds: one of each row is certain, as far as parcels fit, the best parcel for the
+    first.
+    """
     others: Mapping[str, float]
     """Kinds of the other parcels and their weights."""
     fulness: float = 1.0
-    """How many fine objects it has, relative to the average scene."""
+    """Number of fine objects, relative to the average scene."""
     terrace_chance: float = 0.1
-    """How often a parcel is lifted above the street."""
+    """Probability that a parcel is lifted above the street."""
     scale: Scale = field(default_factory=Scale)
-    """How large its sites and how wide its streets are."""
+    """Size of its sites and width of its streets."""
 
 
 def compose_theme(
     builder: Builder, rng: np.random.Generator, themes: Mapping[str, Theme]
 ) -> Composition:
-    """Draw a theme, lay its streets and give every parcel a place."""
+    """Draw a theme, lay its streets and give every parcel a place.
+
+    Args:
+        builder: Empty builder of the scene.
+        rng: Randomness of the layout.
+        themes: Themes by name.
+
+    Raises:
+        NoGroundError: If no site of the theme has the parcels that it needs.
+    """
     name = draw_one(rng, {name: theme.weight for name, theme in themes.items()})
     theme = themes[name]
     plan, choice, start, streets = rng.spawn(4)
@@ -150,13 +168,14 @@ def compose_theme(
 
 
 def _lay_fitting_site(builder: Builder, rng: np.random.Generator, theme: Theme) -> Site:
-    """The first of some sites, tried on paper, with ground for what the theme cannot do without.
+    """Return the first of some sites that has ground for all the certain places of a theme.
 
     Raises:
         NoGroundError: If none has it.
     """
     for _ in range(_TRIES):
         plan, seed = draw_one(rng, theme.plans), int(rng.integers(1 << 62))
+        # The draft goes to a builder of its own; the same seed then lays the same site for good.
         draft = lay_out_site(Builder("draft"), np.random.default_rng(seed), plan, theme.scale)
         if all(any(_suits(row, parcel) for parcel in draft.parcels) for row in theme.always):
             return lay_out_site(builder, np.random.default_rng(seed), plan, theme.scale)
@@ -167,12 +186,17 @@ def _lay_fitting_site(builder: Builder, rng: np.random.Generator, theme: Theme) 
 
 
 def _suits(kinds: Sequence[str], parcel: Parcel) -> bool:
-    """Whether a parcel is free for all of some kinds and large enough."""
+    """Return true if a parcel is free for all of some kinds and large enough."""
     return not parcel.uses and all(KINDS[kind].fits(parcel) for kind in kinds)
 
 
 def draw_one(rng: np.random.Generator, weights: Mapping[str, float]) -> str:
-    """One of some names, by weight."""
+    """Draw one of some names by their weights, which need not sum to one.
+
+    Args:
+        rng: Draws the name.
+        weights: Weight of each name; one at least is above 0.
+    """
     shares = np.array(list(weights.values()))
     return list(weights)[int(rng.choice(len(shares), p=shares / shares.sum()))]
 
@@ -180,13 +204,24 @@ def draw_one(rng: np.random.Generator, weights: Mapping[str, float]) -> str:
 def choose_places(
     builder: Builder, site: Site, theme: Theme, rng: np.random.Generator
 ) -> list[Place]:
-    """A place for every parcel, larger parcels first."""
+    """Choose a place for every parcel, larger parcels first.
+
+    Args:
+        builder: Builder of the scene.
+        site: Site with its parcels.
+        theme: Theme that chooses.
+        rng: Draws kinds, terraces and the streams of the places.
+
+    Returns:
+        Places in the order of the parcels' areas; none of their objects stand yet.
+    """
     parcels = sorted(site.parcels, key=lambda parcel: -parcel.width * parcel.depth)
     streams = rng.spawn(len(parcels))
     lifts = Draw(rng)
     places: list[Place] = []
     kinds = _choose_kinds(parcels, theme, rng)
     for parcel, kind, stream in zip(parcels, kinds, streams, strict=True):
+        # The terrace becomes the parcel's ground; fences still follow the original outline.
         lifted = parcel
         if KINDS[kind].is_lifted and lifts.chance(theme.terrace_chance):
             lifted = raise_terrace(builder, lifts, parcel)
@@ -201,9 +236,11 @@ def choose_places(
 def _choose_kinds(
     parcels: Sequence[Parcel], theme: Theme, rng: np.random.Generator
 ) -> Iterator[str]:
-    """What the plan wants, then what the theme wants, then what chance brings and fits."""
+    """First the kinds that the plan wants, then the theme's certain ones, then chance."""
+    # One of each row, drawn before any parcel is looked at.
     waiting = [str(rng.choice(list(row))) for row in theme.always]
     for parcel in parcels:
+        # The larger parcels come first, so that a certain place gets the best ground.
         certain = [*parcel.uses] or [name for name in waiting if KINDS[name].fits(parcel)][:1]
         fitting = {n: w for n, w in theme.others.items() if KINDS[n].fits(parcel)}
         if certain:
@@ -216,7 +253,13 @@ def _choose_kinds(
 
 
 def grow_nature(builder: Builder, site: Site, rng: np.random.Generator) -> list[Place]:
-    """What grows and floats beside the parcels: slopes and water."""
+    """Begin plants and boats beside the parcels: on slopes and water.
+
+    Args:
+        builder: Builder of the scene.
+        site: Site with its slopes and waters.
+        rng: Draws a stream for each of them.
+    """
     streams = rng.spawn(len(site.slopes) + len(site.waters))
     slopes = [Slope(Ground(builder, Draw(streams.pop()), parcel)) for parcel in site.slopes]
     basins = [Basin(builder, Draw(streams.pop()), water) for water in site.waters]

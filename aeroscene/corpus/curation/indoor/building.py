@@ -1,4 +1,4 @@
-"""Raises a floor plan: shell, roof, slabs, rooms, walls with doors, rails and stairs."""
+"""Construction of a floor plan: shell, roof, slabs, rooms, walls with doors, rails and stairs."""
 
 from __future__ import annotations
 
@@ -32,6 +32,15 @@ PAD_RISE_M = 0.05
 def raise_building(builder: Builder, draw: Draw, frame: Frame, plan: FloorPlan) -> Building:
     """Place a floor plan's shell, slabs, rooms, walls and rails.
 
+    Args:
+        builder: Builder of the scene.
+        draw: Places of doors and stairs, choice of windows.
+        frame: Middle and heading of the building.
+        plan: Size, zones and finishes.
+
+    Returns:
+        The building, with one room for each zone.
+
     Raises:
         PlanError: If a room of the plan has no door.
         OverlapError: If the plan's zones overlap.
@@ -42,6 +51,8 @@ def raise_building(builder: Builder, draw: Draw, frame: Frame, plan: FloorPlan) 
     building = Building(plan, _raise_shell(builder, frame, plan))
     _lay_rooms(builder, building, insets(zones, borders))
     building.sides += [_walled_sides(index, borders, zones) for index in range(len(zones))]
+    # Rails and stairs come last, at the end: they stand in rooms, and have to leave the air free
+    # that walls keep before their doors.
     lay_upper_slabs(builder, building, borders)
     raise_walls(builder, draw, building.shell, zones, borders, doors)
     for border in borders:
@@ -62,7 +73,7 @@ def _raise_shell(builder: Builder, frame: Frame, plan: FloorPlan) -> Placed:
 
 
 def _lay_rooms(builder: Builder, building: Building, margins: Sequence[dict[Side, float]]) -> None:
-    """A room for each zone; air stays free in the middle of wide ones and above the start."""
+    """A room for each zone; air stays free in the middle of wide zones and above the start."""
     shell = building.shell
     for zone, margin in zip(building.plan.zones, margins, strict=True):
         finish = building.plan.finishes.get(zone.kind, "floor_tiles")
@@ -73,18 +84,20 @@ def _lay_rooms(builder: Builder, building: Building, margins: Sequence[dict[Side
             u, v = open_place(zone)
             spot = space.placed.frame.moved(u, v)
             builder.reserve(spot, size, zone.level + FINISH_M + 0.01)
+    # A millimetre above the pad, which is placed later and must not touch the reserved air.
     hall = building.spaces[0]
     size = (START_M, START_M, hall.placed.size[2] - 0.1)
     builder.reserve(hall.placed.frame, size, hall.floor + PAD_RISE_M + 0.001)
 
 
 def _walled_sides(index: int, borders: Sequence[Border], zones: Sequence[Zone]) -> tuple[str, ...]:
-    """Sides of a zone, as furniture names them, that are no open border."""
+    """Sides of a zone, as furniture names them, along which a wall stands."""
     is_open = {
         border.side_of(index)
         for border in borders
         if index in border.zones
         and barrier(zones, border) != "wall"
+        # Borders that begin above the floor belong to a gallery and leave this side walled.
         and border.base <= zones[index].level + 0.1
     }
     names: dict[Side, str] = {"x1": "front", "x0": "back", "y1": "left", "y0": "right"}

@@ -21,7 +21,7 @@ def _painted(room: Interior) -> Attributes:
 def _tucked(
     room: Interior, name: str, size: Vector3, look: Attributes | None = None
 ) -> Placed | None:
-    """Something along one of the walls."""
+    """Place an object along one of the walls."""
     return room.against(room.some_side(), name, size, look=look)
 
 
@@ -33,6 +33,7 @@ def _garden(room: Interior) -> Placed | None:
     size = (room.draw.between(2.4, 3.2), room.draw.between(2.6, 4.0), 0.25)
     lawn = _tucked(room, "lawn", size)
     if lawn:
+        # Two bushes at opposite corners leave the middle free.
         half = (size[0] / 2 - 0.8, size[1] / 2 - 0.8)
         room.lie(lawn, "bush", half[0] * 0.8, -half[1] * 0.8, (1.2, 1.2, 1.3))
         room.lie(lawn, "bush", -half[0] * 0.8, half[1] * 0.8, (1.0, 1.0, 1.6))
@@ -63,6 +64,7 @@ def _bleachers(room: Interior) -> Placed | None:
     size = (_LANDING_M[0], width, rise)
     landing = room.against(room.long_side(), "deck", size)
     if landing:
+        # The stairs' run is twice their rise, a slope that people climb.
         run = 2 * rise
         at = (landing.size[0] + run) / 2
         room.beside(landing, "stairs", at, 0.0, pi, (run, width, rise))
@@ -77,9 +79,11 @@ def _net(room: Interior) -> Placed | None:
     """A net or a rail between this zone and the one into which it opens."""
     size = (0.1, room.draw.between(3.0, 7.0), room.draw.between(1.1, 2.0))
     for side in SIDES:
+        # A walled side needs no net.
         if side in room.sides:
             continue
         frame, _ = room.wall(side)
+        # Just inside the border; the fence runs along it.
         u, v = room.room.frame.local(*frame.point(0.0, 0.3))
         turn = frame.yaw + pi / 2 - room.room.frame.yaw
         net = room.put("fence", u, v, size, turn, look={"form": "rails"})
@@ -89,7 +93,7 @@ def _net(room: Interior) -> Placed | None:
 
 
 def _screen(room: Interior) -> Placed | None:
-    """A low wall that stands out from a wall, as between places to sit."""
+    """A low wall that stands out from a wall, as between seats."""
     size = (0.1, room.draw.between(2.0, 3.0), 1.5)
     colour = room.draw.one_of(("sky", "sage", "ochre", "slate"))
     return room.against(room.some_side(), "wall", size, turn=pi / 2, look={"colour": colour})
@@ -117,8 +121,10 @@ def _stall(room: Interior) -> Placed | None:
 def _container(room: Interior) -> Placed | None:
     size = (6.06, 2.44, 2.59)
     side = room.some_side()
+    # The long side lies along the wall more often than across it.
     turn = pi / 2 if room.draw.chance(0.8) else 0.0
     box = room.against(side, "container", size, turn, _painted(room))
+    # A second container on top needs a hall that leaves air above it.
     if box and room.room.size[2] > 7.0 and room.draw.chance(0.3):
         room.lie(box, "container", 0.0, 0.0, size, look=_painted(room))
     return box
@@ -145,7 +151,7 @@ FEATURES: dict[str, Callable[[Interior], Placed | None]] = {
     "container": _container,
     "cabin": _cabin,
 }
-"""Each places one structure in a zone, or None where none fits."""
+"""Functions that place one structure in a zone each, or return None if none fits."""
 
 _PLACES: dict[str, frozenset[str]] = {
     name: frozenset(kinds.split())
@@ -169,9 +175,14 @@ _PLACES: dict[str, frozenset[str]] = {
         ("cabin", "goods racks workshop"),
     )
 }
-"""Kinds of zones in which each structure stands."""
+"""Kinds of zones for each structure."""
 
 
 def suits(feature: str, kind: str) -> bool:
-    """Whether a structure belongs into a kind of zone."""
+    """Return true if a structure belongs in a kind of zone.
+
+    Args:
+        feature: Name of `FEATURES`.
+        kind: Kind of a zone.
+    """
     return kind in _PLACES[feature]

@@ -1,4 +1,4 @@
-"""What a building is to be, and what it has become."""
+"""Floor plans before construction, and buildings after it."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ T = TypeVar("T")
 
 
 class OverlapError(ValueError):
-    """A floor plan whose parts do not fit beside each other."""
+    """Raised if parts of a floor plan do not fit beside each other."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,14 +43,17 @@ class Building:
     spaces: list[RoomSpace] = field(default_factory=list)
     """Rooms, in the order of the plan's zones."""
     sides: list[tuple[str, ...]] = field(default_factory=list)
-    """Sides along which walls stand, for each room."""
+    """Sides of each room along which walls stand."""
 
 
 def sure(placed: T | None) -> T:
-    """What a plan needs placed.
+    """Return an object that a plan needs.
+
+    The builder returns None for objects that do not fit. For furniture that is normal, for a wall
+    it is a fault of the plan.
 
     Raises:
-        OverlapError: If the builder has refused it.
+        OverlapError: If the builder has refused the object.
     """
     if placed is None:
         raise OverlapError(

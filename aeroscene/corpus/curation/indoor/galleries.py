@@ -14,22 +14,23 @@ from aeroscene.corpus.curation.indoor.zones import Border, Side, barrier
 from aeroscene.solids.shapes.facade import SLAB_M, SLAB_TOP_M, WALL_M
 
 _BEARING_M = 0.1
-"""How far an upper slab reaches into the outer walls."""
+"""Depth by which an upper slab extends into the outer walls."""
 _RAIL_M = (0.1, 1.05)
 """Thickness and height of a gallery's railing."""
 _STAIR_M = (4.4, 1.1)
-"""Run and width of a flight of stairs: it fills less than a hundredth of its building."""
+"""Run and width of a flight of stairs, which fills less than a hundredth of its building."""
 _TRIES = 30
 
 
 def lay_upper_slabs(builder: Builder, building: Building, borders: Sequence[Border]) -> None:
-    """A slab under each gallery: it ends over the walls under rails and against higher walls."""
+    """Lay a slab under each gallery; it ends over walls below rails and against higher walls."""
     shell, zones = building.shell, building.plan.zones
     inner_x, inner_y = (length / 2 - WALL_M for length in building.plan.size)
     for index, zone in enumerate(zones):
         if zone.level <= SLAB_TOP_M:
             continue
         reach: dict[Side, float] = {
+            # Slabs bear on outer walls; the small term compares sums of floats.
             "x0": _BEARING_M if zone.x0 <= -inner_x + 1e-6 else 0.0,
             "x1": _BEARING_M if zone.x1 >= inner_x - 1e-6 else 0.0,
             "y0": _BEARING_M if zone.y0 <= -inner_y + 1e-6 else 0.0,
@@ -47,11 +48,13 @@ def lay_upper_slabs(builder: Builder, building: Building, borders: Sequence[Bord
 
 
 def guard_gallery(builder: Builder, draw: Draw, building: Building, border: Border) -> None:
-    """Rails along a gallery's edge, with a flight of stairs down where there is space for one."""
+    """Place rails along a gallery's edge, and a flight of stairs if there is space for one."""
+    # The upper zone first.
     zones = building.plan.zones
     upper, lower = sorted(border.zones, key=lambda i: -zones[i].level)
     gap = _climb(builder, draw, building, border, upper, lower)
     spans = [(border.low, border.high)]
+    # The rail leaves a gap at the head of the stairs.
     if gap is not None:
         half = _STAIR_M[1] / 2 + 0.1
         spans = [(border.low, gap - half), (gap + half, border.high)]
@@ -59,6 +62,7 @@ def guard_gallery(builder: Builder, draw: Draw, building: Building, border: Bord
     line = border.at + inward * 0.1
     floor_space = building.spaces[upper]
     for low, high in spans:
+        # Rails stay clear of the walls at their ends.
         length, middle = high - low - 0.24, (low + high) / 2
         if length < 1.0:
             continue
@@ -73,7 +77,11 @@ def guard_gallery(builder: Builder, draw: Draw, building: Building, border: Bord
 def _climb(
     builder: Builder, draw: Draw, building: Building, border: Border, upper: int, lower: int
 ) -> float | None:
-    """Stairs from the lower zone to the edge of the upper one; where along the edge, or None."""
+    """Place stairs from the lower zone to the edge of the upper one.
+
+    Returns:
+        Coordinate of the stairs along the edge, or None if no place is free.
+    """
     run, width = _STAIR_M
     floor_space = building.spaces[lower]
     rise = round(building.plan.zones[upper].level - floor_space.floor, 3)
@@ -85,6 +93,7 @@ def _climb(
     for _ in range(_TRIES):
         at = (border.low + border.high) / 2 + draw.between(-1.0, 1.0) * reach
         u, v = (across, at) if border.along == "y" else (at, across)
+        # Stairs rise towards their +x, which has to point at the edge.
         turn = (0.0 if outward < 0 else 2 * QUARTER) if border.along == "y" else -outward * QUARTER
         spot, room = building.shell.frame.moved(u, v, turn), floor_space.placed
         size, base = (run, width, rise), floor_space.floor

@@ -1,4 +1,4 @@
-"""Lays the rooms of a plan between its walls."""
+"""Rooms of a plan, laid between its walls."""
 
 from __future__ import annotations
 
@@ -12,7 +12,18 @@ from aeroscene.corpus.curation.room_space import RoomSpace
 def lay_room(
     builder: Builder, shell: Placed, zone: Zone, margin: Mapping[Side, float], finish: str
 ) -> RoomSpace | None:
-    """The room of a zone, as far from each of its borders as a margin says."""
+    """Place the room of a zone.
+
+    Args:
+        builder: Builder of the scene.
+        shell: Building that contains the room.
+        zone: Rectangle of the plan.
+        margin: Distance of the room from each border of the zone, m.
+        finish: Material of the floor.
+
+    Returns:
+        The room, or None if the builder refuses it.
+    """
     x0, x1 = zone.x0 + margin["x0"], zone.x1 - margin["x1"]
     y0, y1 = zone.y0 + margin["y0"], zone.y1 - margin["y1"]
     placed = builder.place(

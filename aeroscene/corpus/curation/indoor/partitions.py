@@ -1,4 +1,4 @@
-"""Walls between zones with their doors and inner windows."""
+"""Walls between zones, with their doors and inner windows."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from aeroscene.scene import AttributeValue
 from aeroscene.solids.shapes.facade import SLAB_M
 
 _APRON_M = 1.3
-"""Air kept free before and behind a door."""
+"""Depth of the air kept free before and behind a door."""
 _HEADS_M = {DOORS_M[0]: 2.75, DOORS_M[1]: 2.25, DOORS_M[2]: 2.25, DOORS_M[3]: 2.25}
 """Height of a door's head above the first cell border over the slab, by the door's width."""
 _HATCH_M = (1.75, 0.75)
-"""Width of an inner window and its sill above the first cell border over the slab."""
+"""Width of an inner window, and its sill above the first cell border over the slab."""
 _GLAZED = frozenset(("meeting", "open_office", "cafe", "lounge", "library", "gym", "classroom"))
-"""Kinds of rooms whose walls towards halls and corridors are of glass."""
+"""Kinds of rooms whose walls towards halls and corridors are made of glass."""
 
 
 def raise_walls(
@@ -44,12 +44,13 @@ def raise_walls(
     for index, span in wall_spans(zones, borders).items():
         air = _raise_wall(builder, draw, shell, zones, borders[index], span, doors.get(index))
         openings += [(borders[index], *air)] if air else []
+    # After all walls, because reserved air would refuse a wall beside a door.
     for border, at, width, low in openings:
         _keep_free(builder, shell, border, at, width, low)
 
 
 def is_edge(zones: Sequence[Zone], border: Border) -> bool:
-    """Whether a border runs along the edge of an upper floor, beside a zone as high as both."""
+    """Return true if a border runs along an upper floor, beside a zone as high as both."""
     return min(zones[i].level for i in border.zones) < border.base - 0.1
 
 
@@ -62,7 +63,11 @@ def _raise_wall(
     span: tuple[float, float],
     door_m: float | None,
 ) -> tuple[float, float, float] | None:
-    """One wall between two zones with its door or an inner window: its middle, width and foot."""
+    """Place one wall between two zones, with its door or an inner window.
+
+    Returns:
+        Middle, width and foot of the opening, or None without one.
+    """
     middle, length = (span[0] + span[1]) / 2, span[1] - span[0]
     if length < PARTITION_M:
         return None
@@ -85,6 +90,7 @@ def _raise_wall(
             "door_height_m": round(rise + _HEADS_M[door_m], 4),
         }
         air = (at, door_m, border.base + 0.1)
+    # Half of the longer walls towards a hall have a window to fly through.
     elif len(rooms) == 1 and border.length > 3.5 and draw.chance(0.5):
         at = _door_place(draw, border, _HATCH_M[0])
         look |= {
@@ -101,7 +107,8 @@ def _raise_wall(
 
 
 def _first_cell(height: float) -> float:
-    """The first border between cells at or above a height."""
+    """The lowest border between cells at or above a height, m."""
+    # Python rounds down; two signs make that rounding up.
     return -((-height) // CELL_M) * CELL_M
 
 

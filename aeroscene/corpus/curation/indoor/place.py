@@ -1,4 +1,4 @@
-"""The one place of an indoor scene: its features, its furniture, and where a flight starts."""
+"""The single place of an indoor scene: its features, its furniture, and the start of a flight."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ from aeroscene.corpus.curation.start import PAD_M, NoStartError
 _PAD_M = (1.8, 1.8, 0.06)
 """Size of the pads in halls and on galleries."""
 _WITH_PADS = frozenset(("lobby", "concourse", "court", "gym", "garden", "goods", "stand", "lounge"))
-"""Kinds of halls in which drones come and go beside the start."""
+"""Kinds of halls in which drones come and go besides the start."""
 _ROUNDS = 7
-"""How often the list of features is gone through."""
+"""Number of passes through the list of features."""
 FEATURED_M2 = 48.0
 """Least area of a zone in which coarse structures stand."""
 
 
 @dataclass(slots=True)
 class IndoorPlace:
-    """A building's inside."""
+    """The inside of a building."""
 
     builder: Builder
     draw: Draw
@@ -39,7 +39,7 @@ class IndoorPlace:
     _interiors: list[Interior] = field(default_factory=list)
 
     def place_start(self) -> Placed:
-        """The home pad in the first hall.
+        """Put the home pad into the first hall.
 
         Raises:
             NoStartError: If the plan has left no space for it.
@@ -54,9 +54,10 @@ class IndoorPlace:
         return pad
 
     def structures(self) -> Iterator[None]:
-        """Coarse structures in wide zones, one a step, the most telling first."""
+        """Place coarse structures in wide zones, one a step, the most characteristic first."""
         pairs = list(zip(self.building.plan.zones, self._all(), strict=True))
         wide = [pair for pair in pairs if pair[0].area >= FEATURED_M2]
+        # Halls before rooms.
         wide.sort(key=lambda pair: pair[0].role == "room")
         yield
         rooms = {
@@ -71,7 +72,7 @@ class IndoorPlace:
                     break
 
     def details(self) -> Iterator[None]:
-        """Furniture of the zone that has least for its use; a pad in halls and on galleries."""
+        """Place furniture where a zone has least for its use; pads in halls and on galleries."""
         zones = self.building.plan.zones
         growths = [
             _furnish(zone, interior) for zone, interior in zip(zones, self._all(), strict=True)
@@ -81,6 +82,7 @@ class IndoorPlace:
         while filled:
             index = min(filled, key=lambda i: filled[i])
             before = self.builder.n_fine
+            # A generator that has ended returns the default, here this object itself.
             if next(growths[index], self) is self:
                 del filled[index]
                 continue
@@ -89,6 +91,7 @@ class IndoorPlace:
             yield
 
     def _all(self) -> list[Interior]:
+        # Made once and kept, because both generators share what the rooms hold.
         if not self._interiors:
             self._interiors += [
                 Interior(self.builder, self.draw, space, sides, clear_end_m(zone))
@@ -103,7 +106,7 @@ class IndoorPlace:
 
 
 def _furnish(zone: Zone, interior: Interior) -> Iterator[None]:
-    """What makes the kind, a pad where drones come and go, then whatever else fits."""
+    """First the furniture that makes the kind, a pad where drones come and go, then the rest."""
     growth = FURNISHINGS[zone.kind](interior)
     yield from islice(growth, 1)
     if zone.kind in _WITH_PADS:

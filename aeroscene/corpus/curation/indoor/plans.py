@@ -1,6 +1,8 @@
 """Two kinds of floor plans: rooms along a corridor that opens into a hall, and a wide hall.
 
-Both are drawn in the building's frame with the hall that a flight starts in as their first zone.
+Offices and hotels have the first, markets and sports halls the second; both offer a drone space to
+fly and doors to pass. They are drawn in the building's frame, and their first zone is the hall in
+which a flight starts.
 """
 
 from __future__ import annotations
@@ -38,7 +40,7 @@ Span = tuple[float, float]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Programme:
-    """Which kinds of zones a building offers, in order of importance."""
+    """Kinds of zones that a building offers, in order of importance."""
 
     halls: tuple[str, ...]
     near: tuple[str, ...]
@@ -54,13 +56,13 @@ class Programme:
     hall_m: Span = (7.25, 8.75)
     """Range of the length of each hall along the corridor, or of the first of a wide hall."""
     is_tall: bool = False
-    """Whether galleries lie over the rooms; else all ceilings are at one height."""
+    """True if galleries lie over the rooms; otherwise all ceilings are at one height."""
     n_open: int = 0
-    """How many halls besides the first keep a square free for a large drone."""
+    """Number of halls, besides the first, that keep a square free for a large drone."""
 
 
 class _Storey:
-    """Collects zones."""
+    """Zones of a plan, collected one by one."""
 
     def __init__(self, draw: Draw, programme: Programme, roof: float) -> None:
         self.draw = draw
@@ -72,13 +74,14 @@ class _Storey:
         self._upper = cycle(self._kinds(programme.upper))
 
     def _kinds(self, kinds: Sequence[str]) -> deque[str]:
-        """The first kind first, the others in turn from a random one on."""
+        """A queue of kinds: the first stays first, the others start from a random one."""
         first, *others = kinds
+        # The first kind is what characterises the building.
         start = self.draw.count(0, max(0, len(others) - 1))
         return deque((first, *others[start:], *others[:start]))
 
     def add(self, kind: str, role: Role, x: Span, y: Span, *, is_low: bool = False) -> Zone:
-        """A zone of the ground floor, as high as the building or under a gallery."""
+        """Add a zone of the ground floor, as high as the building or under a gallery."""
         ceiling = LOW_CEILING_M if is_low else self.roof
         zone = Zone(
             kind=kind,
@@ -96,14 +99,14 @@ class _Storey:
     def add_row(
         self, kinds: deque[str], x: Span, y: Span, *, along: Literal["x", "y"], is_low: bool
     ) -> None:
-        """Rooms side by side along x or y, each about as large as its kind asks for."""
+        """Add rooms side by side along x or y, each about as large as its kind asks for."""
         (low, high), across = (x, y) if along == "x" else (y, x)
         for kind, a, b in pack_row(self.draw, kinds, low, high, across[1] - across[0]):
             sides = ((a, b), across) if along == "x" else (across, (a, b))
             self.add(kind, "room", *sides, is_low=is_low)
 
     def add_gallery(self, x: Span, y: Span) -> None:
-        """An upper floor that is open towards the hall, in two parts where it is long."""
+        """Add an upper floor that is open towards the hall; a long one has two parts."""
         clear = round(self.roof - UPPER_LEVEL_M, 4)
         is_wide = x[1] - x[0] > y[1] - y[0]
         low, high = x if is_wide else y
@@ -113,10 +116,11 @@ class _Storey:
             self.zones[-1] = replace(zone, level=UPPER_LEVEL_M, clear=clear)
 
     def finish(self) -> tuple[Zone, ...]:
-        """All zones; the largest halls but the first keep a square free for a large drone."""
+        """Return all zones; the largest halls but the first keep space for a large drone."""
         halls = [
             index
             for index, zone in enumerate(self.zones)
+            # The square and 0.6 m for furniture on both sides.
             if index and zone.role == "hall" and min(zone.size) >= _OPEN_M + 1.2
         ]
         halls.sort(key=lambda index: -max(self.zones[index].size))
@@ -128,12 +132,19 @@ class _Storey:
 def plan_spine(
     draw: Draw, size: tuple[float, float], roof: float, programme: Programme
 ) -> tuple[Zone, ...]:
-    """A corridor between two rows of rooms; a hall takes the place of some of the far row.
+    """Plan a corridor between two rows of rooms; a hall replaces a part of the far row.
 
-    In a tall building the hall reaches across both rows, and galleries look down into it.
+    In a tall building the hall extends across both rows, and galleries look down into it.
+
+    Args:
+        draw: Randomness.
+        size: Outer length and width of the building, m.
+        roof: Height of the ceiling, m.
+        programme: Kinds of zones.
     """
     half_x, half_y = size[0] / 2 - WALL_M, size[1] / 2 - WALL_M
     storey = _Storey(draw, programme, roof)
+    # The near row is on one side or the other.
     sign = 1.0 if draw.chance(0.5) else -1.0
     edge = snapped(half_y - draw.between(*programme.depth_m))
     far = edge - programme.corridor_m
@@ -151,7 +162,7 @@ def plan_spine(
 
 
 def _side(y: Span, sign: float) -> Span:
-    """A range of y, mirrored where the sign is negative."""
+    """A range of y, mirrored if the sign is negative."""
     return y if sign > 0 else (-y[1], -y[0])
 
 
@@ -160,6 +171,7 @@ def _hall_lines(draw: Draw, half_x: float, programme: Programme) -> list[float]:
     lengths = [max(LEAST_HALL_M, draw.between(*programme.hall_m)) for _ in programme.halls]
     rest = 2 * half_x - sum(lengths)
     low = draw.between(0.3, 0.7) * rest
+    # Wings that would be too short for rooms are given to the other end.
     if low < _LEAST_WING_M or rest - low < _LEAST_WING_M or draw.chance(0.25):
         lines = [-half_x]
     else:
@@ -170,9 +182,9 @@ def _hall_lines(draw: Draw, half_x: float, programme: Programme) -> list[float]:
 
 
 def _add_wing(storey: _Storey, x: Span, half_y: float, corridor: Span, sign: float) -> None:
-    """A corridor between its rows; a gallery covers the near one, and sometimes both.
+    """A corridor between its rows; a gallery covers the near row, and sometimes both.
 
-    The far row's rooms are as high as the hall where no gallery covers them.
+    The far row's rooms are as high as the hall unless a gallery covers them.
     """
     is_tall = storey.programme.is_tall
     far, edge = corridor
@@ -187,15 +199,24 @@ def _add_wing(storey: _Storey, x: Span, half_y: float, corridor: Span, sign: flo
 def plan_hall(
     draw: Draw, size: tuple[float, float], roof: float, programme: Programme
 ) -> tuple[Zone, ...]:
-    """A hall of two to four open zones; rooms along one end, under a gallery where it is tall."""
+    """Plan a hall of two to four open zones; rooms along one end, under a gallery if it is tall.
+
+    Args:
+        draw: Randomness.
+        size: Outer length and width of the building, m.
+        roof: Height of the ceiling, m.
+        programme: Kinds of zones.
+    """
     half_x, half_y = size[0] / 2 - WALL_M, size[1] / 2 - WALL_M
     storey = _Storey(draw, programme, roof)
     edge = snapped(-half_x + draw.between(*programme.depth_m))
     first = snapped(edge + max(LEAST_HALL_M, draw.between(*programme.hall_m)))
+    # Two columns need a building that leaves each of them as wide as a hall.
     columns = 2 if half_x - first >= 17.0 else 1
     step = (half_x - first) / columns
     lines = [edge, first, *(snapped(first + i * step) for i in range(1, columns)), half_x]
     rows = [-half_y, snapped(draw.between(-0.03, 0.03) * size[1]), half_y]
+    # In turn, so that neighbours differ.
     halls = cycle(programme.halls)
     for x in pairwise(lines):
         for y in pairwise(rows):
@@ -208,12 +229,19 @@ def plan_hall(
 
 
 def clear_end_m(zone: Zone) -> float:
-    """How much of a zone's longer side its open square takes where that lies at the end."""
+    """Length that a zone's open square takes from its longer side if it lies at the end.
+
+    Returns:
+        Length, m; 0 if the square lies in the middle, or the zone has none.
+    """
     return zone.open_m + 0.2 if zone.open_m and zone.kind in _DENSE else 0.0
 
 
 def open_place(zone: Zone) -> tuple[float, float]:
-    """Middle of a zone's open square, from the zone's: at one end of zones full of furniture."""
+    """Middle of a zone's open square, from the zone's middle, m.
+
+    It lies at one end of dense zones, because a square in the middle would break every row.
+    """
     x, y = zone.size
     reach = (max(x, y) - zone.open_m) / 2 - 0.2 if zone.kind in _DENSE else 0.0
     return (0.0, reach) if y >= x else (reach, 0.0)

@@ -1,4 +1,4 @@
-"""What indoor scenes are: dwellings, work, care, learning, guests, shops, sport, traffic, goods."""
+"""Themes of indoor scenes: homes, work, care, learning, guests, shops, sport, traffic, goods."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ class Theme:
     size_m: tuple[_Range, _Range, _Range]
     """Ranges of the length, the width and the ceiling's height, which a tall building exceeds."""
     tall_chance: float = 0.0
-    """How often the building has two storeys."""
+    """Probability that the building has two storeys."""
     tall_share: float = 0.75
     """Length of a building of two storeys, relative to one of a single storey."""
     programme: Programme
     fulness: float = 1.15
-    """How many fine objects it has, relative to the average scene."""
+    """Number of fine objects, relative to the average scene."""
     features: tuple[str, ...]
-    """Coarse structures that enrich the halls and galleries, the most telling first."""
+    """Coarse structures that enrich the halls and galleries, the most characteristic first."""
 
 
 TALL_M = (7.25, 7.75)
@@ -255,4 +255,4 @@ FINISHES: dict[str, tuple[str, ...]] = {
     "booths": ("carpet", "red_paving"),
     "stand": ("concrete",),
 }
-"""Floors that suit a kind of zone; others are tiled."""
+"""Floors that suit a kind of zone; all others are tiled."""

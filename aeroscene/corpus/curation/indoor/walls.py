@@ -1,4 +1,4 @@
-"""Where the walls of a floor plan begin and end, so that they meet in corners without overlap."""
+"""Ends of the walls of a floor plan, so that they meet in corners without overlap."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _Point = tuple[float, float]
 
 
 def wall_spans(zones: Sequence[Zone], borders: Sequence[Border]) -> dict[int, tuple[float, float]]:
-    """For each border that is a wall, from where to where it runs.
+    """Start and end of each border that is a wall, under the border's number.
 
     Walls along y run through corners, walls along x end at their faces.
     """
@@ -37,17 +37,19 @@ def _ends(border: Border) -> tuple[_Point, _Point]:
 
 
 def _cut(border: Border, corners: dict[_Point, list[Border]], end: int) -> float:
-    """How far a wall is cut back at its low (0) or high (1) end; negative where it reaches out."""
+    """Length by which a wall is cut at its low (0) or high (1) end; negative: it is longer."""
     point = _ends(border)[end]
     met = [
         other
         for other in corners[point]
+        # Only walls that share a height meet.
         if other is not border and other.base < border.top and border.base < other.top
     ]
     if border.along == "x":
         return _HALF_M if any(other.along == "y" for other in met) else 0.0
     if all(other.along == "y" for other in met):
         return 0.0
+    # Two walls along y in one line meet in the corner: the upper one fills it.
     is_passed_on = end == 1 and any(
         other.along == "y" and _ends(other)[0] == point for other in met
     )
@@ -55,7 +57,7 @@ def _cut(border: Border, corners: dict[_Point, list[Border]], end: int) -> float
 
 
 def insets(zones: Sequence[Zone], borders: Sequence[Border]) -> list[dict[Side, float]]:
-    """For each zone and side, how far its floor stays back: half a wall or nothing."""
+    """Distance of each zone's floor from each of its sides: half a wall or nothing."""
     found: list[dict[Side, float]] = [{"x0": 0.0, "x1": 0.0, "y0": 0.0, "y1": 0.0} for _ in zones]
     for border in borders:
         if barrier(zones, border) == "open":

@@ -1,10 +1,10 @@
-"""Floor plans as rectangles: which zones meet where, and what parts them.
+"""Floor plans as rectangles: the borders at which zones meet, and the barriers between them.
 
 A zone is a hall, a corridor, a gallery or a room. Halls, corridors and galleries flow into each
 other; a room is walled and has one door, towards the zone through which it is reached.
 
-Lines between zones lie in the middle of cells of a quarter metre and doors are a whole number of
-cells wide, so that a grid of that pitch sees them at their true width.
+Lines between zones lie in the middle of cells of a quarter metre, and doors are a whole number of
+cells wide. A grid of that pitch, such as the planner's, therefore sees them at their true width.
 """
 
 from __future__ import annotations
@@ -23,18 +23,18 @@ Side = Literal["x0", "x1", "y0", "y1"]
 
 CELL_M = 0.25
 _LEAST_SHARED_M = 0.3
-"""Zones that meet along less than this do not meet."""
+"""Shortest common border of two zones that meet."""
 JAMB_M = 0.5
 """Least wall on either side of a door."""
 DOORS_M = (2.75, 2.25, 1.75, 1.5)
 """Widths of doors, the widest first: for large, medium and small drones, and in narrow walls."""
 _DOOR_ROOM_M = (6.0, 3.8, 0.0, 0.0)
-"""Least side of the room that gets each of them."""
+"""Least side of the room that gets a door of each of these widths."""
 _PREFERENCE: dict[Role, int] = {"corridor": 0, "hall": 1, "gallery": 2, "room": 3}
 
 
 class PlanError(ValueError):
-    """A floor plan with a room that no door can reach."""
+    """Raised for a floor plan with a room that no door can reach."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -42,7 +42,7 @@ class Zone:
     """A rectangle of a storey, in the building's frame; its borders are the middles of walls."""
 
     kind: str
-    """What it is furnished as."""
+    """Kind of furniture."""
     role: Role
     x0: float
     y0: float
@@ -68,7 +68,7 @@ class Zone:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Border:
-    """Where two zones meet: a vertical rectangle along x or y."""
+    """Common border of two zones: a vertical rectangle along x or y, in the building's frame, m."""
 
     zones: tuple[int, int]
     """Numbers of the zones on the low and on the high side of the line."""
@@ -86,12 +86,20 @@ class Border:
         return self.high - self.low
 
     def spot(self, place: float, across: float | None = None) -> tuple[float, float, float]:
-        """Coordinates and turn of what stands along the line at a place, or beside it."""
+        """Place an object on the line, or beside it.
+
+        Args:
+            place: Place along the line, m.
+            across: Other coordinate, m; that of the line by default.
+
+        Returns:
+            Coordinates x and y in the building's frame, and the turn of the object, rad.
+        """
         across = self.at if across is None else across
         return (across, place, 0.0) if self.along == "y" else (place, across, QUARTER)
 
     def side_of(self, zone: int) -> Side:
-        """Which side of a zone the border is."""
+        """Return the side of a zone on which the border lies."""
         is_low = self.zones[0] == zone
         if self.along == "y":
             return "x1" if is_low else "x0"
@@ -99,17 +107,23 @@ class Border:
 
 
 def snapped(value: float) -> float:
-    """The nearest middle of a cell: where a line between zones may run."""
+    """The nearest middle of a cell, where a line between zones may run, m."""
     return (floor(value / CELL_M) + 0.5) * CELL_M
 
 
 def find_borders(zones: Sequence[Zone]) -> list[Border]:
-    """All lines at which zones of a plan meet."""
+    """Find all borders between the zones of a plan.
+
+    Args:
+        zones: Zones; their numbers are those of the borders.
+    """
     found: list[Border] = []
     for (i, a), (j, b) in combinations(enumerate(zones), 2):
         base, top = max(a.level, b.level), min(a.level + a.clear, b.level + b.clear)
+        # Zones that share less than a metre of height do not meet.
         if top - base < 1.0:
             continue
+        # Each zone may be the one on the low side.
         for first, second, low, high in ((i, j, a, b), (j, i, b, a)):
             if abs(low.x1 - high.x0) < 1e-6:
                 span = (max(a.y0, b.y0), min(a.y1, b.y1))
@@ -134,7 +148,7 @@ def _border(
 
 
 def barrier(zones: Sequence[Zone], border: Border) -> Barrier:
-    """What parts two zones that meet."""
+    """Barrier between two zones that meet: a wall at rooms, a rail where a gallery ends."""
     first, second = (zones[i] for i in border.zones)
     if "room" in {first.role, second.role}:
         return "wall"
@@ -142,7 +156,10 @@ def barrier(zones: Sequence[Zone], border: Border) -> Barrier:
 
 
 def door_width(zone: Zone, border: Border) -> float | None:
-    """Width of a room's door in a border, None where it is too short for any."""
+    """Width of a room's door in a border, m; None if the border is too short for any.
+
+    Small rooms get narrow doors, although a wide one might fit.
+    """
     for width, least in zip(DOORS_M, _DOOR_ROOM_M, strict=True):
         if min(zone.size) >= least and border.length >= width + 2 * JAMB_M:
             return width
@@ -150,12 +167,16 @@ def door_width(zone: Zone, border: Border) -> float | None:
 
 
 def choose_doors(zones: Sequence[Zone], borders: Sequence[Border]) -> dict[int, float]:
-    """For each border that has a door its width, so that every room is reached from zone 0.
+    """Choose borders for doors, so that every room is reached from zone 0.
+
+    Returns:
+        Widths of the doors under the numbers of their borders.
 
     Raises:
-        PlanError: If a room meets nothing that is reached.
+        PlanError: If a room meets no zone that is reached.
     """
     doors: dict[int, float] = {}
+    # Zone 0 is the hall in which a flight starts.
     reached = _flow(zones, borders, {0})
     while len(reached) < len(zones):
         best: tuple[int, int, float, int, float, int] | None = None
@@ -166,8 +187,11 @@ def choose_doors(zones: Sequence[Zone], borders: Sequence[Border]) -> dict[int, 
                 continue
             near, far = zones[inside[0]], zones[outside[0]]
             width = door_width(far, border)
+            # Doors connect zones of one level only; stairs do the rest.
             if width is None or near.level != far.level:
                 continue
+            # The lowest room first, then from a corridor rather than a room, then in the longest
+            # border.
             rank = (outside[0], _PREFERENCE[near.role], -border.length, index, width, outside[0])
             if best is None or rank < best:
                 best = rank
@@ -180,7 +204,7 @@ def choose_doors(zones: Sequence[Zone], borders: Sequence[Border]) -> dict[int, 
 
 
 def _flow(zones: Sequence[Zone], borders: Sequence[Border], reached: set[int]) -> set[int]:
-    """Zones that flow into one another from those that are reached."""
+    """Zones that are reached without a door from those that are reached already."""
     found = set(reached)
     has_grown = True
     while has_grown:

@@ -13,21 +13,21 @@ from aeroscene.corpus.curation.places.seating import set_table
 from aeroscene.corpus.curation.places.turns import in_turn
 
 _PLOT_M = 7.6
-"""About the width of one garden."""
+"""Typical width of one garden."""
 _PATH_M = 1.8
 _HUT_M = (2.2, 2.6, 2.4)
 
 
 @dataclass(frozen=True, slots=True)
 class _Garden:
-    """One garden as borders of u and v; its gate is at the path."""
+    """One garden, bounded by u and v; its gate is at the path."""
 
     u0: float
     u1: float
     v0: float
     v1: float
     gate: int
-    """Which side the path is on: -1 towards the street, 1 away from it."""
+    """Direction of the path: -1 towards the street, 1 away from it."""
 
     @property
     def middle(self) -> float:
@@ -35,14 +35,14 @@ class _Garden:
         return (self.u0 + self.u1) / 2
 
     def at(self, share: float) -> float:
-        """A place between the path (0) and the far end (1), v."""
+        """A place between the path (0) and the far end (1), as v."""
         near, far = (self.v1, self.v0) if self.gate > 0 else (self.v0, self.v1)
         return near + share * (far - near)
 
 
 @dataclass(slots=True)
 class Allotments:
-    """Gardens on both sides of a path along the parcel."""
+    """Gardens on both sides of a path along the parcel; a shallow parcel has one row only."""
 
     ground: Ground
     _gardens: list[_Garden] = field(default_factory=list)
@@ -53,6 +53,7 @@ class Allotments:
         ground = self.ground
         ground.cover("lawn", {"form": "plain"})
         width, depth = ground.parcel.width, ground.parcel.depth
+        # In a shallow parcel the path runs along the back, and all gardens lie before it.
         middle = round(depth / 2, 2) if depth > 15.0 else round(depth - 1.2, 2)
         size = (round(width - 0.8, 2), _PATH_M, 0.05)
         ground.stand("sidewalk", 0.0, middle, size, turn=0.0, margin=0.0)
@@ -86,7 +87,7 @@ class Allotments:
                 self._gardens.append(_Garden(u0, round(u0 + share, 2), v0, v1, gate))
 
     def details(self) -> Iterator[None]:
-        """Beds, fruit trees, compost bins, a table here and there, things on the path."""
+        """Beds, fruit trees, compost bins, a table here and there, objects along the path."""
         ground = self.ground
         growths = [self._tend(garden) for garden in self._gardens]
         yield from in_turn(*growths, self._line_path())
@@ -95,7 +96,7 @@ class Allotments:
         yield
 
     def _tend(self, garden: _Garden) -> Iterator[None]:
-        """Two beds, a tree, then what else each gardener keeps."""
+        """Two beds and a tree, then the objects that each gardener chooses."""
         ground, draw = self.ground, self.ground.draw
         right = garden.u1 - 1.6
         for share in (0.25, 0.55):
@@ -110,6 +111,7 @@ class Allotments:
         ground.stand("bin", garden.u0 + 3.7, garden.at(0.9), (0.7, 0.7, 0.9), turn=0.0)
         ground.stand("bush", garden.u0 + 0.9, garden.at(0.2), (1.0, 1.2, 0.8))
         yield
+        # A table, a bench or crates, so that gardens differ.
         match draw.count(0, 2):
             case 0:
                 frame = ground.parcel.frame

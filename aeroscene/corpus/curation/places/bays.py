@@ -1,4 +1,4 @@
-"""Painted bays for cars: where each is, the cars in them, roofs over some of them."""
+"""Painted bays for cars: their places, the cars in them, roofs over some of them."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from aeroscene.solids.shapes.ground import BAY_WIDTH_M
 TWO_ROWS_M = 15.6
 """Depth of two rows of bays with a lane between."""
 _PAINTED_M = 0.02
-"""Thickness of a field of bays on the asphalt."""
+"""Thickness of a field of bays, an object of its own on the asphalt."""
 _BAY_HALF_M = 2.65
 """Distance from the border of a field to the middle of its bays."""
 _CARPORT_M = (5.2, 2.9)
@@ -44,7 +44,7 @@ class BayField:
     """Numbers of the bays under the carport."""
 
     def park_cars(self, ground: Ground) -> Iterator[None]:
-        """Cars two by two in most of the bays, nose in or out."""
+        """Park cars in most of the bays, two in each step, nose in or out."""
         draw = ground.draw
         share = draw.between(0.65, 0.92)
         for step, index in enumerate(draw.shuffled(range(len(self.bays)))):
@@ -54,6 +54,7 @@ class BayField:
             is_covered = self.carport is not None and index in self.covered
             if is_covered and self.carport:
                 bearing = beneath(ground, self.carport)
+            # Vans are higher than a carport allows.
             name = "van" if not is_covered and draw.chance(0.12) else "car"
             turn = INWARD if draw.chance(0.5) else STREETWARD
             park(bearing, name, self.lot.frame, bay.u, bay.v, turn)
@@ -62,8 +63,9 @@ class BayField:
         yield
 
     def raise_carport(self, ground: Ground) -> None:
-        """A roof over some bays of the far row, for solar panels to lie on."""
+        """Place a roof over some bays of the far row, on which solar panels can lie."""
         row = [index for index, bay in enumerate(self.bays) if bay.row == 1]
+        # At least one bay stays open, so that the field is recognisable from above.
         count = min(5, len(row) - 1)
         if count < 2:
             return
@@ -77,7 +79,7 @@ class BayField:
         self.covered = frozenset(covered)
 
     def equip(self, ground: Ground) -> Iterator[None]:
-        """Solar panels in a row on the carport, a lamp at each end of the lane."""
+        """Place solar panels in a row on the carport, and a lamp at each end of the lane."""
         if self.carport:
             platform = on_top(ground, self.carport)
             count = max(1, int((self.carport.size[1] - 0.2) / 3.1))
@@ -96,7 +98,15 @@ class BayField:
 def paint_bays(
     ground: Ground, bearing: Bearing, span: tuple[float, float], v0: float, deep: float
 ) -> BayField | None:
-    """Bays on some ground: from where to where along u, and from v0 on as deep as said."""
+    """Paint a field of bays.
+
+    Args:
+        ground: Parcel, whose frame counts.
+        bearing: Surface that carries the field.
+        span: Its ends along u, m.
+        v0: Its side towards the street, m.
+        deep: Its depth, m; one or two rows.
+    """
     low, high = span
     rows = 2 if deep >= TWO_ROWS_M - 0.5 else 1
     look = {"rows": rows}

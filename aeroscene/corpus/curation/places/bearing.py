@@ -1,4 +1,4 @@
-"""What things stand on, so that a table is set alike on a lawn, on a deck and on a roof."""
+"""Surfaces that carry objects, so that a table is set alike on a lawn, on a deck and on a roof."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ class OpenGround:
 
     @property
     def builder(self) -> Builder:
-        """The scene."""
+        """Builder of the scene."""
         return self.ground.builder
 
     @property
     def draw(self) -> Draw:
-        """Chance."""
+        """Stream of randomness."""
         return self.ground.draw
 
     def stand(
@@ -36,7 +36,7 @@ class OpenGround:
         margin: float = 0.04,
         look: Attributes | None = None,
     ) -> Placed | None:
-        """Stand something at a spot, or nothing where it does not fit."""
+        """Stand an object at a spot, or return None if it does not fit."""
         at = self.ground.parcel.frame.local(spot.x, spot.y)
         turn = self.ground.facing(spot)
         return self.ground.stand(name, *at, size, turn=turn, margin=margin, look=look)
@@ -60,7 +60,7 @@ class Platform:
         margin: float = 0.04,
         look: Attributes | None = None,
     ) -> Placed | None:
-        """Stand something at a spot, or nothing where it does not fit."""
+        """Stand an object at a spot, or return None if it does not fit."""
         return self.builder.place(
             name,
             spot,
@@ -83,5 +83,5 @@ def on_top(ground: Ground, bearer: Placed) -> Platform:
 
 
 def beneath(ground: Ground, canopy: Placed) -> Platform:
-    """The ground under a canopy, which shelters and therefore owns what stands there."""
+    """The ground under a canopy, which shelters and therefore owns the objects on it."""
     return Platform(ground.builder, ground.draw, canopy, canopy.base)

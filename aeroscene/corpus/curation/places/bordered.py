@@ -1,4 +1,4 @@
-"""A place whose sides tell where the site ends: a hedge, a fence or a wall along them."""
+"""A place with a border where the site ends: a hedge, a fence or a wall along those sides."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from aeroscene.corpus.curation.parcels import Parcel, Side
 from aeroscene.corpus.curation.places.ground import Ground
 
 _BEYOND_M = 0.6
-"""How far beyond a side one looks for what borders on it."""
+"""Distance beyond a side at which its neighbour is looked for."""
 _SHARES = (0.15, 0.5, 0.85)
-"""Where along a side one looks."""
+"""Places along a side at which its neighbour is looked for."""
 _GROUNDS = frozenset(("road", "sidewalk", "lawn", "water", "terrain", "plaza", "parking_lot"))
 
 
@@ -26,13 +26,14 @@ class Bordered:
     ground: Ground
     sides: Sequence[Side]
     form: str
-    """Of the fences."""
+    """Form of the fences."""
     height: float
-    """Of the fences, m."""
+    """Height of the fences, m."""
 
     def structures(self) -> Iterator[None]:
-        """What makes the place within its border, then the rest."""
+        """Place the first step of the wrapped place, its border, then the rest."""
         growth = self.place.structures()
+        # A border placed first could take the space of a building, one placed last might not fit.
         next(growth, None)
         for side in self.sides:
             self.ground.fence_border(side, self.form, self.height)
@@ -40,12 +41,15 @@ class Bordered:
         yield from growth
 
     def details(self) -> Iterator[None]:
-        """Those of the place."""
+        """Place the details of the wrapped place."""
         yield from self.place.details()
 
 
 def outer_sides(builder: Builder, parcel: Parcel, parcels: Sequence[Parcel]) -> list[Side]:
-    """Back and flanks of a parcel beyond which the site ends, the back first."""
+    """Back and flanks of a parcel beyond which the site ends, the back first.
+
+    A side counts only if nothing borders on it at any of three points.
+    """
     half = parcel.width / 2 + _BEYOND_M
     lines: dict[Side, list[tuple[float, float]]] = {
         "north": [((s - 0.5) * parcel.width, parcel.depth + _BEYOND_M) for s in _SHARES],

@@ -12,8 +12,16 @@ _INSET_M = 0.3
 def enclose(
     ground: Ground, form: str, height: float, gate: tuple[float, float] | None = None
 ) -> Iterator[None]:
-    """Fences along the back, the two sides and, but for the gate's span of u, the front."""
+    """Place fences along the back, the two sides and the front.
+
+    Args:
+        ground: Parcel.
+        form: Form of the fences.
+        height: Height of the fences, m.
+        gate: Ends of the gate in the front, u; None leaves the whole front open.
+    """
     u1, v0, v1 = ground.parcel.width / 2 - _INSET_M, _INSET_M, ground.parcel.depth - _INSET_M
+    # Side fences end before the back one, so that corners do not overlap.
     corner = 0.2
     ground.fence_line((-u1, v1), (u1, v1), form, height)
     yield

@@ -30,7 +30,11 @@ _LEAST_COURT_M = 9.0
 
 @dataclass(slots=True)
 class Clinic:
-    """Wings of one colour round a court that opens towards the street."""
+    """Wings of one colour round a court that opens towards the street.
+
+    Each wing takes its part of the court, and the rest is the forecourt. On a narrow parcel side
+    wings are left out.
+    """
 
     ground: Ground
     _wings: list[Placed] = field(default_factory=list)
@@ -72,6 +76,7 @@ class Clinic:
         ground, draw = self.ground, self.ground.draw
         u0, u1, v0, v1 = self._court
         deep = draw.between(*_WING_M)
+        # The court comes first: the main wing is made shallower, or left out below 6 m.
         if v1 - deep < _LEAST_COURT_M:
             deep = round(v1 - _LEAST_COURT_M, 2)
         if deep < 6.0:
@@ -91,6 +96,7 @@ class Clinic:
         if u1 - u0 - thick < _LEAST_COURT_M or long < 6.2 or not self._wings:
             return
         at = u1 - thick / 2 - 0.2 if side > 0 else u0 + thick / 2 + 0.2
+        # Both side wings have their front (+x) towards the court.
         turn = 2 * QUARTER if side > 0 else 0.0
         size = (thick, long, round(_STOREY_M * storeys, 2))
         look = {**look, "storeys": storeys}
@@ -104,6 +110,7 @@ class Clinic:
     def details(self) -> Iterator[None]:
         """A pad on the main roof, machines on the others, ambulances, benches, trees."""
         ground, draw = self.ground, self.ground.draw
+        # The first roof is the main wing's, which has the pad.
         roofs = [furnish_flat_roof(ground.builder, draw, roof) for roof in self._roofs[1:]]
         yield from in_turn(self._crown(), self._arrive(), *roofs, self._rest())
 

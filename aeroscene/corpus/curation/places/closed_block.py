@@ -1,7 +1,8 @@
 """A block of a town: houses wall to wall along the street, wings at the flanks, a court within.
 
 Two wings make a U and, with a back row, a closed block; one wing makes an L. A gate between the
-front row and the flank leads into the court.
+front row and the flank leads into the court, so that a drone finds both a passage and an enclosed
+space.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ _FRONTS = Fronts(width_m=13.5, least_m=7.5, storeys=(3, 5), forms=("plain", "pla
 _REAR = Fronts(width_m=15.0, least_m=8.0, storeys=(2, 4), forms=("plain", "ledges"))
 _DEEP_M = (12.0, 15.0)
 _WING_M = (7.0, 9.0)
-"""Depths of the row along the street, and of what stands behind it."""
+"""Depths of the row along the street, and of wings and back row."""
 _GATE_M = 3.4
 """Width of the passage into the court: a van fits."""
 _COURT_M = 6.6
@@ -45,14 +46,18 @@ _LEAST_WING_M = 6.2
 
 @dataclass(slots=True)
 class ClosedBlock:
-    """Houses round a court."""
+    """Houses round a court.
+
+    Each mass takes its part of the court; a mass that would make it narrower than `_COURT_M` is
+    left out.
+    """
 
     ground: Ground
     _masses: list[Placed] = field(default_factory=list)
     _pitched: list[Placed] = field(default_factory=list)
     _flat: list[Placed] = field(default_factory=list)
     _court: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
-    """u0, u1, v0, v1 of what stays open."""
+    """Ends u0, u1, v0, v1 of the area that stays open."""
     _path: Placed | None = None
     _shelter: Placed | None = None
 
@@ -82,15 +87,16 @@ class ClosedBlock:
         """Middle of the gate, u: between two houses of a long row, else at one of its ends."""
         half, draw = self.ground.parcel.width / 2, self.ground.draw
         side = 1 if draw.chance(0.5) else -1
+        # A row this long leaves space for a house on either side of the gate.
         if half > _WING_M[1] + _FRONTS.least_m / 2 + _GATE_M:
             return side * draw.between(0.0, half - _WING_M[1] - _GATE_M)
         return side * (half - _GATE_M / 2)
 
     def _raise_front(self, gate: float) -> float:
-        """Houses along the street on both sides of the gate, or without one where no court is.
+        """Raise houses along the street on both sides of the gate; without a court, no gate.
 
         Returns:
-            Their depth, m; zero where the parcel is too shallow for any.
+            Their depth, m; zero if the parcel is too shallow for any.
         """
         ground, draw = self.ground, self.ground.draw
         half, depth = ground.parcel.width / 2, ground.parcel.depth
@@ -98,6 +104,7 @@ class ClosedBlock:
         if deep < _LEAST_WING_M:
             return 0.0
         spans = [(-half, half)]
+        # A gate needs a court to lead to, and houses beside it.
         if depth - deep >= _GATED_M and 2 * half > 16.0:
             spans = [(-half, gate - _GATE_M / 2), (gate + _GATE_M / 2, half)]
         for low, high in spans:
@@ -122,12 +129,13 @@ class ClosedBlock:
         }
         size = (thick, round(v1 - v0, 2), round(3.2 * storeys, 2))
         wing = ground.erect("building", at, (v0 + v1) / 2, size, turn=turn, margin=0.0, look=look)
+        # The wing is part of the border from now on.
         if wing:
             self._masses.append(wing)
             self._court = (u0, u1 - thick, v0, v1) if side > 0 else (u0 + thick, u1, v0, v1)
 
     def _raise_rear(self) -> None:
-        """A row along the back, where the court stays wide enough."""
+        """A row along the back if the court stays wide enough."""
         ground, draw = self.ground, self.ground.draw
         u0, u1, v0, v1 = self._court
         deep = draw.between(*_WING_M)

@@ -33,7 +33,7 @@ _CABIN_M = (6.06, 2.44, 2.59)
 
 @dataclass(slots=True)
 class Construction:
-    """Gravel with a building of which the ground floor stands, open to the sky."""
+    """Gravel with the shell of a ground floor, open to the sky."""
 
     ground: Ground
     _slab: Placed | None = None
@@ -51,6 +51,7 @@ class Construction:
         half, depth = ground.parcel.width / 2, ground.parcel.depth
         self._side = side = 1 if draw.chance(0.5) else -1
         self._pour_slab()
+        # Two walls at once, so that the building is recognisable after the first step.
         for wall in range(2):
             self._wall_up(wall)
         yield
@@ -101,6 +102,7 @@ class Construction:
         )
         u, v, turned = places[index]
         long = x - 1.0 if turned else y - 1.4
+        # Doors in the middle of the walls are openings that a drone can pass.
         look = {"door_m": _DOOR_M, "door_height_m": 2.5, "colour": "slate"}
         spot = slab.frame.moved(u + (0.15 if turned else 0.0), v, QUARTER if turned else 0.0)
         size = (thick, round(long, 2), height)
@@ -113,6 +115,7 @@ class Construction:
         side = min(7.0, 0.3 * depth)
         size = (round(side, 2), round(0.9 * side, 2), round(0.16 * side, 2))
         earth = {"form": "mound", "finish": "gravel"}
+        # The heap goes beside the slab, or else before it.
         for at in ((self._side * (half - side / 2 - 1.0), 0.62 * depth), (0.0, 0.3 * depth)):
             self._heap = ground.stand("terrain", *at, size, turn=draw.between(0, 3), look=earth)
             if self._heap:
@@ -126,6 +129,7 @@ class Construction:
         form = {"colour": "yellow", "form": "flat"}
         size = (2.0, min(8.0, round(slab.size[0] - 1.0, 2)), 3.2)
         bearing = OpenGround(ground)
+        # Either flank of the slab will do.
         for sign in (1, -1):
             v = sign * (slab.size[1] / 2 + size[0] / 2 + 0.15)
             spot = slab.frame.moved(0.0, v, sign * QUARTER)
@@ -134,7 +138,7 @@ class Construction:
                 return
 
     def details(self) -> Iterator[None]:
-        """Material on the slab and about it, a truck, cabins with their machines."""
+        """Material on the slab and around it, a truck, cabins with their machines."""
         ground = self.ground
         half, depth = ground.parcel.width / 2, ground.parcel.depth
         floor = (-half + 1.0, half - 1.0, 4.5, depth - 1.0)

@@ -36,7 +36,7 @@ _GATE_HALF_M = 4.0
 
 @dataclass(slots=True)
 class Depot:
-    """A warehouse at the back of a yard; open at both ends where it is furnished."""
+    """A warehouse at the back of a yard; if it is furnished, it is open at both ends."""
 
     ground: Ground
     is_furnished: bool = False
@@ -55,6 +55,7 @@ class Depot:
         half, depth = ground.parcel.width / 2, ground.parcel.depth
         side = 1 if draw.chance(0.5) else -1
         self._gate_u = side * max(0.0, half - 7.0)
+        # The hall stands at the side opposite the gate.
         self._raise_hall(-side)
         yield
         if self._hall and not self.is_furnished:
@@ -73,10 +74,11 @@ class Depot:
         yield from enclose(ground, "mesh", 2.0, gate)
 
     def _raise_hall(self, side: int) -> None:
-        """As deep and long as the yard before it and a lane beside it allow."""
+        """Raise the hall, as deep and long as the yard before it and a lane beside it allow."""
         ground, draw = self.ground, self.ground.draw
         width, depth = ground.parcel.width, ground.parcel.depth
         apron = min(_APRON_M, 0.42 * depth)
+        # A furnished hall has gates instead of a dock.
         dock = 0.0 if self.is_furnished else _DOCK_M[0]
         deep = round(min(18.0, max(7.5, depth - apron - dock - 1.2)), 2)
         length = round(min(26.0, width - 3.0 if width < 18 else width - 7.0), 2)
@@ -95,6 +97,7 @@ class Depot:
         deep, height = _DOCK_M
         bearing = OpenGround(self.ground)
         length = min(14.0, round(hall.size[1] - 2 * _STEPS_M, 2))
+        # Clear of the hall's front by 2 cm, more than a touch.
         u = hall.size[0] / 2 + deep / 2 + 0.02
         size = (deep, length, height)
         self._dock = bearing.stand("deck", hall.frame.moved(u, 0.0), size, margin=0.0)
@@ -131,6 +134,7 @@ class Depot:
         places = [(index - (slots - 1) / 2) * 4.2 for index in range(slots)]
         for index in draw.shuffled(range(slots)):
             length = draw.between(6.4, 8.0)
+            # The lorry's rear is a quarter of a metre from the dock.
             u = dock.size[0] / 2 + 0.25 + length / 2
             spot = dock.frame.moved(u, places[index])
             bearing.stand("truck", spot, (length, 2.45, 3.4), look=paint(draw))

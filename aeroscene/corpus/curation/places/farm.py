@@ -27,7 +27,10 @@ _BED_M = (2.2, 0.06)
 
 @dataclass(slots=True)
 class Farm:
-    """Buildings round a yard."""
+    """Buildings round a yard.
+
+    The house is at one side of the yard, the barn at the other; `_side` is that of the barn.
+    """
 
     ground: Ground
     _roof: Placed | None = None
@@ -76,6 +79,7 @@ class Farm:
         look = {"colour": draw.one_of((*WALL_COLOURS, "brick")), "storeys": 2, "form": "plain"}
         deep, length, high = _HOUSE_M
         size = (min(deep, round(depth - 3.0, 2)), min(length, round(half - 2.0, 2)), high)
+        # A house of less than 6 m would be an outlier of its category.
         if min(size[:2]) < 6.0:
             return
         u = -self._side * (half - size[1] / 2 - 1.2)
@@ -91,6 +95,7 @@ class Farm:
         if thick < 7.0 or long < 10.0:
             return
         look = {"form": "lowpitch", **paint(draw)}
+        # The barn's front (+x), with its gate, is towards the yard.
         turn = 2 * QUARTER if self._side > 0 else 0.0
         u = self._side * (half - thick / 2 - 0.8)
         size = (thick, long, draw.between(5.0, 6.4))

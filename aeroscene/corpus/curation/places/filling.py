@@ -1,4 +1,8 @@
-"""What a place still has room for when all that makes it what it is stands."""
+"""Filling of a place: further objects once everything that characterises it stands.
+
+Scenes need about 150 objects, and small places run out of meaningful ones. Rows of equal objects
+along the edges look planned, while random ones would look scattered.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +14,7 @@ from aeroscene.scene import Vector3
 
 _PITCH_M = {"tree": 5.2, "bicycle": 1.0, "crate": 1.4, "pallet": 1.5}
 _USUAL_PITCH_M = 3.4
-"""Distance from one to the next in a row."""
+"""Distance between neighbours in a row."""
 _INSET_M = 1.3
 """Distance of the rows from the borders of the area."""
 _LEAST_M = 4.0
@@ -22,9 +26,15 @@ _Row = Iterator[tuple[float, float, float]]
 def fill_up(
     ground: Ground, names: Sequence[str], near: tuple[float, float, float, float], rounds: int
 ) -> Iterator[None]:
-    """Two of a kind a step in rows along the back and the flanks of an area (u0, u1, v0, v1).
+    """Place two objects of a kind in each step, in rows along the back and the flanks of an area.
 
-    Each kind has its own row, all of a row are equal and look into the area.
+    Each kind has its own row; all objects of a row are equal and face the area.
+
+    Args:
+        ground: Parcel.
+        names: Categories, used in turn.
+        near: Area u0, u1, v0, v1.
+        rounds: Number of steps.
     """
     u0, u1, v0, v1 = near
     if u1 - u0 < _LEAST_M or v1 - v0 < _LEAST_M:
@@ -37,6 +47,7 @@ def fill_up(
             rows[name] = (row, _size(ground, name))
         row, size = rows[name]
         placed = 0
+        # The row is a generator: the next round continues where this one stopped.
         for u, v, turn in row:
             look = {"form": "round"} if name == "tree" else None
             placed += ground.stand(name, u, v, size, turn=turn, look=look) is not None
@@ -49,7 +60,7 @@ def fill_up(
 def _row(
     ground: Ground, number: int, near: tuple[float, float, float, float], pitch: float
 ) -> _Row:
-    """The next side of an area in turn: back, left, right, each with another beginning."""
+    """Places along the next side of an area (back, left or right), from a random start."""
     u0, u1, v0, v1 = near
     start = ground.draw.between(0.0, 0.4)
     if number % 3 == 0:
@@ -65,7 +76,7 @@ def _row(
 
 
 def _size(ground: Ground, name: str) -> Vector3:
-    """One size for a whole row; trees and bushes as wide as deep."""
+    """One size for a whole row; trees and bushes are as wide as deep."""
     x, y, z = ground.draw.size_of(name)
     if name == "tree":
         width = ground.draw.between(2.2, 3.4)

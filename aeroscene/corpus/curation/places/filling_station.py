@@ -44,11 +44,13 @@ class FillingStation:
         self._side = 1 if draw.chance(0.5) else -1
         size = (min(_ROOF_M[0], depth - 4.0), min(_ROOF_M[1], 2 * half - 3.0), _ROOF_M[2])
         look = {**paint(draw), "form": "flat"}
+        # A parcel that is too small keeps the asphalt only.
         if min(size) >= 2.0:
             v = 2.0 + size[0] / 2
             self._canopy = ground.stand("canopy", 0.0, v, size, margin=0.2, look=look)
         yield
         rest = depth - 3.0 - size[0]
+        # The shop takes the rest of the depth; below 6 m there is none.
         deep = min(_SHOP_M[0], round(rest - 1.0, 2))
         if deep >= 6.0:
             look = {"colour": draw.one_of(WALL_COLOURS), "storeys": 1, "form": "plain"}
@@ -58,6 +60,7 @@ class FillingStation:
             self._shop = ground.erect("building", u, depth - deep / 2 - 0.4, shop, look=look)
             self._roof = add_flat_roof(ground.builder, self._shop) if self._shop else None
         yield
+        # A carport: a car can stand in it, and a small drone can fly through.
         look = {"form": "carport"}
         at = (self._side * (half - _WASH_M[1] / 2 - 0.5), depth - _WASH_M[0] / 2 - 0.5)
         self._wash = ground.erect("garage", *at, _WASH_M, look=look)

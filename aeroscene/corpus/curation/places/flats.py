@@ -26,13 +26,16 @@ _TOWER_M = 9.0
 """Side of a tower."""
 _BALCONY_M = (2.2, 3.6, 0.2)
 _BEARING_M = 0.12
-"""How far a balcony reaches into the wall that carries it."""
+"""Depth by which a balcony extends into the wall that carries it."""
 _PATH_M = (1.8, 0.05)
 
 
 @dataclass(slots=True)
 class Flats:
-    """One or two tall buildings and a court behind them."""
+    """One or two tall buildings and a court behind them.
+
+    Balconies hang only on plain masses, because ledges already project from the others.
+    """
 
     ground: Ground
     _masses: list[Placed] = field(default_factory=list)
@@ -57,6 +60,7 @@ class Flats:
         self._raise_shelter()
         yield
         if self._roofs and draw.chance(0.5):
+            # The first roof becomes a garden, the others carry machines.
             roof = self._roofs.pop(0)
             self._roof_deck = lay_roof_deck(ground.builder, draw, roof)
             if self._roof_deck is None:
@@ -81,6 +85,7 @@ class Flats:
         deep = min(_BAY_M * draw.count(3, 4), max(6.0, round(depth - 5.5, 2)))
         setback = min(draw.between(3.0, 5.0), max(0.5, depth - deep - 0.5))
         u = draw.between(-0.5, 0.5) * max(0.0, width - length - 2)
+        # A tower replaces the slab now and then, and leaves more of the court.
         if deep >= _TOWER_M and draw.chance(0.3):
             self._raise_tower(u, setback + _TOWER_M / 2)
             self._court_v = setback + _TOWER_M
@@ -153,11 +158,13 @@ class Flats:
         if not self._masses:
             return
         mass = self._masses[0]
+        # Towards the court if there is one, otherwise over the front garden.
         side = -1 if ground.parcel.depth - self._court_v > 4 else 1
         reach = mass.size[1] / 2 - _BALCONY_M[1] / 2 - 0.3
         u = side * (mass.size[0] / 2 + _BALCONY_M[0] / 2 - _BEARING_M)
         v = draw.between(-1, 1) * reach
         base = mass.base + (storey + 1) * _STOREY_M - _BALCONY_M[2]
+        # The balcony and its building overlap by `_BEARING_M`, which only parent and child may.
         balcony = ground.builder.place(
             "floor", mass.frame.moved(u, v), _BALCONY_M, base=base, parent=mass, within=None
         )

@@ -1,4 +1,4 @@
-"""Buildings of a place that a drone can fly into."""
+"""Buildings of a place that a drone can enter."""
 
 from __future__ import annotations
 
@@ -31,9 +31,20 @@ def raise_furnished(
     storeys: int,
     kinds: Sequence[str],
 ) -> Shell | None:
-    """An enterable building with its door to the street, or None where it does not fit.
+    """Raise an enterable building with its door to the street.
 
-    Its rooms are of the kinds in turn.
+    Args:
+        ground: Parcel.
+        name: Category of the shell.
+        u: Middle along the street, m.
+        v: Middle, m from the street.
+        deep: Depth, m.
+        length: Length along the street, m.
+        storeys: Number of storeys.
+        kinds: Kinds of its rooms, in turn.
+
+    Returns:
+        The building and its rooms, or None if it does not fit.
     """
     return raise_shell(
         ground.builder,
@@ -52,7 +63,7 @@ def raise_furnished(
 
 
 def raise_hall(ground: Ground, u: float, v: float, size: Vector3, look: Attributes) -> Shell | None:
-    """An enterable warehouse: one room, with the air in its two gates kept free."""
+    """Raise an enterable warehouse: one room, with the air in its two gates kept free."""
     hall = ground.erect("warehouse", u, v, size, look={**look, "is_enterable": True})
     if hall is None:
         return None
@@ -71,7 +82,7 @@ def raise_hall(ground: Ground, u: float, v: float, size: Vector3, look: Attribut
 def furnish(
     ground: Ground, rooms: Sequence[RoomSpace], kinds: Sequence[str] = ()
 ) -> Iterator[None]:
-    """Furnish all rooms; those with a use of their own at once, so that none looks empty.
+    """Furnish all rooms; rooms with a use of their own at once, so that none looks empty.
 
     The others are of the kinds in turn, and grow side by side with the rest of the place.
     """

@@ -16,16 +16,16 @@ CONTAINER_M = (6.06, 2.44, 2.59)
 """A twenty-foot container."""
 
 _CLUSTER_M = (3.8, 2.0, 1.5)
-"""Ground that a cluster of goods takes."""
+"""Area that a cluster of goods takes."""
 _CLUSTER_PITCH_M = (4.6, 3.4)
 """Distances between the middles of clusters side by side and in depth."""
 
 Area = tuple[float, float, float, float]
-"""u0, u1, v0, v1 in the parcel's frame."""
+"""Area u0, u1, v0, v1 in the parcel's frame."""
 
 
 def paint(draw: Draw) -> Attributes:
-    """Some colour of a vehicle or a container."""
+    """Draw a colour for a vehicle, container or awning."""
     return {"colour": draw.one_of(PAINT_COLOURS)}
 
 
@@ -41,7 +41,7 @@ def stack_container(ground: Ground, lower: Placed) -> Placed | None:
 
 
 def pallet_row(bearing: Bearing, frame: Frame, u: float, v: float, count: int) -> None:
-    """Loaded pallets side by side along the frame's x axis."""
+    """Place loaded pallets side by side along the frame's x axis."""
     for index in range(count):
         at = u + (index - (count - 1) / 2) * 1.4
         size = (1.2, 1.0, bearing.draw.between(0.5, 1.4))
@@ -49,7 +49,7 @@ def pallet_row(bearing: Bearing, frame: Frame, u: float, v: float, count: int) -
 
 
 def crate_stack(bearing: Bearing, frame: Frame, u: float, v: float) -> None:
-    """Two crates side by side and a smaller one on the first."""
+    """Place two crates side by side and a smaller one on the first."""
     draw = bearing.draw
     first = bearing.stand("crate", frame.moved(u - 0.6, v), (1.0, 1.0, draw.between(0.7, 1.0)))
     side = draw.between(0.8, 1.05)
@@ -60,7 +60,7 @@ def crate_stack(bearing: Bearing, frame: Frame, u: float, v: float) -> None:
 
 
 def plastic_crates(bearing: Bearing, frame: Frame, u: float, v: float, count: int) -> None:
-    """Plastic crates of one colour close together in two ranks."""
+    """Place plastic crates of one colour close together in two ranks."""
     look = {**paint(bearing.draw), "form": "plastic"}
     for index in range(count):
         at = (u + (index // 2) * 0.82, v + (index % 2) * 0.82)
@@ -68,7 +68,7 @@ def plastic_crates(bearing: Bearing, frame: Frame, u: float, v: float, count: in
 
 
 def range_goods(ground: Ground, bearing: Bearing, near: Area, rounds: int) -> Iterator[None]:
-    """Clusters of goods in rows from the back of an area on, one cluster a step."""
+    """Place clusters of goods in rows from the back of an area, one cluster in each step."""
     draw = ground.draw
     for index, (u, v) in zip(range(rounds), _free_spots(ground, near), strict=False):
         # Three clusters of a kind stand together.
@@ -83,7 +83,7 @@ def range_goods(ground: Ground, bearing: Bearing, near: Area, rounds: int) -> It
 
 
 def _free_spots(ground: Ground, near: Area) -> Iterator[tuple[float, float]]:
-    """Free places for clusters of goods, row by row from the back, from one flank on."""
+    """Free places for clusters of goods, row by row from the back, beginning at one flank."""
     u0, u1, v0, v1 = near
     length, width, height = _CLUSTER_M
     columns, rows = (
@@ -93,6 +93,7 @@ def _free_spots(ground: Ground, near: Area) -> Iterator[tuple[float, float]]:
         )
     )
     side = 1 if ground.draw.chance(0.5) else -1
+    # A centimetre above the surface, which is itself an occupant.
     base = ground.level + 0.01
     for row in range(rows):
         v = v1 - width / 2 - row * _CLUSTER_PITCH_M[1]
@@ -106,7 +107,7 @@ def _free_spots(ground: Ground, near: Area) -> Iterator[tuple[float, float]]:
 
 
 def boxes_on(ground: Ground, bearer: Placed, count: int) -> None:
-    """Cartons along an object's upper face."""
+    """Place cartons along an object's upper face."""
     reach = bearer.size[1] / 2 - 0.4
     for index in range(count):
         at = 0.0 if count == 1 else -reach + 2 * reach * index / (count - 1)

@@ -14,7 +14,7 @@ from aeroscene.scene import Vector3
 GROUND_M = {"lawn": 0.06, "plaza": 0.1, "parking_lot": 0.04, "sidewalk": 0.1}
 """Heights of the surfaces of parcels above the ground."""
 _FINISH = {"lawn": "grass", "plaza": "paving", "parking_lot": "asphalt", "sidewalk": "paving"}
-"""What covers a slope instead of a surface of its own."""
+"""Cover of a slope that replaces a surface of its own."""
 _MARGIN_M = 0.4
 _TRIES = 6
 _BORDER_M = 0.3
@@ -27,8 +27,7 @@ _FENCE_STEP_M = 3.0
 class Ground:
     """One parcel with its surface; positions are in the parcel's frame, v from the street.
 
-    On a slope whatever stands on the surface stands at the lowest point of its outline, sunk into
-    the hill behind it.
+    On a slope, objects stand at the lowest point below their outline, sunk into the hill behind it.
     """
 
     builder: Builder
@@ -38,13 +37,19 @@ class Ground:
 
     @property
     def level(self) -> float:
-        """Height on which things stand; on a slope that of its foot."""
+        """Height of the surface, m; on a slope the height of its foot."""
         if self.parcel.rise or not self.surface:
             return self.parcel.level
         return self.surface.top
 
     def height_under(self, v: float, size: Vector3, turn: float) -> float:
-        """Height on which an outline stands: of the lowest ground that it covers, m."""
+        """Height of the lowest ground below an outline, m.
+
+        Args:
+            v: Middle of the outline, m from the street.
+            size: Extents of the object.
+            turn: Heading of the object in the parcel's frame, rad.
+        """
         if not self.parcel.rise:
             return self.level
         reach = (abs(sin(turn)) * size[0] + abs(cos(turn)) * size[1]) / 2
@@ -52,11 +57,13 @@ class Ground:
         return self.parcel.level + share * self.parcel.rise
 
     def cover(self, name: str, look: Attributes | None = None) -> None:
-        """Give the whole parcel a surface; on a slope the hill itself."""
+        """Give the whole parcel a surface; on a slope the surface is the hill itself."""
         parcel = self.parcel
         turn, size = 0.0, (parcel.width, parcel.depth, GROUND_M[name])
         if parcel.rise:
             look = {"form": "ramp", "finish": _FINISH[name]}
+            # A ramp rises along its own x, so that a quarter turn makes it rise away from the
+            # street.
             name, turn, size = "terrain", QUARTER, (parcel.depth, parcel.width, parcel.rise)
         spot = parcel.frame.moved(0, parcel.depth / 2, turn)
         self.surface = self.builder.place(
@@ -74,7 +81,17 @@ class Ground:
         margin: float = 0.15,
         look: Attributes | None = None,
     ) -> Placed | None:
-        """Stand something on the parcel's surface, if there is space."""
+        """Stand an object on the parcel's surface if there is space.
+
+        Args:
+            name: Category.
+            u: Middle along the street, m.
+            v: Middle, m from the street.
+            size: Extents; drawn by default.
+            turn: Heading in the parcel's frame; by default the front faces the street.
+            margin: Distance to keep from other objects, m.
+            look: Attributes.
+        """
         size = size or self.draw.size_of(name)
         bearer, base = self.surface, self.height_under(v, size, turn)
         spot = self.parcel.frame.moved(u, v, turn)
@@ -93,7 +110,7 @@ class Ground:
         margin: float = _MARGIN_M,
         look: Attributes | None = None,
     ) -> Placed | None:
-        """Put up a structure, if there is space: a root of its own, or a part of its hill."""
+        """Put up a structure if there is space: a root of its own, or a part of its hill."""
         bearer, base = self.surface, self.height_under(v, size, turn)
         spot, parent = self.parcel.frame.moved(u, v, turn), bearer if self.parcel.rise else None
         return self.builder.place(
@@ -108,7 +125,14 @@ class Ground:
         near: tuple[float, float, float, float] | None = None,
         turn: float | None = None,
     ) -> list[Placed]:
-        """Stand several of a kind at random places (u0, u1, v0, v1) of the parcel."""
+        """Stand several objects of a category at random places of the parcel.
+
+        Args:
+            name: Category.
+            count: Number of objects; those that find no space after some tries are left out.
+            near: Area u0, u1, v0, v1; the whole parcel by default.
+            turn: Heading; random by default.
+        """
         half, depth = self.parcel.width / 2, self.parcel.depth
         u0, u1, v0, v1 = near or (-half, half, 0.0, depth)
         found: list[Placed] = []
@@ -127,7 +151,7 @@ class Ground:
     def plant_trees(
         self, count: int, near: tuple[float, float, float, float] | None = None
     ) -> None:
-        """Trees of one or two forms, square in outline so that the crown is round."""
+        """Plant trees of one form and colour, square in outline so that crowns are round."""
         form = self.draw.one_of(("round", "spreading", "conical"))
         leaves = self.draw.one_of(("leaves", "leaves", "leaves_dark", "leaves_autumn"))
         half, depth = self.parcel.width / 2, self.parcel.depth
@@ -146,7 +170,7 @@ class Ground:
                     break
 
     def _spot(self, low: float, high: float, reach: float) -> float:
-        """A place between two borders, at least `reach` away from both where they allow."""
+        """A place between two borders, at least `reach` away from both if they allow it."""
         if high - low <= 2 * reach:
             return (low + high) / 2
         return self.draw.between(low + reach, high - reach)
@@ -158,6 +182,7 @@ class Ground:
         (u0, v0), (u1, v1) = start, end
         is_along_u = abs(u1 - u0) > abs(v1 - v0)
         length = abs(u1 - u0) if is_along_u else abs(v1 - v0)
+        # Up a slope a fence climbs in steps; along it one piece is level.
         pieces = ceil(length / _FENCE_STEP_M) if self.parcel.rise and not is_along_u else 1
         turn = QUARTER if is_along_u else 0.0
         size = (0.3 if form == "hedge" else 0.1, length / pieces, height)
@@ -175,6 +200,7 @@ class Ground:
             case "north":
                 self.fence_line((-half, depth), (half, depth), form, height)
             case "east":
+                # Flanks end half a metre before the back, so that corners stay clear.
                 self.fence_line((half, _BORDER_M), (half, depth - 0.5), form, height)
             case "west":
                 self.fence_line((-half, _BORDER_M), (-half, depth - 0.5), form, height)

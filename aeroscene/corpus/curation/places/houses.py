@@ -29,16 +29,16 @@ _PLOT_M = 12.0
 """Width of street for one house."""
 _DRIVE_M = 3.0
 _SHELL_PLOT_M = 17.0
-"""The same for one that can be entered."""
+"""Width of street for a house that can be entered."""
 _LEAST_SHELL_M = (12.2, 15.0)
-"""Width beside the drive and depth of a plot whose house can be entered."""
+"""Width beside the drive, and depth, of a plot whose house can be entered."""
 _SHELL_DEPTH_M = 8.4
 _ROOMS = ("living", "kitchen", "bedroom", "bathroom", "bedroom")
 
 
 @dataclass(slots=True)
 class _Plot:
-    """One house's share of the parcel, as borders of u."""
+    """Share of one house in the parcel, as borders of u."""
 
     low: float
     high: float
@@ -48,7 +48,7 @@ class _Plot:
     garage: Placed | None = None
     terrace: Placed | None = None
     back: float = 0.0
-    """Where the house ends and the garden begins, v."""
+    """End of the house and beginning of the garden, v."""
 
     @property
     def drive_u(self) -> float:
@@ -57,18 +57,18 @@ class _Plot:
 
     @property
     def house_u(self) -> float:
-        """Middle of what is left beside the drive."""
+        """Middle of the plot beside the drive."""
         return (self.low + self.high - 0.7 - _DRIVE_M) / 2
 
     @property
     def space(self) -> float:
-        """Width of what is left beside the drive."""
+        """Width of the plot beside the drive."""
         return self.high - 0.7 - _DRIVE_M - self.low
 
 
 @dataclass(slots=True)
 class Houses:
-    """Plots side by side along the street."""
+    """Plots side by side along the street; the first house may be furnished."""
 
     ground: Ground
     is_furnished: bool = False
@@ -96,7 +96,7 @@ class Houses:
             yield
 
     def _part(self) -> list[_Plot]:
-        """Plots of equal width; the first is wider where its house is to be furnished."""
+        """Plots of equal width; the first is wider if its house is to be furnished."""
         width = self.ground.parcel.width
         first = min(width, _SHELL_PLOT_M) if self.is_furnished else 0.0
         count = min(4, int((width - first) / _PLOT_M))
@@ -110,6 +110,7 @@ class Houses:
     def _raise_house(self, plot: _Plot, *, is_furnished: bool) -> None:
         ground, draw = self.ground, self.ground.draw
         depth = ground.parcel.depth
+        # Only a plot that is large enough gets a shell; otherwise the house is a plain mass.
         is_shell = is_furnished and plot.space >= _LEAST_SHELL_M[0] and depth >= _LEAST_SHELL_M[1]
         deep = max(6.2, min(8.6, round(0.38 * depth, 2)))
         deep = _SHELL_DEPTH_M if is_shell else deep
@@ -159,6 +160,7 @@ class Houses:
         """A garage at the drive's end, its door to the street."""
         ground = self.ground
         start = plot.drive.size[0] if plot.drive else 6.0
+        # A garage is 5.8 m deep and keeps a margin on both sides.
         if ground.parcel.depth - start < 6.5:
             return
         look = {"form": "garage"}
@@ -191,6 +193,7 @@ class Houses:
         plot = self._plots[0]
         end = plot.drive_u - _DRIVE_M / 2 - 0.5
         middle = plot.house_u
+        # The hedge leaves 2 m for the door in the middle of the house.
         ground.fence_line((plot.low + 0.4, 0.4), (middle - 1.0, 0.4), "hedge", 0.9)
         ground.fence_line((middle + 1.0, 0.4), (end, 0.4), "hedge", 0.9)
         yield
@@ -226,6 +229,7 @@ class Houses:
                 park(OpenGround(ground), "car", ground.parcel.frame, plot.drive_u, 3.0, INWARD)
             yield
         for plot in self._plots:
+            # Low roofs are monopitch roofs, which have no chimney.
             if plot.roof and plot.roof.size[2] > 1.6:
                 add_chimney(ground.builder, draw, plot.roof)
             bins = plot.drive_u - _DRIVE_M / 2 - 0.6

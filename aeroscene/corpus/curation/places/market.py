@@ -71,6 +71,7 @@ class Market:
         ]
         order = self.ground.draw.shuffled(range(count))
         spots = [back[index] for index in order]
+        # Stalls at the sides face the middle.
         sides = [(sign * (half - 2.4), 0.66 * depth, sign * pi / 2 + QUARTER) for sign in (-1, 1)]
         return [*spots, *sides]
 
@@ -83,7 +84,7 @@ class Market:
             self._stalls.append(stall)
 
     def details(self) -> Iterator[None]:
-        """Goods on the stalls, guests at the tables, and what stands about on a square."""
+        """Goods on the stalls, guests at the tables, and the usual furniture of a square."""
         yield from in_turn(self._sell(), self._serve(), self._decorate())
 
     def _sell(self) -> Iterator[None]:
@@ -147,5 +148,5 @@ class Market:
 
 
 def _awning(draw: Draw) -> Attributes:
-    """Some colour of canvas, flat or pitched."""
+    """A colour of canvas, and a flat or pitched form."""
     return {**paint(draw), "form": draw.one_of(("flat", "pitched"))}

@@ -29,13 +29,13 @@ _PROGRAMMES = {
     "studio": ("open_office", "meeting", "workshop", "kitchen"),
     "library": ("library", "office", "meeting", "washroom"),
 }
-"""Rooms of a use, in the order in which a building offers them."""
+"""Kinds of rooms of each use, in the order in which a building offers them."""
 _LEAST_SHELL_M = (11.5, 16.0)
 """Width and depth of a parcel whose building can be entered."""
 _BAY_M = (3.2, 3.36)
 """Range of the length of front for each window."""
 _BAYS_M = (5.2, 7.7, 0.02)
-"""Three bays for visitors."""
+"""Field of three bays for visitors: depth, width and thickness."""
 
 
 @dataclass(slots=True)
@@ -68,6 +68,7 @@ class Offices:
         if self._roof and draw.chance(0.4):
             self._roof_deck = lay_roof_deck(ground.builder, draw, self._roof)
         yield
+        # The bays are opposite the building, as far as it is off the middle.
         side = 1 if u < 0 else -1
         bays = {"rows": 1}
         at = (side * (half - _BAYS_M[1] / 2 - 0.3), _BAYS_M[0] / 2 + 0.2)
@@ -90,9 +91,14 @@ class Offices:
         yield
 
     def _raise(self, setback: float) -> tuple[float, float, float, float]:
-        """Put the building up; place along the street, setback, depth and length."""
+        """Put the building up.
+
+        Returns:
+            Place along the street, setback, depth and length, m.
+        """
         ground, draw = self.ground, self.ground.draw
         width, depth = ground.parcel.width, ground.parcel.depth
+        # Two storeys are shorter, so that both have about the same number of rooms.
         storeys = 1 if draw.chance(0.6) else 2
         bays = 4 if storeys == 1 else 3
         length = round(min(bays * draw.between(*_BAY_M), width - 2.0), 2)
@@ -111,6 +117,7 @@ class Offices:
             )
             if shell:
                 self._building, self._rooms = shell.building, list(shell.rooms)
+        # Without space for a shell, a plain mass keeps the parcel built up.
         else:
             deep = round(max(6.0, deep), 2)
             setback = round(max(0.6, min(setback, depth - deep - 0.6)), 2)

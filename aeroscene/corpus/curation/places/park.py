@@ -24,7 +24,7 @@ _STEP_M = 0.9
 
 @dataclass(slots=True)
 class Park:
-    """Green with a path through it and another that branches off."""
+    """A lawn with a path through it and another that branches off."""
 
     ground: Ground
     _paths: list[Placed] = field(default_factory=list)
@@ -43,6 +43,7 @@ class Park:
         path_u = draw.between(-0.15, 0.15) * half
         self._pave(path_u, depth / 2, depth, QUARTER)
         pond, stage = self._sides
+        # The pond is on one side of the path, the stage on the other.
         size = (draw.between(0.28, 0.4) * depth, draw.between(0.5, 0.7) * half, 0.25)
         size = (round(max(3.0, size[0]), 2), round(max(3.0, size[1]), 2), 0.1)
         look = {"form": "pond"}
@@ -50,6 +51,7 @@ class Park:
         yield
         self._raise_stage(path_u + stage * 0.55 * half, 0.7 * depth, stage)
         yield
+        # A branch only where a lawn of some width remains beside it.
         if half > 9:
             branch = half - abs(path_u) - 2.2
             u = path_u + stage * (branch / 2 + _PATH_M[0] / 2)
@@ -96,6 +98,7 @@ class Park:
         ground, draw = self.ground, self.ground.draw
         side = min(9.0, 0.45 * ground.parcel.depth, 0.8 * ground.parcel.width / 2)
         if side < 5:
+            # Flat enough to land on: a tenth of its side.
             return
         size = (round(side, 2), round(side * draw.between(0.85, 1.0), 2), round(0.1 * side, 2))
         look = {"form": "mound", "finish": "grass"}
@@ -167,6 +170,7 @@ class Park:
             turn = draw.between(-0.5, 0.5)
             picnic(OpenGround(ground), ground.parcel.frame, u, 0.5 * depth, turn)
             yield
+        # The sign stands at the path, wherever that enters the parcel.
         sign_u = self._paths[0].frame if self._paths else ground.parcel.frame
         u, _ = ground.parcel.frame.local(sign_u.x, sign_u.y)
         ground.stand("sign", u + 1.8, 0.8, (0.1, 1.0, 2.2))

@@ -18,14 +18,14 @@ from aeroscene.corpus.curation.places.turns import in_turn
 from aeroscene.solids.shapes.materials import WALL_COLOURS
 
 _BACK_M = {"level": 11.0, "shop": 8.5, "bays": 7.0, "green": 2.2}
-"""What may lie behind the first field of bays, and the depth that each needs."""
+"""Possible uses behind the first field of bays, with the depth that each needs."""
 _AISLE_M = 5.4
 _ISLAND_M = 2.6
 _RISE_M = 1.0
 """Height of the upper level."""
 _RAMP_M = 9.0
 _LEVEL_V_M = 17.4
-"""Where an upper level begins."""
+"""Start of an upper level, v."""
 
 
 @dataclass(slots=True)
@@ -70,6 +70,7 @@ class Parking:
     def _use_back(self, rest: float) -> None:
         """An upper level, a shop, a row of bays or green, whatever fits the rest of the depth."""
         uses = [use for use, least in _BACK_M.items() if rest >= least]
+        # The three largest uses that fit: a deep parcel is not left to green alone.
         match self.ground.draw.one_of(uses[:3]) if uses else "":
             case "level":
                 self._raise_level(rest)
@@ -89,8 +90,9 @@ class Parking:
         self._strip = ground.stand("lawn", 0, depth - size[0] / 2 - 0.1, size, margin=0.0)
 
     def _span(self) -> tuple[float, float]:
-        """From where to where along u there are bays, between island and aisle."""
+        """Ends of the bays along u, between island and aisle."""
         half = self.ground.parcel.width / 2
+        # A narrow car park has neither island nor aisle.
         if half < 10:
             return (-half + 0.2, half - 0.2)
         inner, outer = half - _AISLE_M, half - _ISLAND_M - 0.6
@@ -124,6 +126,7 @@ class Parking:
         if self._level is None:
             return
         ramp = {"form": "ramp", "finish": "asphalt"}
+        # The ramp lies in the aisle and ends where the upper level begins.
         u = self._side * (half - _AISLE_M / 2)
         v = _LEVEL_V_M - _RAMP_M / 2
         size = (_RAMP_M, _AISLE_M - 0.8, _RISE_M)
@@ -133,7 +136,7 @@ class Parking:
         self._rail(platform)
 
     def _rail(self, platform: Platform) -> None:
-        """A railing along the upper level's edge, but for where the ramp arrives."""
+        """A railing along the upper level's edge, apart from the head of the ramp."""
         ground, half = self.ground, self.ground.parcel.width / 2
         long = round(2 * half - _AISLE_M - 0.6, 2)
         u = -self._side * (half - long / 2 - 0.3)

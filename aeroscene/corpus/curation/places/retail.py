@@ -34,7 +34,7 @@ class Retail:
     _shelter: Placed | None = None
     _fields: list[BayField] = field(default_factory=list)
     _front: float = 0.0
-    """Where the hall begins, v."""
+    """Beginning of the hall, v."""
 
     def structures(self) -> Iterator[None]:
         """The hall; then bays, the roof over its entrance, a shelter for trolleys."""
@@ -42,6 +42,7 @@ class Retail:
         ground.cover("parking_lot", {"rows": 0, "form": "bays"})
         width, depth = ground.parcel.width, ground.parcel.depth
         deep = round(min(draw.between(*_HALL_DEEP_M), max(10.0, 0.5 * depth)), 2)
+        # Without depth for one row of bays before it there is no hall.
         if depth - deep >= _ONE_ROW_M:
             size = (deep, round(min(width - 2.0, 36.0), 2), draw.between(5.2, 6.8))
             look = {**paint(draw), "form": "hall"}

@@ -1,4 +1,4 @@
-"""Vehicles at rest and bicycles in racks, lamps and benches along ways."""
+"""Parked vehicles and bicycles in racks, lamps and benches along paths."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _LONGEST_M = {"car": 4.8, "van": 5.6}
 def park(
     bearing: Bearing, name: str, frame: Frame, u: float, v: float, turn: float
 ) -> Placed | None:
-    """A vehicle with some paint."""
+    """Park a vehicle with a drawn colour, or return None if it does not fit."""
     length, width, height = bearing.draw.size_of(name, 0.25)
     size = (min(length, _LONGEST_M.get(name, length)), width, height)
     look = paint(bearing.draw)
@@ -24,7 +24,7 @@ def park(
 
 
 def rack_bicycles(bearing: Bearing, frame: Frame, u: float, v: float, count: int) -> None:
-    """Bicycles side by side along the frame's x axis."""
+    """Place bicycles side by side along the frame's x axis."""
     for index in range(count):
         at = u + (index - (count - 1) / 2) * 0.75
         size = (1.75, 0.55, 1.05)
@@ -34,19 +34,20 @@ def rack_bicycles(bearing: Bearing, frame: Frame, u: float, v: float, count: int
 def line_way(
     bearing: Bearing, frame: Frame, span: tuple[float, float], reach: float
 ) -> Iterator[None]:
-    """Benches in pairs beside a way along the frame's x axis, facing it; bins and lamps between.
+    """Place benches in pairs beside a path, facing it, with bins and lamps between.
 
     Args:
-        bearing: What they stand on.
-        frame: x along the way, in its middle.
-        span: From where to where along the way.
-        reach: Half the way's width.
+        bearing: Surface that carries them.
+        frame: Frame in the middle of the path, x along it.
+        span: Ends along the path, m.
+        reach: Half the path's width, m.
     """
     low, high = span
     count = max(1, int((high - low) / 7.0))
     spots = [low + (index + 0.5) * (high - low) / count for index in range(count)]
     for index, at in enumerate(spots):
         sides = (-1, 1) if index % 2 else (1, -1)
+        # A short path has benches on both sides, a long one on alternating sides.
         for side in sides[: 2 if count < 4 else 1]:
             _bench(bearing, frame, at, side, reach)
         if index % 2 == 0:

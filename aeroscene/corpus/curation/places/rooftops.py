@@ -1,4 +1,4 @@
-"""What covers buildings, and what stands on roofs: machines in rows, solar arrays, gardens."""
+"""Roofs of buildings, and equipment on them: machines in rows, solar arrays, gardens."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from aeroscene.solids.shapes.roofs import ROOF_SLAB_M
 
 PARAPET_RISE_M = 0.45
 _INSET_M = 0.5
-"""Distance from a roof's edge to what stands on it: the parapet and a hand's breadth."""
+"""Distance of equipment from a roof's edge: the parapet and a hand's breadth."""
 _OVERHANG_M = 0.4
 """Eaves beyond the wall."""
 MONOPITCH_SLOPE = 0.12
@@ -24,11 +24,11 @@ MONOPITCH_SLOPE = 0.12
 _SOLAR_M = (1.5, 3.0, 0.75)
 _DECK_M = 0.15
 TILES = ("roof_red", "roof_slate")
-"""What pitched roofs are covered with."""
+"""Tiles of pitched roofs."""
 
 
 def add_flat_roof(builder: Builder, building: Placed, *, parapet: bool = True) -> Placed | None:
-    """A slab over a building's outline, with a parapet."""
+    """Add a slab over a building's outline, with a parapet."""
     x, y, _ = building.size
     height = ROOF_SLAB_M + (PARAPET_RISE_M if parapet else 0.0)
     size = (x, y, height)
@@ -36,19 +36,20 @@ def add_flat_roof(builder: Builder, building: Placed, *, parapet: bool = True) -
 
 
 def add_pitched_roof(builder: Builder, draw: Draw, building: Placed) -> Placed | None:
-    """A gable or hip roof with overhanging eaves; its ridge runs along the longer side."""
+    """Add a gable or hip roof with overhanging eaves; its ridge runs along the longer side."""
     x, y, _ = building.size
     run, span = max(x, y), min(x, y)
     size = (run + 2 * _OVERHANG_M, span + 2 * _OVERHANG_M, round(0.32 * span, 2))
     look = {"form": draw.one_of(("gable", "hip")), "tiles": draw.one_of(TILES)}
+    # The ridge of a roof runs along its x axis.
     spot = building.frame.moved(0, 0, 0.0 if x >= y else QUARTER)
     return builder.place("roof", spot, size, parent=building, look=look)
 
 
 def add_row_roof(builder: Builder, building: Placed, tiles: str) -> Placed | None:
-    """A gable roof for a building in a row; its ridge runs along the row.
+    """Add a gable roof for a building in a row; its ridge runs along the row.
 
-    It ends flush with all four walls, because a neighbour may stand at either side and the
+    It ends flush with all four walls, because a neighbour may stand at either side, and the
     pavement begins at the front.
     """
     deep, length, _ = building.size
@@ -59,15 +60,16 @@ def add_row_roof(builder: Builder, building: Placed, tiles: str) -> Placed | Non
 
 
 def add_monopitch_roof(builder: Builder, building: Placed) -> Placed | None:
-    """One plane that rises towards the building's front, gentle enough to land on."""
+    """Add one plane that rises towards the building's front, gentle enough to land on."""
     x, y, _ = building.size
     size = (x + 2 * _OVERHANG_M, y + 2 * _OVERHANG_M, round(0.2 + MONOPITCH_SLOPE * x, 2))
     return builder.place("roof", building.frame, size, parent=building, look={"form": "shed"})
 
 
 def add_chimney(builder: Builder, draw: Draw, roof: Placed) -> None:
-    """A stack that rises through a pitched roof near its ridge."""
+    """Add a stack that rises through a pitched roof near its ridge."""
     u = draw.between(-0.3, 0.3) * roof.size[0]
+    # The foot is inside the roof, below its plane; the stack ends 0.8 m above the ridge.
     foot = roof.base + 0.45 * roof.size[2]
     size = (0.7, 0.7, round(0.55 * roof.size[2] + 0.8, 2))
     builder.place("chimney", roof.frame.moved(u, 0.06 * roof.size[1]), size, base=foot, parent=roof)
@@ -83,7 +85,7 @@ class RoofTop:
     half_v: float
 
     def at_end(self, side: int, share: float) -> tuple[float, float]:
-        """Borders of the share of the roof that lies towards one end (1 or -1)."""
+        """Borders of the share of the roof at one end (1 or -1), as u."""
         inner, outer = side * self.half_u * (1 - 2 * share), side * self.half_u
         return (min(inner, outer), max(inner, outer))
 
@@ -97,7 +99,7 @@ def roof_top(builder: Builder, draw: Draw, roof: Placed) -> RoofTop:
 
 
 def furnish_flat_roof(builder: Builder, draw: Draw, roof: Placed) -> Iterator[None]:
-    """Machines along one edge; at one end a solar array, a pad or nothing but room to land."""
+    """Furnish a flat roof: machines along one edge; panels, a pad or nothing at one end."""
     top = roof_top(builder, draw, roof)
     side = 1 if draw.chance(0.5) else -1
     use = draw.one_of(("solar", "solar", "pad", "open"))
@@ -163,7 +165,7 @@ def _pad(top: RoofTop, side: int) -> Iterator[None]:
 
 
 def lay_roof_deck(builder: Builder, draw: Draw, roof: Placed) -> Placed | None:
-    """Boards over one end of a flat roof."""
+    """Lay boards over one end of a flat roof, or return None if it is too small."""
     top = roof_top(builder, draw, roof)
     length, width = min(6.0, 0.8 * top.half_u), min(5.5, 2 * top.half_v - 0.4)
     if min(length, width) < 3.0:

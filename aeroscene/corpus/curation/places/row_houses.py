@@ -33,7 +33,7 @@ class RowHouses:
     _terraces: list[Placed] = field(default_factory=list)
     _setback: float = 0.0
     _back: float = 0.0
-    """Where the houses end and the back gardens begin, v."""
+    """End of the houses and beginning of the back gardens, v."""
 
     def structures(self) -> Iterator[None]:
         """The row with its roofs; then a hedge in front, fences between gardens, sheds."""
@@ -52,6 +52,7 @@ class RowHouses:
             roof = add_row_roof(ground.builder, house, tiles)
             self._roofs += [roof] if roof else []
             yield
+        # The last house has no neighbour; two houses alone are both fenced.
         for house in self._houses[: -1 if len(self._houses) > 2 else None]:
             self._part_gardens(house)
             yield
@@ -64,7 +65,7 @@ class RowHouses:
                 yield
 
     def _edge(self, house: Placed) -> float:
-        """Where a house's plot ends, u."""
+        """End of a house's plot, u."""
         u, _ = self.ground.parcel.frame.local(house.frame.x, house.frame.y)
         return u + house.size[1] / 2
 
@@ -124,6 +125,7 @@ class RowHouses:
         ground, draw, depth = self.ground, self.ground.draw, self.ground.parcel.depth
         u = self._edge(house) - house.size[1] / 2
         low, high = u - house.size[1] / 2 + 0.5, u + house.size[1] / 2 - 0.5
+        # A terrace belongs to the house that has the same middle.
         terrace = next(
             (t for t in self._terraces if abs(self._edge(t) - t.size[1] / 2 - u) < 1), None
         )

@@ -1,4 +1,4 @@
-"""Buildings wall to wall along a line: how the streets of a town are built up.
+"""Buildings wall to wall along a line, as the streets of a town are built up.
 
 A row is drawn as one length and cut into fronts of unequal width. Each front becomes a building of
 its own with its own colour and height, because towns grow house by house.
@@ -18,11 +18,11 @@ from aeroscene.solids.shapes.materials import WALL_COLOURS
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Fronts:
-    """How the buildings of a row look, and how wide their fronts are."""
+    """Look of the buildings of a row, and width of their fronts."""
 
     category: str = "building"
     width_m: float
-    """About the width of a front."""
+    """Typical width of a front."""
     least_m: float = 6.2
     """Narrowest front."""
     storeys: tuple[int, int]
@@ -31,11 +31,17 @@ class Fronts:
 
 
 def cut_fronts(ground: Ground, length_m: float, fronts: Fronts, *, is_even: bool) -> list[float]:
-    """Widths of the fronts that fill a length, in whole centimetres.
+    """Cut a length into fronts, in whole centimetres.
+
+    Args:
+        ground: Parcel, whose randomness is used.
+        length_m: Length to be filled.
+        fronts: Typical and least width.
+        is_even: True for equal widths.
 
     Returns:
-        Widths, m, that add up to `length_m`, or to a little less where all are equal. A length
-        below `least_m` gives no front.
+        Widths, m, that add up to `length_m`, or to a little less if all are equal. A length below
+        `least_m` gives no front.
     """
     draw = ground.draw
     most = int(length_m / fronts.least_m)
@@ -43,11 +49,13 @@ def cut_fronts(ground: Ground, length_m: float, fronts: Fronts, *, is_even: bool
         return []
     count = min(most, max(1, round(length_m / fronts.width_m)))
     if is_even:
+        # Rounded down, so that equal fronts never exceed the length.
         return [floor(100 * length_m / count) / 100] * count
     # A share of 1 is the narrowest front; what is left over goes to the fronts unevenly.
     spare = length_m - count * fronts.least_m
     shares = [draw.between(0.2, 1.0) for _ in range(count)]
     widths = [round(fronts.least_m + spare * share / sum(shares), 2) for share in shares]
+    # The last front takes the rounding of all others.
     widths[-1] = round(length_m - sum(widths[:-1]), 2)
     return widths
 
@@ -61,15 +69,15 @@ def raise_row(
     *,
     is_even: bool = False,
 ) -> list[Placed]:
-    """Buildings side by side along the parcel's u axis, their fronts to the street.
+    """Raise buildings side by side along the parcel's u axis, their fronts to the street.
 
     Args:
-        ground: The parcel.
-        span: From where to where along u, m.
-        v: Where the fronts stand, m from the street.
+        ground: Parcel.
+        span: Ends of the row along u, m.
+        v: Place of the fronts, m from the street.
         deep: Depth of the buildings, m.
-        fronts: How the buildings look.
-        is_even: Whether all have the same width and height, as houses that were built together.
+        fronts: Look of the buildings.
+        is_even: True if all have the same width and height, like houses that were built together.
 
     Returns:
         Buildings that found space, in the order of u.
@@ -90,6 +98,7 @@ def raise_row(
             at + width / 2,
             v + deep / 2,
             size,
+            # No margin, because neighbours share a wall.
             turn=STREETWARD,
             margin=0.0,
             look=look,

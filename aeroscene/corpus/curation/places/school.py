@@ -40,7 +40,7 @@ class School:
     _roof: Placed | None = None
     _is_flat: bool = False
     _yard_v: float = 0.0
-    """Depth of the yard: where the building begins."""
+    """Depth of the yard, to the beginning of the building."""
     _towers: list[Placed] = field(default_factory=list)
     _sand: Placed | None = None
     _court: Placed | None = None
@@ -98,6 +98,7 @@ class School:
             school = ground.erect("building", 0, v, size, look=look)
         if school is None:
             return
+        # A flat roof carries machines; a monopitch roof is a slope to land on.
         self._is_flat = draw.chance(0.6)
         if self._is_flat:
             self._roof = add_flat_roof(ground.builder, school)
@@ -152,7 +153,7 @@ class School:
             yield
 
     def details(self) -> Iterator[None]:
-        """Bicycles and benches, things to play with, trees, machines on the roof."""
+        """Bicycles and benches, playthings, trees, machines on the roof."""
         ground = self.ground
         roof = iter(())
         if self._roof and self._is_flat:

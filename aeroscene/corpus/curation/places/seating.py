@@ -1,4 +1,4 @@
-"""Tables with chairs that face them, tables laid for a meal, benches that look at something."""
+"""Tables with chairs that face them, tables laid for a meal, benches with a view."""
 
 from __future__ import annotations
 
@@ -24,12 +24,21 @@ _Seat = tuple[int, float]
 def set_table(
     bearing: Bearing, frame: Frame, u: float, v: float, *, turn: float = 0.0, chairs: int = 4
 ) -> tuple[Placed, list[_Seat]] | None:
-    """A table with chairs along its two long sides, each facing it.
+    """Place a table with chairs along its two long sides, each facing it.
+
+    Args:
+        bearing: Surface that carries them.
+        frame: Frame of the coordinates.
+        u: Middle of the table, m.
+        v: Middle of the table, m.
+        turn: Heading of the table in the frame, rad.
+        chairs: Most chairs.
 
     Returns:
-        The table and the seats whose chairs found space, or None where the table did not.
+        The table and the seats whose chairs found space, or None if the table found none.
     """
     size = (0.9, bearing.draw.between(1.2, 1.8), 0.74)
+    # Chairs share the table's wood, so that they look like a set.
     wood, form = bearing.draw.one_of(WOODS), bearing.draw.one_of(("legs", "trestle"))
     spot = frame.moved(u, v, turn)
     table = bearing.stand("table", spot, size, margin=0.1, look={"wood": wood, "form": form})
@@ -47,7 +56,7 @@ def set_table(
 
 
 def _seats(size: Vector3, count: int) -> list[_Seat]:
-    """Some seats of a table, alternately on one side and the other."""
+    """Seats of a table, alternately on one side and the other."""
     per_side = max(1, min((count + 1) // 2, int(size[1] / _SEAT_M)))
     spots = [
         (side, (index - (per_side - 1) / 2) * size[1] / per_side)
@@ -58,7 +67,7 @@ def _seats(size: Vector3, count: int) -> list[_Seat]:
 
 
 def lay_table(builder: Builder, draw: Draw, table: Placed, seats: Sequence[_Seat]) -> None:
-    """A plate and perhaps a cup before each of some seats."""
+    """Lay a plate and perhaps a cup before each of some seats."""
     reach = table.size[0] / 2
     for side, along in seats:
         items: list[tuple[str, float, float]] = [("plate", reach - 0.2, 0.0)]
@@ -71,7 +80,7 @@ def lay_table(builder: Builder, draw: Draw, table: Placed, seats: Sequence[_Seat
 def put_on(
     builder: Builder, draw: Draw, bearer: Placed, name: str, u: float, v: float, turn: float
 ) -> Placed | None:
-    """Lay something on an object's upper face."""
+    """Lay an object on another one's upper face, or return None if it does not fit."""
     spot = bearer.frame.moved(u, v, turn)
     return builder.place(name, spot, draw.size_of(name), parent=bearer, within=bearer)
 
@@ -79,7 +88,7 @@ def put_on(
 def dine(
     bearing: Bearing, frame: Frame, spots: list[tuple[float, float]], turn: float, chairs: int = 4
 ) -> Iterator[None]:
-    """Tables at some places of a frame; afterwards they are laid, one by one."""
+    """Place tables at some spots of a frame; afterwards lay them, one by one."""
     tables: list[tuple[Placed, list[_Seat]]] = []
     for u, v in spots:
         found = set_table(bearing, frame, u, v, turn=turn, chairs=chairs)
@@ -87,12 +96,13 @@ def dine(
             tables.append(found)
             yield
     for table, seats in tables:
+        # One or two of the seats, so that some places stay empty.
         lay_table(bearing.builder, bearing.draw, table, seats[: bearing.draw.count(1, 2)])
         yield
 
 
 def picnic(bearing: Bearing, frame: Frame, u: float, v: float, turn: float) -> Placed | None:
-    """A table between two benches that face it."""
+    """Place a table between two benches that face it."""
     length = bearing.draw.between(1.6, 2.0)
     form = {"form": "trestle"}
     size = (0.8, length, 0.74)

@@ -39,9 +39,9 @@ class Shops:
     _awnings: list[Placed] = field(default_factory=list)
     _flat: list[Placed] = field(default_factory=list)
     _front: float = 0.0
-    """Where the shops begin, v."""
+    """Beginning of the shops, v."""
     _back: float = 0.0
-    """Where the shops end and the yard begins, v."""
+    """End of the shops and beginning of the yard, v."""
 
     def structures(self) -> Iterator[None]:
         """The shops; then their awnings and roofs, a wall or a fence round the yard."""
@@ -51,6 +51,7 @@ class Shops:
         deep = min(draw.between(*_DEEP_M), round(depth - 2.6, 2))
         self._front = max(2.5, min(draw.between(*_PAVING_M), round(depth - deep - 0.1, 2)))
         self._back = round(self._front + deep, 2)
+        # Buildings are at least 6 m deep in the catalogue.
         if deep >= 6.2:
             span = (-width / 2 + 0.1, width / 2 - 0.1)
             self._shops = raise_row(ground, span, self._front, deep, _FRONTS)
@@ -73,6 +74,7 @@ class Shops:
     def _hang_awning(self, shop: Placed) -> None:
         """Canvas before a shop, in a colour of its own."""
         ground, draw = self.ground, self.ground.draw
+        # Every fourth shop has none.
         if draw.chance(0.25):
             return
         u, _ = ground.parcel.frame.local(shop.frame.x, shop.frame.y)

@@ -42,7 +42,7 @@ class Square:
     _fountain: Placed | None = None
     _cafe: Placed | None = None
     _edge: float = 0.0
-    """Where the open square ends, v."""
+    """End of the open square, v."""
 
     def structures(self) -> Iterator[None]:
         """The hall; then its tower and roof, the fountain, an awning, a kiosk."""
@@ -57,6 +57,7 @@ class Square:
         elif self._hall:
             self._roof = add_flat_roof(ground.builder, self._hall)
         yield
+        # A fountain needs space to walk round it.
         side_m = min(5.0, round(0.34 * self._edge, 2))
         if side_m >= 3.0:
             size = (side_m, side_m, 0.45)
@@ -93,6 +94,7 @@ class Square:
         self._hall = ground.erect("building", shift, v, size, margin=0.0, look=look)
         self._edge = round(depth - deep - 0.2, 2)
         if self._hall and has_tower:
+            # Towers are never of brick, so a brick hall has a tower of sand-coloured plaster.
             look = {"colour": colour if colour != "brick" else "sand", "form": "crown"}
             u = shift + side * (length / 2 + _TOWER_M / 2)
             size = (_TOWER_M, _TOWER_M, round(size[2] + draw.between(6.0, 9.0), 2))

@@ -27,7 +27,7 @@ class Station:
     ground: Ground
     _platforms: list[Placed] = field(default_factory=list)
     _shelters: list[tuple[Placed, Placed]] = field(default_factory=list)
-    """Shelter and the platform it stands on."""
+    """Each shelter with the platform that carries it."""
     _kiosk: Placed | None = None
     _green: Placed | None = None
 
@@ -62,6 +62,7 @@ class Station:
     def _spots(self) -> list[float]:
         """Middles of the platforms, v, with a lane before each."""
         depth = self.ground.parcel.depth
+        # One lane before each platform and one behind it.
         pitch = _PLATFORM_M[0] + 2 * _LANE_M
         first = _LANE_M + _PLATFORM_M[0] / 2 + 0.4
         count = max(1, min(3, 1 + int((depth - first - _PLATFORM_M[0] / 2 - _LANE_M) / pitch)))
@@ -108,7 +109,9 @@ class Station:
         for side in (-1, 1):
             for platform in self._platforms:
                 length = min(draw.between(10.0, 12.0), round(0.8 * platform.size[0], 2))
+                # Shorter platforms have no room for a bus.
                 if length < 8.5:
+                    # The bus is 2.55 m wide and keeps 0.4 m from the kerb.
                     continue
                 room = (platform.size[0] - length) / 2
                 at = draw.between(-0.8, 0.8) * max(0.0, room)

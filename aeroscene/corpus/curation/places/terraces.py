@@ -37,7 +37,7 @@ class Terraces:
     _steps: list[Placed] = field(default_factory=list)
     """Terraces from low to high."""
     _stairs: list[float] = field(default_factory=list)
-    """Where stairs arrive at each of them, u."""
+    """Place of the stairs that arrive at each of them, u."""
     _lowest: float = 0.0
     """Depth of the strip at the street."""
     _pavilion: Placed | None = None
@@ -53,6 +53,7 @@ class Terraces:
         for number in range(len(self._steps)):
             self._retain(number)
             yield
+            # The house comes early, right after the first walls: it characterises the place.
             if number == 0:
                 self._raise_house()
                 yield
@@ -84,9 +85,11 @@ class Terraces:
             terrace = ground.stand("terrain", 0, v, size, turn=INWARD, margin=0.0, look=earth)
             if terrace is None:
                 return
+            # Stairs stand on the terrace below, so that one has to exist before.
             self._climb(self._steps[-1] if self._steps else None, u, strip * (index + 1) - 0.05)
             self._steps.append(terrace)
             self._stairs.append(u)
+            # Stairs change sides from terrace to terrace.
             u = -u
 
     def _climb(self, below: Placed | None, u: float, front: float) -> None:
@@ -125,7 +128,9 @@ class Terraces:
         v = self._lowest * (number + 1) - 0.05 - _WALL_M[0] / 2
         colour = {"colour": "sand"}
         gap = _STEPS_M[1] / 2 + 0.02
+        # Walls are cut at the stairs.
         for low, high in ((-half, self._stairs[number] - gap), (self._stairs[number] + gap, half)):
+            # 24 m is the longest wall of the catalogue.
             size = (_WALL_M[0], round(min(high - low, 24.0), 2), _RISE_M + _WALL_M[1])
             if size[1] > 1.0:
                 spot = ground.parcel.frame.moved((low + high) / 2, v, INWARD)

@@ -1,4 +1,4 @@
-"""Several growths of one place, taken in turn."""
+"""Interleaving of several growths of one place."""
 
 from __future__ import annotations
 
@@ -6,7 +6,10 @@ from collections.abc import Iterator
 
 
 def in_turn(*growths: Iterator[None]) -> Iterator[None]:
-    """One step of each growth after another, until none is left."""
+    """Take one step of each growth after another, until none is left.
+
+    A scene that fills up early then has a little of everything, instead of all of the first growth.
+    """
     growing = list(growths)
     while growing:
         for growth in tuple(growing):

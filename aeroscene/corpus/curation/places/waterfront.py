@@ -30,9 +30,9 @@ _DRAUGHT_M = 0.03
 _JETTY_M = 3.0
 _JETTY_PITCH_M = 15.0
 _MARINA_PITCH_M = 9.0
-"""Quay for each jetty: a marina's berths lie as close as hulls allow."""
+"""Length of quay for each jetty: a marina's berths lie as close as hulls allow."""
 _BERTH_M = 0.35
-"""Gap between a hull and what it is moored to."""
+"""Gap between a hull and its mooring."""
 
 
 @dataclass(slots=True)
@@ -42,7 +42,7 @@ class Waterfront:
     ground: Ground
     is_marina: bool = False
     _edge: float = 0.0
-    """Where the quay ends and the water begins, v."""
+    """End of the quay and beginning of the water, v."""
     _water: Placed | None = None
     _jetties: list[Placed] = field(default_factory=list)
     _pavilion: Placed | None = None
@@ -58,6 +58,7 @@ class Waterfront:
         pitch, most = (_MARINA_PITCH_M, 7) if self.is_marina else (_JETTY_PITCH_M, 4)
         count = max(1, min(most, int(2 * half / pitch)))
         for index in range(count):
+            # Jetties at equal distances, about the middle of the quay.
             self._build_jetty((index - (count - 1) / 2) * 2 * half / count)
             yield
         side = 1 if draw.chance(0.5) else -1
@@ -90,6 +91,7 @@ class Waterfront:
         rest = round(parcel.depth - self._edge, 2)
         size = (parcel.width, self._edge, _QUAY_M)
         spot = parcel.frame.moved(0, self._edge / 2)
+        # Built directly: `cover` would put one surface over the whole parcel.
         ground.surface = ground.builder.place("plaza", spot, size, base=parcel.level)
         form = {"form": "open"}
         v, size = self._edge + rest / 2, (parcel.width, rest, _WATER_M)
@@ -97,7 +99,7 @@ class Waterfront:
         self._water = ground.builder.place("water", spot, size, base=parcel.level, look=form)
 
     def _afloat(self, water: Placed) -> Platform:
-        """The water as something to lie in."""
+        """The water as a surface to float in."""
         ground = self.ground
         return Platform(ground.builder, ground.draw, water, water.base + _DRAUGHT_M)
 
@@ -108,6 +110,7 @@ class Waterfront:
         if water is None or rest < 7:
             return
         long = round(min(12.0, rest - 3.0), 2)
+        # The jetty's planks are level with the quay, whose height counts from the ground.
         size = (long, _JETTY_M, round(_QUAY_M - _DRAUGHT_M, 2))
         spot = ground.parcel.frame.moved(u, self._edge + long / 2 + 0.02, INWARD)
         jetty = self._afloat(water).stand("deck", spot, size, margin=0.0)

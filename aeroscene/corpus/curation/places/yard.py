@@ -23,7 +23,7 @@ from aeroscene.corpus.curation.places.roadside import park
 from aeroscene.corpus.curation.places.turns import in_turn
 
 _PITCH_M = 3.0
-"""Pitch of the containers in a row."""
+"""Distance between the middles of containers in a row."""
 _LANE_M = 6.5
 _GATE_M = 7.0
 
@@ -61,6 +61,7 @@ class Yard:
             self._stack(*spot)
             yield
         gate = (self._side * half / 2 - _GATE_M / 2, self._side * half / 2 + _GATE_M / 2)
+        # The fence comes before the last stacks, because it shows the place's use.
         yield from enclose(ground, "mesh", 2.0, gate)
         for spot in spots[6:]:
             self._stack(*spot)
@@ -77,6 +78,7 @@ class Yard:
             rows.append(back - long - _LANE_M)
         spots: list[tuple[float, float, float]] = []
         for row, v in enumerate(rows):
+            # The second row is half as long, so that trucks reach the first.
             usable = count if row == 0 else count // 2
             order = range(usable)
             # Stacks stand close together from one side on, and leave the other side open.
@@ -151,6 +153,7 @@ class Yard:
         size = draw.size_of("water_tank")
         ground.stand("water_tank", -self._side * (half - 2.2), depth - 2.4, size)
         yield
+        # The topmost containers are the only ones with a free upper face.
         for top in self._stacks[:3]:
             draw_size = (0.6, 0.6, 0.5)
             on_top(ground, top).stand("crate", top.frame.moved(draw.between(-2, 2), 0.0), draw_size)

@@ -1,1 +1,1 @@
-"""Kinds of rooms: which furniture stands where, and what lies on it."""
+"""Kinds of rooms: the furniture of each, its places, and the objects on it."""

@@ -13,21 +13,21 @@ from aeroscene.scene import Vector3
 _CLEAR_M = {"toilet": 0.6, "basin": 0.7, "bath": 0.6}
 """Depth of the floor that stays clear before each fitting, as building codes ask for."""
 _ASIDE_M = {"toilet": 0.15, "basin": 0.05, "bath": GAP_M}
-"""Least distance from the sides of a fitting to a wall or to something else."""
+"""Least distance from the sides of a fitting to a wall or another object."""
 _STEP_M = 0.12
 """Distance between the places along a wall that are tried."""
 _BOOTH_M = 0.9
 """Distance between the middles of toilets side by side."""
 _TROUGH_M2 = 14.0
-"""Washrooms above this size have two troughs."""
+"""Area from which washrooms have two troughs."""
 _SMALL_M2 = 12.6
-"""Bathrooms up to this size have a shower and a single basin."""
+"""Area up to which bathrooms have a shower and a single basin."""
 _TUB_M = 1.62
 """Shortest tub."""
 
 
 def furnish_bathroom(room: Interior) -> Iterator[None]:
-    """A tub or a shower, a toilet and a basin; then towels on a shelf, a cabinet, a bin."""
+    """Stand a tub or a shower, a toilet and a basin; then towels on a shelf, a cabinet, a bin."""
     draw = room.draw
     # The bath needs a corner, and the toilet fits below windows.
     if room.area > _SMALL_M2:
@@ -40,6 +40,7 @@ def furnish_bathroom(room: Interior) -> Iterator[None]:
         wide = draw.between(1.2, 1.4)
     form = draw.one_of(("pedestal", "vanity")) if wide < 0.9 else "vanity"
     basin = (draw.between(0.46, 0.54), wide, 0.95)
+    # The drawn basin first, then the smallest one.
     for size in (basin, (0.42, 0.46, 0.9)):
         if stand_fittings(room, "basin", size, look={"form": form}):
             break
@@ -58,7 +59,7 @@ def furnish_bathroom(room: Interior) -> Iterator[None]:
 
 
 def furnish_washroom(room: Interior) -> Iterator[None]:
-    """A row of toilets along one wall and troughs to wash at along another, bins, a shelf."""
+    """Stand toilets along one wall and troughs to wash at along another, then bins and a shelf."""
     draw = room.draw
     side = room.long_side()
     count = max(1, min(5, int(room.wall(side)[1] // 1.3)))
@@ -86,7 +87,7 @@ def furnish_washroom(room: Interior) -> Iterator[None]:
 
 
 def _stand_bath(room: Interior) -> None:
-    """A tub along a wall, or a shower where the tub has no space or by chance."""
+    """A tub along a wall, or a shower if the tub has no space, and sometimes by chance."""
     draw = room.draw
     if room.area > _SMALL_M2 and draw.chance(0.6):
         tub = (draw.between(0.72, 0.8), draw.between(_TUB_M, 1.8), draw.between(0.55, 0.6))
@@ -104,7 +105,7 @@ def _toilet_size(room: Interior) -> Vector3:
 
 
 def _toilet(room: Interior) -> Attributes:
-    """The form that all toilets of a room have."""
+    """The form that all toilets of a room share."""
     return {"form": room.draw.one_of(("cistern", "panel", "open"))}
 
 
@@ -120,7 +121,7 @@ def stand_fittings(
     """Stand fittings with their backs to a wall, and keep the floor before them clear.
 
     Tries the corners first, then the places between them, along the walls in a random order with
-    `side` first. Where no wall has space for a row, it has one fitting less.
+    `side` first. If no wall has space for a row, the row gets one fitting less.
 
     Args:
         room: Room to furnish.
@@ -130,6 +131,9 @@ def stand_fittings(
         pitch: Distance between the middles of neighbours, m.
         side: Wall to try first.
         look: Attributes of each fitting.
+
+    Returns:
+        The fittings that stand, at most `count`.
     """
     walls = [room.sides[i] for i in room.draw.shuffled(range(len(room.sides)))]
     walls.sort(key=lambda wall: wall != side)
@@ -160,6 +164,7 @@ def _stand_row(
     n_steps = int(play // _STEP_M)
     between = room.draw.shuffled(range(1, n_steps)) if n_steps > 1 else []
     first = -length / 2 + long / 2
+    # Both corners first, then random places between them.
     for start in (first, first + play, *(first + step * play / n_steps for step in between)):
         # The wall itself bounds the space at the back and at the sides. People stand before
         # fittings where they walk through doors, too, and before two fittings at one place.

@@ -11,11 +11,11 @@ from aeroscene.corpus.curation.rooms.tables import seats
 
 _BED_M = (2.05, 0.95, 0.62)
 _BED_PITCH_M = 2.4
-"""Distance between the middles of beds side by side: a nightstand, a chair and a way between."""
+"""Distance between the middles of beds side by side, with a nightstand, a chair and a passage."""
 
 
 def furnish_ward(room: Interior) -> Iterator[None]:
-    """Beds side by side with a nightstand and a chair each, wardrobes, a table, a screen."""
+    """Stand beds side by side with a nightstand and a chair each, wardrobes, a table, a screen."""
     draw = room.draw
     frame, length = room.wall(room.long_side())
     count = max(1, int((length - 0.4) // _BED_PITCH_M))
@@ -25,6 +25,7 @@ def furnish_ward(room: Interior) -> Iterator[None]:
         spot = frame.moved(at, _BED_M[0] / 2 + GAP_M, pi / 2)
         bed = room.stand("bed", spot, _BED_M, look={"form": "posts"})
         beds += [bed] if bed else []
+    # A ward too small for a row has one bed at any wall.
     if not beds:
         bed = room.against(room.some_side(), "bed", _BED_M)
         beds += [bed] if bed else []
@@ -36,6 +37,7 @@ def furnish_ward(room: Interior) -> Iterator[None]:
         room.beside(bed, "chair", -0.2, -v - 0.06, pi / 2, (0.5, 0.5, 0.85))
         yield
     for wardrobe in room.lined(room.some_side(), "wardrobe", len(beds), (0.55, 0.8, 1.9)):
+        # On the other side of the bed than the nightstand, and facing it.
         strew(room, wardrobe, CARTONS, 1)
     yield
     cabinet = room.against(room.some_side(), "cabinet", (0.45, 1.2, 0.9))
@@ -56,7 +58,7 @@ def furnish_ward(room: Interior) -> Iterator[None]:
 
 
 def furnish_practice(room: Interior) -> Iterator[None]:
-    """A doctor's desk with a chair, a couch, worktops and shelves, an armchair for the patient."""
+    """Stand a doctor's desk with a chair, a couch, worktops and shelves, and an armchair."""
     draw = room.draw
     desk = room.anywhere("desk", (0.8, 1.6, 0.74), keep=0.75) or room.against(
         room.some_side(), "desk", (0.8, 1.5, 0.74)
@@ -81,9 +83,10 @@ def furnish_practice(room: Interior) -> Iterator[None]:
 
 
 def furnish_waiting(room: Interior) -> Iterator[None]:
-    """Chairs in rows along the walls, low tables with books, a screen, plants."""
+    """Stand chairs in rows along the walls, low tables with books, a screen, plants."""
     size = (0.52, 0.52, 0.84)
     for number, side in enumerate(room.sides):
+        # Corners stay free, where two rows would meet.
         count = max(1, int((room.wall(side)[1] - 1.6) // 0.6))
         room.lined(side, "chair", min(count, 6), size, gap=0.06)
         yield

@@ -1,4 +1,4 @@
-"""What lies on furniture: on desks, worktops and cabinets, and on the boards of shelves."""
+"""Contents of furniture: objects on desks, worktops and cabinets, and on the boards of shelves."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from aeroscene.scene import Vector3
 from aeroscene.solids.shapes.storage import shelf_boards
 
 _SLOT_M = 0.44
-"""Length of furniture for one thing."""
+"""Length of furniture for one object."""
 _SIDE_M = 0.03
 """Thickness of a shelf's sides."""
 _RIM_M = 0.02
-"""Distance of what lies on furniture from its edges."""
+"""Distance of objects on furniture from its edges."""
 _BETWEEN_M = 0.11
 """Thickness of a shelf's board and the air below it."""
 
@@ -27,9 +27,15 @@ CARTONS = ("box",)
 
 
 def strew(room: Interior, bearer: Placed | None, names: Sequence[str], count: int) -> None:
-    """Lay so many things along a piece of furniture, each at a place of its own.
+    """Lay objects along a piece of furniture, each at a place of its own.
 
-    Things that are too large for the furniture, or in the way of what lies there, are left out.
+    Objects that are too large for the furniture, or in the way of others, are left out.
+
+    Args:
+        room: Room of the furniture.
+        bearer: Furniture; None does nothing, which saves callers a test.
+        names: Categories, drawn for each object.
+        count: Most objects.
     """
     if bearer is None:
         return
@@ -40,13 +46,21 @@ def strew(room: Interior, bearer: Placed | None, names: Sequence[str], count: in
 
 
 def stock(room: Interior, shelf: Placed | None, names: Sequence[str] = BOOKS) -> None:
-    """Fill the boards of an open shelf that its own shape leaves empty: every other one."""
+    """Fill the boards of an open shelf that its own shape leaves empty: every other one.
+
+    Args:
+        room: Room of the shelf.
+        shelf: Open shelf; None does nothing.
+        names: Categories, drawn for each object.
+    """
     if shelf is None:
         return
     boards = shelf_boards(shelf.size[2])
+    # All boards have the height of the uppermost.
     height = (shelf.size[2] - boards[-1]) - _BETWEEN_M
     slots = max(1, int((shelf.size[1] - 2 * _SIDE_M) / _SLOT_M))
     for rise in boards[1::2]:
+        # One slot of each board stays empty, unless it is the only one.
         for slot in room.draw.shuffled(range(slots))[: max(1, slots - 1)]:
             name = room.draw.one_of(names)
             size = _size_on_board(room, name, shelf.size[0], height)
@@ -57,9 +71,15 @@ def stock(room: Interior, shelf: Placed | None, names: Sequence[str] = BOOKS) ->
 def equip(
     room: Interior, desk: Placed | None, *, is_full: bool = True, end: float | None = None
 ) -> None:
-    """A chair before a desk, a screen and a cup at one end; a lamp and a book at the other if full.
+    """Equip a desk with a chair, a screen and a cup, and, if full, a lamp and a book.
 
-    A desk without space for a chair bears papers alone: nobody would look at its screen.
+    A desk without space for a chair carries papers alone: nobody would look at its screen.
+
+    Args:
+        room: Room of the desk.
+        desk: Desk; None does nothing.
+        is_full: Use the other end of the desk as well.
+        end: End of the screen along y, -1 or 1; drawn by default.
     """
     if desk is None:
         return
@@ -80,10 +100,11 @@ def equip(
 
 
 def _lay_at(room: Interior, bearer: Placed, name: str, u: float, v: float) -> None:
-    """Lay something at fractions of the way from the middle of furniture to its edges."""
+    """Lay an object at fractions of the way from the middle of furniture to its edges."""
     size = _size_on_top(room, name)
     reach_u, reach_v = ((bearer.size[i] - size[i]) / 2 - _RIM_M for i in (0, 1))
     if min(reach_u, reach_v) >= 0:
+        # Millimetres, like all places of objects.
         room.lie(bearer, name, round(u * reach_u, 3), round(v * reach_v, 3), size)
 
 
@@ -96,7 +117,7 @@ def _lay_in_slot(
     slots: int,
     rise: float | None = None,
 ) -> None:
-    """Lay something into one of the equal parts of furniture, on top or on a board.
+    """Lay an object into one of the equal parts of furniture, on top or on a board.
 
     On a board it stands at the back, which another shelf may touch.
     """
@@ -110,7 +131,7 @@ def _lay_in_slot(
 
 
 def _size_on_top(room: Interior, name: str) -> Vector3:
-    """A size that suits the top of furniture, of categories that stand on the floor too."""
+    """A size that suits the top of furniture, also for categories that stand on the floor."""
     draw = room.draw
     if name == "lamp":
         wide = draw.between(0.25, 0.3)
@@ -124,7 +145,7 @@ def _size_on_top(room: Interior, name: str) -> Vector3:
 
 
 def _size_on_board(room: Interior, name: str, deep: float, high: float) -> Vector3:
-    """A row of upright books, a box as high as the space on a board allows, or something else."""
+    """Size for a shelf's board: a row of upright books, a box of the free height, or as on top."""
     x, y, z = _size_on_top(room, name)
     if name == "book":
         return (round(min(0.2, deep - 0.06), 2), room.draw.between(0.28, 0.38), 0.26)

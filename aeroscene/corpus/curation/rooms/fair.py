@@ -1,4 +1,4 @@
-"""Halls in which things are shown: stands of a fair."""
+"""Exhibition halls: the stands of a fair."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from aeroscene.corpus.curation.rooms.interior import Interior
 from aeroscene.corpus.curation.rooms.tables import seats
 
 _BOOTH_M = (2.7, 3.4)
-"""Depth of a stand and its share of the aisle."""
+"""Depth of a stand, and its share of the aisle."""
 _AISLE_M = 3.2
 
 
@@ -19,17 +19,19 @@ def furnish_booths(room: Interior) -> Iterator[None]:
     x, y, _ = room.room.size
     along_y = y >= x
     deep, wide = _BOOTH_M
+    # Two stands back to back and an aisle across, one stand along.
     pitch = (2 * deep + _AISLE_M, wide) if along_y else (wide, 2 * deep + _AISLE_M)
     across, along = deep + 0.3, wide / 2 + 0.2
     rims = (across, along) if along_y else (along, across)
     for u, v in room.spots(*pitch, rims, is_tight=True):
+        # Two stands stand back to back at each place, and face opposite aisles.
         for turn in (0.0, pi) if along_y else (pi / 2, -pi / 2):
             yield from _booth(room, u, v, turn)
     yield from room.line_walls(("plant", "planter", "bench", "bin"), 6)
 
 
 def _booth(room: Interior, u: float, v: float, turn: float) -> Iterator[None]:
-    """Boards behind a desk with somebody's chair, a table for guests, a plant; the aisle ahead."""
+    """Boards behind a desk with a chair, a table for guests, a plant; the aisle is ahead."""
     draw = room.draw
     origin = Frame(u, v, turn)
     for side in (-1, 1):

@@ -15,13 +15,14 @@ def grid_spots(
 
     Args:
         size: Lengths of the room along x and y, m.
-        clear_end_m: How much of the longer one stays free, at its positive end.
+        clear_end_m: Part of the longer one that stays free, at its positive end.
         pitch: Least distances along x and y, m.
         rim: Distance from the walls, one or one along each axis, m.
-        is_tight: Whether the grid keeps to its pitch about the middle, or fills the room.
+        is_tight: True keeps the grid at its pitch about the middle; false spreads it over the room.
     """
     x, y = size
     shift_u, shift_v = 0.0, 0.0
+    # The part that stays free is cut from the longer side, and the rest moves away from it.
     if y >= x:
         y, shift_v = y - clear_end_m, -clear_end_m / 2
     else:
@@ -39,16 +40,17 @@ def grid_spots(
 
 
 def _spread(length: float, pitch: float) -> tuple[int, float]:
-    """How many points at least a pitch apart fit on a length, and how far apart they then are."""
+    """Number of points at least a pitch apart that fit on a length, and their distance."""
     if length < 0:
         return (0, 0.0)
+    # n places have n - 1 distances between them.
     count = int(length // pitch) + 1
     return (count, length / (count - 1) if count > 1 else 0.0)
 
 
 def middle_first(spots: list[tuple[float, float]], *, along: int = 1) -> list[tuple[float, float]]:
-    """Places in an order in which all rows grow alike, each from its middle.
+    """Order places so that all rows grow alike, each from its middle.
 
-    Rows run along y, or along x where `along` is 0.
+    Rows run along y, or along x if `along` is 0.
     """
     return sorted(spots, key=lambda spot: (abs(spot[along]), spot[along], spot[1 - along]))

@@ -1,4 +1,4 @@
-"""Rooms in which guests eat, and where their meals are made."""
+"""Rooms in which guests eat, and the kitchens that cook for them."""
 
 from __future__ import annotations
 
@@ -17,22 +17,23 @@ _TABLE_PITCH_M = (3.1, 2.6)
 
 
 def furnish_cafe(room: Interior) -> Iterator[None]:
-    """A bar along one wall and small tables with chairs, every other one laid."""
+    """Stand a bar along one wall and small tables with chairs, every other one laid."""
     yield from _bar(room)
     yield from _tables(room, (0.95, room.draw.between(1.6, 1.8), 0.74), laid_every=2)
     yield from _rim(room)
 
 
 def furnish_restaurant(room: Interior) -> Iterator[None]:
-    """Tables in rows, laid for their guests, a bar, sideboards, plants between."""
+    """Stand tables in rows, laid for their guests, a bar, sideboards, plants between."""
     yield from _tables(room, (0.9, room.draw.between(1.5, 1.7), 0.75), laid_every=1)
     yield from _bar(room)
     yield from _rim(room)
 
 
 def _tables(room: Interior, size: tuple[float, float, float], *, laid_every: int) -> Iterator[None]:
-    """Tables with four chairs on a grid that fills the room; some of them laid, two at a time."""
+    """Place tables with four chairs on a grid that fills the room; lay some, two at a time."""
     found: list[tuple[Placed, list[Placed]]] = []
+    # Rows that have a table, and ends of rows (place and side) that were interrupted.
     begun: set[float] = set()
     ended: set[tuple[float, bool]] = set()
     for u, v in middle_first(room.spots(*_TABLE_PITCH_M, (1.35, 1.05))):
@@ -80,7 +81,7 @@ def _rim(room: Interior) -> Iterator[None]:
 
 
 def furnish_galley(room: Interior) -> Iterator[None]:
-    """A kitchen for many: stoves and worktops in line, an island, fridges, stocked shelves."""
+    """Stand stoves and worktops in line, an island, fridges and stocked shelves."""
     draw = room.draw
     stove: Piece = ("stove", (0.7, 0.8, 0.92))
     top: Piece = ("counter", (0.7, draw.between(1.3, 1.8), 0.92))

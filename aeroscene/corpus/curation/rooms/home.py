@@ -20,12 +20,16 @@ from aeroscene.corpus.curation.rooms.tables import lay, lay_all, seats, stand_ta
 
 _ENDS = ("left", "right")
 _SMALL_M2 = 12.0
-"""Rooms up to this size have a bed for one, and a small table."""
+"""Area up to which rooms have a bed for one, and a small table."""
 
 
 def furnish_living(room: Interior) -> Iterator[None]:
-    """Sofa, coffee table and television in line; armchairs, shelves, lamps, plants, a table."""
+    """Stand sofa, coffee table and television in line; then armchairs, shelves, lamps, a table.
+
+    The sofa faces the television across the room.
+    """
     draw = room.draw
+    # Opposite walls, so that the sofa faces the television.
     side, other = _ENDS if draw.chance(0.5) else _ENDS[::-1]
     sofa = room.against(side, "sofa")
     table = room.in_front(sofa, "coffee_table", gap=0.45)
@@ -33,6 +37,7 @@ def furnish_living(room: Interior) -> Iterator[None]:
     cabinet = room.against(other, "cabinet", (0.45, draw.between(1.4, 1.8), 0.72))
     room.on(cabinet, "television", 0.0, 0.0)
     yield
+    # A lamp beside the sofa, at its head.
     if sofa:
         at = sofa.size[1] / 2 + 0.3
         stand = room.beside(sofa, "nightstand", -0.2, at, 0.0, (0.42, 0.5, 0.5))
@@ -63,7 +68,7 @@ def furnish_living(room: Interior) -> Iterator[None]:
 
 
 def furnish_bedroom(room: Interior) -> Iterator[None]:
-    """A bed between nightstands with lamps, a wardrobe, a desk, a chest of drawers, a shelf."""
+    """Stand a bed between nightstands with lamps, a wardrobe, a desk, drawers and a shelf."""
     draw = room.draw
     side, other = _ENDS if draw.chance(0.5) else _ENDS[::-1]
     wide = draw.between(0.9, 1.2) if room.area < _SMALL_M2 else draw.between(1.4, 1.8)
@@ -96,11 +101,12 @@ def furnish_bedroom(room: Interior) -> Iterator[None]:
 
 
 def _flank(room: Interior, bed: Placed | None) -> list[Placed]:
-    """Nightstands on either side of a bed's head."""
+    """Nightstands on both sides of a bed's head, as far as they fit."""
     if bed is None:
         return []
     found: list[Placed] = []
     for sign in (-1, 1):
+        # At the head, which is at the wall.
         u, v = -bed.size[0] / 2 + 0.21, sign * (bed.size[1] / 2 + 0.28)
         stand = room.beside(bed, "nightstand", u, v, 0.0, (0.42, 0.5, 0.5))
         found += [stand] if stand else []
@@ -108,7 +114,7 @@ def _flank(room: Interior, bed: Placed | None) -> list[Placed]:
 
 
 def furnish_kitchen(room: Interior) -> Iterator[None]:
-    """Fridge, worktop, stove and worktop in line along a wall, another worktop, a laid table."""
+    """Stand fridge, worktop, stove and worktop in line, another worktop, and a laid table."""
     draw = room.draw
     line = fit_line(room, _kitchen_line(room), draw.one_of(_ENDS))
     yield
@@ -136,8 +142,9 @@ def furnish_kitchen(room: Interior) -> Iterator[None]:
 
 
 def _kitchen_line(room: Interior) -> list[Piece]:
-    """What a kitchen's wall holds: two worktops where there is space for both, else one."""
+    """Furniture of a kitchen's wall: two worktops if there is space for both, else one."""
     draw = room.draw
+    # Without the fridge and the stove.
     space = max(room.room.size[:2]) - 1.4
     count = 2 if space >= 2.7 else 1
     tops = [
@@ -150,7 +157,7 @@ def _kitchen_line(room: Interior) -> list[Piece]:
 
 
 def furnish_dining(room: Interior) -> Iterator[None]:
-    """A long table laid for all its chairs, a sideboard, a cabinet of glasses."""
+    """Stand a long table laid for all its chairs, a sideboard, and a cabinet of glasses."""
     draw = room.draw
     table = stand_table(room, (1.0, draw.between(1.8, 2.3), 0.75))
     chairs = seats(room, table, 6)

@@ -1,4 +1,8 @@
-"""The moves that furnishing a room is made of: against a wall, around a table, on a desk."""
+"""Moves of which furnishing a room consists: against a wall, around a table, on a desk.
+
+Furnishing functions describe a room by these moves and never compute coordinates. Every move
+returns None if the object does not fit, so that a function can go on with the next one.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +19,8 @@ from aeroscene.solids.shapes.furniture import WOODS
 from aeroscene.solids.shapes.materials import FABRIC_COLOURS
 
 GAP_M = 0.03
-"""Gap between furniture and the wall behind it, and least gap between two things."""
+"""Gap between furniture and the wall behind it, and least gap between two objects."""
+# Places that are tried for an object before it is given up.
 _TRIES = 8
 
 _INDOOR_SIZES: dict[str, Vector3] = {
@@ -39,7 +44,15 @@ _BEARERS = frozenset(("cabinet", "counter", "shelf", "nightstand", "desk", "tabl
 
 
 class Interior:
-    """Furnishes one room."""
+    """One room that is being furnished.
+
+    Attributes:
+        draw: Randomness.
+        room: The room's box.
+        floor: Height on which furniture stands, m.
+        sides: Sides on which furniture can have a wall behind it.
+        bearers: Furniture on which small objects can lie.
+    """
 
     def __init__(
         self,
@@ -49,19 +62,24 @@ class Interior:
         sides: Sequence[str] = SIDES,
         clear_end_m: float = 0.0,
     ) -> None:
-        """Begin with an empty room that has walls on some of its sides.
+        """Begin with an empty room.
 
-        Rows leave `clear_end_m` of its longer side free, at the positive end.
+        Args:
+            builder: Builder of the scene.
+            draw: Randomness.
+            space: The room.
+            sides: Sides that have a wall; all if empty.
+            clear_end_m: Length of the longer side that rows leave free, at its positive end.
         """
         self._builder = builder
         self.draw = draw
         self.room = space.placed
         self.floor = space.floor
         self.sides = tuple(sides) or SIDES
-        """Sides on which furniture can have a wall in its back."""
+        """Sides on which furniture can have a wall behind it."""
         self._clear_end_m = clear_end_m
         self.bearers: list[Placed] = []
-        """Furniture on which small things can lie."""
+        """Furniture on which small objects can lie."""
         # One room, one taste: furniture shares its wood and upholstery its colour.
         self._style = {"wood": draw.one_of(WOODS), "colour": draw.one_of(FABRIC_COLOURS)}
         # Corners bear things too, so no table is round; every other board of an open shelf is free.
@@ -74,7 +92,7 @@ class Interior:
         }
 
     def _size_of(self, name: str) -> Vector3:
-        """A size; of what streets have larger, the one that suits rooms."""
+        """A size for a room; categories that are larger in streets have their own."""
         return _INDOOR_SIZES.get(name) or self.draw.size_of(name)
 
     @property
@@ -83,19 +101,19 @@ class Interior:
         return self.room.size[0] * self.room.size[1]
 
     def wall(self, side: str) -> tuple[Frame, float]:
-        """Frame in the middle of a wall's foot with v into the room, and the wall's length."""
+        """Frame in the middle of a wall's foot with v into the room, and the wall's length, m."""
         x, y, _ = self.room.size
         along, across, turn = _WALLS[side]
         frame = self.room.frame.moved(along * x / 2, across * y / 2, turn)
         return frame, y if along else x
 
     def depth(self, side: str) -> float:
-        """Distance from a wall to the opposite one, m."""
+        """Distance from a wall to the opposite one, m, which bounds what may stand before it."""
         x, y, _ = self.room.size
         return x if _WALLS[side][0] else y
 
     def some_side(self) -> str:
-        """A wall by chance."""
+        """Draw a wall, all that the room has being equally likely."""
         return self.draw.one_of(self.sides)
 
     def against(
@@ -106,11 +124,19 @@ class Interior:
         turn: float = 0.0,
         look: Attributes | None = None,
     ) -> Placed | None:
-        """Stand something with its back to a wall, or turned from that, where there is space.
+        """Stand an object with its back to a wall, or turned from that.
 
-        Where the side has no wall or no space, another wall takes it.
+        Another wall is tried if the side has no wall or no space.
+
+        Args:
+            side: Side to try first, one of `SIDES`.
+            name: Category.
+            size: Extents; drawn by default.
+            turn: Turn from the heading that has the back to the wall, rad.
+            look: Attributes.
         """
         size = size or self._size_of(name)
+        # A random order, with the wanted side before all others.
         others = [self.sides[i] for i in self.draw.shuffled(range(len(self.sides)))]
         for wall in (*(s for s in others if s == side), *(s for s in others if s != side)):
             placed = self._against(wall, name, size, turn, look)
@@ -122,6 +148,7 @@ class Interior:
         self, side: str, name: str, size: Vector3, turn: float, look: Attributes | None
     ) -> Placed | None:
         frame, length = self.wall(side)
+        # A quarter turn exchanges depth and width.
         is_square = abs(turn) % pi < 0.1
         deep, wide = (size[0], size[1]) if is_square else (size[1], size[0])
         reach = length / 2 - wide / 2 - GAP_M
@@ -138,10 +165,22 @@ class Interior:
     def lined(
         self, side: str, name: str, count: int, size: Vector3 | None = None, gap: float = 0.05
     ) -> list[Placed]:
-        """Stand several of a size side by side along a wall, beginning anywhere."""
+        """Stand several objects of one size side by side along a wall, from a random place.
+
+        Args:
+            side: Wall to try first.
+            name: Category.
+            count: Most objects.
+            size: Extents; drawn by default.
+            gap: Distance between neighbours, m.
+
+        Returns:
+            The objects that stand, in their order along the wall.
+        """
         size = size or self._size_of(name)
         first = self.against(side, name, size)
         row = [first] if first else []
+        # The row grows to one side until something is in the way, and then to the other.
         for sign in (-1.0, 1.0):
             while row and len(row) < count:
                 end = row[-1] if sign > 0 else row[0]
@@ -159,11 +198,23 @@ class Interior:
         turn: float = 0.0,
         look: Attributes | None = None,
     ) -> Placed | None:
-        """Stand something freely in the room, `keep` from everything."""
+        """Stand an object freely in the room.
+
+        Args:
+            name: Category.
+            size: Extents; drawn by default.
+            keep: Least distance from everything, walls too, m.
+            turn: Turn in the room's frame, rad.
+            look: Attributes.
+
+        Returns:
+            The object, or None if the room is too small or some tries found no place.
+        """
         size = size or self._size_of(name)
         x, y, _ = self.room.size
         across, along = (size[0], size[1]) if abs(turn) % pi < 0.1 else (size[1], size[0])
         reach_u, reach_v = x / 2 - across / 2 - keep, y / 2 - along / 2 - keep
+        # Too small a room for the distance on both sides.
         if min(reach_u, reach_v) < 0:
             return None
         for _ in range(_TRIES):
@@ -174,14 +225,24 @@ class Interior:
         return None
 
     def long_side(self) -> str:
-        """The longest wall."""
+        """Name of the longest wall."""
         return max(self.sides, key=lambda side: self.wall(side)[1])
 
     def in_ranks(
         self, side: str, name: str, size: Vector3, ranks: int, pitch: float = 1.0, gap: float = 0.1
     ) -> Iterator[None]:
-        """Stand ranks of equal things parallel to a wall, facing into the room, six a step."""
+        """Stand ranks of equal objects parallel to a wall, facing the room, six a step.
+
+        Args:
+            side: Wall behind the first rank.
+            name: Category.
+            size: Extents.
+            ranks: Number of ranks.
+            pitch: Distance between ranks, m.
+            gap: Distance between neighbours of a rank, m.
+        """
         frame, length = self.wall(side)
+        # Half a metre at both ends, to walk past.
         count = max(0, int((length - 1.0) // (size[1] + gap)))
         for rank in range(ranks):
             for index in range(count):
@@ -193,7 +254,12 @@ class Interior:
             yield
 
     def line_walls(self, names: Sequence[str], count: int) -> Iterator[None]:
-        """Stand so many of some kinds against walls, one a step."""
+        """Stand a number of objects of some categories against walls, one in each step.
+
+        Args:
+            names: Categories, drawn for each object; one that occurs twice is twice as likely.
+            count: Number of objects that are tried.
+        """
         for _ in range(count):
             self.against(self.some_side(), self.draw.one_of(names))
             yield
@@ -208,7 +274,17 @@ class Interior:
         keep: float = GAP_M,
         look: Attributes | None = None,
     ) -> Placed | None:
-        """Stand something at a place of the room, from its middle."""
+        """Stand an object at a place of the room, from its middle.
+
+        Args:
+            name: Category.
+            u: Place along the room's x axis, m.
+            v: Place along its y axis, m.
+            size: Extents; drawn by default.
+            turn: Turn in the room's frame, rad.
+            keep: Least distance from everything, m.
+            look: Attributes.
+        """
         size = size or self._size_of(name)
         return self.stand(name, self.room.frame.moved(u, v, turn), size, keep, look)
 
@@ -221,11 +297,17 @@ class Interior:
         turn: float,
         size: Vector3 | None = None,
     ) -> Placed | None:
-        """Stand something at a place in another object's frame."""
+        """Stand an object on the floor at a place in another object's frame, from its middle."""
         return self.stand(name, anchor.frame.moved(u, v, turn), size or self._size_of(name))
 
     def in_front(self, anchor: Placed | None, name: str, gap: float = 0.06) -> Placed | None:
-        """Stand something before an object's front, facing it."""
+        """Stand an object before another one's front, facing it.
+
+        Args:
+            anchor: Object; None does nothing, which saves callers a test.
+            name: Category.
+            gap: Distance between both, m.
+        """
         if anchor is None:
             return None
         size = self._size_of(name)
@@ -233,7 +315,7 @@ class Interior:
         return self.stand(name, anchor.frame.moved(u, 0.0, pi), size)
 
     def behind(self, anchor: Placed | None, name: str) -> Placed | None:
-        """Stand something behind an object, facing its back."""
+        """Stand an object behind another one, facing its back."""
         if anchor is None:
             return None
         size = self._size_of(name)
@@ -243,15 +325,16 @@ class Interior:
     def on(
         self, bearer: Placed | None, name: str, u: float, v: float, turn: float = 0.0
     ) -> Placed | None:
-        """Lay something on top of an object, at fractions of its half extents.
+        """Lay an object on top of another one, at fractions of its half extents.
 
-        Without a turn it shows its front to whoever sits before the object's.
+        Without a turn it shows its front to a person who sits before the lower object's front.
         """
         if bearer is None:
             return None
         size = self._size_of(name)
         if size[0] > bearer.size[0] - 0.04 or size[1] > bearer.size[1] - 0.04:
             return None
+        # The larger side counts on both axes, because the object may be turned.
         reach_u = bearer.size[0] / 2 - max(size[:2]) / 2 - 0.02
         reach_v = bearer.size[1] / 2 - max(size[:2]) / 2 - 0.02
         return self.lie(bearer, name, u * max(0.0, reach_u), v * max(0.0, reach_v), size, turn)
@@ -266,7 +349,7 @@ class Interior:
     ) -> list[tuple[float, float]]:
         """Places of a regular grid, row by row, at least a pitch apart and `rim` from the walls.
 
-        A tight grid keeps to the pitch about the middle, any other fills the room; both leave the
+        A tight grid keeps its pitch about the middle; any other fills the room. Both leave the
         room's clear end free.
         """
         return grid_spots(
@@ -284,7 +367,7 @@ class Interior:
         look: Attributes | None = None,
         rise: float | None = None,
     ) -> Placed | None:
-        """Lay something of a given size on something, at a place in its frame.
+        """Lay an object of a given size on another one, at a place in its frame.
 
         It lies on top, or on a board `rise` above the foot.
         """
@@ -300,16 +383,21 @@ class Interior:
         )
 
     def is_free(self, spot: Frame, size: Vector3, *, or_reserved: bool = False) -> bool:
-        """Whether nothing of the room stands in a box on its floor.
+        """Return true if nothing of the room stands in a box on its floor.
 
-        Air that is kept free, such as that before doors, counts as taken, unless `or_reserved`.
+        Reserved air, such as that before doors, counts as taken unless `or_reserved`.
         """
         return self._builder.is_free(
             spot, size, self.floor, inside=self.room, or_reserved=or_reserved
         )
 
     def keep_clear(self, placed: Placed, deep: float) -> None:
-        """Keep the floor before something's front clear of all that is placed from now on."""
+        """Keep the floor before an object's front clear of all that is placed from now on.
+
+        Args:
+            placed: Object.
+            deep: Depth of the floor that stays clear, m.
+        """
         spot = placed.frame.moved((placed.size[0] + deep) / 2, 0.0)
         self._builder.reserve(spot, (deep, placed.size[1], placed.size[2]), placed.base)
 
@@ -321,10 +409,15 @@ class Interior:
         margin: float = GAP_M,
         look: Attributes | None = None,
     ) -> Placed | None:
-        """Stand something on the floor at a place of the world, `margin` from everything."""
+        """Stand an object on the floor at a place of the world, `margin` from everything.
+
+        All other moves end here, which adds the room's style to the object's attributes.
+        """
+        # Low rooms, such as those under galleries, have no place for high furniture.
         if self.floor + size[2] > self.room.top:
             return None
         if name in _STYLED:
+            # A look that is given goes before the room's style.
             look = {**self._style, **(look or {})}
         if name in self._forms:
             look = {"form": self._forms[name], **(look or {})}

@@ -17,6 +17,14 @@ def fit_line(room: Interior, pieces: Sequence[Piece], side: str | None = None) -
     """Stand furniture end to end with its backs to a wall: in a corner, or in the middle.
 
     Tries the walls in a random order, a named one first, and then again without the last piece.
+
+    Args:
+        room: Room to furnish.
+        pieces: Categories and sizes, in order along the wall.
+        side: Wall to try first.
+
+    Returns:
+        The pieces that stand.
     """
     walls = [room.sides[i] for i in room.draw.shuffled(range(len(room.sides)))]
     walls.sort(key=lambda wall: wall != side)
@@ -29,17 +37,19 @@ def fit_line(room: Interior, pieces: Sequence[Piece], side: str | None = None) -
 
 
 def _free_start(room: Interior, pieces: Sequence[Piece], wall: str) -> float | None:
-    """Where along a wall the line may begin so that its pieces have the space they need."""
+    """Start of the line along a wall at which all its pieces have space; None if there is none."""
     frame, length = room.wall(wall)
     total = sum(size[1] for _, size in pieces)
     play = length - total - 2 * GAP_M
     if play < 0:
         return None
     low = -length / 2 + GAP_M
+    # The corners first, then the middle, then the quarters.
     for start in (low, low + play, low + play / 2, low + play / 4, low + 3 * play / 4):
         at, is_free = start, True
         for _, (deep, wide, high) in pieces:
             spot = frame.moved(at + wide / 2, deep / 2 + GAP_M, QUARTER)
+            # Two gaps, because a piece between others touches them without one.
             is_free = is_free and room.is_free(spot, (deep + 2 * GAP_M, wide + 2 * GAP_M, high))
             at += wide
         if is_free:
@@ -53,6 +63,7 @@ def _stand_line(room: Interior, pieces: Sequence[Piece], wall: str, start: float
     at = start
     for name, size in pieces:
         spot = frame.moved(at + size[1] / 2, size[0] / 2 + GAP_M, QUARTER)
+        # No margin: pieces of a line touch.
         placed = room.stand(name, spot, size, 0.0)
         found += [placed] if placed else []
         at += size[1]
@@ -68,7 +79,20 @@ def stand_pair(
     turn: float,
     look: Attributes | None = None,
 ) -> list[Placed]:
-    """Stand two alike back to back in the open, if there is space for both."""
+    """Stand two equal objects back to back in the open, if there is space for both.
+
+    Args:
+        room: Room to furnish.
+        name: Category.
+        u: Middle of the pair along the room's x axis, m.
+        v: Middle of the pair along its y axis, m.
+        size: Extents of one object.
+        turn: Turn of the first object in the room's frame, rad.
+        look: Attributes of each.
+
+    Returns:
+        The objects that stand.
+    """
     middle = room.room.frame.moved(u, v, turn)
     envelope = (2 * size[0] + 2 * GAP_M, size[1] + 2 * GAP_M, size[2])
     if not room.is_free(middle, envelope):

@@ -1,4 +1,4 @@
-"""Rooms in which people come together: lobbies, lounges, gardens, gyms, courts."""
+"""Rooms in which people meet: lobbies, lounges, gardens, gyms, courts."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _FLANKS = ("left", "right")
 
 
 def furnish_lobby(room: Interior) -> Iterator[None]:
-    """A reception desk, sofas before low tables, plants, full shelves, a sign."""
+    """Stand a reception desk, sofas before low tables, plants, full shelves, a sign."""
     draw = room.draw
     desk = room.against(room.some_side(), "counter", (0.75, draw.between(2.2, 3.0), 1.05))
     room.on(desk, "monitor", 0.0, 0.7)
@@ -28,6 +28,7 @@ def furnish_lobby(room: Interior) -> Iterator[None]:
     for _ in range(2):
         room.against(room.some_side(), "plant", (0.8, 0.8, 1.7))
         yield
+    # Islands of a planter between two benches, in the middle of the hall.
     for u, v in room.spots(4.6, 3.4, 2.2):
         room.put("bench", u + 0.75, v, (0.5, 1.9, 0.45), keep=0.2)
         room.put("planter", u, v, (0.7, 1.9, 0.9))
@@ -47,8 +48,9 @@ def furnish_lobby(room: Interior) -> Iterator[None]:
 
 
 def furnish_lounge(room: Interior) -> Iterator[None]:
-    """Groups of armchairs around low tables, sofas, standing tables, full shelves."""
+    """Stand armchairs around low tables, sofas, standing tables, full shelves."""
     spots = room.spots(3.2, 2.6, (1.8, 1.5))
+    # Every other place has a low table; the rest get high ones once the sofas stand.
     for u, v in spots[::2]:
         table = room.put("coffee_table", u, v, (0.9, 1.2, 0.45))
         seats(room, table, 2, "armchair")
@@ -70,9 +72,10 @@ def furnish_lounge(room: Interior) -> Iterator[None]:
 
 
 def furnish_corridor(room: Interior) -> Iterator[None]:
-    """Benches, plants, shallow cabinets and bins along the walls; the middle stays free."""
+    """Stand benches, plants, shallow cabinets and bins along the walls; the middle stays free."""
     draw = room.draw
     x, y, _ = room.room.size
+    # The long sides: furniture at the ends would block the passage.
     sides = [side for side in room.sides if (side in _FLANKS) == (x >= y)] or list(room.sides)
     for _ in range(2):
         cabinet = room.against(draw.one_of(sides), "cabinet", (0.38, draw.between(0.8, 1.2), 0.85))
@@ -88,7 +91,7 @@ def furnish_corridor(room: Interior) -> Iterator[None]:
 
 
 def furnish_garden(room: Interior) -> Iterator[None]:
-    """A winter garden: planters, bushes, benches, a table."""
+    """Furnish a winter garden: planters, bushes, benches, a table."""
     for u, v in room.spots(4.4, 3.3, 1.9):
         room.put("planter", u, v, (1.2, 2.6, 1.3))
         room.put("bench", u + 1.05, v, (0.5, 1.9, 0.85))
@@ -97,6 +100,7 @@ def furnish_garden(room: Interior) -> Iterator[None]:
         room.against(room.some_side(), "plant", (0.9, 0.9, 1.8))
         room.against(room.some_side(), "bush", (1.2, 1.2, 1.3))
         yield
+    # Tables stand on the other side of the planters than the benches.
     for u, v in room.spots(4.4, 3.3, 1.9):
         table = room.put("table", u - 1.6, v, (0.9, 1.2, 0.74))
         chairs = seats(room, table, 2)
@@ -106,9 +110,10 @@ def furnish_garden(room: Interior) -> Iterator[None]:
 
 
 def furnish_gym(room: Interior) -> Iterator[None]:
-    """Mats on the floor, benches, boxes to jump on, lockers."""
+    """Lay mats on the floor; then benches, boxes to jump on, lockers."""
     draw = room.draw
     for u, v in room.spots(2.8, 2.6, 1.8):
+        # A mat is the catalogue's landing pad: flat, and large enough for a small drone.
         room.put("landing_pad", u, v, (1.6, 2.0, 0.06))
         yield
     yield from room.in_ranks(room.long_side(), "bench", (0.45, 1.8, 0.45), 1, gap=0.4)
@@ -123,7 +128,7 @@ def furnish_gym(room: Interior) -> Iterator[None]:
 
 
 def furnish_changing(room: Interior) -> Iterator[None]:
-    """Lockers along the walls, benches in rows between them, bags."""
+    """Stand lockers along the walls, benches in rows between them, bags."""
     room.lined(room.long_side(), "wardrobe", 4, (0.55, 0.8, 1.9))
     yield
     for u, v in room.spots(1.6, 2.2, (1.4, 1.1))[:6]:
@@ -137,8 +142,9 @@ def furnish_changing(room: Interior) -> Iterator[None]:
 
 
 def furnish_court(room: Interior) -> Iterator[None]:
-    """A playing field before rows of seats, with team benches and gear along the other walls."""
+    """Leave a playing field free before rows of seats, with team benches and gear along the walls."""
     draw = room.draw
+    # Seats of spectators take one long wall, everything else the others.
     stand = room.long_side()
     others = [side for side in room.sides if side != stand] or [stand]
     yield from room.in_ranks(stand, "bench", (0.45, 1.9, 0.85), 2, pitch=1.05)
@@ -149,6 +155,7 @@ def furnish_court(room: Interior) -> Iterator[None]:
     room.against(draw.one_of(others), "sign", (0.25, 2.2, 3.2))
     room.against(draw.one_of(others), "bin")
     yield
+    # Chairs fill up what the first ranks of benches have left.
     yield from room.in_ranks(stand, "chair", (0.5, 0.5, 0.85), 4, pitch=1.05, gap=0.15)
     for side in others:
         room.lined(side, "box", 4)
@@ -156,7 +163,7 @@ def furnish_court(room: Interior) -> Iterator[None]:
 
 
 def furnish_stand(room: Interior) -> Iterator[None]:
-    """Rows of seats that look over the edge of a gallery."""
+    """Stand rows of seats that look over the edge of a gallery."""
     x, y, _ = room.room.size
     for u, v in room.spots(1.3, 2.2, 1.4)[:20]:
         room.put("bench", u, v, (0.45, 1.9, 0.85), turn=0.0 if y >= x else pi / 2)
@@ -167,7 +174,7 @@ def furnish_stand(room: Interior) -> Iterator[None]:
 
 
 def furnish_concourse(room: Interior) -> Iterator[None]:
-    """Lines of benches back to back, a board at their ends, ticket machines and a counter."""
+    """Stand lines of benches back to back, a board at their ends, ticket machines and a counter."""
     size = (0.6, 2.0, 0.85)
     counter = room.against(room.some_side(), "counter", (0.75, 3.0, 1.05))
     room.on(counter, "monitor", 0.0, 0.6)
@@ -180,6 +187,7 @@ def furnish_concourse(room: Interior) -> Iterator[None]:
         yield
     room.lined(room.some_side(), "wardrobe", 4, (0.6, 0.9, 1.9))
     yield
+    # Beyond the last bench of each line.
     ends = sorted({u for u, _ in spots})
     low, high = (limit(v for _, v in spots) if spots else 0.0 for limit in (min, max))
     for u in ends:

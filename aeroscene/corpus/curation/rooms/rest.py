@@ -1,4 +1,4 @@
-"""What any room may hold beyond what makes its kind: the long tail of furnishing."""
+"""Further objects of a room beyond those that make its kind: the long tail of furnishing."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from aeroscene.scene import Vector3
 _ROUNDS = 30
 _PITCH_M = (2.9, 2.7)
 _RIM_M = 1.6
-"""Pitch of what stands freely, and how far it keeps from the walls."""
+"""Distance between free-standing objects, and their distance from the walls."""
 _FREE_SIZES: dict[str, Vector3] = {
     "table": (0.95, 1.3, 0.74),
     "coffee_table": (0.9, 1.1, 0.45),
@@ -26,7 +26,7 @@ _FREE_SIZES: dict[str, Vector3] = {
     "planter": (0.8, 1.8, 0.9),
     "bench": (0.45, 1.8, 0.45),
 }
-"""Sizes of what stands freely: wide enough for a small drone where it is level."""
+"""Sizes of free-standing objects: wide enough for a small drone if they are level."""
 _SEATED = {"table": "chair", "coffee_table": "armchair"}
 
 # Free-standing furniture, furniture against walls, small things on top.
@@ -67,16 +67,17 @@ _STOCKS = {
     **dict.fromkeys(("store", "racks", "goods", "storage", "workshop", "aisles"), CARTONS),
     **dict.fromkeys(("kitchen", "galley"), ("plate", "box", "cup")),
 }
-"""What shelves hold where they hold no books."""
+"""Contents of shelves that hold no books."""
 
 
 def furnish_rest(room: Interior, kind: str) -> Iterator[None]:
-    """More of what suits a kind of room, as long as there is space for it."""
+    """Add more objects that suit a kind of room, as long as there is space for them."""
     free, lining, small = _ACCENTS.get(kind, _PUBLIC)
     draw = room.draw
     spots = iter(room.spots(*_PITCH_M, _RIM_M, is_tight=True))
     name = draw.one_of(free) if free else ""
     for number in range(_ROUNDS):
+        # Free-standing objects in every other round, so that walls fill as well.
         if free and number % 2 == 0:
             stand = _next_in_rows(room, spots, name)
             if name in _SEATED:
@@ -86,13 +87,14 @@ def furnish_rest(room: Interior, kind: str) -> Iterator[None]:
             if placed.name == "shelf":
                 stock(room, placed, _STOCKS.get(kind, BOOKS))
         yield
+        # Each piece of furniture has its turn in one of the rounds.
         for bearer in islice(room.bearers, number, None, _ROUNDS):
             strew(room, bearer, small, 2)
             yield
 
 
 def _next_in_rows(room: Interior, spots: Iterator[tuple[float, float]], name: str) -> Placed | None:
-    """Stand something at the next place of a grid that is free, where one is left."""
+    """Stand an object at the next free place of a grid, or return None if none is left."""
     for u, v in spots:
         placed = room.put(name, u, v, _FREE_SIZES[name], keep=0.5)
         if placed:

@@ -16,7 +16,7 @@ _RACK = {"form": "rack"}
 
 
 def furnish_store(room: Interior) -> Iterator[None]:
-    """Full shelves along the walls, crates, pallets and boxes on the floor, a worktop."""
+    """Stand full shelves along the walls, crates, pallets and boxes on the floor, a worktop."""
     draw = room.draw
     size = (0.42, draw.between(1.0, 1.4), 1.95)
     for side in (room.long_side(), room.some_side()):
@@ -36,9 +36,10 @@ def furnish_store(room: Interior) -> Iterator[None]:
 
 
 def furnish_racks(room: Interior) -> Iterator[None]:
-    """Long rows of racks with aisles between, pallets in rows along the walls."""
+    """Stand long rows of racks with aisles between, pallets in rows along the walls."""
     draw = room.draw
     x, y, _ = room.room.size
+    # Rows run along the longer side.
     turn = 0.0 if y >= x else pi / 2
     pitch = (3.6, 2.1) if turn == 0.0 else (2.1, 3.6)
     spots = room.spots(*pitch, 1.7, is_tight=True)
@@ -56,12 +57,14 @@ def furnish_racks(room: Interior) -> Iterator[None]:
 
 
 def furnish_goods(room: Interior) -> Iterator[None]:
-    """Blocks of pallets with lanes between, a van, a packing table, crates and bins in rows."""
+    """Stand blocks of pallets with lanes between, a van, a packing table, crates and bins in rows."""
     draw = room.draw
+    # Every fifth pallet is bare, with a box on it.
     for number, (u, v) in enumerate(room.spots(3.9, 1.4, 1.6, is_tight=True)):
         height = 0.15 if draw.chance(0.2) else draw.between(0.5, 1.3)
         for shift in (-0.66, 0.66):
             pallet = room.put("pallet", u + shift, v, (1.25, 1.15, height))
+            # Two pallets side by side make a block; a lane follows.
             if pallet and height < 0.2:
                 room.on(pallet, "box", 0.5, 0.5)
         if number % 2:
@@ -77,7 +80,7 @@ def furnish_goods(room: Interior) -> Iterator[None]:
 
 
 def furnish_storage(room: Interior) -> Iterator[None]:
-    """A deck with goods: shelves along the walls, crates and boxes between them."""
+    """Fill a deck with goods: shelves along the walls, crates and boxes between them."""
     draw = room.draw
     for side in ("left", "right", "back", "front"):
         for shelf in room.lined(side, "shelf", 3):
@@ -92,12 +95,12 @@ def furnish_storage(room: Interior) -> Iterator[None]:
 
 
 def _aisle_rims(turn: float) -> tuple[float, float]:
-    """How far shop shelves keep from the walls across their rows and along them."""
+    """Distance of shop shelves from the walls, across their rows and along them."""
     return (1.5, 1.6) if turn == 0.0 else (1.6, 1.5)
 
 
 def furnish_aisles(room: Interior) -> Iterator[None]:
-    """Shop shelves back to back in rows, cool cabinets and bargains on pallets along the walls."""
+    """Stand shop shelves in rows, then cool cabinets and bargains on pallets along the walls."""
     draw = room.draw
     x, y, _ = room.room.size
     turn = 0.0 if y >= x else pi / 2
@@ -108,6 +111,7 @@ def furnish_aisles(room: Interior) -> Iterator[None]:
         size = (0.45, 2.0, 1.7)
         shelves += stand_pair(room, "shelf", u, v, size, turn)
         yield
+    # After all shelves: a scene that is full too early has empty shelves rather than none.
     for shelf in shelves:
         stock(room, shelf, CARTONS)
         yield
@@ -119,7 +123,7 @@ def furnish_aisles(room: Interior) -> Iterator[None]:
 
 
 def furnish_produce(room: Interior) -> Iterator[None]:
-    """Rows of tables, pallets and crates of fruit, cool cabinets along the walls."""
+    """Stand rows of tables, pallets and crates of fruit, cool cabinets along the walls."""
     sizes = {"table": (1.3, 2.0, 0.78), "pallet": (1.25, 1.15, 0.8), "crate": (1.2, 1.2, 0.7)}
     kinds = tuple(sizes)
     ranks: dict[float, str] = {}
@@ -137,7 +141,7 @@ def furnish_produce(room: Interior) -> Iterator[None]:
 
 
 def furnish_checkout(room: Interior) -> Iterator[None]:
-    """A row of tills with a screen each, a cafe corner, trolleys of boxes."""
+    """Stand a row of tills with a screen each, a cafe corner, trolleys of boxes."""
     draw = room.draw
     x, y, _ = room.room.size
     turn = 0.0 if x >= y else pi / 2
@@ -150,8 +154,10 @@ def furnish_checkout(room: Interior) -> Iterator[None]:
         if draw.chance(0.5):
             room.on(till, "box", 0.0, 0.3)
         if till:
+            # The cashier sits behind the till.
             room.beside(till, "chair", -0.75, 0.6, 0.0)
         yield
+    # The corner lies two metres off one long wall.
     along = (0.0, 1.0) if x >= y else (1.0, 0.0)
     for index in range(4):
         at, across = (index - 1.5) * 2.9, min(x, y) / 2 - 2.0

@@ -1,4 +1,4 @@
-"""Chairs around tables and what is laid before them."""
+"""Chairs around tables, and the plates and cups before them."""
 
 from __future__ import annotations
 
@@ -14,13 +14,19 @@ _SEAT_PITCH_M = 0.75
 _BESIDE_M = 0.04
 """Gap between a plate and the cup beside it."""
 _KEEPS_M = (0.8, 0.55)
-"""Distance of a free-standing table from everything, at first and where that finds no place."""
+"""Distance of a free-standing table from everything, at first and if that finds no place."""
 LAID_AT_ONCE = 2
-"""Places laid in one step."""
+"""Number of places that are laid in one step."""
 
 
 def stand_table(room: Interior, size: Vector3, turn: float | None = None) -> Placed | None:
-    """A table in the open where there is space, or else against a wall."""
+    """Stand a table in the open if there is space, or else against a wall.
+
+    Args:
+        room: Room to furnish.
+        size: Extents.
+        turn: Turn to try first, 0 or pi / 2, rad; drawn by default.
+    """
     turn = (0.0 if room.draw.chance(0.5) else pi / 2) if turn is None else turn
     for keep in _KEEPS_M:
         for heading in (turn, pi / 2 - turn):
@@ -31,13 +37,24 @@ def stand_table(room: Interior, size: Vector3, turn: float | None = None) -> Pla
 
 
 def seats(room: Interior, table: Placed | None, count: int, name: str = "chair") -> list[Placed]:
-    """Chairs along the long sides of a table, facing it."""
+    """Stand chairs along the long sides of a table, facing it.
+
+    Args:
+        room: Room of the table.
+        table: Table; None gives no chairs.
+        count: Most chairs.
+        name: Category of the seats.
+
+    Returns:
+        The chairs that found space.
+    """
     if table is None:
         return []
     x, y, _ = table.size
     found: list[Placed] = []
     per_side = max(1, int(y // _SEAT_PITCH_M))
     size = room.draw.size_of(name)
+    # In turn on both sides, so that two chairs face each other.
     for index in range(min(count, 2 * per_side)):
         sign = 1 if index % 2 else -1
         v = (index // 2 - (per_side - 1) / 2) * _SEAT_PITCH_M
@@ -49,7 +66,7 @@ def seats(room: Interior, table: Placed | None, count: int, name: str = "chair")
 
 
 def lay(room: Interior, table: Placed | None, chairs: Sequence[Placed]) -> None:
-    """A plate with a cup beside it before each chair of a table."""
+    """Lay a plate with a cup beside it before each chair of a table."""
     if table is None:
         return
     x = table.size[0] / 2
@@ -59,6 +76,7 @@ def lay(room: Interior, table: Placed | None, chairs: Sequence[Placed]) -> None:
         sign = 1.0 if u > 0 else -1.0
         turn = pi if sign > 0 else 0.0
         at = sign * (x - plate[0] / 2 - 0.03)
+        # No plate, no cup: the place is too narrow.
         if room.lie(table, "plate", at, v, plate, turn) is None:
             continue
         across = sign * (plate[1] / 2 + _BESIDE_M + cup[1] / 2)
@@ -66,7 +84,7 @@ def lay(room: Interior, table: Placed | None, chairs: Sequence[Placed]) -> None:
 
 
 def lay_all(room: Interior, table: Placed | None, chairs: Sequence[Placed]) -> Iterator[None]:
-    """The same for all chairs, some of them a step."""
+    """Lay places for all chairs, `LAID_AT_ONCE` in each step."""
     for first in range(0, len(chairs), LAID_AT_ONCE):
         lay(room, table, chairs[first : first + LAID_AT_ONCE])
         yield

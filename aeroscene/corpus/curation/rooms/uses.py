@@ -1,4 +1,4 @@
-"""Sizes and fulness of rooms by use, from public layouts where they have the use.
+"""Sizes and fullness of rooms by use, from public layouts as far as these have the use.
 
 Dwellings: floor areas of 1,452 rooms of 3D-FRONT by name (10%, 50% and 90% of the rooms: master
 bedrooms 10.6, 14.5, 21.1 m2; second bedrooms 8.7, 11.3, 15.3; living rooms 14, 25, 44; living and
@@ -10,9 +10,9 @@ Objects on 100 m2, pooled over each set, 3D-FRONT and ProcTHOR's houses and sing
 36, 57, 80; living rooms 39 to 44, 54, 69; dining rooms 53; kitchens 81, 93; bathrooms 41. Longer
 sides over shorter ones: median 1.3 to 1.6, 90% below 2.3.
 
-Uses that no set has keep to planners' rules: 8 to 10 m2 for each desk, about 2 m2 for each pupil
-and each seat at a conference table, 1.5 to 2 m2 for each guest, 2 to 3 m2 for each toilet with
-its share of basins and floor.
+Uses that no set has follow planners' rules: 8 to 10 m2 for each desk, about 2 m2 for each pupil and
+each seat at a conference table, 1.5 to 2 m2 for each guest, 2 to 3 m2 for each toilet with its
+share of basins and floor.
 """
 
 from __future__ import annotations
@@ -22,20 +22,20 @@ from dataclasses import dataclass
 from aeroscene.corpus.curation.draw import Draw
 
 MOST_ASPECT = 2.2
-"""Longest room for its width."""
+"""Greatest ratio of a room's length to its width."""
 
 
 @dataclass(frozen=True, slots=True)
 class Use:
-    """What a room's use asks for."""
+    """Size and fullness that a room's use asks for."""
 
     least_m2: float
     most_m2: float
     per_100_m2: float
-    """Fine objects that make it look used."""
+    """Number of fine objects on 100 m2 at which it looks used."""
 
     def draw_area(self, draw: Draw) -> float:
-        """An area of a room, m2."""
+        """Draw an area of a room, m2; all within the range are equally likely."""
         return draw.between(self.least_m2, self.most_m2)
 
 

@@ -13,13 +13,14 @@ from aeroscene.corpus.curation.rooms.lines import stand_pair
 from aeroscene.corpus.curation.rooms.tables import seats, stand_table
 
 _DESK_M2 = 9.0
-"""Floor of an office for each desk."""
+"""Area of an office for each desk."""
 
 
 def furnish_office(room: Interior) -> Iterator[None]:
-    """Desks with screens, lamps and chairs, full shelves, a cabinet, a table, a plant."""
+    """Stand desks with screens, lamps and chairs, full shelves, a cabinet, a table, a plant."""
     draw = room.draw
     count = max(1, min(3, round(room.area / _DESK_M2)))
+    # Each desk has another heading, as people place them.
     for turn in (0.0, pi / 2, pi)[:count]:
         size = (0.84, draw.between(1.7, 1.85), 0.74)
         desk = room.anywhere("desk", size, keep=0.7, turn=turn)
@@ -49,13 +50,14 @@ def furnish_office(room: Interior) -> Iterator[None]:
 
 
 def furnish_open_office(room: Interior) -> Iterator[None]:
-    """Islands of desks face to face, cabinets along the walls, shelves, a round of armchairs."""
+    """Stand islands of desks face to face, cabinets along the walls, shelves, armchairs."""
     draw = room.draw
     size = (0.84, draw.between(1.76, 1.9), 0.74)
     spots = room.spots(3.3, size[1] + 0.15, (1.75, size[1] / 2 + 0.35), is_tight=True)
     for index, (u, v) in enumerate(middle_first(spots)):
         # Chairs stand at the outer sides, which are the fronts.
         pair = stand_pair(room, "desk", u, v, size, 0.0)
+        # Screens at one end of the island, although the two desks face opposite ways.
         for desk, end in zip(pair, (1.0, -1.0), strict=False):
             equip(room, desk, is_full=draw.chance(0.3), end=end)
             yield
@@ -74,9 +76,10 @@ def furnish_open_office(room: Interior) -> Iterator[None]:
 
 
 def furnish_meeting(room: Interior) -> Iterator[None]:
-    """A long table with chairs and what people bring, a screen on a cabinet, shelves."""
+    """Stand a long table with chairs and what people bring, a screen on a cabinet, shelves."""
     draw = room.draw
     x, y, _ = room.room.size
+    # 1.3 m to the walls at both ends, for chairs and people behind them.
     long = min(2.6, max(1.6, max(x, y) - 2.6))
     size = (1.15, round(draw.between(0.85, 1.0) * long, 2), 0.74)
     turn = pi / 2 if x > y else 0.0
@@ -101,7 +104,7 @@ def furnish_meeting(room: Interior) -> Iterator[None]:
 
 
 def _bring(room: Interior, table: Placed | None, chair: Placed) -> None:
-    """A laptop, a book or a cup before a chair of a table, the laptop's screen towards it."""
+    """Lay a laptop, a book or a cup before a chair, a laptop's screen towards it."""
     if table is None:
         return
     name = room.draw.one_of(("laptop", "cup", "book"))
@@ -113,7 +116,7 @@ def _bring(room: Interior, table: Placed | None, chair: Placed) -> None:
 
 
 def furnish_workshop(room: Interior) -> Iterator[None]:
-    """Work benches along the walls, a table with tools, full shelves, bins and crates."""
+    """Stand work benches along the walls, a table with tools, full shelves, bins and crates."""
     draw = room.draw
     for side in ("left", "right"):
         bench = room.against(side, "counter", (0.75, draw.between(1.8, 2.8), 0.92))
@@ -135,15 +138,17 @@ def furnish_workshop(room: Interior) -> Iterator[None]:
 
 
 def furnish_classroom(room: Interior) -> Iterator[None]:
-    """Rows of pupils' tables that face the teacher's desk at the back (-x) wall, full shelves."""
+    """Stand rows of pupils' tables that face the teacher's desk at the back (-x) wall, and shelves."""
     draw = room.draw
     x, _, _ = room.room.size
     desk = room.put("desk", -x / 2 + 1.5, draw.between(-1.0, 1.0), (0.8, 1.6, 0.75))
     room.behind(desk, "chair")
+    # Turned to the teacher, who sits behind the desk.
     room.on(desk, "laptop", 0.0, 0.7, turn=pi)
     strew(room, room.against("back", "cabinet", (0.4, 1.8, 1.0)), PAPERS, 2)
     yield
     size = (0.82, 1.4, 0.74)
+    # The tables begin behind the teacher's desk and its chair.
     spots = [(u, v) for u, v in room.spots(1.9, 1.9, 1.25, is_tight=True) if u > -x / 2 + 2.9]
     for u, v in spots[:15]:
         table = room.put("table", u, v, size, turn=pi)
@@ -165,15 +170,17 @@ def furnish_classroom(room: Interior) -> Iterator[None]:
 
 
 def furnish_library(room: Interior) -> Iterator[None]:
-    """Rows of full shelves back to back, reading tables with lamps, armchairs, a desk."""
+    """Stand rows of full shelves back to back, reading tables with lamps, armchairs, a desk."""
     draw = room.draw
     size = (0.34, 1.8, draw.between(1.9, 2.15))
     spots = room.spots(2.3, 1.85, (1.5, 1.6), is_tight=True)
+    # Six tenths of the floor for shelves, the rest for readers.
     stacks = spots[: max(2, round(0.6 * len(spots)))]
     shelves: list[Placed] = []
     for u, v in stacks:
         shelves += stand_pair(room, "shelf", u, v, size, 0.0)
         yield
+    # Every other shelf first, so that a scene that fills up has books in all rows.
     for shelf in shelves[::2]:
         stock(room, shelf, ("book",))
         yield

@@ -1,4 +1,4 @@
-"""Ground plans: one file a family, each lays streets and leaves parcels."""
+"""Ground plans: one file for each family, which lays streets and leaves parcels."""
 
 from aeroscene.corpus.curation.sites.plan import PLANS, Scale, lay_out_site
 

@@ -1,4 +1,8 @@
-"""A plan with one street that winds through the site in straight pieces."""
+"""A plan with one street that winds through the site in straight pieces.
+
+All objects are boxes, so a bend consists of straight pieces. Neighbouring pieces overlap in the
+bend, as child and parent, since gaps would break the street.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +27,7 @@ _LEAST_WIDTH_M = 13.0
 _PIECE_M = 18.0
 """Least length of a piece of street."""
 _DOUBLE_CHANCE = 0.4
-"""How often a street bends one way and then the other."""
+"""Probability that a street bends one way and then the other."""
 _AIR_M = 10.0
 
 
@@ -37,15 +41,15 @@ class _Bend:
     """Turn from each piece to the next, rad; positive to the left."""
 
     def growth(self, index: int, edges: tuple[float, float]) -> tuple[float, float]:
-        """How far a strip along a piece reaches beyond its ends, so that a bend leaves no gap.
+        """Length by which a strip along a piece extends beyond its ends to close bends.
 
         Args:
             index: Number of the piece.
-            edges: Where the strip's two edges lie, m to the left of the middle line.
+            edges: Places of the strip's two edges, m to the left of the middle line.
 
         Returns:
             Lengths at the beginning and at the end, m: those of the edge on the outer side of each
-            bend. They are negative where the whole strip lies on the inner side.
+            bend. They are negative if the whole strip lies on the inner side.
         """
         joints = (index - 1, index)
         before, after = (
@@ -58,9 +62,10 @@ class _Bend:
 
 
 def lay_curve(site: Site, rng: np.random.Generator) -> None:
-    """A bent street with sidewalks, and parcels square to its pieces."""
+    """Lay a bent street with sidewalks, and parcels square to its pieces."""
     bend = _draw_bend(site, rng)
     _pave_bend(site, bend)
+    # A builder of its own tests for overlap, because parcels are no objects of the scene.
     taken = Builder("plan")
     for strip in (*(road.placed for road in site.roads), *site.sidewalks):
         taken.reserve(strip.frame, (*strip.size[:2], _AIR_M), 0.0)
@@ -77,13 +82,14 @@ def lay_curve(site: Site, rng: np.random.Generator) -> None:
 
 
 def _draw_bend(site: Site, rng: np.random.Generator) -> _Bend:
-    """An arc or a double bend from the western to the eastern border, in two to five pieces."""
+    """Draw an arc or a double bend from the western to the eastern border."""
     count = max(2, min(5, int(2 * site.half_x / _PIECE_M)))
     turn = float(rng.choice([-1, 1])) * radians(float(rng.uniform(15, 22)))
     is_double = count > 2 and rng.random() < _DOUBLE_CHANCE
     half = (count - 1) / 2
     turns = [-turn if is_double and index >= half else turn for index in range(count - 1)]
     headings = np.concatenate([[0.0], np.cumsum(turns)])
+    # Headings are balanced about the x axis, so that the street leads straight across the site.
     headings -= headings.mean()
     margin = site.road_m / 2 * abs(sin(headings[0])) + site.walk_m
     length = 2 * (site.half_x - margin) / sum(cos(heading) for heading in headings)
@@ -99,7 +105,7 @@ def _draw_bend(site: Site, rng: np.random.Generator) -> _Bend:
 
 
 def _pave_bend(site: Site, bend: _Bend) -> None:
-    """Carriageways and sidewalks; each continues the one before, so that bends leave no gap."""
+    """Lay carriageways and sidewalks; each continues the last, so that bends leave no gap."""
     half = site.road_m / 2
     road: Placed | None = None
     walks: dict[int, Placed | None] = {-1: None, 1: None}
@@ -127,6 +133,7 @@ def _frontages(
         width = round(share * bend.length, 2)
         frame = piece.moved(shift * bend.length, v, 0.0 if side > 0 else pi)
         if width >= _LEAST_WIDTH_M and _is_inside(site, frame, width, depth):
+            # A shifted rectangle ranks lower than a centred one of the same size.
             found.append((-width * depth + abs(shift) * bend.length, frame, width, depth))
     for _, frame, width, depth in sorted(found, key=lambda row: row[0]):
         yield frame, width, depth

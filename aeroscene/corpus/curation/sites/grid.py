@@ -15,8 +15,15 @@ _HEAD_M = 12.0
 
 
 def lay_through(site: Site, rng: np.random.Generator, land: Land = FLAT) -> None:
-    """One street across the site, nearer to one side."""
+    """Lay one street across the site, nearer to one side.
+
+    Args:
+        site: Site, which gets roads, sidewalks and parcels.
+        rng: Randomness of the plan.
+        land: Ground that carries everything.
+    """
     hx, hy, half = site.half_x, site.half_y, site.road_m / 2
+    # Off the middle, so that parcels on both sides differ in depth.
     y = float(rng.uniform(-0.3, 0.3)) * hy
     site.lay_road(Frame(0, y, 0), 2 * hx, land=land)
     site.pave(Block(Rectangle(-hx, -hy, hx, y - half), ("north",), land), rng)
@@ -24,7 +31,7 @@ def lay_through(site: Site, rng: np.random.Generator, land: Land = FLAT) -> None
 
 
 def lay_tee(site: Site, rng: np.random.Generator, land: Land = FLAT) -> None:
-    """A street that ends on another."""
+    """Lay a street that ends on another; see `lay_through`."""
     hx, hy, half = site.half_x, site.half_y, site.road_m / 2
     x, y = float(rng.uniform(-0.3, 0.3)) * hx, float(rng.uniform(-0.25, 0.12)) * hy
     _lay_arms(site, (x, y), land, has_south=False)
@@ -33,7 +40,7 @@ def lay_tee(site: Site, rng: np.random.Generator, land: Land = FLAT) -> None:
 
 
 def lay_cross(site: Site, rng: np.random.Generator, land: Land = FLAT) -> None:
-    """Two streets that cross off the middle."""
+    """Lay two streets that cross off the middle; see `lay_through`."""
     hx, hy, half = site.half_x, site.half_y, site.road_m / 2
     x, y = (rng.uniform(-0.25, 0.25, 2) * (hx, hy)).tolist()
     _lay_arms(site, (x, y), land, has_south=True)
@@ -44,12 +51,13 @@ def lay_cross(site: Site, rng: np.random.Generator, land: Land = FLAT) -> None:
 
 
 def _lay_arms(site: Site, at: tuple[float, float], land: Land, *, has_south: bool) -> None:
-    """The street along x, and the arms that meet it."""
+    """Lay the street along x, and the arms that meet it."""
     hx, hy, half = site.half_x, site.half_y, site.road_m / 2
     x, y = at
     site.lay_road(Frame(0, y, 0), 2 * hx, land=land)
     site.junctions.append(site.world(Frame(x, y, 0)))
     north, south = y + half, y - half
+    # The crossing for people is at the junction's end of each arm.
     site.lay_road(Frame(x, (north + hy) / 2, pi / 2), hy - north, zebra_end=-1, land=land)
     if has_south:
         site.lay_road(Frame(x, (south - hy) / 2, pi / 2), hy + south, zebra_end=1, land=land)
@@ -63,11 +71,12 @@ def _pave_north(site: Site, at: tuple[float, float], land: Land, rng: np.random.
 
 
 def lay_loop(site: Site, rng: np.random.Generator) -> None:
-    """A street that turns twice and leaves where it came from, around a block."""
+    """Lay a street that turns twice and leaves where it came from, around a block."""
     hx, hy, w = site.half_x, site.half_y, site.road_m
     x = float(rng.uniform(-0.12, 0.12)) * hx
     a = float(rng.uniform(0.3, 0.42)) * hx
     top = float(rng.uniform(0.0, 0.25)) * hy
+    # Inner edges of the two arms; the carriageways lie outside of them.
     west, east = x - a, x + a
     middle, length = (top - hy) / 2, top + hy
     site.lay_road(Frame(west - w / 2, middle, pi / 2), length, zebra_end=1)
@@ -80,8 +89,9 @@ def lay_loop(site: Site, rng: np.random.Generator) -> None:
 
 
 def lay_square(site: Site, rng: np.random.Generator) -> None:
-    """Four streets around a square, each leaving it in its own direction."""
+    """Lay four streets around a square, each leaving it in its own direction."""
     hx, hy, w = site.half_x, site.half_y, site.road_m
+    # Each street runs past the corner of the square, like the arms of a pinwheel.
     a, b = (rng.uniform(0.27, 0.36, 2) * (hx, hy)).tolist()
     site.lay_road(Frame((a - hx) / 2, -b - w / 2, 0), hx + a, zebra_end=1)
     site.lay_road(Frame(a + w / 2, (b - hy) / 2, pi / 2), hy + b, zebra_end=1)
@@ -96,7 +106,7 @@ def lay_square(site: Site, rng: np.random.Generator) -> None:
 
 
 def lay_cul_de_sac(site: Site, rng: np.random.Generator) -> None:
-    """A street that ends in a turning head, with verges beside the carriageway."""
+    """Lay a street that ends in a turning head, with verges beside the carriageway."""
     hx, hy, half = site.half_x, site.half_y, site.road_m / 2
     x = float(rng.uniform(-0.15, 0.15)) * hx
     head = float(rng.uniform(0.0, 0.2)) * hy

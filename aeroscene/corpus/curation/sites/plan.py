@@ -1,4 +1,4 @@
-"""Lays out a site, given the name of a plan."""
+"""Layout of a site, given the name of a plan."""
 
 from __future__ import annotations
 
@@ -52,22 +52,23 @@ _LEAST_SIDE_M: Mapping[str, float] = {
     "canal": 66.0,
     "shore": 60.0,
 }
-"""Plans that need more ground than others."""
+"""Least sides of plans that need more ground than others."""
 _LEAST_LIMIT_SHARE = 0.7
 """Least limit on the drawn sides, relative to the largest."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Scale:
-    """How large a site is and how wide its streets are: towns are dense, yards are wide."""
+    """Size of a site and width of its streets: towns are dense, yards are wide."""
 
     side_m: tuple[float, float] = (55.0, 95.0)
-    """Range of the sides of the flight volume, which stands upright around the turned plan. A
-    plan that needs more ground than that takes it."""
+    """Range of the sides of the flight volume, which stands upright around the turned plan. A plan
+    that needs more ground gets it.
+    """
     roads_m: tuple[float, ...] = (6.0, 6.4, 7.0)
     """Widths of carriageways without their parking lanes."""
     parking_chance: float = 0.75
-    """How often vehicles are parked along the streets, where the plan has room for them."""
+    """Probability that vehicles are parked along the streets, in plans with room for them."""
 
 
 _PARKED_PLANS = frozenset(("through", "tee", "cross", "loop", "curve", "quay", "shore", "hillside"))
@@ -80,10 +81,10 @@ def lay_out_site(builder: Builder, rng: np.random.Generator, plan: str, scale: S
     """Draw size and orientation of a site and lay a plan's streets.
 
     Args:
-        builder: The scene that the streets become part of.
+        builder: Scene that receives the streets. Nothing leaves its flight volume from now on.
         rng: Randomness of the site.
         plan: One of `PLANS`.
-        scale: How large the site and how wide its streets are. Nothing leaves the flight volume.
+        scale: Size of the site and width of its streets.
     """
     yaw = _draw_yaw(rng)
     least_m = max(scale.side_m[0], _LEAST_SIDE_M.get(plan, 0.0))
@@ -107,7 +108,7 @@ def lay_out_site(builder: Builder, rng: np.random.Generator, plan: str, scale: S
 
 
 def _draw_yaw(rng: np.random.Generator) -> float:
-    """A heading along the axes now and then, else in any direction."""
+    """Draw a heading along the axes in about a third of the cases, else in any direction."""
     if rng.random() < _ALIGNED_CHANCE:
         return float(rng.integers(4)) * pi / 2
     return round(float(rng.uniform(-pi, pi)), 3)
@@ -116,13 +117,15 @@ def _draw_yaw(rng: np.random.Generator) -> float:
 def _draw_half_sides(
     rng: np.random.Generator, yaw: float, side_m: tuple[float, float]
 ) -> tuple[float, float]:
-    """Half sides of a plan whose upright surroundings keep within the range, and a limit drawn."""
+    """Draw half sides of a plan whose upright surroundings keep within a range."""
     low, high = side_m[0] / 2, side_m[1] / 2
     # Without a least limit the smallest sites would be drawn most often.
     least = min(max(low, _LEAST_LIMIT_SHARE * high), high)
     half_x, half_y, limit = rng.uniform((low, low, least), high).tolist()
     c, s = abs(cos(yaw)), abs(sin(yaw))
     reaches = (c * half_x + s * half_y, s * half_x + c * half_y)
+    # First the largest reach is limited, then the smallest one is kept above the range's low end.
     scale = max(min(1.0, limit / max(reaches)), low / min(reaches))
     scale = min(scale, high / max(reaches))
+    # Decimetres, rounded down to stay within the range.
     return (floor(10 * scale * half_x) / 10, floor(10 * scale * half_y) / 10)

@@ -11,7 +11,7 @@ from aeroscene.corpus.curation.parcels import FLAT, Block, Land, Parcel, Rectang
 from aeroscene.corpus.curation.site import Site
 
 WALLS = ("stone", "brick", "dark_concrete")
-"""What holds raised ground."""
+"""Materials of retaining walls."""
 _LANE_M = 4.5
 """Width of the lane on an upper terrace and of the ramp that leads to it."""
 _TERRACE_M = 17.0
@@ -19,8 +19,17 @@ _TERRACE_M = 17.0
 
 
 def lay_hillside(site: Site, rng: np.random.Generator) -> None:
-    """A street at the foot, a slope with a ramp, a terrace with a lane above it."""
+    """Lay a street at the foot, a slope with a ramp, and a terrace with a lane above it.
+
+    A deep site has a second slope and terrace above the first. Parcels on terraces stand on raised
+    ground.
+
+    Args:
+        site: Site, which gets roads, slopes and parcels.
+        rng: Randomness of the plan.
+    """
     hx, hy, w = site.half_x, site.half_y, site.road_m
+    # Only a deep site has room for parcels below the street.
     foot_m = float(rng.uniform(15.0, 18.0)) if 2 * hy > 64 else 0.0
     street = -hy + foot_m + (site.walk_m if foot_m else 0.0) + w / 2
     site.lay_road(Frame(0, street, 0), 2 * hx)
@@ -34,6 +43,7 @@ def lay_hillside(site: Site, rng: np.random.Generator) -> None:
     n_terraces = max(1, min(2, int((hy - foot) // (_TERRACE_M + 14.0))))
     for number in range(n_terraces):
         run = round(float(rng.uniform(9.0, 13.0)), 2)
+        # Gradients of 12 to 17 percent: steep for a street, gentle enough to land on.
         rise = round(run * float(rng.uniform(0.12, 0.17)), 2)
         _lay_slope(site, (foot, foot + run), land, rise, rng)
         level = round(level + rise, 2)
@@ -45,7 +55,7 @@ def lay_hillside(site: Site, rng: np.random.Generator) -> None:
 def _lay_slope(
     site: Site, span: tuple[float, float], land: Land, rise: float, rng: np.random.Generator
 ) -> None:
-    """Grass on either side of a ramp for vehicles, from the street side up."""
+    """Lay grass on both sides of a ramp for vehicles, rising from the street."""
     hx = site.half_x
     low, high = span
     u = float(rng.uniform(-0.5, 0.5)) * hx
@@ -67,7 +77,7 @@ def _lay_slope(
 def _lay_terrace(
     site: Site, span: tuple[float, float], level: float, rng: np.random.Generator
 ) -> Land:
-    """Raised ground with a lane along its edge and parcels behind it."""
+    """Raise ground with a lane along its edge and parcels behind it."""
     hx = site.half_x
     low, high = span
     finish, wall = str(rng.choice(["concrete", "paving", "grass"])), str(rng.choice(WALLS))
@@ -78,8 +88,9 @@ def _lay_terrace(
 
 
 def lay_quay(site: Site, rng: np.random.Generator) -> None:
-    """Water along one side of raised ground, with a promenade on its edge."""
+    """Lay water along one side of raised ground, with a promenade on its edge."""
     hx, hy = site.half_x, site.half_y
+    # Water takes a strip at the northern border.
     shore = hy - float(rng.uniform(13.0, 20.0))
     level, wall = round(float(rng.uniform(0.6, 1.1)), 2), str(rng.choice(WALLS))
     land = site.raise_land(Rectangle(-hx, -hy, hx, shore), level, "paving", wall)
@@ -92,6 +103,7 @@ def lay_quay(site: Site, rng: np.random.Generator) -> None:
     front = Rectangle(-hx, street + w / 2, hx, edge)
     site.pave(Block(front, ("south",), land), rng)
     south = street - w / 2
+    # A shallow rest has no parcels, and gets a sidewalk alone.
     if south + hy > 14 + site.walk_m:
         site.pave(Block(Rectangle(-hx, -hy, hx, south), ("north",), land), rng)
     else:
@@ -99,18 +111,19 @@ def lay_quay(site: Site, rng: np.random.Generator) -> None:
 
 
 def _lay_promenade(site: Site, side: Side, shore: float, land: Land) -> None:
-    """A walk along the quay's edge, its lamps at the water."""
+    """Lay a walk along the quay's edge, its lamps at the water."""
     turn = pi if side == "north" else 0.0
     site.lay_sidewalk(Frame(0, shore, turn), 2 * site.half_x, land=land)
 
 
 def lay_canal(site: Site, rng: np.random.Generator) -> None:
-    """A canal between two banks, a causeway with a street across it, a footbridge."""
+    """Lay a canal between two banks, and a causeway with a street across it."""
     hx, hy, w = site.half_x, site.half_y, site.road_m
     y = float(rng.uniform(-0.15, 0.15)) * hy
     half = float(rng.uniform(4.5, 6.5))
     level, wall = round(float(rng.uniform(0.6, 1.0)), 2), str(rng.choice(WALLS))
     x = float(rng.uniform(-0.4, 0.4)) * hx
+    # Half the causeway: a carriageway with a sidewalk on each side.
     dam = w / 2 + site.walk_m
     south = site.raise_land(Rectangle(-hx, -hy, hx, y - half), level, "paving", wall)
     north = site.raise_land(Rectangle(-hx, y + half, hx, hy), level, "paving", wall)
@@ -137,7 +150,7 @@ def lay_canal(site: Site, rng: np.random.Generator) -> None:
 
 
 def lay_shore(site: Site, rng: np.random.Generator) -> None:
-    """A street along the shore: one waterfront on its far side, parcels on the near side."""
+    """Lay a street along the shore: one waterfront on its far side, parcels on the near side."""
     hx, hy, half = site.half_x, site.half_y, site.road_m / 2
     y = hy - float(rng.uniform(24.0, 34.0)) - site.walk_m - half
     site.lay_road(Frame(0, y, 0), 2 * hx)
