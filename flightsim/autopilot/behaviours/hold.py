@@ -13,7 +13,7 @@ _TAKEOFF_MARGIN_M = 0.5
 
 
 class Hold:
-    """Stop and stay, or fly straight to a target and stay, facing it unless told otherwise."""
+    """Stop and stay, or fly straight to a target and stay, facing it unless a heading is given."""
 
     is_landing = False
     may_rest = False
@@ -45,11 +45,11 @@ class Hold:
         return target[2] > self._flight.vehicle.position_enu_m[2] + _TAKEOFF_MARGIN_M
 
     def start_turn(self) -> None:
-        """Be ready to turn to a heading that a client asks for."""
+        """Stop facing the target, because a client asks for a heading."""
         self._faces_target = False
 
     def start(self) -> None:
-        """Set the goal of the flight."""
+        """Set the goal of the flight: the target, or the point where the vehicle can stop."""
         flight = self._flight
         here = flight.path.position_enu_m
         target = self._target_enu_m

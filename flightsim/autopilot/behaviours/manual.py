@@ -12,10 +12,12 @@ from flightsim.autopilot.streams import Sticks, with_dead_zone
 from flightsim.autopilot.trajectory import VelocityMotion
 from flightsim.autopilot.vehicle import TICK_S
 
+# Throttle beyond which stick-guided modes climb and sink. Between them the vehicle holds its
+# height.
 _RISE_THROTTLE = 0.6
 _SINK_THROTTLE = 0.4
-_RAISED_THROTTLE = 0.05
-_YAW_ACCELERATION_RADPS2 = 2.0 * pi
+_RAISED_THROTTLE = 0.05  # throttle that counts as up in modes that pass it on as thrust
+_YAW_ACCELERATION_RADPS2 = 2.0 * pi  # full yaw rate within a fraction of a second
 
 
 class Manual:
@@ -30,7 +32,7 @@ class Manual:
         self.next_mode: Mode | None = None
 
     def ready_to_lift(self) -> bool:
-        """Whether the throttle is up."""
+        """Return true if the throttle is up."""
         return _sticks(self._flight).throttle > _RAISED_THROTTLE
 
     def start(self) -> None:
@@ -38,7 +40,7 @@ class Manual:
         self._flight.heading.reset(self._flight.vehicle.yaw_rad)
 
     def update(self) -> Setpoint:
-        """Attitude or rates commanded by the sticks."""
+        """Return the attitude or the rates that the sticks command, with their thrust."""
         flight = self._flight
         flight.target_enu_m = None
         sticks = _sticks(self._flight)
@@ -85,11 +87,11 @@ class StickGuided:
 
     @property
     def may_rest(self) -> bool:
-        """Whether the throttle commands a descent."""
+        """True if the throttle commands a descent."""
         return _sticks(self._flight).throttle < _SINK_THROTTLE
 
     def ready_to_lift(self) -> bool:
-        """Whether the throttle commands a climb."""
+        """Return true if the throttle commands a climb."""
         return _sticks(self._flight).throttle > _RISE_THROTTLE
 
     def start(self) -> None:
@@ -99,7 +101,7 @@ class StickGuided:
         self._flight.heading.reset(self._flight.heading.yaw_rad)
 
     def update(self) -> Setpoint:
-        """Velocity, or tilt and climb, commanded by the sticks."""
+        """Return the velocity, or tilt and climb, that the sticks command."""
         flight = self._flight
         flight.target_enu_m = None
         sticks = _sticks(self._flight)
@@ -111,8 +113,10 @@ class StickGuided:
         limits = flight.limits.sticks
         climb = with_dead_zone(2.0 * sticks.throttle - 1.0, dead_zone)
         up_mps = climb * (limits.speed_up_mps if climb > 0.0 else limits.speed_down_mps)
+        # A pilot whose sticks fall silent in altitude mode holds the position if there is one.
         is_piloted = flight.sticks.is_alive(flight.vehicle.time_us)
         if self._holds_position or (not is_piloted and flight.vehicle.is_position_ok):
+            # Both sticks at full travel must not fly faster than one.
             speed = limits.speed_xy_mps / max(1.0, hypot(east, north))
             wished = (east * speed, north * speed)
             share = flight.collision_prevention.allowed_share(wished, flight.vehicle, limits)
@@ -123,20 +127,23 @@ class StickGuided:
         return self._tilt(east, north)
 
     def _advance(self, velocity_enu_mps: Vector3, *, drifts: bool) -> None:
-        """Move the reference; keep it near the vehicle, and horizontally at it if it drifts."""
+        """Move the reference and keep it near the vehicle, horizontally at it if that drifts."""
         vehicle, motion = self._flight.vehicle, self._motion
         motion.step(velocity_enu_mps, self._flight.limits.sticks, TICK_S)
         for i, axis in enumerate(motion.axes):
             here = vehicle.position_enu_m[i]
             if drifts and i < 2:
                 axis.x, axis.v, axis.a = here, vehicle.velocity_enu_mps[i], 0.0
+            # A reference that runs away from a blocked vehicle would make it dash off once it is
+            # free.
             axis.x = min(max(axis.x, here - 1.0), here + 1.0)
 
     def _tilt(self, east: float, north: float) -> Setpoint:
-        """Level the vehicle or tilt it; hold or change the height."""
+        """Return a setpoint that levels or tilts the vehicle and holds or changes the height."""
         flight = self._flight
         x, y, z = self._motion.axes
         flight.path.reset((x.x, y.x, z.x), (x.v, y.v, z.v), (x.a, y.a, z.a))
+        # A level acceleration of g tan(tilt) tilts the thrust by that angle.
         share = GRAVITY_MPS2 * tan(radians(flight.parameters["MPC_MAN_TILT_MAX"]))
         share /= max(1.0, hypot(east, north))
         return Setpoint(
@@ -150,9 +157,10 @@ class StickGuided:
 
 
 def tilted(pitch_rad: float, roll_rad: float, yaw_rad: float, tilt_max_rad: float) -> Quaternion:
-    """Attitude (FLU to ENU) with a heading and with tilts forward and to the right.
+    """Attitude (w, x, y, z; FLU to ENU) with a heading and with tilts forward and to the right.
 
-    The tilt is about one horizontal axis, `tilt_max_rad` at most.
+    The tilt is about one horizontal axis, `tilt_max_rad` at most. Two tilts one after the other
+    would exceed that limit with both sticks deflected.
     """
     angle = hypot(pitch_rad, roll_rad)
     half = 0.5 * min(angle, tilt_max_rad)
@@ -160,6 +168,7 @@ def tilted(pitch_rad: float, roll_rad: float, yaw_rad: float, tilt_max_rad: floa
     k = sin(half) / angle if angle > 1e-9 else 0.0
     w, x, y = cos(half), roll_rad * k, pitch_rad * k
     c, s = cos(0.5 * yaw_rad), sin(0.5 * yaw_rad)
+    # Product of the turn about z and the tilt.
     return (c * w, c * x - s * y, c * y + s * x, s * w)
 
 
@@ -173,7 +182,7 @@ def _yaw_rate(flight: FlightContext, sticks: Sticks) -> float:
 
 
 def _thrust(throttle: float, hover: float) -> float:
-    """Collective thrust with hover in the middle of the stick."""
+    """Collective thrust, 0 to 1, with hover in the middle of the stick."""
     if throttle <= 0.5:
         return 2.0 * throttle * hover
     return hover + (2.0 * throttle - 1.0) * (1.0 - hover)

@@ -36,7 +36,7 @@ class Orbit:
 
     @property
     def turns(self) -> float:
-        """Turns flown so far."""
+        """Turns flown so far, as a fraction; 0 before the circle is reached."""
         return self._circle.turns if self.is_circling else 0.0
 
     def ready_to_lift(self) -> bool:
@@ -57,6 +57,7 @@ class Orbit:
         self._face_centre()
         if not self.is_circling:
             flight.path.fly_to(entry, flight.limits.automatic)
+            # From rest at the entry: the circle's own motion starts without velocity.
             self.is_circling = flight.path.is_at_rest
             return flight.follow_path()
         limits = flight.limits.automatic
@@ -68,5 +69,6 @@ class Orbit:
     def _face_centre(self) -> None:
         x, y, _ = self._flight.path.position_enu_m
         cx, cy, _ = self._circle.centre_enu_m
+        # Within 0.1 m of the centre its direction is not defined.
         if (x - cx) ** 2 + (y - cy) ** 2 > 0.01:
             self._flight.heading.goal_yaw_rad = wrap_angle(atan2(cy - y, cx - x))

@@ -7,7 +7,7 @@ from flightsim.autopilot.events import Severity
 from flightsim.autopilot.flight_context import FlightContext
 from flightsim.autopilot.modes import Mode
 
-_ARRIVED_M = 0.5
+_ARRIVED_M = 0.5  # the vehicle itself must be so near, not its reference alone
 
 
 class Takeoff:
@@ -43,7 +43,7 @@ class Takeoff:
         return True
 
     def start(self) -> None:
-        """Set the goal above the present position."""
+        """Set the goal above the point where the vehicle can stop, never below it."""
         flight = self._flight
         x, y, _ = flight.path.stopping_point(flight.limits.takeoff)
         here_m = flight.path.position_enu_m[2]
@@ -58,7 +58,7 @@ class Takeoff:
         )
 
     def update(self) -> Setpoint:
-        """Climb to the goal."""
+        """Climb to the goal, fly to the place if there is one, and choose the next mode."""
         flight = self._flight
         target = self._target_enu_m
         assert target is not None
