@@ -107,7 +107,7 @@ class ArduPilotBridge:
             self._is_owed = False
 
     def receive(self, timeout_s: float) -> MotorOutputs | None:
-        """Return the outputs of the next request, which then is owed an answer; None if none comes."""
+        """Return the outputs of the next request, which is owed an answer then; else None."""
         outputs = self._outputs or self._await_request(timeout_s)
         self._outputs = None
         self._is_owed = outputs is not None
