@@ -134,8 +134,7 @@ def _free_places(scene: Scene, solids: Sequence[Primitive], radius_m: float) -> 
     shifts = [shift for shift in itertools.product(steps, steps) if math.hypot(*shift) <= WITHIN_M]
     # Of equal distances the shift itself decides, so the places are always the same.
     for dx, dy in sorted(shifts, key=lambda shift: (math.hypot(*shift), shift)):
-        # Rays start above the start's height, so a surface higher than that is met from inside or
-        # not.
+        # Rays begin at the height of the highest step, so no surface above it is found.
         middle = start + np.array([dx, dy, _HIGHEST_STEP_M])
         is_within = np.all(middle[:2] - radius_m >= low[:2]) and np.all(
             middle[:2] + radius_m <= high[:2]

@@ -67,7 +67,7 @@ class VideoStream:
         units = encoder.encode(self._render())
         for packet in self._packetiser.packets(units, now_us * CLOCK_HZ // 1_000_000):
             self.n_bytes += len(packet)
-            # # Nobody needs to listen, and a full buffer drops a packet as a network would.
+            # Nobody needs to listen, and a full buffer drops a packet as a network would.
             with contextlib.suppress(OSError):
                 transport.sendto(packet, (_HOST, self.port))
 
