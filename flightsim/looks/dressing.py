@@ -17,7 +17,7 @@ from flightsim.looks.paint import Colour, Paint, material_paint
 
 FaceSet = tuple[int, ...]
 ALL_FACES: FaceSet = ()
-"""All faces; other sets list indices in `tessellation.BOX_FACES`."""
+"""All faces; other sets list them in the order of `tessellation.unit_box`."""
 TOP, BOTTOM = 4, 5
 SIDES: FaceSet = (0, 1, 2, 3)
 
