@@ -62,7 +62,14 @@ class AxisMotion:
         self._advance(acceleration_towards_goal(x, v, a, v_max, a_max, j_max, dt, v_exit), dt)
 
     def step_to_velocity(self, v_goal: float, a_max: float, j_max: float, dt: float) -> None:
-        """Move one tick towards a velocity, within limits of acceleration and jerk."""
+        """Move one tick towards a velocity, within limits of acceleration and jerk.
+
+        Args:
+            v_goal: Velocity to reach and to keep, in m/s.
+            a_max: Greatest acceleration either way, in m/s^2.
+            j_max: Greatest jerk either way, in m/s^3.
+            dt: Length of the tick in seconds.
+        """
         self._advance(acceleration_towards_velocity(self.v, self.a, v_goal, a_max, j_max, dt), dt)
 
     def _advance(self, a_next: float, dt: float) -> None:

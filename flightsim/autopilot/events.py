@@ -65,7 +65,12 @@ class EventLog:
         self._last_said_us: dict[str, int] = {}
 
     def say(self, severity: Severity, text: str) -> None:
-        """Queue a text, unless the same one was queued less than `quiet_us` ago."""
+        """Queue a text for clients, unless the same one was queued less than `quiet_us` ago.
+
+        Args:
+            severity: Importance, which clients show by colour or sound.
+            text: One line; a text with another number in it is another text.
+        """
         last_us = self._last_said_us.get(text)
         if last_us is not None and self.time_us - last_us < self._quiet_us:
             return

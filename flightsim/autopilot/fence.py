@@ -51,7 +51,12 @@ class PolygonFence:
     is_inclusion: bool
 
     def contains(self, east_m: float, north_m: float) -> bool:
-        """Return true if a point lies inside, by the even-odd rule."""
+        """Return true if a point lies inside, by the even-odd rule.
+
+        Args:
+            east_m: East of the scene's origin.
+            north_m: North of the scene's origin.
+        """
         is_inside = False
         x0, y0 = self.vertices_enu_m[-1]
         for x1, y1 in self.vertices_enu_m:

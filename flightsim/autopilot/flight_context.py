@@ -75,7 +75,15 @@ class FlightContext:
         return 0.0 if self.home is None else self.home.position_enu_m[2]
 
     def terrain_m(self, east_m: float, north_m: float) -> float:
-        """ENU height of the terrain at a place, m; without a map that of home."""
+        """Return the ENU height of the terrain at a place.
+
+        Args:
+            east_m: East of the scene's origin.
+            north_m: North of the scene's origin.
+
+        Returns:
+            Height in metres; that of home without a map of the terrain.
+        """
         if self.terrain is None:
             return self.home_m
         return float(self.terrain.height_m(east_m, north_m))

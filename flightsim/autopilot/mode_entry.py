@@ -42,7 +42,12 @@ missing."""
 
 
 def behaviour_of(mode: Mode, flight: FlightContext) -> Behaviour:
-    """Create the behaviour of a mode; it is not started yet."""
+    """Return a new behaviour for a mode, which is not started yet.
+
+    Args:
+        mode: Mode; one without a behaviour of its own holds the place.
+        flight: State and limits that the behaviour flies by.
+    """
     return _BEHAVIOURS.get(mode, Hold)(flight)
 
 

@@ -48,7 +48,14 @@ class Sticks:
 
     @classmethod
     def limited(cls, *, pitch: float, roll: float, throttle: float, yaw: float) -> Sticks:
-        """Return stick positions with each value moved into its range."""
+        """Return stick positions with each value moved into its range.
+
+        Args:
+            pitch: Forwards positive, -1 to 1.
+            roll: To the right positive, -1 to 1.
+            throttle: 0 to 1, with the middle at 0.5.
+            yaw: Clockwise positive, -1 to 1.
+        """
         return cls(
             pitch=min(max(pitch, -1.0), 1.0),
             roll=min(max(roll, -1.0), 1.0),
@@ -71,7 +78,12 @@ class StickStream:
         """True if anything is received at all; false is an injected loss of the sticks' signal."""
 
     def receive(self, sticks: Sticks, time_us: int) -> None:
-        """Accept stick positions, unless COM_RC_IN_MODE disables sticks or their signal is lost."""
+        """Accept stick positions, unless COM_RC_IN_MODE disables sticks or their signal is lost.
+
+        Args:
+            sticks: Positions of the sticks.
+            time_us: Simulated time at which they came.
+        """
         if self.is_heard and self._parameters["COM_RC_IN_MODE"] != 4:  # 4: stick input disabled
             self._sticks = sticks
             self._received_us = time_us

@@ -194,7 +194,13 @@ class VelocityMotion:
         velocity_enu_mps: Vector3 = ZERO3,
         acceleration_enu_mps2: Vector3 = ZERO3,
     ) -> None:
-        """Put the point at a position, with a velocity and an acceleration to continue from."""
+        """Put the point at a position, without a jerk.
+
+        Args:
+            position_enu_m: New position.
+            velocity_enu_mps: Velocity to continue with; by default it rests.
+            acceleration_enu_mps2: Acceleration to continue with.
+        """
         for i, axis in enumerate(self.axes):
             axis.x, axis.v, axis.a = (
                 position_enu_m[i],

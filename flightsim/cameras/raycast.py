@@ -222,7 +222,13 @@ class _Ids:
     def seen(
         self, eye_enu_m: np.ndarray, rays_enu: np.ndarray, moving_enu_m: np.ndarray
     ) -> np.ndarray:
-        """Return the object id (n,) int32 of each ray's first hit."""
+        """Return the object id (n,) int32 of each ray's first hit.
+
+        Args:
+            eye_enu_m: Origin of all rays.
+            rays_enu: Directions, (n, 3).
+            moving_enu_m: Triangles of movers and other vehicles where they are now, (t, 3, 3).
+        """
         hits = self._rays.first_hits(eye_enu_m, rays_enu).within(self._far_m)
         ids = self._id[hits.triangle]
         if len(moving_enu_m):

@@ -73,7 +73,17 @@ class Viewpoint:
         return height / 2 / math.tan(self.vertical_fov_rad / 2)
 
     def rays_enu(self, width: int, height: int) -> np.ndarray:
-        """Return the direction of each pixel, (height, width, 3) float32, one metre deep."""
+        """Return the direction of each pixel in ENU, one metre deep.
+
+        The distance along such a direction, in its lengths, is therefore the depth.
+
+        Args:
+            width: Width of the picture in pixels.
+            height: Height of the picture in pixels.
+
+        Returns:
+            Directions (height, width, 3) float32, top row first.
+        """
         columns, rows = np.arange(width), np.arange(height)[:, None]
         return self.rays_enu_at(rows, columns, width, height)
 

@@ -116,7 +116,12 @@ class ObstacleStates:
 
 
 def mover_name(index: int, obstacles: Sequence[MovingObstacle]) -> str:
-    """Return the name of one of several movers, such as "person_0"."""
+    """Return the name of one of several movers, such as "person_0".
+
+    Args:
+        index: Index of the mover.
+        obstacles: All movers; the name counts those of the same kind.
+    """
     kind = obstacles[index].kind
     # Counted among its own kind, from 0.
     return f"{kind}_{sum(other.kind == kind for other in obstacles[:index])}"

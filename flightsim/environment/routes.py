@@ -116,7 +116,12 @@ def _graph(floor: Floor, free: np.ndarray, cells: Int[np.ndarray, "n 2"]) -> obj
 def distance_to_points(
     columns: Columns, points_enu_m: Float[np.ndarray, "n 2"]
 ) -> Float[np.ndarray, "nx ny"]:
-    """Return the distance from each column's centre to the nearest of some points, m."""
+    """Return the level distance from each column's centre to the nearest of some points, m.
+
+    Args:
+        columns: Columns of free space.
+        points_enu_m: Points by east and north, (n, 2).
+    """
     x, y = columns.centres_enu_m
     squared = np.full(columns.grid.shape[:2], np.inf)
     for px, py in points_enu_m:

@@ -166,7 +166,15 @@ class _Streets:
         self._zones: dict[tuple[MoverName, bool], Bool[np.ndarray, "nx ny"]] = {}
 
     def place(self, kind: MoverName, generator: np.random.Generator) -> MovingObstacle:
-        """Place a mover on a path that no other crosses."""
+        """Place a mover on a path that no other crosses.
+
+        Args:
+            kind: Kind of mover, such as person.
+            generator: Random numbers for its speed and its path.
+
+        Raises:
+            TrafficError: If no such path is found.
+        """
         low, high = MOVER_KINDS[kind].speed_mps
         speed_mps, phase = float(generator.uniform(low, high)), float(generator.uniform())
         for is_choosy in (True, False):

@@ -31,7 +31,12 @@ class Paint:
         return replace(self, rgb=(red, green, blue))
 
     def with_texture(self, texture: str, size_m: tuple[float, float]) -> Paint:
-        """Return another pattern in the same colour."""
+        """Return paint with another pattern in the same colour.
+
+        Args:
+            texture: Name of the pattern.
+            size_m: Width and height of one tile on the surface.
+        """
         return replace(self, texture=texture, size_m=size_m)
 
 

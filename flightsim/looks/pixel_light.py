@@ -198,7 +198,12 @@ class _Neighbours:
         self._normals = normals
 
     def averaged(self, light: np.ndarray, steps: tuple[int, ...]) -> np.ndarray:
-        """Return light (h, w, c) without grain; each step widens the average."""
+        """Return light without grain: averages with neighbours, over ever wider distances.
+
+        Args:
+            light: Light of each pixel, (h, w, c).
+            steps: Distances in pixels to the neighbours, one for each average.
+        """
         for step in steps:
             total = light.copy()
             weight = np.ones(light.shape[:2], dtype=np.float32)

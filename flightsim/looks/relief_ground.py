@@ -61,7 +61,12 @@ def add_relief(
 
 
 def relief_surface(relief: Relief, beyond_m: float) -> Surface:
-    """Return the ground as one surface, up to a distance beyond the grid."""
+    """Return the ground as one surface, up to a distance beyond the grid.
+
+    Args:
+        relief: Heights of the ground.
+        beyond_m: Distance by which the border's heights continue outwards; 0 ends at the grid.
+    """
     outward_m = np.array([beyond_m]) if beyond_m > 0.0 else np.zeros(0)
     vertices = _vertices(relief, [_lines(relief, axis, outward_m) for axis in (1, 0)])
     points = vertices.reshape(-1, 3)

@@ -153,7 +153,12 @@ def unit_box() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
 
 
 def box_texture_m(axes: np.ndarray, size_m: np.ndarray) -> np.ndarray:
-    """Return a box's texture coordinates in metres, from `unit_box`'s texture corners."""
+    """Return a box's texture coordinates in metres.
+
+    Args:
+        axes: Texture corners of `unit_box`.
+        size_m: Size of the box along its axes.
+    """
     size = np.asarray(size_m)
     return np.stack([axes[:, 0] * size[axes[:, 2]], axes[:, 1] * size[axes[:, 3]]], axis=1)
 

@@ -68,7 +68,12 @@ def _in_black_and_white(texture: str) -> tuple[np.ndarray, np.ndarray]:
 
 
 def coarser(picture: UInt8[np.ndarray, "n n 3"], factor: int) -> UInt8[np.ndarray, "m m 3"]:
-    """Return a tile with fewer pixels, each the mean of a square of the original's."""
+    """Return a tile with fewer pixels, each the mean of a square of the original's.
+
+    Args:
+        picture: Tile of n by n pixels.
+        factor: Divisor of n, by which the tile shrinks.
+    """
     n = picture.shape[0] // factor
     squares = picture.reshape(n, factor, n, factor, 3)
     return (squares.mean(axis=(1, 3)) + 0.5).astype(np.uint8)

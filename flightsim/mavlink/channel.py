@@ -187,7 +187,12 @@ class Channel:
         self._inbox += messages
 
     def send(self, layout: Layout, payload: bytes) -> None:
-        """Queue a message, in the partner's version of MAVLink, for the next flush."""
+        """Queue a message for the next flush, which does not wait for others.
+
+        Args:
+            layout: Layout of the message.
+            payload: Its content, packed; the partner's version of MAVLink decides on the frame.
+        """
         self.stream_one(layout, payload)
         self._outbox.is_awaited = True
 
@@ -206,7 +211,13 @@ class Channel:
         return self._signing is not None and self._signing.key is not None
 
     def stream_one(self, layout: Layout, payload: bytes) -> None:
-        """Queue a message like `send`, but one that may wait to share a datagram with others."""
+        """Queue a message like `send`, but one that may wait to share a datagram with others.
+
+        Args:
+            layout: Layout of the message; one that MAVLink 1 cannot carry is dropped for such a
+                partner.
+            payload: Its content, packed.
+        """
         # The one frame of a signed or MAVLink 1 partner is built here; the kernel builds plain
         # ones.
         numbers = (self.sequence, self.system_id, self.component_id)

@@ -151,7 +151,12 @@ def _sender(message: Message) -> tuple[int, int]:
 
 
 def explanation(request: str, reply: Reply) -> str:
-    """Return a line for people that says why a request was refused."""
+    """Return a line for people that says why a request was refused.
+
+    Args:
+        request: Name of the request, such as Takeoff.
+        reply: Result, with the autopilot's reason.
+    """
     if " denied: " in reply.reason:  # the autopilot itself announces what it denies
         return reply.reason[0].upper() + reply.reason[1:]
     return f"{request} {reply.result.value}: {reply.reason}"

@@ -122,7 +122,15 @@ class Layout:
     def frame_v2(
         self, payload: bytes, sequence: int, system_id: int, component_id: int, flags: int = 0
     ) -> bytes:
-        """Build a MAVLink 2 frame; trailing zeros of the payload are cut as the protocol allows."""
+        """Build a MAVLink 2 frame; trailing zeros of the payload are cut as the protocol allows.
+
+        Args:
+            payload: Content of the message, packed.
+            sequence: Number of the frame, 0 to 255, by which a receiver counts losses.
+            system_id: System id of the sender.
+            component_id: Component id of the sender.
+            flags: Incompatibility flags; 1 announces a signature, which the caller appends.
+        """
         # One byte must stay, even if all are zero.
         payload = payload.rstrip(b"\0") or b"\0"
         ids = (sequence, system_id, component_id, self._id_v2)
@@ -148,7 +156,17 @@ class Layout:
         return data[_HEADER_END:end].ljust(self.size, b"\0")[: self.size]
 
     def frame_v1(self, payload: bytes, sequence: int, system_id: int, component_id: int) -> bytes:
-        """Build a MAVLink 1 frame without extension fields; empty for ids above 255."""
+        """Build a MAVLink 1 frame without extension fields.
+
+        Args:
+            payload: Content of the message, packed; it may be cut short or have extensions.
+            sequence: Number of the frame, 0 to 255.
+            system_id: System id of the sender.
+            component_id: Component id of the sender.
+
+        Returns:
+            The frame; empty for message ids above 255, which MAVLink 1 has no room for.
+        """
         if self.message_id >= _V1_IDS:
             return b""
         payload = payload[: self.base_size].ljust(self.base_size, b"\0")

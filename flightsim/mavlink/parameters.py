@@ -56,7 +56,15 @@ class NamedParameters(Protocol):
         ...
 
     def set(self, name: str, value: float) -> float:
-        """Change a parameter and return its value as stored."""
+        """Change a parameter.
+
+        Args:
+            name: Name of the parameter.
+            value: New value.
+
+        Returns:
+            The value as stored, rounded to 32 bits, which clients are sent.
+        """
         ...
 
 

@@ -115,13 +115,30 @@ class TelemetryService:
         return message_id in self._ids
 
     def set_interval(self, channel: Channel, message_id: int, interval_us: float) -> bool:
-        """Change one stream of one partner; false if the message is never streamed."""
+        """Change the interval of one stream of one partner.
+
+        Args:
+            channel: Link to the partner.
+            message_id: Message to stream.
+            interval_us: Time between two of them; as in MAVLink 0 is the default and -1 none.
+
+        Returns:
+            False if the message is never streamed.
+        """
         # The calendar has changed: look at all partners in the next tick.
         self._next_us = 0
         return self._table(channel)[0].set_interval(message_id, interval_us)
 
     def send_interval(self, channel: Channel, message_id: int) -> bool:
-        """Answer with MESSAGE_INTERVAL; false if there is no such message."""
+        """Answer a partner's question for an interval with MESSAGE_INTERVAL.
+
+        Args:
+            channel: Link to the partner.
+            message_id: Message asked about.
+
+        Returns:
+            False if there is no such message; nothing is sent then.
+        """
         if message_id not in MESSAGE_NAMES:
             return False
         interval_us = self._table(channel)[0].interval_us(message_id)

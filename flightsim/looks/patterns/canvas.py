@@ -73,7 +73,14 @@ class Canvas:
         return self._remembered(lambda: self._courses(rows, columns, shift))
 
     def rectangle(self, left: float, right: float, low: float, high: float) -> Mask:
-        """Return the mask of a rectangle, in tile coordinates."""
+        """Return the mask of a rectangle, whose left and low edges belong to it.
+
+        Args:
+            left: Left edge in tile coordinates, 0 to 1.
+            right: Right edge.
+            low: Low edge.
+            high: High edge.
+        """
         return (self.u >= left) & (self.u < right) & (self.v >= low) & (self.v < high)
 
     def _remembered(self, draw: Callable[[], Any]) -> Any:
@@ -122,7 +129,13 @@ def shade(rgb: np.ndarray, brightness: Plane) -> Picture:
 
 
 def mix(mask: np.ndarray, inside: np.ndarray, outside: np.ndarray) -> Picture:
-    """Return one picture within a mask, another outside; fractional masks blend."""
+    """Return one picture within a mask, and another outside.
+
+    Args:
+        mask: True inside; fractions from 0 to 1 blend the two.
+        inside: Picture or colour within the mask.
+        outside: Picture or colour outside.
+    """
     inside, outside = np.asarray(inside, np.float32), np.asarray(outside, np.float32)
     if mask.dtype == bool:
         return np.where(mask[..., None], inside, outside)

@@ -60,7 +60,16 @@ class _Wall:
     def areas(
         self, box: Box, bays: tuple = EVERY_BAY
     ) -> Iterator[tuple[tuple[slice, slice], np.ndarray, np.ndarray]]:
-        """Yield the pixels of a box in each bay, and their places across and up it, 0 to 1."""
+        """Yield the pixels of a box in each bay.
+
+        Args:
+            box: Left, right, low and high edge, as fractions of a bay.
+            bays: Bays to yield, as column and storey.
+
+        Yields:
+            Rows and columns of the picture, and two arrays with the pixels' places across and up
+            the box, 0 to 1.
+        """
         n, half = self.canvas.n, self.canvas.n / 2
         left, right, low, high = box
         for bay, storey in bays:

@@ -54,7 +54,12 @@ class Topic:
 
 
 def message(kind: bytes, payload: bytes) -> bytes:
-    """Return a message of the file: its size, its type, its bytes."""
+    """Return a message of the file: its size, its type, its bytes.
+
+    Args:
+        kind: One letter, such as b"D" for data.
+        payload: Content without the header.
+    """
     return _HEADER.pack(len(payload), ord(kind)) + payload
 
 

@@ -165,5 +165,10 @@ class Personality:
         return None
 
     def custom_mode(self, main: int, sub: int) -> int:
-        """Return the custom mode number of a DO_SET_MODE."""
+        """Return the custom mode number of a DO_SET_MODE.
+
+        Args:
+            main: Main mode, the command's second parameter.
+            sub: Sub-mode, its third parameter.
+        """
         return main << self.mode_shift["main"] | sub << self.mode_shift["sub"]

@@ -129,7 +129,17 @@ class Streamer:
     def new_partner(
         self, partner: np.ndarray, is_due: np.ndarray, system_id: int, component_id: int
     ) -> Streamed:
-        """Prepare to stream to a partner (`PARTNER_DTYPE`, changed) under a sender's numbers."""
+        """Prepare to stream to a partner.
+
+        Args:
+            partner: Record of `PARTNER_DTYPE`, which is changed.
+            is_due: Flags of the messages that are due, one for each, which the caller sets.
+            system_id: System id of the sender.
+            component_id: Component id of the sender.
+
+        Returns:
+            The partner, for `serve`.
+        """
         partner["system_id"], partner["component_id"] = system_id, component_id
         return Streamed(partner, is_due, self._room_bytes)
 
@@ -160,7 +170,15 @@ class Streamer:
         return self._numbers[_NEXT_US]
 
     def fill(self, index: int, now_us: int) -> tuple[bytes, ...]:
-        """Return the present payload of a message that the kernel fills; nothing if unknown."""
+        """Return the present payloads of a message that the kernel fills.
+
+        Args:
+            index: Index of the message.
+            now_us: Simulated time.
+
+        Returns:
+            A payload for each instance of the message; none while its content is unknown.
+        """
         if self._told is not None:
             self._told.listen()
         stream(self._streamer, now_us, index)
