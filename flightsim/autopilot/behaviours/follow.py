@@ -25,7 +25,10 @@ _ABOVE_TERRAIN, _ABOVE_TARGET = 1, 2
 
 
 class Follow:
-    """Fly where the target's reports and the FLW_TGT parameters lead; hold while none come."""
+    """Fly where the target's reports and the FLW_TGT parameters lead; hold while none come.
+
+    The vehicle waits within the geofence if the place or the straight way to it is outside.
+    """
 
     is_landing = False
     may_rest = False
@@ -44,14 +47,17 @@ class Follow:
         return False
 
     def start(self) -> None:
-        """Hold until the target is known."""
+        """Hold where the vehicle can stop, until the target is known."""
         flight = self._flight
         self._goal_enu_m = flight.path.stopping_point(flight.limits.automatic)
         self._target_enu_m = self._bearing_rad = self._course_rad = None
         flight.heading.goal_yaw_rad = flight.heading.yaw_rad
 
     def update(self) -> Setpoint:
-        """Fly on towards the place from which the target is followed."""
+        """Fly on towards the place from which the target is followed.
+
+        Reports are smoothed by FLW_TGT_RS; without a report the last place stays the goal.
+        """
         flight = self._flight
         reported = flight.follow_target.at(flight.vehicle.time_us)
         if reported is not None:

@@ -17,7 +17,12 @@ _PATIENCE_S = 20.0
 
 
 class Land:
-    """Descend onto a place, or onto what is below the point where the vehicle can stop."""
+    """Descend onto a place, or onto the ground below the point where the vehicle can stop.
+
+    The vehicle first flies above the place, and the speed falls with the height (`landing_speed`).
+    Three faults let it descend at once: a lost rotor, an estimate that drifts without a position,
+    and wind that keeps it away for too long.
+    """
 
     def __init__(
         self,
@@ -50,7 +55,11 @@ class Land:
         return False
 
     def start(self) -> None:
-        """Choose the point to descend from."""
+        """Choose the point to descend from.
+
+        It lies at the height where the vehicle can stop, above the place or, without one, above
+        that point.
+        """
         flight = self._flight
         x, y, z = flight.path.stopping_point(flight.limits.automatic)
         if self._place_enu_m is not None:
@@ -104,7 +113,10 @@ class Land:
 
 
 class Descend:
-    """Descend without a position, by the velocity while that is known: the last resort."""
+    """Descend without a position: the last resort.
+
+    The vehicle brakes by its velocity while that is known, and is level otherwise.
+    """
 
     is_landing = True
     may_rest = True

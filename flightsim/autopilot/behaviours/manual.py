@@ -21,18 +21,31 @@ _YAW_ACCELERATION_RADPS2 = 2.0 * pi  # full yaw rate within a fraction of a seco
 
 
 class Manual:
-    """Sticks command tilt, or rates in acro mode, and collective thrust."""
+    """Sticks command tilt, or rates in acro mode, and collective thrust.
+
+    Nothing is held: without sticks the vehicle drifts with the wind, and its height follows the
+    throttle. The middle of the throttle is the hover thrust.
+    """
 
     is_landing = False
     may_rest = False
 
     def __init__(self, flight: FlightContext, *, is_acro: bool) -> None:
+        """Prepare to fly by the sticks.
+
+        Args:
+            flight: Shared state, with the sticks.
+            is_acro: True lets pitch and roll command rates; else they command tilt.
+        """
         self._flight = flight
         self._is_acro = is_acro
         self.next_mode: Mode | None = None
 
     def ready_to_lift(self) -> bool:
-        """Return true if the throttle is up."""
+        """Return true if the throttle is up.
+
+        5% is the least, so that a stick that is not quite at its end does not lift the vehicle.
+        """
         return _sticks(self._flight).throttle > _RAISED_THROTTLE
 
     def start(self) -> None:
@@ -40,7 +53,10 @@ class Manual:
         self._flight.heading.reset(self._flight.vehicle.yaw_rad)
 
     def update(self) -> Setpoint:
-        """Return the attitude or the rates that the sticks command, with their thrust."""
+        """Return the attitude or the rates that the sticks command, with their thrust.
+
+        On the ground with the throttle down the rotors idle.
+        """
         flight = self._flight
         flight.target_enu_m = None
         sticks = _sticks(self._flight)
@@ -75,11 +91,21 @@ class Manual:
 
 
 class StickGuided:
-    """Altitude and position mode: the throttle commands climb, centred sticks hold."""
+    """Altitude and position mode: the throttle commands climb, centred sticks hold.
+
+    A reference point moves with the sticks within the vehicle's limits. In position mode the
+    vehicle follows it; in altitude mode it follows its height alone, and the sticks command tilt.
+    """
 
     is_landing = False
 
     def __init__(self, flight: FlightContext, *, holds_position: bool) -> None:
+        """Prepare to fly by the sticks.
+
+        Args:
+            flight: Shared state, with the sticks.
+            holds_position: True for position mode, false for altitude mode.
+        """
         self._flight = flight
         self._holds_position = holds_position
         self._motion = VelocityMotion()
@@ -95,13 +121,17 @@ class StickGuided:
         return _sticks(self._flight).throttle > _RISE_THROTTLE
 
     def start(self) -> None:
-        """Continue from the present reference."""
+        """Continue from the present reference, so that a change of mode does not jerk."""
         path = self._flight.path
         self._motion.reset(path.position_enu_m, path.velocity_enu_mps, path.acceleration_enu_mps2)
         self._flight.heading.reset(self._flight.heading.yaw_rad)
 
     def update(self) -> Setpoint:
-        """Return the velocity, or tilt and climb, that the sticks command."""
+        """Return the velocity, or tilt and climb, that the sticks command.
+
+        In position mode reported obstacles slow it down (`CollisionPrevention`). A vehicle in
+        altitude mode whose sticks fall silent holds its position, if it knows one.
+        """
         flight = self._flight
         flight.target_enu_m = None
         sticks = _sticks(self._flight)

@@ -85,7 +85,10 @@ class MissionFlight:
         self._begin_leg()
 
     def update(self) -> Setpoint:
-        """Fly the present leg; continue with the next item at its end."""
+        """Fly the present leg; continue with the next item at its end.
+
+        The rotors idle if there is no item left to fly.
+        """
         if self._synchronise() or self._leg is None:
             self._begin_leg()
         leg = self._leg

@@ -15,7 +15,11 @@ _CLIMB_MARGIN_MPS = 0.05
 
 
 class Offboard:
-    """Follows the latest offboard setpoint; a failsafe handles the loss of the stream."""
+    """Follow the latest offboard setpoint; a failsafe handles the loss of the stream.
+
+    Setpoints pass unchanged, except that velocities are cut to MPC_XY_VEL_MAX and the greatest
+    speeds up and down.
+    """
 
     is_landing = False
 
@@ -27,7 +31,11 @@ class Offboard:
 
     @property
     def may_rest(self) -> bool:
-        """True if the setpoint leads down."""
+        """True if the setpoint leads down, by its velocity or its height.
+
+        Only then may contact with the ground be a landing; a companion that hovers near the ground
+        flies on.
+        """
         setpoint = self._flight.offboard.setpoint
         if setpoint is None or setpoint.level != ControlLevel.TRAJECTORY:
             return False
@@ -37,7 +45,11 @@ class Offboard:
         return z < self._flight.vehicle.position_enu_m[2] - _CLIMB_MARGIN_M and not up_mps > 0.0
 
     def ready_to_lift(self) -> bool:
-        """Return true if the setpoint leads up."""
+        """Return true if the setpoint leads up, or commands thrust.
+
+        Small differences do not count, since the frames of companion and vehicle drift against each
+        other.
+        """
         setpoint = self._flight.offboard.setpoint
         if setpoint is None:
             return False
@@ -65,7 +77,11 @@ class Offboard:
             self._flight.heading.reset(self._flight.vehicle.yaw_rad)
 
     def update(self) -> Setpoint:
-        """Return the latest setpoint, turned to a client's heading if it has none itself."""
+        """Return the latest setpoint, turned to a client's heading if it has none itself.
+
+        A client may ask for a heading beside the stream; a stream with a heading of its own takes
+        it over.
+        """
         flight = self._flight
         setpoint = flight.offboard.setpoint
         # A stream without any setpoint yet: brake along the path and stay.

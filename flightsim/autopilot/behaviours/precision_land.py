@@ -27,7 +27,7 @@ _DESCENDING_FACTOR = 2.0
 
 @unique
 class Precision(IntEnum):
-    """How far a landing depends on the target, by the numbers of MAVLink's PRECISION_LAND_MODE."""
+    """Dependence of a landing on the target, by the numbers of MAVLink's PRECISION_LAND_MODE."""
 
     NONE = 0
     OPPORTUNISTIC = 1
@@ -37,7 +37,10 @@ class Precision(IntEnum):
 
 
 class PrecisionLand:
-    """Land on the target of `flight.landing_target`."""
+    """Land on the target of `flight.landing_target`.
+
+    The descent begins within PLD_HACC_RAD of the target, and is interrupted beyond twice that.
+    """
 
     def __init__(
         self,
@@ -77,7 +80,7 @@ class PrecisionLand:
         return False
 
     def start(self) -> None:
-        """Choose where to wait for the target."""
+        """Choose where to wait for the target: at this height, above its expected place."""
         flight = self._flight
         x, y, self._height_enu_m = flight.path.stopping_point(flight.limits.automatic)
         self._expected_enu_m = self._expected_enu_m or (x, y)
@@ -85,7 +88,11 @@ class PrecisionLand:
         flight.heading.goal_yaw_rad = flight.heading.yaw_rad
 
     def update(self) -> Setpoint:
-        """Fly above the target and down, or land where it was expected if it is not seen."""
+        """Fly above the target and down, or land where it was expected if it is not seen.
+
+        Once it has given the target up, it lands as `Land` does and takes no notice of later
+        reports.
+        """
         if self._blind is not None:
             return self._blind.update()
         target = self._flight.landing_target.at(self._flight.vehicle.time_us)

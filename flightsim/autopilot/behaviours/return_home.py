@@ -20,7 +20,11 @@ _FENCE_MARGIN_M = 1.0  # the return stays this far below a fence's ceiling
 
 
 class ReturnHome:
-    """Flies the legs of a return, one after the other."""
+    """Fly the legs of a return, one after the other.
+
+    The vehicle climbs, follows a route that the geofence allows, waits above the place for
+    RTL_LAND_DELAY, and lands there: at home, or at a rally point that is nearer.
+    """
 
     def __init__(self, flight: FlightContext) -> None:
         self._flight = flight
@@ -45,7 +49,11 @@ class ReturnHome:
         return False
 
     def start(self) -> None:
-        """Plan the legs from here: climb, route, descent above the place."""
+        """Plan the legs from here: climb, route, descent above the place.
+
+        The vehicle lands where it can stop if there is no home, or if the fence allows no way to
+        any place.
+        """
         flight = self._flight
         self._land = None
         self._waited_s = 0.0
@@ -80,7 +88,7 @@ class ReturnHome:
         )
 
     def update(self) -> Setpoint:
-        """Fly the present leg."""
+        """Fly the present leg; at the end of the last one wait, then land."""
         flight = self._flight
         if self._land is not None:
             return self._land.update()

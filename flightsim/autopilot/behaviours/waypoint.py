@@ -15,7 +15,12 @@ _MAX_LAG_M = 0.5  # the vehicle may be so far behind its reference when the next
 
 
 class WaypointLeg:
-    """One leg; `is_done` when the waypoint was accepted and the hold time has passed."""
+    """One leg of a mission, to a waypoint.
+
+    `is_done` once the waypoint was accepted and the hold time has passed. A waypoint to be passed
+    without a stop is done earlier: once the reference may turn onto the next line, with the vehicle
+    close behind.
+    """
 
     is_landing = False
     may_rest = False
@@ -63,13 +68,20 @@ class WaypointLeg:
         return True
 
     def start(self) -> None:
-        """Choose the speed at the waypoint, and the heading."""
+        """Choose the speed at the waypoint, and the heading.
+
+        The speed is 0 if the vehicle is to stop there, else the greatest for the turn
+        (`corner_speed`).
+        """
         heading = self._flight.heading
         heading.goal_yaw_rad = heading.yaw_rad if self._yaw_rad is None else self._yaw_rad
         self._plan_exit()
 
     def update(self) -> Setpoint:
-        """Fly the leg; sets `is_done` at its end."""
+        """Fly the leg; sets `is_done` at its end.
+
+        A change of the limits, such as a new cruise speed, plans the rest of the leg anew.
+        """
         flight = self._flight
         # Limits are the same object until one changes, so that a new speed replans the exit.
         if flight.limits.automatic is not self._limits:
