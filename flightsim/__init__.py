@@ -1,6 +1,7 @@
 """World, vehicles, sensors, autopilot and MAVLink: everything that is simulated.
 
-The names of `__all__` are the public ones; docs/python.md shows them at work.
+The names of `__all__` are the public ones; docs/python.md shows them at work. Each is imported when
+it is first used, so that a program pays only for the parts that it needs.
 """
 
 from typing import TYPE_CHECKING

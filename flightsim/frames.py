@@ -1,6 +1,7 @@
 """Frame conversions for MAVLink: ENU/FLU to NED/FRD, local to geodetic.
 
-Both axis changes are their own inverse, so one function serves both directions.
+All of our code is in ENU and FLU; these functions stand where a message leaves or enters. Both axis
+changes are their own inverse, so one function serves both directions.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ _HALF_SQRT_2 = math.sqrt(0.5)
 def swap_enu_ned(vector: Vector3) -> Vector3:
     """Convert a vector from ENU to NED, or back."""
     x, y, z = vector
-    return (y, x, -z)
+    return (y, x, -z)  # east and north change places, up becomes down
 
 
 def swap_flu_frd(vector: Vector3) -> Vector3:
@@ -30,6 +31,7 @@ def swap_quat_enu_flu_ned_frd(quat_wxyz: Quaternion) -> Quaternion:
     """Convert an attitude from FLU-to-ENU to FRD-to-NED, or back; w >= 0.
 
     The axis changes are half turns: about (1, 1, 0)/sqrt(2) for the world and about x for the body.
+    The result is the product of the first, the attitude and the second.
     """
     w, x, y, z = quat_wxyz
     swapped = (
@@ -38,19 +40,33 @@ def swap_quat_enu_flu_ned_frd(quat_wxyz: Quaternion) -> Quaternion:
         _HALF_SQRT_2 * (x - y),
         _HALF_SQRT_2 * (w - z),
     )
+    # Both signs are the same attitude; one is chosen so that equal attitudes have equal numbers.
     return swapped if swapped[0] >= 0 else (-swapped[0], -swapped[1], -swapped[2], -swapped[3])
 
 
 def swap_yaw_enu_ned(yaw_rad: float) -> float:
-    """Convert yaw from east, counter-clockwise, to heading from north, or back; in (-pi, pi]."""
+    """Convert a yaw counter-clockwise from east to a heading clockwise from north, or back.
+
+    Returns:
+        The angle in (-pi, pi].
+    """
     swapped = math.pi / 2 - yaw_rad
+    # The remainder is in [0, 2 pi), so the two signs move the open end from pi to -pi.
     return -((math.pi - swapped) % (2 * math.pi) - math.pi)
 
 
 def euler_rpy_rad(quat_wxyz: Quaternion) -> Vector3:
-    """Roll, pitch and yaw (intrinsic z-y-x) of an attitude in its own frames."""
+    """Return roll, pitch and yaw (intrinsic z-y-x) of an attitude in its own frames.
+
+    Args:
+        quat_wxyz: Unit quaternion, body to world; of either pair of frames.
+
+    Returns:
+        Angles in radians; roll and yaw in [-pi, pi], pitch in [-pi/2, pi/2].
+    """
     w, x, y, z = quat_wxyz
     roll = math.atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))
+    # Rounding may carry the sine beyond 1.
     pitch = math.asin(max(-1.0, min(1.0, 2 * (w * y - z * x))))
     yaw = math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
     return (roll, pitch, yaw)
@@ -68,8 +84,8 @@ class Geodetic:
 class LocalFrame:
     """ENU plane tangent to the ellipsoid at an origin.
 
-    Uses the radii of curvature at the origin: within 1 km of it the error stays below 0.2 m, and
-    one conversion costs under a microsecond. The vertical is the altitude difference.
+    It takes the radii of curvature at the origin: within 1 km of it the error stays below 0.2 m,
+    and one conversion costs under a microsecond. The vertical is the difference in altitude.
 
     Attributes:
         origin: Place of the local origin.
@@ -84,7 +100,7 @@ class LocalFrame:
         )
 
     def geodetic_from_enu(self, position_enu_m: Vector3) -> Geodetic:
-        """Latitude, longitude and altitude of a local position."""
+        """Return the latitude, longitude and altitude of a local position."""
         east, north, up = position_enu_m
         return Geodetic(
             self.origin.latitude_deg + north / self.metres_per_degree_north,
@@ -93,7 +109,7 @@ class LocalFrame:
         )
 
     def enu_from_geodetic(self, place: Geodetic) -> Vector3:
-        """Local position of a latitude, longitude and altitude."""
+        """Return the local position of a latitude, longitude and altitude."""
         return (
             (place.longitude_deg - self.origin.longitude_deg) * self.metres_per_degree_east,
             (place.latitude_deg - self.origin.latitude_deg) * self.metres_per_degree_north,

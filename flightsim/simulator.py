@@ -1,4 +1,9 @@
-"""Simulation loop: plant, autopilot, MAVLink and observers in lockstep, paced by the wall clock."""
+"""Simulation loop: plant, autopilot, MAVLink and observers in lockstep, paced by the wall clock.
+
+All parts run one after the other in one thread, in the same order at every tick, so a flight that
+no client disturbs repeats exactly. The wall clock decides only how long the loop sleeps between two
+ticks, never how far one goes.
+"""
 
 from __future__ import annotations
 
@@ -11,20 +16,20 @@ from typing import Literal, Protocol
 TICK_US = 20_000
 """Simulated time of one step."""
 
-_SHORTEST_SLEEP_S = 1e-3
-_FORGIVEN_LATENESS_S = 0.1
+_SHORTEST_SLEEP_S = 1e-3  # shorter waits are left to the next tick
+_FORGIVEN_LATENESS_S = 0.1  # lateness that is made up for; more is given up
 _LOCKSTEP_WAIT_S = 0.05
-"""Time between two looks at what else could end a run while a client keeps the time."""
+"""Time between two looks at other reasons to end a run, while a client keeps the time."""
 
 Observer = Callable[[], object]
 
 
 class Timed(Protocol):
-    """What moves with time: a plant, or all vehicles of a world."""
+    """Owner of simulated time: a plant, or all vehicles of a world."""
 
     @property
     def time_us(self) -> int:
-        """Simulated time."""
+        """Simulated time in microseconds."""
         ...
 
     def advance(self) -> None:
@@ -33,7 +38,7 @@ class Timed(Protocol):
 
 
 class Controller(Protocol):
-    """Controller of a plant: our autopilot, or a class of one's own."""
+    """Controller of a plant: our autopilot, or a class of a user's own."""
 
     def update(self) -> None:
         """Read `plant.estimate` and call `plant.apply`; called after each 20 ms."""
@@ -41,14 +46,18 @@ class Controller(Protocol):
 
 
 class Server(Protocol):
-    """Whoever talks with those outside: our MAVLink, or the bridge to another flight stack."""
+    """Server of clients outside: our MAVLink, or the bridge to another flight stack."""
 
     def update(self) -> None:
         """Read, answer and stream; called after the controller."""
         ...
 
     def wait_for_tick(self, timeout_s: float) -> bool:
-        """Whether time may pass; waits a moment for those who keep it."""
+        """Return True if time may pass; wait a moment for clients that keep it.
+
+        Args:
+            timeout_s: Longest wait, of wall time.
+        """
         ...
 
 
@@ -70,7 +79,7 @@ class Timing:
 
 
 class Simulator:
-    """Steps all parts by 20 ms of simulated time, at the requested speed."""
+    """Loop that steps all parts by 20 ms of simulated time, at the requested speed."""
 
     def __init__(
         self,
@@ -99,6 +108,7 @@ class Simulator:
         self._observers = observers
         self._is_stopping = False
         self._tick_s = tick_seconds(speed)
+        # Nanoseconds as whole numbers: adding them up loses nothing.
         self._ns = [0, 0, 0, 0]
         self._n_steps = 0
         self._idle_s = 0.0
@@ -117,7 +127,11 @@ class Simulator:
         )
 
     def step(self) -> None:
-        """Advance by one tick."""
+        """Advance by one tick.
+
+        The plant comes first, so the autopilot sees fresh estimates, MAVLink reports what the
+        autopilot made of them, and observers see all of it.
+        """
         clock, ns = time.perf_counter_ns, self._ns
         t0 = clock()
         self._plant.advance()
@@ -138,7 +152,12 @@ class Simulator:
     def run(self, until_us: int | None = None, stop: Callable[[], bool] | None = None) -> None:
         """Step until a simulated time, until `stop()` is true or until `request_stop`.
 
-        Time lost to a stall of the machine is not made up for: simulated time then lags behind.
+        A stall of the machine of more than a tenth of a second is not made up for: simulated time
+        then lags behind.
+
+        Args:
+            until_us: Simulated time to end at; None has no such end.
+            stop: Called before each step; the run ends when it returns True.
         """
         self._is_stopping = False
         deadline_s = time.perf_counter()
@@ -151,6 +170,7 @@ class Simulator:
                 continue
             self.step()
             if self._tick_s > 0.0:
+                # Deadlines follow from each other and not from the time, so no error adds up.
                 deadline_s = self._wait(deadline_s + self._tick_s)
 
     def request_stop(self) -> None:
@@ -158,7 +178,7 @@ class Simulator:
         self._is_stopping = True
 
     def _may_step(self) -> bool:
-        """Whether time may pass; waits a moment for a client that keeps it."""
+        """Return True if time may pass; wait a moment for a client that keeps it."""
         server = self._mavlink_server
         return server is None or server.wait_for_tick(_LOCKSTEP_WAIT_S)
 
@@ -170,12 +190,16 @@ class Simulator:
             time.sleep(ahead_s)
             self._idle_s += time.perf_counter() - now_s
         elif ahead_s < -_FORGIVEN_LATENESS_S:
+            # To catch up would make simulated time race for as long as the stall took.
             return now_s
         return deadline_s
 
 
 def tick_seconds(speed: float | Literal["max"]) -> float:
-    """Wall time of one tick; 0 for no pacing.
+    """Return the wall time of one tick in seconds; 0 for no pacing.
+
+    Args:
+        speed: Simulated seconds per wall second, or "max".
 
     Raises:
         SpeedError: If the speed is not a positive number or "max".

@@ -1,4 +1,4 @@
-"""Tests of motors: each turns for a while, on the ground and disarmed only."""
+"""Motor tests: motors turn one after another for a set time, on the ground and disarmed only."""
 
 from __future__ import annotations
 
@@ -10,6 +10,8 @@ from flightsim.plant import Plant
 from flightsim.vehicles.airframe import Airframe
 
 LONGEST_S = 600.0
+# Above this height the vehicle counts as off the ground, and all tests end.
+"""Longest time for which one motor may be asked to turn."""
 _MOST_HEIGHT_M = 0.1
 
 
@@ -22,7 +24,7 @@ class _Turn:
 
 
 class ActuatorTest:
-    """Turns that have been asked for; arming, or leaving the ground, ends them all."""
+    """Requested motor tests. Arming or leaving the ground ends all of them."""
 
     def __init__(self, plant: Plant, flight: FlightContext, airframe: Airframe) -> None:
         self._plant = plant
@@ -32,12 +34,15 @@ class ActuatorTest:
         self._turns: list[_Turn] = []
 
     def request(self, rotors: tuple[int, ...], throttle: float, seconds: float) -> Reply:
-        """Turn rotors one after the other.
+        """Turn rotors one after the other, each for the same time.
 
         Args:
-            rotors: Rotors (from 0) in their order; a test of one that still runs is replaced.
+            rotors: Rotors (from 0) in their order. A new test replaces one of the same rotor.
             throttle: Share of the greatest speed, 0 to 1.
-            seconds: Time for each.
+            seconds: Time for each rotor, 0 to `LONGEST_S`.
+
+        Returns:
+            The reply. It is denied if COM_MOT_TEST_EN is not 1 or a value is out of range.
         """
         if self._flight.parameters["COM_MOT_TEST_EN"] != 1:
             return denied("COM_MOT_TEST_EN is 0; valid is 1")
@@ -54,19 +59,21 @@ class ActuatorTest:
         return ACCEPTED
 
     def stop(self, rotors: tuple[int, ...]) -> None:
-        """End the tests of some rotors."""
+        """End the tests of the given rotors; the other tests go on from the next `update`."""
         self._turns = [turn for turn in self._turns if turn.rotor not in rotors]
         self._plant.spin_rotors(self._still)
 
     def update(self, *, is_armed: bool) -> None:
-        """Turn the rotors whose time it is."""
+        """Turn the rotors that are due now; call it once a tick."""
         if not self._turns:
             return
         now_us, speeds_radps = self._plant.time_us, [*self._still]
+        # An unknown height, without a reading of the rangefinder, counts as on the ground.
         if is_armed or (self._flight.vehicle.height_m or 0.0) > _MOST_HEIGHT_M:
             self._turns = []
         self._turns = [turn for turn in self._turns if now_us < turn.end_us]
         for turn in self._turns:
             if turn.start_us <= now_us:
                 speeds_radps[turn.rotor] = turn.speed_radps
+        # Passed on even if no test is left, so that the last rotor stops.
         self._plant.spin_rotors(tuple(speeds_radps))

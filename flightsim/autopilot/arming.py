@@ -1,4 +1,9 @@
-"""Arming checks: health of the vehicle and reasons that forbid arming."""
+"""Arming checks: health of the vehicle, and reasons that forbid arming.
+
+The checks run twice a second and before each arming. They depend on the mode in which the vehicle
+would be armed: for example, a mission needs a position and a flyable mission, stick modes need
+sticks.
+"""
 
 from __future__ import annotations
 
@@ -19,16 +24,18 @@ from flightsim.sensors.magnetometer import MAGNETOMETER
 from flightsim.sensors.rangefinder import RANGEFINDER
 from flightsim.sensors.sensor import Sensor
 
-_STALE_US = 1_000_000
-_MAX_TILT_COSINE = 0.5
+_STALE_US = 1_000_000  # longest silence of a sensor that still delivers
+_MAX_TILT_COSINE = 0.5  # cosine of 60 degrees
+# Throttle above this would lift the vehicle at once in modes that pass it on.
 _LOW_THROTTLE = 0.1
+# These modes end a flight or need one that is under way.
 _NOT_FOR_TAKEOFF = frozenset(
     {
         *(Mode.LAND, Mode.PRECISION_LAND, Mode.RETURN, Mode.DESCEND, Mode.TERMINATION),
         *(Mode.ORBIT, Mode.FOLLOW),
     }
 )
-_GNSS_FIX_3D = 3
+_GNSS_FIX_3D = 3  # fix_type of a receiver that knows its height as well
 _TOLD = {
     "is_imu_ok": "Inertial sensor",
     "is_mag_ok": "Magnetometer",
@@ -36,11 +43,11 @@ _TOLD = {
     "is_gnss_ok": "Satellite fix",
     "is_rangefinder_ok": "Rangefinder",
 }
-"""Fields of `Health` whose change is said, and the sensors' names."""
+"""Fields of `Health` whose changes are reported as texts, with the sensor's name in the text."""
 
 
 class ArmingChecks:
-    """Health and arming report, updated by `refresh`."""
+    """Health and arming report; `refresh` updates both."""
 
     def __init__(self, plant: Plant, flight: FlightContext, battery: BatteryMonitor) -> None:
         self._plant = plant
@@ -51,11 +58,12 @@ class ArmingChecks:
         self.report = PrearmReport(is_ok=False, reasons=("starting up",))
 
     def refresh(self, mode: Mode, *, is_armed: bool) -> PrearmReport:
-        """Run all checks.
+        """Run all checks, update `health` and `report`, and return the report.
 
         Args:
             mode: Mode in which the vehicle would be armed.
-            is_armed: Whether it is armed already, so that being in the air is no reason against it.
+            is_armed: True if the vehicle is armed already. Its report is then always positive,
+                because being in the air is no reason against arming.
         """
         reasons = tuple(self._reasons(mode))
         is_ok = is_armed or not reasons
@@ -65,15 +73,17 @@ class ArmingChecks:
         return self.report
 
     def announce(self) -> None:
-        """Say what forbids arming."""
+        """Queue one warning for each reason that forbids arming."""
         for reason in self.report.reasons:
             self._flight.events.say(Severity.WARNING, f"Preflight fail: {reason}")
 
     def _tell_changes(self, before: Health) -> None:
-        """Say which sensors have fallen silent, repeat themselves, or work again."""
+        """Report sensors that have fallen silent or repeat themselves, and recovered ones."""
         for name, title in _TOLD.items():
             was_ok, is_ok = getattr(before, name), getattr(self.health, name)
             if was_ok and not is_ok:
+                # Only a sensor that was reported as lost is reported as regained: at the start none
+                # is.
                 self._lost.add(name)
                 self._flight.events.say(Severity.WARNING, f"{title} lost")
             elif is_ok and name in self._lost:
@@ -110,10 +120,12 @@ class ArmingChecks:
             reasons.append("attitude estimate not valid")
         elif vehicle.cos_tilt < _MAX_TILT_COSINE:
             reasons.append("vehicle is tilted by more than 60 degrees")
+        # Offboard is no position mode, because attitude setpoints need none. Arming asks for one.
         if not vehicle.is_position_ok and (mode in POSITION_MODES or mode is Mode.OFFBOARD):
             reasons.append("position estimate not valid")
         if self._battery.warning >= BatteryWarning.CRITICAL:
             reasons.append("battery too low")
+        # GF_ACTION 0 and 1 ignore a breach or only warn of it.
         if p["GF_ACTION"] > 1 and fence_breach(flight, vehicle.position_enu_m):
             reasons.append("outside the geofence")
         if mode in _NOT_FOR_TAKEOFF:

@@ -1,4 +1,9 @@
-"""Public interface of the autopilot: reported state, requests and input streams."""
+"""Public interface of the autopilot: reported state, requests and input streams.
+
+`Autopilot` connects the parts of this package and gives clients one object to talk to. MAVLink
+handlers, recordings and Python pilots use it alone, so that the parts behind it can change. Times
+are simulated microseconds, positions are ENU metres of the local frame.
+"""
 
 from __future__ import annotations
 
@@ -27,21 +32,21 @@ from flightsim.plant import Plant
 from flightsim.vehicles.airframe import Airframe
 
 _GUARD_EVERY = 5
-"""Ticks between failsafe checks: 100 ms."""
+"""Ticks between failsafe checks: 100 ms, because limits and battery change slowly."""
 _REPORT_EVERY = 25
 """Ticks between refreshes of health, battery and arming report: 500 ms."""
 
 
 class Autopilot:
-    """Commander, navigator and failsafes on top of a plant; `update` once every 20 ms.
+    """Commander, navigator and failsafes on top of a plant; call `update` once every 20 ms.
 
     Attributes:
-        parameters: Changed by `parameters.set`.
+        parameters: Parameters with PX4's names; change them by `parameters.set`.
         mission: Uploaded mission and its progress.
         fence, rally: Uploaded geofence and rally points.
-        battery_monitor, datalink, sticks: What the autopilot reads, for letting it fail.
-        follow_target, landing_target: Reports of what to follow, and of what to land on.
-        collision_prevention: Reports of what not to fly into.
+        battery_monitor, datalink, sticks: Inputs of the autopilot; failures are injected there.
+        follow_target, landing_target: Reports of the target to follow, and of the one to land on.
+        collision_prevention: Reported obstacles that stick flight keeps away from.
         actuator_test: Tests of motors on the ground.
         setpoint: Setpoint applied last.
 
@@ -62,14 +67,14 @@ class Autopilot:
         """Connect the parts.
 
         Args:
-            plant: Vehicle, of which only the sensors and the estimate are read, never the truth.
+            plant: Vehicle. The autopilot reads its sensors and its estimate, never the truth.
             frame: Geodetic position of the local frame.
             airframe: Constants of the vehicle.
             initial_parameters: Values that replace defaults, read-only ones included.
             parameter_ranges: Ranges that widen those of the table, by name.
-            pilot_speeds_limit_all: Whether the greatest climb and descent of the sticks bound
+            pilot_speeds_limit_all: True lets the greatest climb and descent of the sticks bound
                 automatic flight too, as in PX4.
-            terrain: Map of the terrain, above which some altitudes count; without it they count
+            terrain: Map of the terrain, above which some altitudes count. Without it they count
                 above home.
 
         Raises:
@@ -81,6 +86,8 @@ class Autopilot:
             **{
                 "BAT1_N_CELLS": airframe.battery.cells,
                 "BAT1_CAPACITY": airframe.battery.capacity_mah,
+                # The range of the parameter: a stronger or weaker airframe reports the nearest
+                # value.
                 "MPC_THR_HOVER": min(max(hover, 0.1), 0.8),
                 **(initial_parameters or {}),
             },
@@ -114,7 +121,11 @@ class Autopilot:
         self._n_ticks = 0
 
     def update(self) -> None:
-        """Run one tick: read the plant, decide and apply a setpoint."""
+        """Run one tick of 20 ms: read the plant, decide, and apply a setpoint to the plant.
+
+        The order matters. The land detector and the failsafes see this tick's estimates and the
+        setpoint of the last tick, before the behaviour computes a new one.
+        """
         vehicle, commander = self._vehicle, self._commander
         vehicle.read()
         self._events.time_us = vehicle.time_us
@@ -123,6 +134,7 @@ class Autopilot:
             vehicle.read_slowly()
         is_descending = commander.behaviour.may_rest
         if is_descending:
+            # A descent needs each reading: at 0.5 m/s the vehicle sinks 5 cm between two slow ones.
             vehicle.read_range()
         self._flight.land_detector.update(
             vehicle,
@@ -135,6 +147,8 @@ class Autopilot:
             if self._n_ticks % _REPORT_EVERY == 0:
                 self._refresh_reports()
         self._n_ticks += 1
+        # Before the commander: once the vehicle is armed, the test ends before a setpoint is
+        # applied.
         self.actuator_test.update(is_armed=commander.is_armed)
         setpoint = commander.tick()
         if setpoint.level > ControlLevel.IDLE and not vehicle.is_attitude_ok:
@@ -143,24 +157,24 @@ class Autopilot:
         self._plant.apply(setpoint)
 
     def pop_events(self) -> list[Event]:
-        """Events since the last call."""
+        """Remove and return the events since the last call, oldest first."""
         return self._events.pop()
 
     # State
 
     @property
     def mode(self) -> Mode:
-        """Present mode."""
+        """Present flight mode."""
         return self._commander.mode
 
     @property
     def is_armed(self) -> bool:
-        """Whether the rotors may turn."""
+        """True if the rotors may turn."""
         return self._commander.is_armed
 
     @property
     def landed_state(self) -> LandedState:
-        """Phase between ground and air."""
+        """Phase between ground and air, by the land detector and the present behaviour."""
         if self._vehicle.is_landed:
             return LandedState.ON_GROUND
         if self._commander.behaviour.is_landing:
@@ -170,6 +184,7 @@ class Autopilot:
     @property
     def system_state(self) -> SystemState:
         """System state, as a heartbeat reports it."""
+        # The strongest state comes first: a termination or an empty battery outranks a failsafe.
         if self.mode is Mode.TERMINATION:
             return SystemState.EMERGENCY
         if not self.is_armed:
@@ -185,42 +200,42 @@ class Autopilot:
 
     @property
     def home(self) -> Home | None:
-        """Where a return ends; None before the first position."""
+        """Position where a return ends; None before the first position estimate."""
         return self._flight.home
 
     @property
     def health(self) -> Health:
-        """Health of the parts; refreshed twice a second."""
+        """Health of the sensors and estimates, up to half a second old."""
         return self._checks.health
 
     @property
     def prearm(self) -> PrearmReport:
-        """Whether arming would be accepted; refreshed twice a second."""
+        """Report of the arming checks, up to half a second old; see `run_prearm_checks`."""
         return self._checks.report
 
     @property
     def battery(self) -> BatteryView:
-        """The battery; refreshed twice a second."""
+        """State of the battery, up to half a second old."""
         return self.battery_monitor.view
 
     @property
     def target_enu_m(self) -> Vector3 | None:
-        """Position that the present mode flies to, if any."""
+        """Position that the present mode flies to, ENU m; None if it has none."""
         return self._flight.target_enu_m
 
     @property
     def is_mission_running(self) -> bool:
-        """Whether a mission is being flown."""
+        """True while the vehicle is armed in mission mode and items are left."""
         return self.is_armed and self.mode is Mode.MISSION and not self.mission.is_finished
 
     @property
     def armed_at_us(self) -> int | None:
-        """Time of arming; None while disarmed."""
+        """Simulated time of arming, microseconds; None while disarmed."""
         return self._commander.armed_at_us
 
     @property
     def took_off_at_us(self) -> int | None:
-        """Time of takeoff in this armed period, or of the last flight's."""
+        """Time of the takeoff in this armed period, or in the last one; None before any."""
         return self._commander.took_off_at_us
 
     @property
@@ -231,15 +246,22 @@ class Autopilot:
     # Requests
 
     def arm(self, *, is_forced: bool = False) -> Reply:
-        """Arm the vehicle; `is_forced` skips the checks."""
+        """Arm the vehicle.
+
+        Args:
+            is_forced: True skips the checks. The rotors then only idle until there is an attitude.
+
+        Returns:
+            The reply; a rejection names the first reason, and each one is queued as a text.
+        """
         return self._commander.arm(is_forced=is_forced)
 
     def disarm(self, *, is_forced: bool = False) -> Reply:
-        """Disarm the vehicle; in the air only with `is_forced`."""
+        """Stop the rotors; without `is_forced` the request is rejected in the air."""
         return self._commander.disarm(is_forced=is_forced)
 
     def set_mode(self, mode: Mode) -> Reply:
-        """Change the mode."""
+        """Change the flight mode; a refusal names the reason."""
         return self._commander.request(mode)
 
     def return_to_launch(self) -> Reply:
@@ -247,37 +269,47 @@ class Autopilot:
         return self._commander.request(Mode.RETURN)
 
     def start_mission(self, first: int = 0, last: int | None = None) -> Reply:
-        """Fly the mission from one item to another, once the vehicle is armed."""
+        """Fly the mission from item `first` to item `last`, once the vehicle is armed.
+
+        Args:
+            first: Index of the first item to fly.
+            last: Index of the item after which the mission is finished; None flies all.
+
+        Returns:
+            The reply. It is denied if an index does not exist or the mission cannot be flown from
+            here.
+        """
         n_items = len(self.mission)
         if n_items and not (0 <= first < n_items and (last is None or first <= last)):
             return denied(f"no mission items {first} to {last}; there are 0 to {n_items - 1}")
         reply = self._commander.request(Mode.MISSION, MissionFlight(self._flight, last_index=last))
+        # Selecting restarts the jump counters, so a mission that goes on where it was keeps them.
         if reply.is_accepted and (first != self.mission.current_index or self.mission.is_finished):
             self.mission.select(first)
         return reply
 
     def set_current_mission_item(self, index: int) -> Reply:
-        """Continue the mission at another item."""
+        """Continue the mission at another item; the reply is denied if the index does not exist."""
         if not 0 <= index < len(self.mission):
             return denied(f"no mission item {index}; there are {len(self.mission)}")
         self.mission.select(index)
         return ACCEPTED
 
     def pause(self) -> Reply:
-        """Stop and hold position."""
+        """Stop, and hold the position."""
         return self._commander.request(Mode.HOLD)
 
     def resume(self) -> Reply:
-        """Continue the mission."""
+        """Continue the mission at its present item."""
         return self._commander.request(Mode.MISSION)
 
     def terminate(self) -> Reply:
-        """Stop the rotors irrevocably, wherever the vehicle is."""
+        """Stop the rotors irrevocably, even in the air. Only disarming ends this state."""
         self._commander.terminate()
         return ACCEPTED
 
     def run_prearm_checks(self) -> PrearmReport:
-        """Run the arming checks now and announce what forbids arming."""
+        """Run the arming checks now, and queue a text for each reason that forbids arming."""
         report = self._checks.refresh(self.mode, is_armed=self.is_armed)
         self._checks.announce()
         return report
@@ -285,7 +317,7 @@ class Autopilot:
     # Streams
 
     def set_offboard_setpoint(self, setpoint: Setpoint) -> None:
-        """Accept an offboard setpoint; more than two a second keep offboard alive."""
+        """Accept an offboard setpoint; more than two a second keep the offboard mode alive."""
         self._flight.offboard.receive(setpoint, self._plant.time_us)
 
     def set_manual_control(self, *, pitch: float, roll: float, throttle: float, yaw: float) -> None:
@@ -303,10 +335,11 @@ class Autopilot:
         self.sticks.receive(sticks, self._plant.time_us)
 
     def on_link_heartbeat(self, _source: object = None) -> None:
-        """Accept the heartbeat of a ground station."""
+        """Accept a ground station's heartbeat; the link is lost after COM_DL_LOSS_T without one."""
         self.datalink.receive(self._plant.time_us)
 
     def _refresh_reports(self) -> None:
+        # Home is the first valid position at first; arming moves it.
         self.battery_monitor.update(self._plant.battery, is_armed=self.is_armed)
         if self._flight.home is None and self._vehicle.is_position_ok:
             self._flight.move_home(None, is_manual=False)

@@ -1,4 +1,4 @@
-"""Battery monitor: reports the charge and warns when it runs low."""
+"""Battery monitor: reports the charge, and warns when it runs low."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ _TEXTS = {
 }
 
 BATTERY_FAILURES = frozenset({Failure.NONE, Failure.OFF, Failure.WRONG, Failure.STUCK})
-"""Kinds of failure that the monitor can have."""
-_WRONG_REMAINING = 0.1
+"""Kinds of failure that the battery monitor can have."""
+_WRONG_REMAINING = 0.1  # charge that a wrong monitor reads at most: low, so that failsafes act
 
 
 class BatteryMonitor:
-    """Battery state for reports, with a warning level that only rises in flight."""
+    """Battery state for reports, with a warning level that only rises while armed."""
 
     def __init__(self, parameters: Parameters, events: EventLog, n_cells: int) -> None:
         self._parameters = parameters
@@ -29,12 +29,17 @@ class BatteryMonitor:
         self._n_cells = n_cells
         self.warning = BatteryWarning.NONE
         self.failure = Failure.NONE
-        """What it reads instead of the charge: nothing where it is off, as PX4 has it, too little
-        where it is wrong, and the same again where it is stuck."""
+        """Injected failure. OFF reads an empty battery, as in PX4; WRONG reads 10% at most; STUCK
+        repeats the last charge."""
         self.view = BatteryView(n_cells=n_cells)
 
     def update(self, battery: Battery, *, is_armed: bool) -> None:
-        """Read the battery; announce when it reaches the next warning level."""
+        """Read the battery, update `view` and `warning`, and announce each new warning level.
+
+        Args:
+            battery: Simulated battery.
+            is_armed: True keeps the highest warning so far; on the ground it may fall again.
+        """
         remaining = self._read(battery.remaining)
         level = self._level(remaining)
         if level > self.warning and level in _TEXTS:

@@ -1,6 +1,8 @@
 """Collision prevention: sticks in position mode stop short of obstacles that a companion reports.
 
-As in PX4, it is off until `CP_DIST` says how far to keep, and then no report means no way.
+As in PX4, it is off until `CP_DIST` says how far to keep away. Once it is on, a direction without a
+report is closed, unless `CP_GO_NO_DATA` opens it. Obstacles are stored as points of the world
+rather than as bearings, so that they stay right while the vehicle moves between two reports.
 """
 
 from __future__ import annotations
@@ -14,15 +16,16 @@ from flightsim.autopilot.parameters import Parameters
 from flightsim.autopilot.vehicle import Vehicle
 
 _TIMEOUT_US = 500_000
-"""Age at which a report no longer counts."""
+"""Age beyond which a report no longer counts."""
 _REACTION_S = 0.4
-"""Time until the vehicle follows a change of its reference, in which it goes on."""
+"""Time in which the vehicle still moves as before, because it follows its reference with a lag."""
 _BRAKE_SHARE = 0.5
-"""Fraction of the acceleration that is counted on: the reference follows a falling limit late."""
+"""Fraction of the acceleration that braking counts on: the reference follows a falling limit late.
+"""
 
 
 class CollisionPrevention:
-    """Knows the latest obstacles around the vehicle, and how fast it may go towards them."""
+    """The latest reported obstacles around the vehicle, and the speed that they allow."""
 
     def __init__(self, parameters: Parameters) -> None:
         self._parameters = parameters
@@ -44,15 +47,16 @@ class CollisionPrevention:
         Args:
             distances_m: Distance of the nearest obstacle in each sector; infinite for none, NaN
                 where nothing is known.
-            first_rad: Bearing of the first sector's middle, counterclockwise from east.
+            first_rad: Bearing of the first sector's middle, counter-clockwise from east.
             step_rad: Bearing from one sector to the next, and the width of each; not zero.
-            position_enu_m: Where the vehicle was.
-            time_us: When it was there.
+            position_enu_m: Position of the vehicle at the time of the report.
+            time_us: That time.
         """
         east_m, north_m, _ = position_enu_m
         self._obstacles_en_m.clear()
         self._blind_rad.clear()
         self._half_sector_rad = 0.5 * abs(step_rad)
+        # A message may hold more sectors than a turn has; the rest would count bearings twice.
         n_sectors = min(len(distances_m), round(2.0 * pi / abs(step_rad)))
         for sector, distance_m in enumerate(distances_m[:n_sectors]):
             bearing_rad = first_rad + sector * step_rad
@@ -72,7 +76,18 @@ class CollisionPrevention:
         vehicle: Vehicle,
         limits: MotionLimits,
     ) -> float:
-        """Share of a wished horizontal velocity that is safe, 0 to 1."""
+        """Share of a wished horizontal velocity that is safe, 0 to 1.
+
+        The whole velocity is scaled, so that its direction stays as the pilot wishes it.
+
+        Args:
+            wished_en_mps: Wished velocity east and north.
+            vehicle: Present position and velocity.
+            limits: Limits within which the reference can brake.
+
+        Returns:
+            1 if CP_DIST is negative (off), 0 if nothing is known of that direction.
+        """
         keep_m = self._parameters["CP_DIST"]
         if keep_m < 0.0 or hypot(*wished_en_mps) == 0.0:
             return 1.0
@@ -84,6 +99,8 @@ class CollisionPrevention:
             distance_m, towards = _direction(vehicle.position_enu_m, obstacle_en_m)
             wished_mps = _along(wished_en_mps, towards)
             if wished_mps > 0.0:
+                # Only the present speed towards the obstacle takes up room; moving away gives none
+                # back.
                 reaction_m = _REACTION_S * max(0.0, _along(vehicle.velocity_enu_mps, towards))
                 room_m = distance_m - keep_m - reaction_m
                 safe_mps = stoppable_speed(room_m, brake_mps2, limits.jerk_mps3)
@@ -91,7 +108,7 @@ class CollisionPrevention:
         return share
 
     def _is_blind(self, bearing_rad: float, time_us: int) -> bool:
-        """Whether nothing is known of a bearing, and the vehicle may not go blindly."""
+        """Return true if nothing is known of a bearing and blind flight is not allowed."""
         if self._parameters["CP_GO_NO_DATA"]:
             return False
         if self._received_us is None or time_us - self._received_us > _TIMEOUT_US:
@@ -107,7 +124,7 @@ def _direction(
 ) -> tuple[float, tuple[float, float]]:
     """Horizontal distance of an obstacle, and the unit vector to it."""
     east_m, north_m = (obstacle_en_m[i] - position_enu_m[i] for i in (0, 1))
-    distance_m = max(hypot(east_m, north_m), 1e-6)
+    distance_m = max(hypot(east_m, north_m), 1e-6)  # no division by zero at an obstacle
     return distance_m, (east_m / distance_m, north_m / distance_m)
 
 
@@ -116,6 +133,6 @@ def _along(velocity: Sequence[float], direction: tuple[float, float]) -> float:
 
 
 def _outside(first_rad: float, step_rad: float, n_sectors: int) -> list[float]:
-    """Middles of further sectors of the same width, which no report covers."""
+    """Bearings of the middles of the sectors that the report does not cover."""
     n_all = round(2.0 * pi / abs(step_rad))
     return [first_rad + sector * step_rad for sector in range(n_sectors, n_all)]

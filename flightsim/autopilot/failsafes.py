@@ -1,7 +1,8 @@
 """Failsafe conditions, and the action that each one demands.
 
-Conditions are checked independently; a new or a worse one demands an action, once. The
-commander decides what follows from the action, and a client may override it.
+Each condition is checked by itself. A new condition demands its action once, and so does one that
+has become worse. The commander decides what follows, and a client may overrule it. Demanding an
+action in every check would fight a client that has chosen another mode on purpose.
 """
 
 from __future__ import annotations
@@ -53,7 +54,8 @@ MEASURES = {
     Mode.PRECISION_LAND: Action.LAND,
     Mode.DESCEND: Action.DESCEND,
 }
-"""Modes that are themselves as strong as a failsafe action."""
+"""Modes that already are as strong as a failsafe action, so that a weaker one does not replace
+them."""
 _LINK_ACTIONS = {
     0: None,
     1: Action.HOLD,
@@ -64,6 +66,7 @@ _LINK_ACTIONS = {
     6: Action.DISARM,
 }
 """Actions of NAV_DLL_ACT and NAV_RCL_ACT."""
+# Values of COM_OBL_RC_ACT. 0 to 2 name a stick mode, which `Commander` chooses.
 _OFFBOARD_ACTIONS = {
     0: Action.STICKS,
     1: Action.STICKS,
@@ -82,6 +85,7 @@ _FENCE_ACTIONS = {
     5: Action.LAND,
 }
 """Actions of GF_ACTION and COM_WIND_MAX_ACT."""
+# Values of COM_ACT_FAIL_ACT.
 _MOTOR_ACTIONS = {
     0: Action.WARN,
     1: Action.HOLD,
@@ -96,12 +100,12 @@ BATTERY_REASONS = frozenset(
 _GOING_DOWN = frozenset(
     {Mode.RETURN, Mode.LAND, Mode.PRECISION_LAND, Mode.DESCEND, Mode.TERMINATION}
 )
-_POSITION_GRACE_S = 0.5
-_SHORTEST_GAP_S = 0.1
+_POSITION_GRACE_S = 0.5  # an estimate that returns within it interrupts nothing
+_SHORTEST_GAP_S = 0.1  # lower bound of COM_OF_LOSS_T, so that 0 does not fail between two setpoints
 
 
 class Failsafes:
-    """Present conditions and the actions that new ones demand."""
+    """Present failsafe conditions, and the actions that new ones demand."""
 
     def __init__(
         self, flight: FlightContext, battery: BatteryMonitor, datalink: DatalinkWatch
@@ -114,6 +118,7 @@ class Failsafes:
         self._was_link_lost = False
         self._position_lost_us: int | None = None
         self._toppled_us: int | None = None
+        # The order decides between actions of equal strength: the sort of `update` is stable.
         self._checks: tuple[tuple[FailsafeReason, Callable[[Mode], Action | None]], ...] = (
             (FailsafeReason.IMU_LOST, self._imu),
             (FailsafeReason.CRASHED, self._toppled),
@@ -131,7 +136,7 @@ class Failsafes:
 
     @property
     def reason(self) -> FailsafeReason | None:
-        """Present condition with the strongest action; None if none demands any."""
+        """Present condition with the strongest action; None if none demands more than a warning."""
         if not self._present:
             return None
         worst = max(self._present, key=lambda reason: self._present[reason])
@@ -155,10 +160,14 @@ class Failsafes:
     def update(self, mode: Mode) -> list[tuple[FailsafeReason, Action]]:
         """Check all conditions of an armed vehicle.
 
+        Args:
+            mode: Present mode; some conditions count in some modes only.
+
         Returns:
             Conditions that are new or worse than before and their actions, strongest first.
         """
         now_us = self._flight.vehicle.time_us
+        # Sticks that never were present cannot be lost.
         self._had_sticks = self._had_sticks or self._flight.sticks.is_alive(now_us)
         news: list[tuple[FailsafeReason, Action]] = []
         for reason, check in self._checks:
@@ -175,10 +184,11 @@ class Failsafes:
         return news
 
     def _imu(self, _mode: Mode) -> Action | None:
+        # Without an inertial sensor there is no attitude, so nothing can be flown any more.
         return None if self._flight.vehicle.is_imu_ok else Action.TERMINATE
 
     def _motors(self, _mode: Mode) -> Action | None:
-        """One lost motor is flown without; nobody flies without two."""
+        """Demand the action of COM_ACT_FAIL_ACT for one lost motor; two end the flight."""
         n_lost = len(self._flight.vehicle.lost_rotors)
         if n_lost > 1:
             return Action.TERMINATE
@@ -187,6 +197,7 @@ class Failsafes:
     def _toppled(self, mode: Mode) -> Action | None:
         vehicle, p = self._flight.vehicle, self._flight.parameters
         limit_rad = radians(p["FD_FAIL_R"])
+        # Acro may be flown upside down on purpose; 0 switches the check off.
         if mode is Mode.ACRO or limit_rad == 0.0 or vehicle.cos_tilt > cos(limit_rad):
             self._toppled_us = None
             return None
@@ -206,6 +217,7 @@ class Failsafes:
         return Action.DESCEND if lost_s >= _POSITION_GRACE_S else None
 
     def _needs_position(self, mode: Mode) -> bool:
+        # Attitudes and rates can be followed without a position, trajectories cannot.
         if mode is Mode.OFFBOARD:
             setpoint = self._flight.offboard.setpoint
             return setpoint is not None and setpoint.level == ControlLevel.TRAJECTORY
@@ -240,6 +252,7 @@ class Failsafes:
         if self._flight.sticks.is_alive(self._flight.vehicle.time_us):
             return None
         excepted = int(self._flight.parameters["COM_RCL_EXCEPT"])
+        # Bits of COM_RCL_EXCEPT: 1 mission, 2 other automatic modes, 4 offboard.
         bit = {Mode.MISSION: 1, Mode.OFFBOARD: 4}.get(mode, 2)
         if mode not in STICK_MODES and excepted & bit:
             return None

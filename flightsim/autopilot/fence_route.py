@@ -1,4 +1,10 @@
-"""Ways within a geofence: from here to a place by the fewest metres, round what is forbidden."""
+"""Shortest routes within a geofence, around what it forbids.
+
+A shortest route among polygons bends at their corners only. So the corners of the allowed area are
+the nodes of a graph whose edges are free straight lines, and Dijkstra's search finds the shortest
+route (visibility graph: Lozano-Perez and Wesley 1979). Corners are moved inwards by a margin,
+because a vehicle that flies along the fence itself would breach it with every gust.
+"""
 
 from __future__ import annotations
 
@@ -16,13 +22,14 @@ if TYPE_CHECKING:
 _MARGIN_M = 1.5
 """Distance that corners of a route keep from the fence; straight parts keep half of it."""
 _MOST_CORNERS = 100
-"""Corners of the fence that a search looks at, so that no fence can hold up the flight."""
+"""Most corners of the fence that a search looks at, so that no fence can hold up the flight."""
 _SIMPLER = 2.0
-"""Factor by which corners are smoothed more, from 0.1 m, until they are few enough."""
+"""Factor by which the tolerance of smoothing grows, from 0.1 m, until the corners are few enough.
+"""
 
 
 class FenceRoutes:
-    """The area that a fence allows, as it is now, and routes in it."""
+    """The area that a fence allows when this object is made, and shortest routes in it."""
 
     def __init__(self, area: BaseGeometry) -> None:
         """Prepare an area.
@@ -38,9 +45,13 @@ class FenceRoutes:
         shapely.prepare(self._half)
 
     def length_and_route(self, start: Point2, goal: Point2) -> tuple[float, list[Point2]] | None:
-        """Length of the shortest route and its points after the start; None if there is none.
+        """Length of the shortest route in m, and its points after the start; None if there is none.
 
-        A start beyond the fence goes straight back to the nearest allowed place first.
+        A start outside the fence goes straight back to the nearest allowed place first.
+
+        Args:
+            start: East and north of the vehicle.
+            goal: East and north of the place to reach.
         """
         import shapely
 
@@ -48,6 +59,7 @@ class FenceRoutes:
             return None
         back: list[Point2] = []
         if not self._area.covers(shapely.Point(start)):
+            # The margin may leave nothing of a narrow area.
             inner = self._half if not self._half.is_empty else self._area
             nearest = shapely.shortest_line(inner, shapely.Point(start)).coords[0]
             back = [(nearest[0], nearest[1])]
@@ -62,13 +74,15 @@ class FenceRoutes:
         return sum(hypot(c - a, d - b) for (a, b), (c, d) in pairwise(points)), points[1:]
 
     def _search(self, start: Point2, goal: Point2) -> list[Point2] | None:
-        """Dijkstra over the corners, each of which sees others."""
+        """Find the shortest route by Dijkstra's algorithm over the corners that see each other."""
+        # Node 0 is the start, node 1 the goal.
         points = [start, goal, *_corners(self._area)]
         best: dict[int, float] = {0: 0.0}
         before: dict[int, int] = {}
         waiting, done = [(0.0, 0)], set[int]()
         while waiting:
             length_m, here = heapq.heappop(waiting)
+            # A shorter way to this node was expanded before; its older entries stay in the heap.
             if here in done:
                 continue
             done.add(here)
@@ -90,7 +104,11 @@ class FenceRoutes:
         return [points[i] for i in reversed(route)]
 
     def _is_free(self, points: list[Point2], to: Point2) -> list[bool]:
-        """Whether straight flight from each point is allowed, with room unless an end has none."""
+        """Return for each point whether straight flight to `to` is allowed.
+
+        The line keeps half the margin from the fence, unless one of its ends is nearer to the fence
+        already.
+        """
         import shapely
 
         if not points:
@@ -103,7 +121,11 @@ class FenceRoutes:
 
 
 def fence_routes(flight: FlightContext) -> FenceRoutes | None:
-    """Routes within the geofence; None if none is on, or GF_ACTION ignores it."""
+    """Routes within the geofence; None if no geofence counts, or GF_ACTION ignores it.
+
+    Args:
+        flight: Shared state; the circle of GF_MAX_HOR_DIST around home belongs to the area.
+    """
     p = flight.parameters
     farthest_m, home = p["GF_MAX_HOR_DIST"], flight.home
     has_circle = farthest_m > 0.0 and home is not None
@@ -123,7 +145,10 @@ def fence_routes(flight: FlightContext) -> FenceRoutes | None:
 
 
 def _corners(area: BaseGeometry) -> list[Point2]:
-    """Corners of the area, moved inwards, at most `_MOST_CORNERS`."""
+    """Corners of the area, moved inwards by the margin, at most `_MOST_CORNERS`.
+
+    A fence that cannot be smoothed that far yields none.
+    """
     import shapely
 
     inner = area.buffer(-_MARGIN_M, join_style="mitre")

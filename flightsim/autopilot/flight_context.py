@@ -1,4 +1,8 @@
-"""State shared by all flight behaviours: the vehicle, its references and its limits."""
+"""State shared by all flight behaviours: the vehicle, its references and its limits.
+
+Behaviours come and go with the modes. The references stay here, so that the next behaviour takes
+over position, velocity and acceleration of the last one without a jump.
+"""
 
 from __future__ import annotations
 
@@ -20,13 +24,15 @@ from flightsim.autopilot.trajectory import PathMotion
 from flightsim.autopilot.vehicle import TICK_S, Vehicle
 from flightsim.frames import LocalFrame
 
+# Sum of the three axes' distances between reference and vehicle. Up to the first the reference runs
+# at full pace; at the second it stands still; beyond the third it starts anew at the vehicle.
 _LAG_FREE_M = 0.5
 _LAG_STOP_M = 1.5
 _LAG_RESET_M = 5.0
-_MIN_BEARING_DISTANCE_M = 1.0
+_MIN_BEARING_DISTANCE_M = 1.0  # nearer than this, the direction to a place is noise
 _USABLE_MPS = 1.5
-"""Standard deviation of the velocity up to which a descent brakes by it; a level one is carried
-along by the wind."""
+"""Standard deviation of the velocity up to which a descent brakes by it. Beyond that a descent is
+level, and the wind carries the vehicle along."""
 
 
 class FlightContext:
@@ -65,17 +71,30 @@ class FlightContext:
 
     @property
     def home_m(self) -> float:
-        """ENU height of home, 0 before there is one."""
+        """ENU height of home, m; 0 before there is a home."""
         return 0.0 if self.home is None else self.home.position_enu_m[2]
 
     def terrain_m(self, east_m: float, north_m: float) -> float:
-        """ENU height of the terrain at a place: that of home without a map of the terrain."""
+        """Return the ENU height of the terrain at a place.
+
+        Args:
+            east_m: East of the scene's origin.
+            north_m: North of the scene's origin.
+
+        Returns:
+            Height in metres; that of home without a map of the terrain.
+        """
         if self.terrain is None:
             return self.home_m
         return float(self.terrain.height_m(east_m, north_m))
 
     def move_home(self, position_enu_m: Vector3 | None, *, is_manual: bool = True) -> None:
-        """Set home to a position, or to the vehicle's."""
+        """Set home to a position, or to the vehicle's.
+
+        Args:
+            position_enu_m: The position; None takes the vehicle's estimate.
+            is_manual: True if a client asks for it, so that arming keeps this home.
+        """
         position = self.vehicle.position_enu_m if position_enu_m is None else position_enu_m
         self.home = Home(
             position_enu_m=position,
@@ -125,6 +144,7 @@ class FlightContext:
             )
         vx, vy, vz = path.velocity_enu_mps
         ax, ay, az = path.acceleration_enu_mps2
+        # Time runs slower by `pace`: a velocity scales with it, an acceleration with its square.
         square = pace * pace
         return self._setpoint(
             path.position_enu_m,
@@ -134,23 +154,35 @@ class FlightContext:
         )
 
     def follow(self, position: Vector3, velocity: Vector3, acceleration: Vector3) -> Setpoint:
-        """Setpoint of a reference other than the path (ENU); the path will continue from there.
+        """Return the setpoint of a reference other than the path, which continues from there.
 
         The heading is not advanced; `turn` does that.
+
+        Args:
+            position: Position, ENU m.
+            velocity: Its derivative, m/s.
+            acceleration: The derivative of that, m/s^2.
         """
         self.path.reset(position, velocity, acceleration)
         return self._setpoint(position, velocity, acceleration, ZERO3)
 
     def sink(self, speed_mps: float, place_enu_m: tuple[float, float] | None = None) -> Setpoint:
-        """Setpoint of a level descent, onto a place or without any position.
+        """Return the setpoint of a level descent, onto a place or without any position.
 
         Unlike the path, it does not wait for a vehicle that lags.
+
+        Args:
+            speed_mps: Speed downwards.
+            place_enu_m: East and north to hold; None holds no position, so that the wind carries
+                the vehicle.
         """
         self.turn()
         east_m, north_m = place_enu_m or NAN3[:2]
         return Setpoint(
             level=ControlLevel.TRAJECTORY,
             position_enu_m=(east_m, north_m, NAN3[2]),
+            # NaN leaves a component to the controller: no vertical position, no horizontal
+            # velocity.
             velocity_enu_mps=(NAN3[0], NAN3[0], -speed_mps),
             acceleration_enu_mps2=ZERO3,
             yaw_rad=self.heading.yaw_rad,
@@ -158,12 +190,16 @@ class FlightContext:
         )
 
     def sink_without_position(self, speed_mps: float) -> Setpoint:
-        """Setpoint of a descent that brakes to rest over the ground by the velocity alone.
+        """Return the setpoint of a descent that brakes to rest by the velocity alone.
 
         The place is the present estimate in every tick. Without a measured position the estimate
         drifts and jumps by metres, and a vehicle that follows it is thrown about. Once the velocity
         is unknown as well, the descent is level.
+
+        Args:
+            speed_mps: Speed downwards.
         """
+        # Negated, so that a deviation that is not a number counts as unknown.
         if not self.vehicle.velocity_sigma_mps <= _USABLE_MPS:
             return self.sink(speed_mps)
         self.turn()
@@ -171,17 +207,22 @@ class FlightContext:
         return self._setpoint(self.vehicle.position_enu_m, velocity, ZERO3, ZERO3)
 
     def turn(self) -> None:
-        """Advance the yaw reference by one tick."""
+        """Advance the yaw reference by one tick, within MPC_YAWRAUTO_MAX and MPC_YAWRAUTO_ACC."""
         p = self.parameters
         self.heading.step(TICK_S, radians(p["MPC_YAWRAUTO_MAX"]), radians(p["MPC_YAWRAUTO_ACC"]))
 
     def face(self, target_enu_m: Vector3) -> None:
-        """Turn as MPC_YAW_MODE demands for a flight to a target, unless it is near."""
+        """Turn as MPC_YAW_MODE demands for a flight to a target, unless the target is near.
+
+        Args:
+            target_enu_m: The target. 0 faces it, 1 faces home, 2 faces away from home, 3 faces
+                along the motion.
+        """
         mode = self.parameters["MPC_YAW_MODE"]
         x, y, _ = self.path.position_enu_m
         if mode == 3:
             dx, dy, _ = self.path.velocity_enu_mps
-            least = 0.5
+            least = 0.5  # m/s: below it the direction of motion is noise
         elif mode == 0 or self.home is None:
             dx, dy = target_enu_m[0] - x, target_enu_m[1] - y
             least = _MIN_BEARING_DISTANCE_M

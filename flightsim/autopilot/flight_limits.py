@@ -10,7 +10,7 @@ from flightsim.autopilot.parameters import Parameters
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class SpeedRequests:
-    """Requested speeds of automatic flight; None uses the parameter."""
+    """Requested speeds of automatic flight, m/s; None uses the parameter."""
 
     cruise_mps: float | None = None
     climb_mps: float | None = None
@@ -19,6 +19,8 @@ class SpeedRequests:
 
 class FlightLimits:
     """Limits of each kind of flight: the same objects until a parameter or a speed changes.
+
+    A behaviour can therefore notice a change by identity, and plans its leg anew only then.
 
     Attributes:
         automatic: Limits of automatic flight.
@@ -46,7 +48,7 @@ class FlightLimits:
 
     @property
     def pilot_speeds_limit_all(self) -> bool:
-        """Whether the greatest climb and descent of the sticks bound automatic flight too."""
+        """True if the sticks' greatest climb and descent bound automatic flight too (PX4)."""
         return self._pilot_speeds_limit_all
 
     @pilot_speeds_limit_all.setter
@@ -64,6 +66,8 @@ class FlightLimits:
             climb_mps = min(climb_mps, p["MPC_Z_VEL_MAX_UP"])
             takeoff_mps = min(takeoff_mps, p["MPC_Z_VEL_MAX_UP"])
             descent_mps = min(descent_mps, p["MPC_Z_VEL_MAX_DN"])
+        # Automatic flight is gentler than sticks: its acceleration and jerk have parameters of
+        # their own.
         gentle = (descent_mps, p["MPC_ACC_HOR"], p["MPC_JERK_AUTO"])
         self.automatic = self._limits(speed_xy_mps, climb_mps, *gentle)
         self.takeoff = self._limits(speed_xy_mps, takeoff_mps, *gentle)

@@ -1,4 +1,9 @@
-"""Guided requests: takeoff, landing, reposition, orbit, heading, speed and home."""
+"""Guided requests: takeoff, landing, reposition, orbit, heading, speed and home.
+
+Clients give places in degrees and altitudes above the sea. This module converts them to the local
+frame, checks range and geofence, and hands a behaviour to the commander. A refusal comes before
+anything changes.
+"""
 
 from __future__ import annotations
 
@@ -21,14 +26,15 @@ from flightsim.autopilot.modes import Mode
 from flightsim.autopilot.results import ACCEPTED, Reply, denied, rejected
 from flightsim.frames import Geodetic
 
-_FARTHEST_M = 1e5
-_LEAST_CLIMB_M = 0.3
+_FARTHEST_M = 1e5  # beyond 100 km from the origin a place is a client's mistake
+_LEAST_CLIMB_M = 0.3  # a takeoff to less above the ground is one by MIS_TAKEOFF_ALT
 _ORBIT_POINTS = 36
-"""Points of an orbit that must lie within the geofence."""
+"""Number of points of an orbit that are checked against the geofence, with the lines between them.
+"""
 
 
 class GuidedRequests:
-    """Converts geodetic requests into behaviours, and refuses those that make no sense."""
+    """Requests with places, converted into behaviours; requests that make no sense are refused."""
 
     def __init__(self, flight: FlightContext, commander: Commander) -> None:
         self._flight = flight
@@ -44,11 +50,20 @@ class GuidedRequests:
     ) -> Reply:
         """Climb, once armed, then fly to a place if one is given.
 
-        Without an altitude it climbs by MIS_TAKEOFF_ALT; without a yaw it keeps the heading.
+        Args:
+            altitude_amsl_m: Altitude above mean sea level; None climbs by MIS_TAKEOFF_ALT, and so
+                does an altitude below the vehicle.
+            yaw_rad: ENU heading; None keeps the present one.
+            latitude_deg: Latitude of the place; None stays above the start.
+            longitude_deg: Longitude of the place; None stays above the start.
+
+        Returns:
+            The reply; denied if height or place are out of range or beyond the geofence.
         """
         height_m = None
         if altitude_amsl_m is not None:
             height_m = altitude_amsl_m - self._flight.frame.origin.altitude_m
+            # Written so that NaN is out of range too.
             if not abs(height_m) <= _FARTHEST_M:
                 return denied(f"takeoff altitude {altitude_amsl_m} m is out of range")
             lowest_m = self._flight.vehicle.position_enu_m[2] + _LEAST_CLIMB_M
@@ -70,7 +85,17 @@ class GuidedRequests:
         yaw_rad: float | None = None,
         precision: Precision = Precision.NONE,
     ) -> Reply:
-        """Land at a place, or at the present position; with `precision` on the landing target."""
+        """Land at a place, or at the present position; with `precision` on the landing target.
+
+        Args:
+            latitude_deg: Latitude of the place; None lands here.
+            longitude_deg: Longitude of the place; None lands here.
+            yaw_rad: ENU heading; None keeps the present one.
+            precision: How much the landing depends on the landing target.
+
+        Returns:
+            The reply; denied if the place is out of range or beyond the geofence.
+        """
         place = self._place(latitude_deg, longitude_deg)
         if place is not None and not hypot(*place) <= _FARTHEST_M:
             return denied("landing place is out of range")
@@ -85,7 +110,17 @@ class GuidedRequests:
     def goto(
         self, place: Geodetic, *, yaw_rad: float | None = None, speed_mps: float | None = None
     ) -> Reply:
-        """Fly to a place and hold there; NaN in the place keeps that coordinate."""
+        """Fly to a place and hold there.
+
+        Args:
+            place: The place; NaN keeps that coordinate.
+            yaw_rad: ENU heading; None faces the place.
+            speed_mps: Speed of this and later automatic flight; None or 0 keep the present one.
+
+        Returns:
+            The reply; rejected while disarmed, denied if the place is out of range or beyond the
+            geofence.
+        """
         flight = self._flight
         if not self._commander.is_armed:
             return rejected("reposition denied: not armed")
@@ -101,7 +136,17 @@ class GuidedRequests:
         return reply
 
     def orbit(self, centre: Geodetic, *, radius_m: float, speed_mps: float) -> Reply:
-        """Circle a centre, clockwise if `radius_m` > 0; NaN in the centre means the vehicle's."""
+        """Circle a centre.
+
+        Args:
+            centre: The centre; NaN means the vehicle's coordinate.
+            radius_m: Radius, 1 to 1000; negative circles counter-clockwise.
+            speed_mps: Speed, up to 100; negative reverses the direction.
+
+        Returns:
+            The reply; rejected while disarmed, denied if a value is out of range or the circle
+            leaves the geofence.
+        """
         flight = self._flight
         if not self._commander.is_armed:
             return rejected("orbit denied: not armed")
@@ -111,6 +156,7 @@ class GuidedRequests:
         if not _is_near(filled):
             return denied("orbit denied: centre is out of range")
         x, y, z = filled
+        # Points and the chords between them: a fence may cut the circle between two points.
         before: Vector3 | None = None
         for turn_rad in (i * pi / _ORBIT_POINTS * 2 for i in range(_ORBIT_POINTS + 1)):
             point = (x + abs(radius_m) * cos(turn_rad), y + abs(radius_m) * sin(turn_rad))
@@ -136,7 +182,12 @@ class GuidedRequests:
         return self.orbit(place, radius_m=radius_m, speed_mps=radius_m * turn_rate_radps)
 
     def set_yaw(self, yaw_rad: float, *, rate_radps: float | None = None) -> Reply:
-        """Turn to a heading while holding, or while setpoints leave the heading free."""
+        """Turn to a heading while holding, or while setpoints leave the heading free.
+
+        Args:
+            yaw_rad: ENU heading.
+            rate_radps: Greatest rate of the turn; None uses the parameter.
+        """
         behaviour = self._commander.behaviour
         is_able = self._commander.is_armed and isfinite(yaw_rad)
         if not isinstance(behaviour, (Hold, Offboard)) or not is_able:
@@ -146,14 +197,14 @@ class GuidedRequests:
         return ACCEPTED
 
     def set_speed(self, speed_mps: float | None) -> Reply:
-        """Set the speed of automatic flight; None restores MPC_XY_CRUISE."""
+        """Set the speed of automatic flight, above 0 to 100 m/s; None restores MPC_XY_CRUISE."""
         if speed_mps is not None and not 0.0 < speed_mps <= 100.0:
             return denied(f"speed {speed_mps} m/s is out of range; valid are 0 to 100")
         self._flight.limits.speeds = SpeedRequests(cruise_mps=speed_mps)
         return ACCEPTED
 
     def set_home(self, place: Geodetic | None) -> Reply:
-        """Set home to a place, or to the present position."""
+        """Set home to a place, or to the present position if it is None."""
         if place is None and not self._flight.vehicle.is_position_ok:
             return rejected("no valid position estimate")
         position = None if place is None else self._flight.frame.enu_from_geodetic(place)
@@ -180,9 +231,16 @@ class GuidedRequests:
         height_enu_m: float | None = None,
         start_enu_m: Vector3 | None = None,
     ) -> Reply | None:
-        """Refusal of a place, or of the way there, that the geofence does not allow.
+        """Return the refusal of a place, or of the line there, that the geofence does not allow.
 
-        None if it allows both or only warns. The way begins at the vehicle, or at `start_enu_m`.
+        Args:
+            request: Name of the request in the text.
+            place_enu_m: East and north of the place.
+            height_enu_m: Its height; None is the vehicle's.
+            start_enu_m: Start of the line; None is the vehicle.
+
+        Returns:
+            None if the geofence allows both, or if GF_ACTION only warns.
         """
         flight = self._flight
         here = flight.vehicle.position_enu_m
@@ -195,7 +253,7 @@ class GuidedRequests:
         return denied(f"{request.lower()} denied: {breach}")
 
     def _filled(self, position_enu_m: Vector3) -> Vector3:
-        """A position with NaN replaced by the vehicle's own coordinates."""
+        """Return a position with NaN replaced by the vehicle's own coordinates."""
         x, y, z = position_enu_m
         here = self._flight.vehicle.position_enu_m
         return (here[0] if isnan(x) else x, here[1] if isnan(y) else y, here[2] if isnan(z) else z)

@@ -1,7 +1,9 @@
-"""Land detector: decides by estimates and commanded thrust whether something carries the vehicle.
+"""Land detector: decides from estimates and commanded thrust whether something carries the vehicle.
 
 A vehicle whose rotors carry clearly less than its weight and that does not sink is carried by
-something else. No contact sensor is needed, nor the rangefinder.
+something else. No contact sensor is needed, nor the rangefinder. The difficulty is air: an
+updraught carries a part of the weight for seconds. So the detector asks for more time and for less
+thrust the farther the rangefinder sees the ground away.
 """
 
 from __future__ import annotations
@@ -12,30 +14,34 @@ from flightsim.autopilot.parameters import Parameters
 from flightsim.autopilot.vehicle import TICK_S, Vehicle
 
 _CARRIED_FRACTION = 0.8
-"""Fraction of the hover thrust; in the air the vehicle would sink at 2 m/s within a second."""
+"""Fraction of the hover thrust below which something may carry the vehicle. In the air it would
+sink at 2 m/s within a second."""
 _HIGH_M, _HIGH_FRACTION = 1.0, 0.5
-"""Height that the rangefinder sees, above which only less than that is too little: an updraught
-carries a part of the weight for seconds. PX4 finds no ground from 1 m on at all; a vehicle whose
-legs stand at an edge may see past it."""
+"""Height by the rangefinder, and fraction of the hover thrust that counts above it. An updraught
+carries a part of the weight for seconds. PX4 finds no ground from 1 m on at all, but a vehicle
+whose legs stand at an edge may see past it."""
 _CARRIED_LOW_S, _CARRIED_LEANING_S, _CARRIED_HIGH_S = 0.1, 0.4, 1.2
-"""How long something has to carry the vehicle: at the ground, leaning on the legs of one side, and
-higher up, as at an edge. A gust from below carries it too, for half a second and more, and a fall
-from 0.1 m is a hard landing."""
-_LOW_M = 0.04
+"""Time for which something has to carry the vehicle: at the ground, leaning on the legs of one
+side, and higher up, as at an edge. A gust from below carries it too, for half a second and more,
+and a fall from 0.1 m is a hard landing."""
+_LOW_M = 0.04  # up to here the vehicle stands on the ground
 _LEAN_M = 0.3
-"""Height that a tilt of 90 degrees would explain: one that leans by 20 degrees is 0.1 m higher than
-at rest."""
+"""Height that a tilt of 90 degrees would explain. A vehicle that leans by 20 degrees is 0.1 m
+higher than at rest."""
 _SINKING_SHARE, _SINKING_MPS = 0.6, 0.12
-"""Share of the commanded speed, and least speed, beyond which it sinks: nothing carries it."""
-_CONTACT_S = 0.4
+"""Share of the commanded speed, and least speed, beyond which the vehicle sinks: nothing carries
+it."""
+_CONTACT_S = 0.4  # time at an unknown height
 _NEAR_GROUND_M = 0.25
+# A descent stopped near the ground: for this time, below this height, by this much slower than
+# commanded.
 _TOUCH_S = 0.04
 _TOUCH_HEIGHT_M = 0.06
 _TOUCH_STOP_MPS = 0.2
 _BARE_DESCENT_MPS = -0.25
-"""Least speed of a descent to a bare position, until it is stopped."""
-_FALL_MPS = 0.8
-_LANDED_S = 1.0
+"""Assumed speed of a descent to a position without a commanded velocity, until it is stopped."""
+_FALL_MPS = 0.8  # falling faster than this, a vehicle that had contact has lost it
+_LANDED_S = 1.0  # longer than contact: landed means that the vehicle may be disarmed
 _MAX_RATE_RADPS = 0.7
 _LIFT_OFF_S = 0.1
 _LIFT_OFF_HEIGHT_M = 0.15
@@ -46,7 +52,7 @@ class LandDetector:
     """Updates `vehicle.is_landed`, and detects ground contact before that.
 
     Attributes:
-        has_contact: Whether something seems to carry the vehicle. It begins when a commanded
+        has_contact: True while something seems to carry the vehicle. It begins when a commanded
             descent ends within some centimetres of the ground, or when the rotors have carried too
             little for 0.1 s there, longer above it. It ends when the vehicle is lifted, or falls
             and is not near the ground.
@@ -62,26 +68,29 @@ class LandDetector:
     def update(
         self, vehicle: Vehicle, *, is_armed: bool, is_descending: bool, commanded_up_mps: float
     ) -> bool:
-        """Process one tick, and return whether the vehicle is landed.
+        """Process one tick, and return true if the vehicle is landed.
 
         Args:
             vehicle: Estimates of the vehicle; `is_landed` is written.
-            is_armed: Whether the rotors may turn.
-            is_descending: Whether the present behaviour leads down.
+            is_armed: True if the rotors may turn.
+            is_descending: True if the present behaviour leads down.
             commanded_up_mps: Vertical speed commanded to the inner loops; NaN if none.
         """
         if vehicle.is_landed:
             vehicle.is_landed = not self._is_lifting_off(vehicle, is_armed=is_armed)
             self._carried_s = self._touching_s = 0.0
             self.has_contact = vehicle.is_landed
+            # The legs hold the rangefinder above the ground: later heights count from this reading.
             if not is_armed and isfinite(vehicle.range_m):
                 vehicle.resting_range_m = vehicle.range_m * vehicle.cos_tilt
             return vehicle.is_landed
         is_told = is_descending and not isnan(commanded_up_mps)
         is_carried = self._is_carried(vehicle, commanded_up_mps if is_told else 0.0)
         self._carried_s = self._carried_s + TICK_S if is_carried else 0.0
+        # A setpoint may name a position without a speed; the detector then assumes a slow descent.
         if isnan(commanded_up_mps):
             commanded_up_mps = _BARE_DESCENT_MPS
+        # Only a descent that ends early is a touchdown: infinity lets none begin otherwise.
         self._follow_contact(vehicle, commanded_up_mps if is_descending else inf)
         vehicle.is_landed = self._carried_s >= _LANDED_S and _is_still(vehicle)
         return vehicle.is_landed
@@ -117,7 +126,7 @@ class LandDetector:
         )
 
     def _is_lifting_off(self, vehicle: Vehicle, *, is_armed: bool) -> bool:
-        """Whether the rotors carry the weight and the vehicle rises."""
+        """Return true if the rotors carry the weight and the vehicle rises."""
         if not (is_armed and _carries(vehicle)):
             self._lifting_s = 0.0
             return False
@@ -130,21 +139,23 @@ class LandDetector:
 
 
 def _enough_s(vehicle: Vehicle) -> float:
-    """How long something has to carry the vehicle to be the ground."""
+    """Time for which something has to carry the vehicle to count as the ground, s."""
     height_m = vehicle.height_m
     if height_m is None:
         return _CONTACT_S
     if height_m < _LOW_M:
         return _CARRIED_LOW_S
+    # The sine of the tilt: a vehicle on the legs of one side is that much higher.
     leaning_m = _LEAN_M * sqrt(1.0 - vehicle.cos_tilt**2)
     return _CARRIED_LEANING_S if height_m < _LOW_M + leaning_m else _CARRIED_HIGH_S
 
 
 def _carries(vehicle: Vehicle) -> bool:
-    """Whether the rotors may well carry the weight."""
+    """Return true if the rotors may carry the weight."""
     return vehicle.thrust_fraction > _CARRIED_FRACTION * vehicle.hover_thrust_fraction
 
 
 def _is_still(vehicle: Vehicle) -> bool:
     p, q, r = vehicle.angular_rate_flu_radps
+    # Compared as squares; a vehicle that still rocks on its legs is not landed.
     return p * p + q * q + r * r < _MAX_RATE_RADPS**2

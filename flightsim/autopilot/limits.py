@@ -17,7 +17,11 @@ same mean time.
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class MotionLimits:
-    """Limits of a reference; the horizontal ones hold in each direction of the line's frame."""
+    """Limits of a reference; the horizontal ones hold in each direction of the line's frame.
+
+    Vertical limits differ, because a quadrotor climbs with thrust to spare but sinks by gravity
+    alone.
+    """
 
     speed_xy_mps: float
     speed_up_mps: float
@@ -28,8 +32,10 @@ class MotionLimits:
     jerk_mps3: float
 
     def speed_along(self, direction: Vector3) -> float:
-        """Speed allowed along a unit vector, m/s."""
+        """Speed allowed along a unit vector, m/s: the largest whose parts keep both limits."""
         x, y, z = direction
+        # A direction has a vertical or a horizontal part of its own: the tighter one limits the
+        # whole.
         vertical = self.speed_up_mps if z > 0.0 else self.speed_down_mps
         return _capped(self.speed_xy_mps, vertical, hypot(x, y), abs(z))
 
@@ -65,20 +71,29 @@ def corner_speed(
     Returns:
         The speed in m/s.
     """
+    # Rounding may push the cosine beyond 1, whose sine would not be a number.
     cosine = max(-1.0, min(1.0, sum(p * q for p, q in zip(arriving, leaving, strict=True))))
     sine = sqrt(1.0 - cosine * cosine)
     acceleration = min(limits.acceleration_along(arriving), limits.acceleration_along(leaving))
     speed = limits.speed_along(arriving)
+    # Turning back, the part along the new line must stop before it leads past the waypoint again.
     along_m = next_length_m if cosine > 0.0 else radius_m * -cosine
     for share, room_m in ((abs(cosine), along_m), (sine, radius_m * sine)):
         if share > 1e-6:
             stoppable = stoppable_speed(_ROOM_SHARE * room_m, acceleration, limits.jerk_mps3)
             speed = min(speed, stoppable / share)
+    # Also no faster along the next line than that line allows.
     return min(speed, limits.speed_along(leaving) / cosine) if cosine > 1e-6 else speed
 
 
 def stoppable_speed(distance_m: float, a_max: float, j_max: float) -> float:
-    """Greatest speed from which a stop fits into a distance, without initial acceleration."""
+    """Greatest speed from which a stop fits into a distance, without initial acceleration.
+
+    Args:
+        distance_m: The distance; nothing negative allows a speed.
+        a_max: Acceleration limit, m/s^2.
+        j_max: Jerk limit, m/s^3.
+    """
     # v sqrt(v/j) below v = a^2/j, else v^2/(2a) + v a/(2j).
     if distance_m <= a_max**3 / j_max**2:
         return (max(distance_m, 0.0) ** 2 * j_max) ** (1.0 / 3.0)

@@ -1,4 +1,8 @@
-"""Checks that refuse missions that cannot be flown, before they are stored."""
+"""Checks that refuse missions that cannot be flown, before they are stored.
+
+A refusal at upload names the item and the valid values while a person still looks at the plan. An
+item without effect would otherwise only be noticed in flight.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +21,7 @@ from flightsim.autopilot.mission_item import (
     MissionItem,
 )
 
-MAX_MISSION_ITEMS = 2000
+MAX_MISSION_ITEMS = 2000  # bounds the memory and the time that a client can use
 
 _COMMANDS = (
     PLACE_COMMANDS
@@ -31,6 +35,9 @@ _PLACE_FRAMES = GEODETIC_FRAMES | {FRAME_LOCAL_NED, FRAME_LOCAL_ENU}
 def check_mission(items: tuple[MissionItem, ...]) -> None:
     """Refuse a mission that cannot be flown.
 
+    Args:
+        items: All items in their order.
+
     Raises:
         MissionError: Names the item, the parameter and the valid values.
     """
@@ -40,13 +47,20 @@ def check_mission(items: tuple[MissionItem, ...]) -> None:
     for index, item in enumerate(items):
         if item.command not in _COMMANDS:
             raise unsupported_command(index, item)
+        # param1 = 1 sets home to the vehicle's own place; the item's is not read then.
         if item.command in PLACE_COMMANDS or (item.command == Cmd.SET_HOME and item.param1 != 1.0):
             _check_place(index, item)
         _check_parameters(index, item, len(items))
 
 
 def unsupported_command(index: int, item: MissionItem, valid: str = "") -> MissionError:
-    """The refusal of an item whose command changes nothing here, by its name where it is known."""
+    """Return the refusal of an item whose command changes nothing here.
+
+    Args:
+        index: Index of the item.
+        item: The item.
+        valid: Commands that are valid in its list, if these are few.
+    """
     reason = UNAVAILABLE_COMMANDS.get(item.command, "is not supported")
     link = " " if reason.startswith("is ") else ", "
     text = f"item {index}: command {item.command}{link}{reason}" + (
@@ -58,11 +72,17 @@ def unsupported_command(index: int, item: MissionItem, valid: str = "") -> Missi
 def check_horizontal_place(index: int, item: MissionItem) -> None:
     """Refuse an item whose x or y is not a valid coordinate.
 
+    Args:
+        index: Index of the item, for the message.
+        item: The item; its frame decides between degrees and metres.
+
     Raises:
         MissionError: If a coordinate is NaN, infinite or off the globe.
     """
+    # 100 km: the local frame is a tangent plane and means little beyond.
     limits = (90.0, 180.0) if item.is_geodetic else (1e5, 1e5)
     for param, name, value, limit in zip((5, 6), "xy", (item.x, item.y), limits, strict=True):
+        # Negated, so that NaN is refused too.
         if not abs(value) <= limit:
             raise _invalid(index, param, f"{name} = {value}", f"{-limit:g} to {limit:g}")
 
@@ -77,6 +97,7 @@ def _check_place(index: int, item: MissionItem) -> None:
         )
     if item.command in {Cmd.WAYPOINT, Cmd.SET_HOME} or not item.is_here:
         check_horizontal_place(index, item)
+    # A landing needs no altitude: it descends until the ground carries the vehicle.
     if math.isnan(item.z) and item.command == Cmd.LAND:
         return
     if not abs(item.z) <= 1e5:
@@ -84,6 +105,7 @@ def _check_place(index: int, item: MissionItem) -> None:
 
 
 def _check_parameters(index: int, item: MissionItem, n_items: int) -> None:
+    # NaN means "not given" and is valid in most parameters, infinity in none.
     for param, value in enumerate((item.param1, item.param2, item.param3, item.param4), start=1):
         if math.isinf(value):
             raise _invalid(index, param, f"param{param} = {value}", "finite numbers and NaN")

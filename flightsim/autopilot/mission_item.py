@@ -12,7 +12,7 @@ from enum import Enum, IntEnum, unique
 
 
 class Cmd(IntEnum):
-    """Mission commands that act by the autopilot."""
+    """Mission commands that act by the autopilot; the values are those of MAV_CMD."""
 
     WAYPOINT = 16
     LOITER_UNLIMITED = 17
@@ -30,7 +30,7 @@ class Cmd(IntEnum):
     CHANGE_SPEED = 178
     SET_HOME = 179
     LAND_START = 189
-    """Where a landing begins: DO_LAND_START as a command continues the mission there."""
+    """Start of a landing sequence: the command DO_LAND_START continues the mission there."""
     FENCE_ENABLE = 207
     FENCE_POLYGON_INCLUSION = 5001
     FENCE_POLYGON_EXCLUSION = 5002
@@ -50,13 +50,13 @@ PLACE_COMMANDS = frozenset(
         Cmd.TAKEOFF,
     }
 )
-"""Items that fly to or at a place."""
+"""Items that fly to a place, or do something at one."""
 
 PAYLOAD_COMMANDS = frozenset(
     # regions of interest, camera, mount, trigger; gimbal, photographs, films
     {195, 196, 197, 201, 203, 204, 205, 206, 214, 530, 1000, 1001, 2000, 2001, 2003, 2500, 2501}
 )
-"""Items for the gimbal and its camera: told as `PayloadOrder`, on which these act."""
+"""Items for the gimbal and its camera. The mission queues a `PayloadOrder`, on which these act."""
 
 UNAVAILABLE_COMMANDS = {
     181: "DO_SET_RELAY: there is no relay",
@@ -74,14 +74,14 @@ UNAVAILABLE_COMMANDS = {
     532: "SET_CAMERA_FOCUS: the focus is fixed",
     5000: "NAV_FENCE_RETURN_POINT: a breach leads home or to a rally point",
 }
-"""Commands of public missions that would change nothing, with the reason."""
+"""Commands of public missions that would change nothing here, with the reason."""
 
 FRAME_GLOBAL = frozenset({0, 5})
 """Frames with altitude above mean sea level."""
 FRAME_RELATIVE = frozenset({3, 6})
 """Frames with altitude above home."""
 FRAME_TERRAIN = frozenset({10, 11})
-"""Frames with altitude above terrain: of the scene's relief, or else at the height of home."""
+"""Frames with altitude above terrain: the scene's relief, or the height of home without one."""
 FRAME_LOCAL_NED = 1
 FRAME_LOCAL_ENU = 4
 GEODETIC_FRAMES = FRAME_GLOBAL | FRAME_RELATIVE | FRAME_TERRAIN
@@ -89,7 +89,7 @@ GEODETIC_FRAMES = FRAME_GLOBAL | FRAME_RELATIVE | FRAME_TERRAIN
 
 @unique
 class MissionFault(Enum):
-    """Category of an error in an item."""
+    """Category of an error in an item, which MAVLink maps to a MAV_MISSION_RESULT."""
 
     UNSUPPORTED_COMMAND = "unsupported command"
     UNSUPPORTED_FRAME = "unsupported frame"
@@ -99,7 +99,7 @@ class MissionFault(Enum):
 
 
 class MissionError(ValueError):
-    """Items were refused; the stored ones remain.
+    """Uploaded items are refused; the stored ones remain.
 
     Attributes:
         fault: Category of the error.
@@ -137,12 +137,15 @@ class MissionItem:
 
     @property
     def is_geodetic(self) -> bool:
-        """Whether `x` and `y` are degrees."""
+        """True if `x` and `y` are degrees."""
         return self.frame in GEODETIC_FRAMES
 
     @property
     def is_here(self) -> bool:
-        """Whether the item names no horizontal place and so means the vehicle's."""
+        """True if the item names no horizontal place and so means the vehicle's.
+
+        In global frames (0, 0) counts as none, because clients without NaN send it.
+        """
         return (
             math.isnan(self.x)
             or math.isnan(self.y)

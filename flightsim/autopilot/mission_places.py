@@ -1,4 +1,4 @@
-"""Positions of mission items in local metres, and what of them is beyond the geofence."""
+"""Positions of mission items in local metres, and their breaches of the geofence."""
 
 from __future__ import annotations
 
@@ -17,17 +17,26 @@ from flightsim.autopilot.mission_item import (
 )
 from flightsim.frames import Geodetic, swap_enu_ned, swap_yaw_enu_ned
 
+# Items that take no time: the vehicle need not stop for them.
 _PASSED_OVER = PAYLOAD_COMMANDS | {
     *(Cmd.CHANGE_SPEED, Cmd.LAND_START, Cmd.SET_HOME, Cmd.FENCE_ENABLE)
 }
 
 
 def place_of(item: MissionItem, flight: FlightContext) -> Vector3:
-    """ENU position of an item that flies somewhere; missing coordinates are the path's."""
+    """Return the ENU position of an item that flies somewhere, m.
+
+    Args:
+        item: An item of `PLACE_COMMANDS`, or one that sets home.
+        flight: Shared state. Missing horizontal coordinates are the path's, a missing height is
+            home's.
+    """
     here = flight.path.position_enu_m
     home_m, above_m = flight.home_m, flight.home_m
     if item.is_geodetic:
         origin_m = flight.frame.origin.altitude_m
+        # Converted at the origin's altitude: east and north then do not depend on the item's
+        # height.
         east_m, north_m, _ = flight.frame.enu_from_geodetic(Geodetic(item.x, item.y, origin_m))
         if item.frame in FRAME_TERRAIN:
             x, y = (here[0], here[1]) if item.is_here else (east_m, north_m)
@@ -43,15 +52,22 @@ def place_of(item: MissionItem, flight: FlightContext) -> Vector3:
 
 
 def yaw_of(compass_deg: float) -> float | None:
-    """ENU yaw of a compass heading; None if it is NaN."""
+    """Return the ENU yaw of a compass heading, rad; None if it is NaN."""
     return None if isnan(compass_deg) else swap_yaw_enu_ned(radians(compass_deg))
 
 
 def place_after(index: int, flight: FlightContext, height_enu_m: float) -> Vector3 | None:
-    """Next position after an item at a height; None if the mission must stop there first."""
+    """Return the next position after an item; None if the mission must stop there first.
+
+    Args:
+        index: Index of the item.
+        flight: Shared state with the mission.
+        height_enu_m: Height at which a landing is approached.
+    """
     for item in flight.mission.items[index + 1 :]:
         if item.command in _PASSED_OVER:
             continue
+        # A takeoff, a circle and every item that takes time begin from rest.
         is_flown_to = item.command in PLACE_COMMANDS and item.command != Cmd.TAKEOFF
         if not is_flown_to or item.is_here or item.command == Cmd.LOITER_TURNS:
             return None
@@ -63,7 +79,12 @@ def place_after(index: int, flight: FlightContext, height_enu_m: float) -> Vecto
 
 
 def fence_breach(flight: FlightContext, position_enu_m: Vector3) -> str | None:
-    """Description of a position outside the geofence, or None if it is inside, or off."""
+    """Return the description of a position outside the geofence; None if it is inside, or off.
+
+    Args:
+        flight: Shared state with fence, home and parameters.
+        position_enu_m: The position.
+    """
     if not flight.fence.is_enabled:
         return None
     p = flight.parameters
@@ -72,6 +93,7 @@ def fence_breach(flight: FlightContext, position_enu_m: Vector3) -> str | None:
     if home is not None and (farthest_m > 0.0 or highest_m > 0.0):
         x, y, z = position_enu_m
         hx, hy, hz = home.position_enu_m
+        # Squares are compared: this runs in every failsafe check.
         if farthest_m > 0.0 and (x - hx) ** 2 + (y - hy) ** 2 > farthest_m * farthest_m:
             return f"more than {farthest_m:g} m from home"
         if highest_m > 0.0 and z - hz > highest_m:
@@ -82,7 +104,7 @@ def fence_breach(flight: FlightContext, position_enu_m: Vector3) -> str | None:
 
 
 def leg_breach(flight: FlightContext, start_enu_m: Vector3, goal_enu_m: Vector3) -> str | None:
-    """Description of a straight leg that leaves the geofence on its way, or None.
+    """Return the description of a straight leg that leaves the geofence on its way, or None.
 
     The limits of the parameters are convex: with both ends within, so is the leg. A leg that begins
     outside leads back in, and is no breach.

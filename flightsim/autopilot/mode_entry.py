@@ -1,4 +1,4 @@
-"""Mode entry: modes that may be entered now, and the behaviour of each."""
+"""Mode entry: the modes that may be entered now, and the behaviour of each."""
 
 from __future__ import annotations
 
@@ -29,6 +29,7 @@ _BEHAVIOURS: dict[Mode, Callable[[FlightContext], Behaviour]] = {
     Mode.OFFBOARD: Offboard,
     Mode.FOLLOW: Follow,
     Mode.DESCEND: Descend,
+    # Nothing flies in termination, because the commander stops the rotors; it needs some behaviour.
     Mode.TERMINATION: Descend,
     Mode.ALTITUDE: partial(StickGuided, holds_position=False),
     Mode.POSITION: partial(StickGuided, holds_position=True),
@@ -36,22 +37,31 @@ _BEHAVIOURS: dict[Mode, Callable[[FlightContext], Behaviour]] = {
     Mode.STABILIZED: partial(Manual, is_acro=False),
     Mode.ACRO: partial(Manual, is_acro=True),
 }
-"""Behaviour of each mode unless a request demands another; hold for the rest."""
+"""Behaviour of each mode, unless a request demands another one; hold for the modes that are
+missing."""
 
 
 def behaviour_of(mode: Mode, flight: FlightContext) -> Behaviour:
-    """Create the behaviour of a mode."""
+    """Return a new behaviour for a mode, which is not started yet.
+
+    Args:
+        mode: Mode; one without a behaviour of its own holds the place.
+        flight: State and limits that the behaviour flies by.
+    """
     return _BEHAVIOURS.get(mode, Hold)(flight)
 
 
 def may_enter(mode: Mode, flight: FlightContext, *, is_armed: bool, is_bare: bool) -> Reply:
-    """Whether a client may change to a mode now.
+    """Reply to a client that wants to change to a mode: accepted, or the reason why not.
 
     Args:
         mode: The mode.
         flight: Shared state.
-        is_armed: Whether the vehicle is armed.
-        is_bare: Whether the request has only a mode, without place or circle.
+        is_armed: True if the vehicle is armed.
+        is_bare: True if the request has only a mode, without place or circle.
+
+    Returns:
+        Denied if the mode can never be entered so, rejected if it may be entered later.
     """
     now_us = flight.vehicle.time_us
     if mode in {Mode.DESCEND, Mode.TERMINATION} or (mode is Mode.ORBIT and is_bare):
@@ -62,6 +72,7 @@ def may_enter(mode: Mode, flight: FlightContext, *, is_armed: bool, is_bare: boo
         return denied(obstacle)
     if mode is Mode.OFFBOARD and not flight.offboard.is_alive(now_us):
         return rejected("no offboard setpoints arrive")
+    # On the ground sticks may come later: arming asks for them.
     if mode in THRUST_MODES and is_armed and not flight.sticks.is_alive(now_us):
         return rejected("no manual control")
     return ACCEPTED

@@ -33,7 +33,7 @@ STICK_MODES = frozenset({Mode.MANUAL, Mode.STABILIZED, Mode.ACRO, Mode.ALTITUDE,
 """Modes steered by a pilot's sticks."""
 
 THRUST_MODES = frozenset({Mode.MANUAL, Mode.STABILIZED, Mode.ACRO})
-"""Modes in which the throttle is thrust, so that they need sticks."""
+"""Modes in which the throttle is thrust. Without sticks nobody would hold the height."""
 
 POSITION_MODES = frozenset(
     {
@@ -84,7 +84,7 @@ class FailsafeReason(Enum):
 
 @unique
 class BatteryWarning(IntEnum):
-    """Severity of the battery's state, ordered."""
+    """Severity of the battery's state; a greater number is worse."""
 
     NONE = 0
     LOW = 1

@@ -1,7 +1,8 @@
 """Parameters of the autopilot: PX4's names, typed and bounded, in a stable order.
 
-Values are those of the wire: 32-bit integers and 32-bit floats. The error for a refused value
-says what is valid. The table is `parameters.csv`.
+Values are those of the wire: 32-bit integers and 32-bit floats. Rounding them at once means that a
+client reads back exactly the number that acts. The error for a refused value names the valid ones.
+The table is `parameters.csv`.
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ class UnknownParameterError(ParameterError, KeyError):
     """No parameter has this name or index."""
 
     def __str__(self) -> str:
+        # KeyError would show the text in quotes.
         return str(self.args[0])
 
 
@@ -41,7 +43,13 @@ class ReadOnlyParameterError(ParameterError):
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ParameterSpec:
-    """Fixed properties of a parameter."""
+    """Fixed properties of a parameter.
+
+    Attributes:
+        minimum, maximum: Valid range, both ends included.
+        unit: Unit for people; empty if it has none.
+        is_read_only: True if it describes simulated hardware.
+    """
 
     name: str
     type: Literal["int", "float"]
@@ -107,10 +115,11 @@ class Parameters:
         self._listeners: list[ParameterListener] = []
         for name, value in airframe_values.items():
             self._values[name] = _validated(self.spec(name), value)
+        # Resetting leads here, not to the table: a vehicle keeps the values of its airframe.
         self._initial = dict(self._values)
 
     def __getitem__(self, name: str) -> float:
-        """Value of a parameter; an `int` for integer parameters."""
+        """Return the value of a parameter; an `int` for integer parameters."""
         return self._values[name]
 
     def __len__(self) -> int:
@@ -123,7 +132,7 @@ class Parameters:
         return name in self._index
 
     def index(self, name: str) -> int:
-        """Index of a parameter.
+        """Return the index of a parameter, from 0.
 
         Raises:
             UnknownParameterError: If there is none of this name.
@@ -132,7 +141,7 @@ class Parameters:
         return self._index[name]
 
     def name_at(self, index: int) -> str:
-        """Name of the parameter with this index.
+        """Return the name of the parameter with this index.
 
         Raises:
             UnknownParameterError: If there is none.
@@ -144,7 +153,7 @@ class Parameters:
         return self._names[index]
 
     def spec(self, name: str) -> ParameterSpec:
-        """Fixed properties of a parameter.
+        """Return the fixed properties of a parameter.
 
         Raises:
             UnknownParameterError: If there is none of this name.
@@ -155,7 +164,7 @@ class Parameters:
         return spec
 
     def is_integer(self, name: str) -> bool:
-        """Whether the parameter is a whole number.
+        """Return true if the parameter is a whole number.
 
         Raises:
             UnknownParameterError: If there is none of this name.
@@ -172,6 +181,7 @@ class Parameters:
         """
         spec = self.spec(name)
         stored = _validated(spec, value)
+        # Setting a read-only parameter to its own value succeeds: clients restore whole files.
         if stored == self._values[name]:
             return stored
         if spec.is_read_only:
@@ -184,14 +194,22 @@ class Parameters:
         return stored
 
     def reset(self, *names: str) -> None:
-        """Restore the initial values of the named parameters, or of all."""
+        """Restore the initial values of the named parameters, or of all.
+
+        Args:
+            names: Names of the parameters; none means all.
+
+        Raises:
+            UnknownParameterError: If one of the names does not exist; the names before it are
+                restored.
+        """
         for name in names or self._names:
             self.spec(name)
             if self._values[name] != self._initial[name]:
                 self.set(name, self._initial[name])
 
     def add_listener(self, listener: ParameterListener) -> None:
-        """Call `listener(spec, value)` after each change."""
+        """Call `listener(spec, value)` after each change of a value, in the order of adding."""
         self._listeners.append(listener)
 
 
@@ -202,6 +220,7 @@ def _widened(spec: ParameterSpec, least: float, most: float) -> ParameterSpec:
 def _validated(spec: ParameterSpec, value: float) -> float:
     if not math.isfinite(value):
         raise ParameterValueError(f"{spec.name} = {value} is not a number; {_valid_range(spec)}")
+    # A limit of 0.1 in 32 bits may lie just beyond the 0.1 in 64 bits that a client sends.
     if not spec.minimum <= value <= spec.maximum and not (
         spec.type == "float" and spec.minimum <= _clamped_float32(value) <= spec.maximum
     ):

@@ -1,4 +1,4 @@
-"""What is shown and recorded of whoever flies, our autopilot or another flight stack."""
+"""Reports that are shown and recorded of any flight stack, our autopilot or another one."""
 
 from __future__ import annotations
 
@@ -6,16 +6,16 @@ from typing import Protocol
 
 
 class Named(Protocol):
-    """A state that has a name for people."""
+    """A state that has a name for people, such as a mode."""
 
     @property
     def value(self) -> str:
-        """The name."""
+        """Name for people."""
         ...
 
 
 class FlightReports(Protocol):
-    """Reports of a flight stack."""
+    """Reports of a flight stack, as recorders and displays need them."""
 
     @property
     def mode(self) -> Named:
@@ -24,7 +24,7 @@ class FlightReports(Protocol):
 
     @property
     def is_armed(self) -> bool:
-        """Whether the rotors may turn."""
+        """True if the rotors may turn."""
         ...
 
     @property
@@ -34,5 +34,5 @@ class FlightReports(Protocol):
 
     @property
     def failsafe(self) -> Named | None:
-        """Reason for a failsafe, if there is one that it names."""
+        """Reason of a failsafe; None if there is none, or the stack names none."""
         ...

@@ -8,7 +8,7 @@ from enum import Enum, unique
 
 @unique
 class CommandResult(Enum):
-    """Outcome of a request, in the vocabulary of all ground stations."""
+    """Outcome of a request, in MAVLink's vocabulary of results."""
 
     ACCEPTED = "accepted"
     TEMPORARILY_REJECTED = "temporarily rejected"
@@ -29,7 +29,7 @@ class Reply:
 
     @property
     def is_accepted(self) -> bool:
-        """Whether the request was accepted."""
+        """True if the request was accepted."""
         return self.result is CommandResult.ACCEPTED
 
 
@@ -37,10 +37,10 @@ ACCEPTED = Reply(CommandResult.ACCEPTED)
 
 
 def rejected(reason: str) -> Reply:
-    """Reply to a request that is valid, but not now."""
+    """Reply to a request that is valid, but not in the present state."""
     return Reply(CommandResult.TEMPORARILY_REJECTED, reason)
 
 
 def denied(reason: str) -> Reply:
-    """Reply to a request with invalid values."""
+    """Reply to a request with values that are never valid."""
     return Reply(CommandResult.DENIED, reason)

@@ -18,12 +18,16 @@ class Home:
     yaw_rad: float
     """ENU heading of the vehicle when home was set."""
     is_manual: bool
-    """Whether a client set it, so that arming keeps it."""
+    """True if a client set it, so that arming keeps it."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Health:
-    """Health of the parts; `is_armable` is whether arming in the present mode would be accepted."""
+    """Health of the parts.
+
+    Attributes:
+        is_armable: True if arming in the present mode would be accepted.
+    """
 
     is_imu_ok: bool = False
     is_mag_ok: bool = False
@@ -40,7 +44,7 @@ class Health:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class PrearmReport:
-    """Whether arming would be accepted now and, if not, why."""
+    """Result of the arming checks, and the reasons against arming if there are any."""
 
     is_ok: bool
     reasons: tuple[str, ...] = ()

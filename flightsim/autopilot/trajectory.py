@@ -1,7 +1,7 @@
 """References along straight lines: smooth, within limits, with exact stops.
 
-A `PathMotion` moves a point towards a goal along a line. Along the line and across it the laws
-of `axis` apply, each with the full limits, so that a straight flight from rest stays exactly on its
+A `PathMotion` moves a point towards a goal along a line. Along the line and across it the laws of
+`axis` apply, each with the full limits, so that a straight flight from rest stays exactly on its
 line and a corner is rounded within its acceptance radius.
 """
 
@@ -44,7 +44,7 @@ class PathMotion:
 
     @property
     def is_at_rest(self) -> bool:
-        """Whether the reference has come to rest at the goal."""
+        """True if the reference has come to rest at the goal."""
         return self._along.is_at_rest and self._across.is_at_rest and self._over.is_at_rest
 
     def reset(
@@ -53,7 +53,13 @@ class PathMotion:
         velocity_enu_mps: Vector3 = ZERO3,
         acceleration_enu_mps2: Vector3 = ZERO3,
     ) -> None:
-        """Put the reference somewhere, without a goal; `fly_to` must follow."""
+        """Put the reference somewhere, without a goal; `fly_to` must follow.
+
+        Args:
+            position_enu_m: Position.
+            velocity_enu_mps: Velocity from which the next motion continues.
+            acceleration_enu_mps2: Acceleration from which it continues.
+        """
         self.position_enu_m = self.goal_enu_m = position_enu_m
         self.velocity_enu_mps = velocity_enu_mps
         self.acceleration_enu_mps2 = acceleration_enu_mps2
@@ -79,6 +85,7 @@ class PathMotion:
             exit_speed_mps: Speed along the line at which the goal may be passed.
         """
         if (
+            # By identity: limits are the same object until one of them changes, see `FlightLimits`.
             limits is self._limits
             and goal_enu_m == self.goal_enu_m
             and exit_speed_mps == self._exit_speed_mps
@@ -90,7 +97,11 @@ class PathMotion:
         self._set_line(line_start_enu_m or self.position_enu_m)
 
     def stopping_point(self, limits: MotionLimits) -> Vector3:
-        """Position where the present motion can come to rest."""
+        """Return the position where the present motion can come to rest, ENU m.
+
+        Args:
+            limits: Limits of the deceleration.
+        """
         v = self.velocity_enu_mps
         speed = sqrt(_dot(v, v))
         if speed < 1e-6:
@@ -103,10 +114,15 @@ class PathMotion:
             limits.acceleration_along(direction),
             limits.jerk_mps3,
         )
+        # At least 1 mm ahead, so that the direction of the line stays defined.
         return _moved(self.position_enu_m, direction, max(distance_m, 1e-3))
 
     def step(self, dt: float) -> None:
-        """Advance by one tick; without a goal the reference stays in place."""
+        """Advance by one tick; without a goal the reference stays in place.
+
+        Args:
+            dt: Length of the tick, s; a shorter one slows the reference down.
+        """
         limits = self._limits
         if limits is None:
             return
@@ -115,6 +131,7 @@ class PathMotion:
         acc = self._accelerations_mps2
         along.step_to_goal(self.speed_limit_mps, acc[0], jerk, dt, self._exit_speed_mps)
         u, n, b = self._axes
+        # On the line only one axis moves; most ticks of a flight end here.
         if across.is_at_rest and over.is_at_rest:
             self.position_enu_m = _moved(self.goal_enu_m, u, along.x)
             self.velocity_enu_mps = _scaled(u, along.v)
@@ -136,8 +153,10 @@ class PathMotion:
         assert limits is not None
         u = direction_between(start_enu_m, self.goal_enu_m)
         if u is None:
+            # No line: keep the direction of motion, or any one at rest.
             u = direction_between(ZERO3, self.velocity_enu_mps) or _EAST
         horizontal = hypot(u[0], u[1])
+        # Across the line and level; for a vertical line any level direction will do.
         n = (-u[1] / horizontal, u[0] / horizontal, 0.0) if horizontal > 1e-6 else _NORTH
         b = (u[1] * n[2] - u[2] * n[1], u[2] * n[0] - u[0] * n[2], u[0] * n[1] - u[1] * n[0])
         (px, py, pz), (gx, gy, gz) = self.position_enu_m, self.goal_enu_m
@@ -146,11 +165,13 @@ class PathMotion:
             motion.x = _dot(offset, axis)
             motion.v = _dot(self.velocity_enu_mps, axis)
             motion.a = _dot(self.acceleration_enu_mps2, axis)
+        # Rounding across the line would keep all three axes busy for the whole flight.
         _drop_rounding(self._across, self._over)
         self._axes = (u, n, b)
         self._speeds_mps = (
             limits.speed_along(u),
             limits.speed_along(n),
+            # The third axis points up or down with the line, so both vertical limits may apply.
             min(limits.speed_along(b), limits.speed_along(_scaled(b, -1.0))),
         )
         self._accelerations_mps2 = (
@@ -173,7 +194,13 @@ class VelocityMotion:
         velocity_enu_mps: Vector3 = ZERO3,
         acceleration_enu_mps2: Vector3 = ZERO3,
     ) -> None:
-        """Put the point at a position."""
+        """Put the point at a position, without a jerk.
+
+        Args:
+            position_enu_m: New position.
+            velocity_enu_mps: Velocity to continue with; by default it rests.
+            acceleration_enu_mps2: Acceleration to continue with.
+        """
         for i, axis in enumerate(self.axes):
             axis.x, axis.v, axis.a = (
                 position_enu_m[i],
@@ -183,7 +210,13 @@ class VelocityMotion:
             axis.j = 0.0
 
     def step(self, velocity_enu_mps: Vector3, limits: MotionLimits, dt: float) -> None:
-        """Advance by one tick towards a velocity."""
+        """Advance by one tick towards a velocity.
+
+        Args:
+            velocity_enu_mps: Desired velocity.
+            limits: Limits of acceleration and jerk; speeds are not limited here.
+            dt: Length of the tick, s.
+        """
         x, y, z = self.axes
         x.step_to_velocity(velocity_enu_mps[0], limits.acceleration_xy_mps2, limits.jerk_mps3, dt)
         y.step_to_velocity(velocity_enu_mps[1], limits.acceleration_xy_mps2, limits.jerk_mps3, dt)
@@ -192,7 +225,7 @@ class VelocityMotion:
 
 
 def direction_between(start: Vector3, end: Vector3) -> Vector3 | None:
-    """Unit vector from one point to another; None if they (nearly) coincide."""
+    """Return the unit vector from one point to another; None if they are within 0.1 mm."""
     dx, dy, dz = end[0] - start[0], end[1] - start[1], end[2] - start[2]
     length = sqrt(dx * dx + dy * dy + dz * dz)
     return (dx / length, dy / length, dz / length) if length > 1e-4 else None

@@ -1,4 +1,4 @@
-"""Flight stacks that are not ours fly the plant: ArduPilot and PX4, each by its own protocol."""
+"""Flight stacks that are not ours but fly our plant: ArduPilot and PX4, each by its protocol."""
 
 from flightsim.bridges.physics.bridge import BridgeError
 from flightsim.bridges.stack import STACKS, ExternalStack

@@ -1,8 +1,8 @@
-"""From a flight stack's motor outputs to the speeds of our rotors.
+"""Conversion of a flight stack's motor outputs into the speeds of our rotors.
 
-PX4 and ArduPilot number the motors of a quadrotor alike; `Airframe.motors` has the order. A speed
-controller turns its motor at a speed in proportion to its input, so thrust is its square; both
-stacks are told so by a parameter (`flightsim.bridges.launch`).
+PX4 and ArduPilot number the motors of a quadrotor alike; `Airframe.motors` has our rotors in that
+order. A speed controller turns its motor at a speed proportional to its input, so thrust is the
+square of the input. Parameters make both stacks reckon with it (`flightsim.bridges.launch`).
 """
 
 from __future__ import annotations
@@ -20,7 +20,14 @@ class MotorMap:
         self._max_radps = [rotor.max_speed_radps for rotor in airframe.quadrotor.rotors]
 
     def rotor_speeds_radps(self, outputs: MotorOutputs) -> RotorSpeeds | None:
-        """Speeds of our rotors 0 to 3 for the outputs of motors 1 to 4; None if all are off."""
+        """Return the speeds of our rotors for the outputs of a stack's motors.
+
+        Args:
+            outputs: Outputs of the motors 1 to 4; values outside of 0 to 1 are cut off.
+
+        Returns:
+            Speeds of our rotors 0 to 3 in rad/s; None, which cuts the power, if all motors are off.
+        """
         if max(outputs) <= 0.0:
             return None
         speeds = [0.0] * 4

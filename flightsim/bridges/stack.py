@@ -1,4 +1,10 @@
-"""An external flight stack that flies a plant: bridge, process, and what it says of itself."""
+"""External flight stack that flies a plant: its bridge, process and monitor together.
+
+The stack takes the place of our autopilot: `Plant.hand_over` lets it command the rotors at every
+control tick, and time stands still until it has answered. It may be a binary that we start, or one
+that the user starts. A stack that ends or falls silent has a `fault`, which cuts the motors and
+ends the run, instead of an exception in the middle of a tick.
+"""
 
 from __future__ import annotations
 
@@ -32,32 +38,32 @@ from flightsim.plant import Plant
 from flightsim.vehicles import Airframe
 
 SILENCE_S = 10.0
-"""Wall time after which a stack that has fallen silent has ended the run."""
+"""Wall time of silence after which a stack has ended the run."""
 _N_MOTORS = 4
 _START_S = 60.0
-"""Wall time within which a binary must have found the physics."""
-_LOOK_S = 0.05
+"""Wall time within which a binary that we start must have found the physics."""
+_LOOK_S = 0.05  # between two looks at the process, while waiting
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class StackKind:
-    """A flight stack that we have a bridge for."""
+    """Facts about a flight stack that we have a bridge for."""
 
     title: str
     program: str
     """Usual name of its binary, for the start line."""
     rate_hz: int
-    """Exchanges a simulated second."""
+    """Exchanges per simulated second."""
     bridge: Callable[[int, LocalFrame], Bridge]
     launch: Callable[[Airframe, Start, int, Path, Path | None], Launch]
     wire: Callable[[int], Wire]
-    """Port for our recorder and pilot, by the instance."""
+    """Connection for our monitor and pilot, by the number of the instance."""
     clients: Callable[[int], str]
-    """Where clients find it, by the instance."""
+    """Line that says where clients find it, by the number of the instance."""
     habits: Habits
-    """What a client must know of it."""
+    """Peculiarities that a client must know."""
     takes_odometry: bool
-    """Whether it flies by our odometry where there are no satellites."""
+    """True if it flies by our odometry where there are no satellites."""
 
 
 STACKS = MappingProxyType(
@@ -90,12 +96,12 @@ STACKS = MappingProxyType(
 
 
 class ExternalStack:
-    """Flies a plant in lockstep: one exchange before every control tick.
+    """Flight stack that flies a plant in lockstep: one exchange before every control tick.
 
     Attributes:
-        monitor: What the stack says of itself.
-        start_line: Command line that starts it, for whoever does.
-        fault: What has ended the run, in words; empty while it goes on.
+        monitor: Client that reads the stack's own reports.
+        start_line: Command line that starts the stack, for a user who does that.
+        fault: Words that say why the run has ended; empty while it goes on.
     """
 
     def __init__(
@@ -113,7 +119,7 @@ class ExternalStack:
             name: One of `STACKS`.
             plant: Vehicle at rest, which is handed over.
             frame: Local frame of the scene.
-            instance: Shifts all ports.
+            instance: Number that shifts all ports.
             binary: Program of the stack; None waits for one that the user starts.
 
         Raises:
@@ -132,6 +138,7 @@ class ExternalStack:
         self._process: StackProcess | None = None
         self._bridge = self.kind.bridge(instance, frame)
         self._motors = MotorMap(airframe)
+        # From here on the plant asks `_drive` for the rotors before every tick.
         self._handover = plant.hand_over(self._drive)
         start = _start(plant, frame)
         self.monitor = Monitor(
@@ -149,6 +156,7 @@ class ExternalStack:
             self.start_line = launch.line(self.kind.program)
             if binary is not None:
                 self._process = StackProcess(self.kind.title, binary, launch, self._folder)
+        # An interrupt too must not leave ports and a folder behind.
         except BaseException:
             self.close()
             raise
@@ -156,38 +164,45 @@ class ExternalStack:
 
     @property
     def address(self) -> str:
-        """Where the stack finds the physics."""
+        """Words that say where the stack finds the physics."""
         return self._bridge.address
 
     @property
     def exchanges(self) -> Exchanges:
-        """What has passed between it and the physics."""
+        """Counts of what has passed between the stack and the physics."""
         return self._bridge.exchanges
 
     @property
     def habits(self) -> Habits:
-        """What a client must know of it."""
+        """Peculiarities of the stack that a client must know."""
         return self.kind.habits
 
     @property
     def reports(self) -> Monitor:
-        """Whose mode and arming are shown and recorded."""
+        """Source of the mode and the arming that are shown and recorded."""
         return self.monitor
 
     def pipe(self) -> Tap:
-        """MAVLink for a companion inside this process."""
+        """Return a MAVLink connection for a companion inside this process."""
         return self.monitor.tap()
 
     def listen(self, listener: Callable[[Severity, str], None]) -> None:
-        """Call a function with severity and text of each message of the stack, and of ours."""
+        """Call a function with the severity and the text of each message, the stack's and ours."""
         self.monitor.listeners.append(listener)
 
     def wait_for_tick(self, timeout_s: float) -> bool:
-        """Whether time may pass; waits a moment for the stack to be there."""
+        """Return True if time may pass; wait a moment for the stack to be there.
+
+        It is True after a fault too, so that the caller's loop goes on and sees the fault.
+
+        Args:
+            timeout_s: Longest wait, of wall time.
+        """
         if self.fault or self._is_connected:
             return True
         self._is_connected = self._bridge.connect(timeout_s)
         self._say_notices()
+        # Only a binary of ours has to come in time; a user may start theirs later.
         if not self._is_connected and self._process is not None:
             self.fault = self._process.fault()
             if not self.fault and time.monotonic() > self._deadline_s:
@@ -198,18 +213,19 @@ class ExternalStack:
         return self._is_connected or bool(self.fault)
 
     def update(self) -> None:
-        """Take the estimate of the stack, and pass on what there is to say."""
+        """Take over the stack's estimate, and pass on its and our messages."""
         if (estimate := self.monitor.estimate) is not None:
             self._handover.take_estimate(estimate)
         self._say_notices()
 
     def _drive(self) -> None:
-        """Tell the state, and command what the stack answers; no power once it is lost."""
+        """Send the state, and command the rotors by the answer; no power once the stack is lost."""
         if self.fault:
             self._handover.command_rotors(None)
             return
         self._bridge.tell(self._plant)
         outputs = self._bridge.receive(_LOOK_S)
+        # Nearly every answer comes at once; the process is looked at only when one is late.
         if outputs is None:
             deadline_s = time.monotonic() + SILENCE_S
             while outputs is None and not self.fault:
@@ -243,6 +259,7 @@ class ExternalStack:
 
 def _start(plant: Plant, frame: LocalFrame) -> Start:
     truth = plant.truth
+    # A heading is clockwise from north, a yaw counter-clockwise from east.
     heading_deg = 90.0 - math.degrees(yaw_of(truth.quat_wxyz))
     return Start(
         place=frame.geodetic_from_enu(truth.position_enu_m),

@@ -1,4 +1,8 @@
-"""RGB-D cameras: frames with depth and object ids, exact or with the errors of a real sensor."""
+"""RGB-D cameras: frames with depth and object ids, exact or with the errors of a real sensor.
+
+Frames are rendered on request only, and from a copy of the state, so that a flight is the same to
+the bit whether anybody looks or not.
+"""
 
 from flightsim.cameras.cameras import HEIGHT_PX, WIDTH_PX, Cameras
 from flightsim.cameras.depth_noise import DepthNoise, depth_noise

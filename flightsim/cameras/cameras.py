@@ -42,10 +42,10 @@ class Cameras:
             width_px: Width of the images.
             height_px: Height of the images.
             depth_noise: Errors of depth; None measures it exactly.
-            segments: Whether frames have the object and the class of each pixel, exactly; they are
+            segments: True gives frames the object and the class of each pixel, exactly; they are
                 drawn in a second pass.
-            renderer: Renderer of the same world to use, which stays open and has its own size;
-                None opens one.
+            renderer: Renderer of the same world to use, which stays open and has its own size; None
+                opens one.
 
         Raises:
             CameraError: If the size is invalid.
@@ -65,11 +65,19 @@ class Cameras:
         self._listeners.append(listener)
 
     def render(self, camera: str) -> RgbdFrame:
-        """Present frame of the named camera; repeated requests at one time render it once."""
+        """Return the present frame of a camera; repeated requests at one time render it once.
+
+        Args:
+            camera: Name of the camera.
+
+        Raises:
+            CameraError: If the vehicle has no such camera.
+        """
         latest = self._latest.get(camera)
         if latest is not None and latest.time_us == self._plant.time_us:
             return latest
         frame = self._renderer.render(self._plant.data, camera, self._plant.time_us)
+        # Errors of depth are added once to each frame, so that all listeners get the same image.
         if self._depth_noise is not None:
             frame = self._depth_noise.frame(frame)
         if self._classes is not None:
@@ -81,7 +89,13 @@ class Cameras:
         return frame
 
     def render_depth(self, camera: str) -> PosedDepth:
-        """The depth of `render` to the bit, with colours only where somebody listens to frames."""
+        """Return the depth of `render` to the bit.
+
+        Colours are drawn only if somebody listens to frames: without them an image takes less time.
+
+        Args:
+            camera: Name of the camera.
+        """
         if self._listeners:
             return self.render(camera)
         latest = self._latest_depth.get(camera)
@@ -94,15 +108,19 @@ class Cameras:
         return frame
 
     def render_ids(self, camera: str) -> np.ndarray:
-        """What `render` shows at each pixel: int32 (height, width) of ids of the scene's objects.
+        """Return the object that `render` shows at each pixel, int32 (height, width).
 
-        Negative are the vehicle (-1), the bare ground (-2), the sky (-3), what stands around the
-        site (-4), movers (-10 and below), other vehicles (-100 and below).
+        Ids of the scene's objects count from 0. Negative are the vehicle (-1), the bare ground
+        (-2), the sky (-3), the surroundings of the site (-4), movers (-10 and below), other
+        vehicles (-100 and below).
+
+        Args:
+            camera: Name of the camera.
         """
         return self._renderer.render_ids(self._plant.data, camera)
 
     def close(self) -> None:
-        """Release the rendering context, unless it is somebody else's."""
+        """Release the rendering context, unless the renderer was passed in."""
         if self._is_ours:
             self._renderer.close()
 

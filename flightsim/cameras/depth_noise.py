@@ -2,9 +2,9 @@
 
 A stereo camera measures disparity, d = f b / z. Its error is about the same in pixels everywhere,
 so depth errs by z^2 / (f b) times that: 6 cm at 4 m for a RealSense D435. Matching windows
-correlate neighbouring errors, disparity is quantised, borders of objects wander sideways, what only
-one imager sees or what is seen at a grazing angle has no depth, and a few pixels are matched with
-something else altogether.
+correlate neighbouring errors, disparity is quantised, and borders of objects wander sideways.
+Surfaces that only one imager sees, or that are seen at a grazing angle, have no depth. A few pixels
+are matched with something else altogether.
 
 Source: Grunnet-Jepsen, Sweetser and Woodfill, "Best-known methods for tuning Intel RealSense D400
 depth cameras" (RMS error = z^2 subpixel / (f b), subpixel 0.08 px); lateral noise after Nguyen,
@@ -57,7 +57,11 @@ class DepthNoiseCfg:
     max_range_m: float = 10.0
 
     def __post_init__(self) -> None:
-        """Refuse settings that measure nothing."""
+        """Refuse settings that measure nothing.
+
+        Raises:
+            DepthNoiseError: Naming the setting, its value and the valid values.
+        """
         for name in ("baseline_m", "focal_px", "disparity_step_px", "max_range_m"):
             if not getattr(self, name) > 0:
                 raise DepthNoiseError(f"{name} {getattr(self, name)} is not valid; valid: above 0")
@@ -67,7 +71,7 @@ class DepthNoiseCfg:
             )
 
     def sigma_m(self, depth_m: float) -> float:
-        """Standard deviation of depth at a given depth, without quantisation."""
+        """Return the standard deviation of depth at a given depth, without quantisation, m."""
         return depth_m**2 * self.disparity_sigma_px / (self.focal_px * self.baseline_m)
 
 
@@ -81,7 +85,8 @@ DEPTH_CAMERAS: Mapping[str, DepthNoiseCfg] = MappingProxyType({"d435": D435, "d4
 class DepthNoise:
     """Errors of the depth cameras in one run.
 
-    Each frame has its own random stream, by camera and time, independent of other cameras.
+    Each frame has its own random stream, by camera and time, independent of other cameras. A camera
+    more, or an image less, therefore changes no other image.
     """
 
     def __init__(self, cfg: DepthNoiseCfg, seed: int, scene_id: str) -> None:
@@ -90,7 +95,7 @@ class DepthNoise:
         self._scene_id = scene_id
 
     def frame(self, frame: _Frame) -> _Frame:
-        """The frame with depth as the camera measures it."""
+        """Return the frame with depth as the camera measures it."""
         stream = generator(self._seed, self._scene_id, "depth", frame.camera, frame.time_us)
         measured = measured_depth(frame.depth_m, frame.fx, self._cfg, stream)
         return replace(frame, depth_m=measured)
@@ -99,7 +104,7 @@ class DepthNoise:
 def depth_noise(
     camera: Literal["exact", "d435", "d455"], seed: int, scene_id: str
 ) -> DepthNoise | None:
-    """Errors of a depth camera by its name, None for the exact one.
+    """Return the errors of a depth camera by its name, None for the exact one.
 
     Args:
         camera: Name of the camera.
@@ -123,10 +128,10 @@ def measured_depth(
     cfg: DepthNoiseCfg,
     rng: np.random.Generator,
 ) -> Float[np.ndarray, "height width"]:
-    """Depth that a camera measures, inf where it measures nothing.
+    """Return the depth that a camera measures, inf for pixels without a measurement.
 
     Args:
-        depth_m: True depth along the optical axis, inf where there is nothing.
+        depth_m: True depth along the optical axis, inf for the sky.
         focal_px: Focal length of the frame.
         cfg: Settings of the camera.
         rng: Random stream of its errors.
@@ -139,6 +144,7 @@ def measured_depth(
         cfg.disparity_sigma_px,
         cfg.disparity_step_px,
         cfg.baseline_m * focal_px,
+        # Depth changes by tan(angle) / f of itself from pixel to pixel on a surface at that angle.
         math.tan(cfg.grazing_rad) / focal_px,
         cfg.dropout_share,
         cfg.mismatch_share,
@@ -160,6 +166,7 @@ def _alike(
     margin = window // 2
     fine = rng.standard_normal((height + 2 * margin, width + 2 * margin), dtype=np.float32)
     sums = cv2.boxFilter(fine, -1, (window, window), normalize=False)
+    # A sum over window^2 numbers has the deviation `window`.
     return np.ascontiguousarray(sums[margin : margin + height, margin : margin + width]) / window
 
 
@@ -172,7 +179,7 @@ def measure(
     other: Float[np.ndarray, "h w"],
     numbers: Float[np.ndarray, " 9"],
 ) -> Float[np.ndarray, "h w"]:
-    """Depth from the disparity of each pixel with its error.
+    """Return depth from the disparity of each pixel with its error.
 
     Args:
         depth: True depth, m.
@@ -190,7 +197,8 @@ def measure(
     rows, columns = depth.shape
     measured = np.full((rows, columns), np.float32(np.inf))
     for v in range(rows):
-        # The right imager sees nothing beyond what, farther right here, is farther left there.
+        # From the right: a nearer surface is shifted farther to the left in the right imager. A
+        # pixel is hidden there if a surface to its right here lies to its left there.
         shadow_end = np.inf
         for u in range(columns - 1, -1, -1):
             true = depth[v, u]
@@ -215,7 +223,10 @@ def measure(
 
 @kernel
 def _steepness(depth: Float[np.ndarray, "h w"], row: int, column: int) -> float:
-    """Smaller change of depth per pixel to either side, the larger of both directions."""
+    """Smaller change of depth per pixel to either side, the larger of both directions.
+
+    An edge is steep on one side only, and stays; a grazing surface is steep on both.
+    """
     z = depth[row, column]
     steepness = 0.0
     for down, right in ((1, 0), (0, 1)):

@@ -16,8 +16,8 @@ from flightsim.world import World
 
 SAMPLES = 2
 """Samples per pixel along each axis."""
-_HAZE_M = 2500.0
-_MIN_OPACITY = 0.5
+_HAZE_M = 2500.0  # distance at which haze hides two thirds of a colour
+_MIN_OPACITY = 0.5  # discs of spinning rotors are more transparent, and are left out
 _ONE_SURFACE = 1.1
 """Depth ratio up to which samples of a pixel are on one surface."""
 
@@ -60,7 +60,11 @@ class FineLight:
 
 
 def vehicle_triangles(model: mujoco.MjModel, data: mujoco.MjData) -> tuple[np.ndarray, np.ndarray]:
-    """Visible surface of the vehicle in its pose; spinning discs are transparent.
+    """Return the visible surface of the vehicle in its pose, without its spinning discs.
+
+    Args:
+        model: Model that is drawn.
+        data: Its state.
 
     Returns:
         Triangles (t, 3, 3), ENU, and their colours (t, 3), 0 to 1.
@@ -83,6 +87,7 @@ def _pixel_depth(depth_m: np.ndarray) -> np.ndarray:
     # The inverse of depth is linear in the image of a plane.
     inverse = (1.0 / samples).mean(axis=(1, 3))
     is_one = farthest < _ONE_SURFACE * nearest
+    # A pixel of sky has infinite samples, whose inverse is 0.
     return np.where(is_one, 1.0 / np.where(is_one, inverse, 1.0), nearest)[..., 0]
 
 

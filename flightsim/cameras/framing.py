@@ -25,7 +25,7 @@ def frame_points(
     aspect: float,
     margin: float = MARGIN,
 ) -> tuple[Vector3, Vector3]:
-    """Eye and target of the nearest view that shows all points, centred in the picture.
+    """Return eye and target of the nearest view that shows all points, centred in the picture.
 
     A point that lies x to the right of the target and a beyond it is visible from an eye at
     distance d if |x - c| <= t (d + a), where t is the tangent of half the angle of view and c the
@@ -43,6 +43,7 @@ def frame_points(
     towards_eye = np.array(
         [level * math.cos(azimuth_rad), level * math.sin(azimuth_rad), math.sin(elevation_rad)]
     )
+    # Only the axes of this view count: its distance is found below.
     axes = look_at(vector3(towards_eye), (0.0, 0.0, 0.0), 1.0).rotation_enu_from_optical
     tangents = math.tan(vertical_fov_rad / 2) / margin * np.array([aspect, 1.0])
     origin = points_enu_m.mean(axis=0)
@@ -50,6 +51,7 @@ def frame_points(
     across, beyond = local[:, :2], local[:, 2:]
     highest = (across - tangents * beyond).max(axis=0)
     lowest = (across + tangents * beyond).min(axis=0)
+    # The wider of both axes decides, but no point may come too near.
     distance_m = max(
         float(((highest - lowest) / (2 * tangents)).max()), _LEAST_DISTANCE_M - float(beyond.min())
     )

@@ -1,7 +1,8 @@
 """RGB-D renderer by MuJoCo's OpenGL, colour and depth in one pass.
 
 MuJoCo itself culls nothing: while the scene is gathered, geoms whose bounding sphere is outside the
-view are moved to an invisible group.
+view are moved to an invisible group. Each kind of picture has a stage of its own, whose model suits
+it: images of depth alone need no textures, which cost more than everything else.
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ from flightsim.world import World
 # Geoms besides the model's own: none today; MuJoCo warns when its buffer is too small.
 _SPARE_GEOMS = 16
 _Kind = Literal["fast", "fine", "depth", "ids"]
-"""What a stage draws."""
+"""Kind of picture that a stage draws."""
 _ID_FLAGS = (mujoco.mjtRndFlag.mjRND_SEGMENT, mujoco.mjtRndFlag.mjRND_IDCOLOR)
 
 
@@ -56,29 +57,36 @@ class GlCameraRenderer:
             raise GlUnavailableError(f"MuJoCo: {error}") from error
 
     def render(self, data: mujoco.MjData, camera_name: str, time_us: int) -> RgbdFrame:
-        """See `CameraRenderer`."""
+        """Return a frame of an on-board camera; see `CameraRenderer`."""
         stage = self._stage("fast")
         stage.poses.update(data)
         return self._aboard(stage, stage.poses.viewpoint(camera_name), time_us)
 
     def render_from(self, data: mujoco.MjData, view: Viewpoint, time_us: int) -> RgbdFrame:
-        """See `CameraRenderer`."""
+        """Return a frame from a viewpoint; see `CameraRenderer`."""
         stage = self._stage("fast")
         stage.poses.update(data)
         return self._aboard(stage, view, time_us)
 
     def render_depth(self, data: mujoco.MjData, camera_name: str, time_us: int) -> PosedDepth:
-        """See `CameraRenderer`; drawn without textures, which cost more than all else, or a sky."""
+        """Return depth alone; see `CameraRenderer`.
+
+        It is drawn without a sky and without textures, which cost more than everything else.
+        """
         stage = self._stage("depth")
         stage.poses.update(data)
         view = stage.poses.viewpoint(camera_name)
         return view.depth_frame(time_us, stage.draw_depth(view))
 
     def render_ids(self, data: mujoco.MjData, camera_name: str) -> np.ndarray:
-        """See `CameraRenderer`; drawn from the solids of the physics, each one object's."""
+        """Return object ids; see `CameraRenderer`.
+
+        They are drawn from the solids of the physics, each of which belongs to one object.
+        """
         stage = self._stage("ids")
         stage.poses.update(data)
         colours, _ = stage.draw(stage.poses.viewpoint(camera_name), has_vehicle=False)
+        # MuJoCo draws numbers as colours, red first.
         index = colours.astype(np.int32) @ np.array([1, 1 << 8, 1 << 16], dtype=np.int32)
         return stage.object_ids(self._world.geom_object_id)[index]
 
@@ -90,7 +98,7 @@ class GlCameraRenderer:
         vertical_fov_rad: float = math.radians(50.0),
         quality: Quality = "fast",
     ) -> RgbdFrame:
-        """See `CameraRenderer`."""
+        """Return a picture from anywhere; see `CameraRenderer`."""
         view = look_at(eye_enu_m, target_enu_m, vertical_fov_rad)
         stage = self._stage(quality)
         stage.poses.update(data)
@@ -118,7 +126,7 @@ class GlCameraRenderer:
         return self._fine_light.frame(view, time_us, colours, depth_m, moving_enu_m)
 
     def close(self) -> None:
-        """See `CameraRenderer`."""
+        """Release buffers and context; see `CameraRenderer`. Closing twice is fine."""
         if self._gl is None:
             return
         self._gl.make_current()
@@ -179,6 +187,7 @@ class _Stage:
         self._scene = mujoco.MjvScene(model, maxgeom=model.ngeom + _SPARE_GEOMS)
         self._option = mujoco.MjvOption()
         self._camera = mujoco.MjvCamera()
+        # Clip planes in metres, as MuJoCo computes them.
         self._near_m = float(model.vis.map.znear * model.stat.extent)
         self._far_m = float(model.vis.map.zfar * model.stat.extent)
         flags = self._scene.flags
@@ -190,18 +199,18 @@ class _Stage:
         flags[mujoco.mjtRndFlag.mjRND_FOG] = False
 
     def draw(self, view: Viewpoint, *, has_vehicle: bool) -> tuple[np.ndarray, np.ndarray]:
-        """Colour (h, w, 3) and depth in m (h, w), inf in the sky."""
+        """Return colour (h, w, 3) and depth in m (h, w), inf in the sky."""
         self._arrange(view, has_vehicle=has_vehicle)
         rgb, buffer = self.target.read(self._scene)
         return rgb, self._depth_m(buffer)
 
     def draw_depth(self, view: Viewpoint) -> np.ndarray:
-        """Depth of `draw` without the vehicle."""
+        """Return the depth of `draw` without the vehicle."""
         self._arrange(view, has_vehicle=False)
         return self._depth_m(self.target.read_depth(self._scene))
 
     def _arrange(self, view: Viewpoint, *, has_vehicle: bool) -> None:
-        """Fill MuJoCo's scene with what the view shows."""
+        """Fill MuJoCo's scene with the geoms that the view shows."""
         self._aim(view)
         groups = self._option.geomgroup
         groups[:] = 0
@@ -213,20 +222,21 @@ class _Stage:
             self._scene.flags[flag] = self._is_ids
 
     def _depth_m(self, buffer: np.ndarray) -> np.ndarray:
-        """Depth of a depth buffer."""
+        """Depth of a depth buffer, m."""
         near, far = self._near_m, self._far_m
+        # The buffer is 1 at the near and 0 at the far plane, and linear in the inverse of depth.
         depth_m = near * far / (near + buffer * np.float32(far - near))
         depth_m[buffer <= 0] = np.inf
         return depth_m
 
     def vehicles_enu_m(self) -> np.ndarray:
-        """Triangles of all vehicles in their poses."""
+        """Return the triangles of all vehicles in their poses."""
         own_enu_m, _ = vehicle_triangles(self._model, self.poses.data)
         mates_enu_m, _ = self._mates.triangles_enu(self.poses.data)
         return np.concatenate([own_enu_m, mates_enu_m])
 
     def object_ids(self, geom_object_id: np.ndarray) -> np.ndarray:
-        """Object ids from the colours of the last picture: 0 is sky, else index + 1."""
+        """Return object ids from the colours of the last picture: 0 is sky, else index + 1."""
         table = np.full(self._scene.ngeom + 1, NO_OBJECT_ID, dtype=np.int32)
         for geom in self._scene.geoms[: self._scene.ngeom]:
             if geom.segid >= 0 and geom.objtype == mujoco.mjtObj.mjOBJ_GEOM:
@@ -264,18 +274,20 @@ class _Stage:
                 mujoco.mjtCatBit.mjCAT_ALL,
                 self._scene,
             )
+        # Restored even after an error: the model is used for every picture.
         finally:
             groups[:] = saved_groups
             self._model.vis.global_.fovy = saved_fov
 
     def _in_view(self, view: Viewpoint) -> np.ndarray:
-        """(ngeom,) bool: whether the geom's bounding sphere meets the view's pyramid."""
+        """Return true for geoms whose bounding sphere meets the view's pyramid, (ngeom,) bool."""
         radius = self._model.geom_rbound
         local = (self.poses.data.geom_xpos - view.position_enu_m) @ view.rotation_enu_from_optical
         x, y, z = np.abs(local[:, 0]), np.abs(local[:, 1]), local[:, 2]
         tan_v = math.tan(view.vertical_fov_rad / 2)
         tan_h = tan_v * self._aspect
         is_in = z > -radius
+        # Distance from a side of the pyramid: the hypotenuse is the length of its normal.
         is_in &= x - tan_h * z < radius * math.hypot(1.0, tan_h)
         is_in &= y - tan_v * z < radius * math.hypot(1.0, tan_v)
         # A plane has no bounding sphere.

@@ -18,6 +18,12 @@ class GlUnavailableError(RuntimeError):
 def new_gl_context(width: int, height: int) -> Any:
     """Create an offscreen OpenGL context; libraries load only now.
 
+    Importing them earlier would make `import flightsim` fail on machines without OpenGL.
+
+    Args:
+        width: Width in pixels.
+        height: Height in pixels.
+
     Raises:
         GlUnavailableError: With the message of the loader or driver.
     """

@@ -1,7 +1,8 @@
-"""Depth of many cameras in one call: what stands by Embree, what moves by MuJoCo's own rays.
+"""Depth of many cameras in one call: static solids by Embree, moving geoms by MuJoCo's own rays.
 
-Each world has solids that stand, as triangles, and geoms that move, of which the engine says where
-they are. Only pixels within the outline of the sphere around a moving geom are asked about it.
+Each world has static solids, as triangles, and geoms that move, whose poses the engine knows. Only
+pixels within the outline of the sphere around a moving geom are tested against it, because MuJoCo's
+rays cost much more than Embree's.
 """
 
 from __future__ import annotations
@@ -30,9 +31,9 @@ from flightsim.plant.mujoco_calls import doubles, integers, take_number
 from flightsim.plant.rays import RAYS_DTYPE, geom_m
 
 FIRST_GEOM = -2
-"""Number of the moving geom 0 among what rays hit; geom g is `FIRST_GEOM - g`."""
+"""Number of the moving geom 0 among hits; geom g is `FIRST_GEOM - g`."""
 _MARGIN_PX = 1e-3
-"""By which outlines are larger: rounding may lose no pixel."""
+"""Margin by which outlines are larger: rounding may lose no pixel."""
 
 VIEW_DTYPE = np.dtype(
     [
@@ -44,7 +45,7 @@ VIEW_DTYPE = np.dtype(
     ],
     align=True,
 )
-"""A camera: where it is, and what it looks at."""
+"""A camera: its pose, its limits, and its world."""
 
 
 @kernel_without_lock
@@ -59,18 +60,20 @@ def cast_images(
     """Cast the images of many cameras.
 
     Several threads may call this with the same arrays at the same time: each takes the next image
-    that nobody has, and no image depends on who cast it.
+    that is free, and no image depends on the thread that casts it.
 
     Args:
         query: `flightsim.looks.embree.Functions.intersect`.
         counter: Number of images that are taken (1,), int64; 0 before the call.
         views: `VIEW_DTYPE` (n,).
-        rays: `flightsim.plant.rays.RAYS_DTYPE` (n,), for what moves; zeros where nothing does.
+        rays: `flightsim.plant.rays.RAYS_DTYPE` (n,), for moving geoms; zeros for worlds without
+            any.
         depth_m: Written: depth along the axis, at most `far_m` (n, h, w), float32.
         hits: Written: triangle, moving geom from `FIRST_GEOM` down, or `NOTHING` (n, h, w), int32.
     """
     packet, valid, arguments = new_packet(), new_valid(), new_arguments(COHERENT)
     while True:
+        # Taken by an atomic addition: two threads never get the same number.
         i = take_number(counter)
         if i >= len(views):
             break
@@ -82,7 +85,7 @@ def cast_images(
 
 
 def example_arguments() -> tuple[int, *tuple[np.ndarray, ...]]:
-    """Arguments of the types that `cast_images` takes, for compiling it ahead."""
+    """Return arguments of the types that `cast_images` takes, for compiling it ahead."""
     image = (1, 1, 1)
     return (
         *(0, np.zeros(1, np.int64), np.zeros(1, VIEW_DTYPE), np.zeros(1, RAYS_DTYPE)),
@@ -102,6 +105,7 @@ def _cast_standing(
 ) -> None:
     as_integers = packet.view(np.int32)
     height, width = depth_m.shape
+    # Origins are the same for all packets of an image and are written once.
     for axis in range(3):
         packet[RAY_ORIGIN + axis] = view.position_enu_m[axis]
     for row in range(height):
@@ -127,7 +131,7 @@ def _cast_standing(
 
 @kernel
 def _cast_moving(view: np.record, r: np.record, depth_m: np.ndarray, hits: np.ndarray) -> None:
-    """Draw what moves over an image."""
+    """Draw moving geoms over an image."""
     body, ray = integers(r.body_address, r.n_geoms), np.empty(6)
     ray[0:3] = view.position_enu_m
     height, width = depth_m.shape
@@ -148,11 +152,12 @@ def _cast_moving(view: np.record, r: np.record, depth_m: np.ndarray, hits: np.nd
 def _ray_enu(
     view: np.record, row: int, column: int, height: int, width: int
 ) -> tuple[float, float, float]:
-    """Direction of a pixel, one metre deep."""
+    """Direction of a pixel in the world, one metre deep."""
     turn = view.rotation_enu_from_optical
     x = (column - 0.5 * (width - 1)) / view.focal_px
     y = (row - 0.5 * (height - 1)) / view.focal_px
     return (
+        # In the order of `Viewpoint.rays_enu`, so that both round alike.
         x * turn[0, 0] + (y * turn[0, 1] + turn[0, 2]),
         x * turn[1, 0] + (y * turn[1, 1] + turn[1, 2]),
         x * turn[2, 0] + (y * turn[2, 1] + turn[2, 2]),
@@ -165,7 +170,7 @@ def _outline(
 ) -> tuple[int, int, int, int]:
     """First row and the one after the last, and likewise columns, of the sphere around a geom."""
     radius_m = doubles(r.rbound_address, r.n_geoms)[geom]
-    centre = doubles(r.xpos_address + 24 * geom, 3)
+    centre = doubles(r.xpos_address + 24 * geom, 3)  # 24 bytes: three doubles a geom
     right = down = forward = 0.0
     for axis in range(3):
         away = centre[axis] - view.position_enu_m[axis]
@@ -183,13 +188,16 @@ def _span(
 ) -> tuple[int, int]:
     """First pixel of n across which a disc may be seen, and the one after the last."""
     distance_m = math.hypot(across_m, forward_m)
+    # The eye is inside the sphere: any pixel may show the geom.
     if distance_m <= radius_m:
         return 0, n
     middle, half = math.atan2(across_m, forward_m), math.asin(radius_m / distance_m)
     first, last = middle - half, middle + half
     low, high = 0.0, n - 1.0
+    # Wholly behind the camera.
     if first > 0.5 * math.pi or last < -0.5 * math.pi:
         return 0, 0
+    # Beyond a right angle the tangent has no meaning: that side reaches to the border.
     if first > -0.5 * math.pi:
         low = max(low, 0.5 * (n - 1) + focal_px * math.tan(first) - _MARGIN_PX)
     if last < 0.5 * math.pi:

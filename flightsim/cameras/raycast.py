@@ -43,7 +43,7 @@ _MIN_OPACITY = 0.5
 
 @dataclass(frozen=True, eq=False)
 class _Picture:
-    """Per ray: depth along the axis (inf for nothing), colour 0 to 1 with or without light."""
+    """For each ray: depth along the axis (inf for nothing), colour 0 to 1 with or without light."""
 
     depth_m: np.ndarray
     rgb: np.ndarray
@@ -69,25 +69,25 @@ class RaycastCameraRenderer:
         self._ids: _Ids | None = None
 
     def render(self, data: mujoco.MjData, camera_name: str, time_us: int) -> RgbdFrame:
-        """See `CameraRenderer`."""
+        """Return a frame of an on-board camera; see `CameraRenderer`."""
         self._poses.update(data)
         view = self._poses.viewpoint(camera_name)
         return self._frame(view, time_us, self._cast(view, has_vehicle=False))
 
     def render_from(self, data: mujoco.MjData, view: Viewpoint, time_us: int) -> RgbdFrame:
-        """See `CameraRenderer`."""
+        """Return a frame from a viewpoint; see `CameraRenderer`."""
         self._poses.update(data)
         return self._frame(view, time_us, self._cast(view, has_vehicle=False))
 
     def render_depth(self, data: mujoco.MjData, camera_name: str, time_us: int) -> PosedDepth:
-        """See `CameraRenderer`."""
+        """Return depth alone; see `CameraRenderer`."""
         self._poses.update(data)
         view = self._poses.viewpoint(camera_name)
         depth_m = self._cast(view, has_vehicle=False).depth_m
         return view.depth_frame(time_us, depth_m.reshape(self._height, self._width))
 
     def render_ids(self, data: mujoco.MjData, camera_name: str) -> np.ndarray:
-        """See `CameraRenderer`."""
+        """Return object ids; see `CameraRenderer`."""
         self._poses.update(data)
         if self._ids is None:
             self._ids = _Ids(self._world, self._poses.data, self._mates)
@@ -105,7 +105,7 @@ class RaycastCameraRenderer:
         vertical_fov_rad: float = math.radians(50.0),
         quality: Quality = "fast",
     ) -> RgbdFrame:
-        """See `CameraRenderer`."""
+        """Return a picture from anywhere; see `CameraRenderer`."""
         self._poses.update(data)
         view = look_at(eye_enu_m, target_enu_m, vertical_fov_rad)
         time_us = round(data.time * 1e6)
@@ -127,7 +127,7 @@ class RaycastCameraRenderer:
         return light.frame(view, time_us, colours, depth_m, moving_enu_m)
 
     def close(self) -> None:
-        """See `CameraRenderer`."""
+        """Drop what was prepared for fine pictures and ids; see `CameraRenderer`."""
         self._fine = self._ids = None
 
     def _cast(self, view: Viewpoint, *, has_vehicle: bool) -> _Picture:
@@ -137,6 +137,7 @@ class RaycastCameraRenderer:
             return picture
         across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         normals = across / np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-12)
+        # Moving surfaces are lit by sun and sky everywhere: shadows on them would cost rays.
         everywhere = np.ones(len(normals))
         lit_rgb = rgb * light_rgb(surface_light(normals, everywhere, everywhere))
         return _with_moving(picture, view, self._width, self._height, corners, lit_rgb)
@@ -169,7 +170,7 @@ class _Stage:
         self._far_m = far_m
 
     def cast(self, view: Viewpoint, width: int, height: int) -> _Picture:
-        """First hits of unit-depth rays through all pixels."""
+        """Return the first hits of unit-depth rays through all pixels."""
         rays = view.rays_enu(width, height).reshape(-1, 3)
         hits = self._mesh.hits(view.position_enu_m, rays).within(self._far_m)
         rgb = np.zeros((len(rays), 3), dtype=np.float32)
@@ -186,7 +187,7 @@ def _with_moving(
     corners_enu_m: np.ndarray,
     rgb: np.ndarray,
 ) -> _Picture:
-    """Picture with triangles of one colour each drawn over it."""
+    """Return the picture with triangles of one colour each drawn over it."""
     rays = view.rays_enu(width, height).reshape(-1, 3)
     hits = RayScene(corners_enu_m).first_hits(view.position_enu_m, rays)
     is_nearer = hits.distance < picture.depth_m
@@ -201,6 +202,7 @@ class _Ids:
     def __init__(self, world: World, data: mujoco.MjData, mates: MateShapes) -> None:
         model = world.model
         shown = (model.geom_group == GeomGroup.SCENE) | (model.geom_group == GeomGroup.DECOR)
+        # Glass panes and foliage are looked through, as in the OpenGL renderer.
         geom_ids = np.flatnonzero(shown & (model.geom_rgba[:, 3] >= _MIN_OPACITY))
         parts = [
             geom_triangles(model, g) @ data.geom_xmat[g].reshape(3, 3).T + data.geom_xpos[g]
@@ -220,7 +222,13 @@ class _Ids:
     def seen(
         self, eye_enu_m: np.ndarray, rays_enu: np.ndarray, moving_enu_m: np.ndarray
     ) -> np.ndarray:
-        """Object id (n,) int32 of each ray's first hit."""
+        """Return the object id (n,) int32 of each ray's first hit.
+
+        Args:
+            eye_enu_m: Origin of all rays.
+            rays_enu: Directions, (n, 3).
+            moving_enu_m: Triangles of movers and other vehicles where they are now, (t, 3, 3).
+        """
         hits = self._rays.first_hits(eye_enu_m, rays_enu).within(self._far_m)
         ids = self._id[hits.triangle]
         if len(moving_enu_m):
@@ -231,5 +239,5 @@ class _Ids:
 
 
 def _far_m(model: mujoco.MjModel) -> float:
-    """Depth up to which OpenGL draws."""
+    """Depth up to which OpenGL draws, m."""
     return float(model.vis.map.zfar * model.stat.extent)

@@ -19,7 +19,11 @@ class ShapeError(ValueError):
 
 
 def geom_triangles(model: mujoco.MjModel, geom_id: int) -> Triangles:
-    """Triangles of one geom in its own frame, corners counter-clockwise from outside, m.
+    """Return the triangles of one geom in its own frame, corners counter-clockwise from outside, m.
+
+    Args:
+        model: The model; its visual quality sets the sides of round shapes.
+        geom_id: The geom.
 
     Raises:
         ShapeError: If the geom has no triangles.
@@ -29,6 +33,7 @@ def geom_triangles(model: mujoco.MjModel, geom_id: int) -> Triangles:
     slices, stacks = int(model.vis.quality.numslices), int(model.vis.quality.numstacks)
     if kind == mujoco.mjtGeom.mjGEOM_PLANE:
         return _plane(size, _PLANE_HALF_EXTENTS * float(model.stat.extent))
+    # MuJoCo's sizes are half extents.
     if kind == mujoco.mjtGeom.mjGEOM_BOX:
         return box(2 * size).corners_m()
     if kind == mujoco.mjtGeom.mjGEOM_ELLIPSOID:
@@ -48,6 +53,7 @@ def geom_triangles(model: mujoco.MjModel, geom_id: int) -> Triangles:
 
 
 def _plane(size: np.ndarray, endless_m: float) -> Triangles:
+    # A size of 0 means an infinite plane.
     x, y = (float(s) if s > 0 else endless_m for s in size[:2])
     corners = np.array([(-x, -y, 0.0), (x, -y, 0.0), (x, y, 0.0), (-x, y, 0.0)])
     return corners[np.array([(0, 1, 2), (0, 2, 3)])]

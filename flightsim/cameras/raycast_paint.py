@@ -17,7 +17,7 @@ from flightsim.looks.textures import coarser, tile
 _SHRINK = 8
 _FULL_UP_TO = 2.5
 _COARSE_UP_TO = 18.0
-"""Full-size tile pixels that one picture pixel may cover in each size."""
+"""Largest number of full-size tile pixels that one picture pixel may cover in each size."""
 
 
 class PaintedMesh:
@@ -26,9 +26,11 @@ class PaintedMesh:
     def __init__(self, mesh: WorldMesh) -> None:
         self._scene = RayScene(mesh.corners_enu_m())
         self._paint = mesh.triangle_paint
+        # Baked normals: the cosine to the sun is the light, see `flightsim.looks.light`.
         light = np.clip(mesh.normals_enu @ -np.array(SUN_DIRECTION), 0.0, 1.0)
         at_vertices = np.column_stack([mesh.texture_tiles, light]).astype(np.float32)
         first, second, third = (at_vertices[mesh.triangles[:, k]] for k in range(3))
+        # Corner and edges: a hit's values are then two products away.
         self._at_first, self._to_second, self._to_third = first, second - first, third - first
         pictures = [_picture(paint) for paint in mesh.paints]
         sizes = [pictures, [_shrunk(p) for p in pictures], [coarser(p, len(p)) for p in pictures]]
@@ -43,11 +45,16 @@ class PaintedMesh:
         self._pixel_m = (height_m / self._n_across[0]).astype(np.float32)
 
     def hits(self, eye_enu_m: np.ndarray, rays_enu: np.ndarray) -> RayHits:
-        """First hits of rays (n, 3) from one point."""
+        """Return the first hits of rays (n, 3) from one point."""
         return self._scene.first_hits(eye_enu_m, rays_enu)
 
     def colours(self, hits: RayHits, focal_px: float) -> tuple[np.ndarray, ...]:
-        """Which rays hit, (m,); the colour there, 0 to 1 (m, 3); and the light (m,)."""
+        """Return which rays hit, (m,); the colour there, 0 to 1 (m, 3); and the light (m,).
+
+        Args:
+            hits: Hits of `hits`.
+            focal_px: Focal length of the picture, which sets how much of a tile a pixel covers.
+        """
         met = np.flatnonzero(hits.triangle != NOTHING)
         triangle = hits.triangle[met]
         values = self._at_first[triangle]
@@ -61,6 +68,7 @@ class PaintedMesh:
         column = ((u - np.floor(u)) * n).astype(np.int32)
         # The top row comes first, and v grows upwards.
         row = ((np.ceil(v) - v) * n).astype(np.int32)
+        # Rounding may reach the first pixel of the next tile.
         np.minimum(column, n - 1, out=column)
         np.minimum(row, n - 1, out=row)
         pixel = self._start[level, paint] + row * n + column

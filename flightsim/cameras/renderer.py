@@ -1,8 +1,8 @@
 """Camera renderers, and the choice between them for this machine.
 
-Two renderers give the same frames: OpenGL where a GL library loads, ray casting by Embree where
-none does. On-board cameras do not see their own vehicle (their mounts are assumed to be clear of
-it, and its depth would mean nothing to a planner); free views do.
+Two renderers give the same frames: OpenGL if a GL library loads, otherwise ray casting by Embree.
+On-board cameras do not see their own vehicle (their mounts are assumed to be clear of it, and its
+depth would mean nothing to a planner); free views do.
 """
 
 from __future__ import annotations
@@ -38,19 +38,25 @@ class CameraRenderer(Protocol):
     """Reason for this backend."""
 
     def render(self, data: mujoco.MjData, camera_name: str, time_us: int) -> RgbdFrame:
-        """Frame of an on-board camera at the positions in `data`, which is not changed."""
+        """Return the frame of an on-board camera at the positions in `data`, which is not changed.
+
+        Args:
+            data: State of the physics.
+            camera_name: Name of the camera.
+            time_us: Time of the frame.
+        """
         ...
 
     def render_from(self, data: mujoco.MjData, view: Viewpoint, time_us: int) -> RgbdFrame:
-        """Frame of an on-board camera that is held at a viewpoint without roll."""
+        """Return the frame of an on-board camera that is held at a viewpoint without roll."""
         ...
 
     def render_depth(self, data: mujoco.MjData, camera_name: str, time_us: int) -> PosedDepth:
-        """The depth of `render` to the bit, in less time."""
+        """Return the depth of `render` to the bit, in less time."""
         ...
 
     def render_ids(self, data: mujoco.MjData, camera_name: str) -> np.ndarray:
-        """Object ids (height, width) int32 of the pixels of `render`."""
+        """Return object ids (height, width) int32 of the pixels of `render`."""
         ...
 
     def render_view(
@@ -61,7 +67,15 @@ class CameraRenderer(Protocol):
         vertical_fov_rad: float = math.radians(50.0),
         quality: Quality = "fast",
     ) -> RgbdFrame:
-        """Picture from anywhere, including the vehicle; "fine" adds shadows and smooth edges."""
+        """Return a picture from anywhere, including the vehicle.
+
+        Args:
+            data: State of the physics.
+            eye_enu_m: Position of the eye.
+            target_enu_m: Point in the centre of the picture.
+            vertical_fov_rad: Vertical field of view.
+            quality: "fine" adds shadows and smooth edges.
+        """
         ...
 
     def close(self) -> None:
@@ -78,7 +92,7 @@ def open_camera_renderer(
         world: World to render.
         width: Width of the image in pixels.
         height: Height of the image in pixels.
-        backend: "auto" takes OpenGL and falls back to ray casting where no GL library loads.
+        backend: "auto" takes OpenGL and falls back to ray casting if no GL library loads.
 
     Raises:
         CameraError: If size or backend are invalid, or "gl" is requested and does not load.
@@ -90,6 +104,7 @@ def open_camera_renderer(
         raise CameraError(f"backend {backend!r} is unknown; valid: auto, gl, raycast")
     if backend == "raycast":
         return _open_raycast(world, width, height, "asked for")
+    # Imported here: these modules must not load where no OpenGL is needed.
     from flightsim.cameras.gl import GlCameraRenderer
     from flightsim.cameras.gl_target import GlUnavailableError
 

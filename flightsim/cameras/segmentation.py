@@ -1,4 +1,4 @@
-"""Classes of what a camera sees: the categories of the scene, and what is in no scene."""
+"""Classes of pixels: the categories of the scene, and classes of things that are in no scene."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from flightsim.world import (
 )
 
 NOTHING_CLASS = 0
-"""The sky."""
+"""Class of the sky."""
 _FIRST_OTHER = max(CATALOGUE) + 1
 GROUND_CLASS, VEHICLE_CLASS, PERSON_CLASS, DRONE_CLASS, NEIGHBOUR_CLASS = range(
     _FIRST_OTHER, _FIRST_OTHER + 5
@@ -41,7 +41,7 @@ _MOVER_CLASSES = {"person": PERSON_CLASS, "car": category_id("car"), "drone": DR
 
 
 class Classes:
-    """Class of each thing in a world, by its id in `World.geom_object_id`."""
+    """Class of each object in a world, by its id in `World.geom_object_id`."""
 
     def __init__(self, world: World) -> None:
         """Look up every object, mover and other vehicle of a world."""
@@ -51,13 +51,14 @@ class Classes:
         for index, mover in enumerate(world.obstacles):
             classes[FIRST_MOVER_ID - index] = _MOVER_CLASSES[mover.kind]
         classes |= {FIRST_MATE_ID - k: DRONE_CLASS for k in range(world.n_vehicles)}
+        # A table from the least id on: negative ids would count from its end.
         self._least = min(classes)
         self._table = np.zeros(max(classes) - self._least + 1, dtype=np.uint8)
         for number, kind in classes.items():
             self._table[number - self._least] = kind
 
     def of(self, object_ids: Int32[np.ndarray, "*shape"]) -> UInt8[np.ndarray, "*shape"]:
-        """Class of each object id; `NOTHING_CLASS` for what is no object of the scene."""
+        """Return the class of each object id; `NOTHING_CLASS` for ids that are not in the world."""
         row = object_ids - self._least
         is_known = (row >= 0) & (row < len(self._table))
         return np.where(is_known, self._table[np.where(is_known, row, 0)], NOTHING_CLASS)

@@ -32,7 +32,7 @@ class PosedDepth:
     time_us: int
     camera: str
     depth_m: np.ndarray
-    """Distance along the optical axis in m, float32 (height, width); inf where there is nothing."""
+    """Distance along the optical axis in m, float32 (height, width); inf for the sky."""
     fx: float
     fy: float
     cx: float
@@ -44,16 +44,17 @@ class PosedDepth:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class RgbdFrame(PosedDepth):
-    """The same with colours, and with what is at each pixel where that is asked for."""
+    """The same with colours and, if `Cameras` segments, with the object and class of each pixel."""
 
     rgb: np.ndarray
     """Colours, uint8 (height, width, 3)."""
     instance_ids: np.ndarray | None = None
     """Object of each pixel, int32 (height, width): ids of the scene's objects, -1 the vehicle, -2
-    the bare ground, -3 the sky, -4 what stands around the site, movers from -10 down; None unless
-    `Cameras` segments."""
+    the bare ground, -3 the sky, -4 the surroundings of the site, movers from -10 down, other
+    vehicles from -100 down; None unless `Cameras` segments."""
     class_ids: np.ndarray | None = None
-    """Class of each pixel, uint8 (height, width): keys of `segmentation.CLASS_NAMES`; likewise."""
+    """Class of each pixel, uint8 (height, width): keys of `segmentation.CLASS_NAMES`; None
+    likewise."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -68,18 +69,35 @@ class Viewpoint:
     vertical_fov_rad: float
 
     def focal_px(self, height: int) -> float:
-        """Focal length in pixels for an image of this height."""
+        """Return the focal length in pixels for an image of this height."""
         return height / 2 / math.tan(self.vertical_fov_rad / 2)
 
     def rays_enu(self, width: int, height: int) -> np.ndarray:
-        """Direction of each pixel, (height, width, 3) float32, one metre deep."""
+        """Return the direction of each pixel in ENU, one metre deep.
+
+        The distance along such a direction, in its lengths, is therefore the depth.
+
+        Args:
+            width: Width of the picture in pixels.
+            height: Height of the picture in pixels.
+
+        Returns:
+            Directions (height, width, 3) float32, top row first.
+        """
         columns, rows = np.arange(width), np.arange(height)[:, None]
         return self.rays_enu_at(rows, columns, width, height)
 
     def rays_enu_at(
         self, rows: np.ndarray, columns: np.ndarray, width: int, height: int
     ) -> np.ndarray:
-        """Direction of some pixels of an image, (..., 3) float32, one metre deep."""
+        """Return the direction of some pixels of an image, (..., 3) float32, one metre deep.
+
+        Args:
+            rows: Rows of the pixels.
+            columns: Columns of the pixels, of a shape that broadcasts with `rows`.
+            width: Width of the image.
+            height: Height of the image.
+        """
         focal = np.float32(self.focal_px(height))
         x = (columns - np.float32((width - 1) / 2)).astype(np.float32) / focal
         y = (rows - np.float32((height - 1) / 2)).astype(np.float32) / focal
@@ -87,11 +105,11 @@ class Viewpoint:
         return x[..., None] * right + (y[..., None] * down + forward)
 
     def frame(self, time_us: int, rgb: np.ndarray, depth_m: np.ndarray) -> RgbdFrame:
-        """Frame taken from this viewpoint."""
+        """Return a frame taken from this viewpoint."""
         return RgbdFrame(rgb=rgb, **vars(self.depth_frame(time_us, depth_m)))
 
     def depth_frame(self, time_us: int, depth_m: np.ndarray) -> PosedDepth:
-        """Frame without colours taken from this viewpoint."""
+        """Return a frame without colours taken from this viewpoint."""
         height, width = depth_m.shape
         focal = self.focal_px(height)
         x, y, z = self.position_enu_m.tolist()
@@ -129,16 +147,22 @@ class PoseCopy:
         if self._model.nmocap:
             self.data.mocap_pos[:] = data.mocap_pos
             self.data.mocap_quat[:] = data.mocap_quat
+        # Kinematics alone: velocities and forces are not drawn.
         mujoco.mj_kinematics(self._model, self.data)
         mujoco.mj_camlight(self._model, self.data)
 
     def viewpoint(self, camera_name: str) -> Viewpoint:
-        """Present viewpoint of a camera of the vehicle."""
+        """Return the present viewpoint of a camera of the vehicle.
+
+        Raises:
+            CameraError: If the model has no such camera.
+        """
         try:
             camera_id = self._model.camera(self._name_in_model(camera_name)).id
         except KeyError:
             valid = ", ".join(self._model.camera(i).name for i in range(self._model.ncam))
             raise CameraError(f"camera {camera_name!r} is unknown; valid: {valid}") from None
+        # MuJoCo's cameras look along -z with y up: flip both for the optical frame.
         right_up_back = self.data.cam_xmat[camera_id].reshape(3, 3)
         return Viewpoint(
             name=camera_name,
@@ -149,7 +173,16 @@ class PoseCopy:
 
 
 def look_at(eye_enu_m: Vector3, target_enu_m: Vector3, vertical_fov_rad: float) -> Viewpoint:
-    """Viewpoint at `eye` with `target` in the centre of an upright image."""
+    """Return the viewpoint at an eye with a target in the centre of an upright image.
+
+    Args:
+        eye_enu_m: Position of the eye.
+        target_enu_m: Point in the centre.
+        vertical_fov_rad: Vertical field of view.
+
+    Raises:
+        CameraError: If eye and target coincide.
+    """
     eye = np.array(eye_enu_m, dtype=float)
     forward = np.array(target_enu_m, dtype=float) - eye
     distance_m = float(np.linalg.norm(forward))

@@ -19,13 +19,13 @@ _EXPONENT = 5.25588
 
 @kernel
 def temperature_k(altitude_m: float) -> float:
-    """Air temperature at an altitude above mean sea level, K."""
+    """Return the air temperature at an altitude above mean sea level (m), K."""
     return SEA_LEVEL_TEMPERATURE_K - LAPSE_RATE_KPM * altitude_m
 
 
 @kernel
 def pressure_pa(altitude_m: float) -> float:
-    """Static pressure at an altitude above mean sea level, Pa."""
+    """Return the static pressure at an altitude above mean sea level (m), Pa."""
     return (
         SEA_LEVEL_PRESSURE_PA * (temperature_k(altitude_m) / SEA_LEVEL_TEMPERATURE_K) ** _EXPONENT
     )
@@ -33,6 +33,6 @@ def pressure_pa(altitude_m: float) -> float:
 
 @kernel
 def pressure_altitude_m(pressure: float) -> float:
-    """Altitude above mean sea level at which the atmosphere has this pressure (Pa), m."""
+    """Return the altitude above mean sea level (m) at which the air has this pressure (Pa)."""
     ratio = (pressure / SEA_LEVEL_PRESSURE_PA) ** (1.0 / _EXPONENT)
     return SEA_LEVEL_TEMPERATURE_K * (1.0 - ratio) / LAPSE_RATE_KPM

@@ -22,14 +22,14 @@ _EARTH_GRAVITY_M3PS2 = 3.986e14
 _EARTH_RATE_RADPS = 7.2921e-5
 _DAY_S = 86_400.0
 LEAST_SATELLITES = 4
-"""Number without which there is no position: three axes and the receiver's clock."""
+"""Least number of satellites for a position: three axes and the receiver's clock."""
 MASK_RAD = math.radians(10.0)
 """Elevation below which a receiver uses no satellite, as usual."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Constellation:
-    """A Walker constellation."""
+    """A Walker constellation T/P/F: satellites, planes, and the phasing between planes."""
 
     n_satellites: int
     n_planes: int
@@ -50,16 +50,20 @@ BEIDOU = Constellation(
 def satellite_directions_enu(
     constellations: tuple[Constellation, ...], latitude_deg: float, time_s: float
 ) -> Float[np.ndarray, "n 3"]:
-    """Unit vectors to all satellites above the mask.
+    """Return unit vectors to all satellites above the mask.
 
     Args:
-        constellations: What the receiver hears.
-        latitude_deg: Where it is; at longitude zero, which time makes up for.
+        constellations: Constellations that the receiver hears.
+        latitude_deg: Latitude of the receiver. Its longitude is zero, which the time makes up for.
         time_s: Time of the day.
+
+    Returns:
+        East, north, up; a row for each satellite.
     """
     latitude = math.radians(latitude_deg)
     up = np.array([math.cos(latitude), 0.0, math.sin(latitude)])
     north = np.array([-math.sin(latitude), 0.0, math.cos(latitude)])
+    # Rows: east, north and up at longitude zero, in axes fixed to the Earth.
     axes = np.array([[0.0, 1.0, 0.0], north, up])
     positions_m = np.concatenate([_positions_m(c, time_s) for c in constellations])
     seen = positions_m - _EARTH_RADIUS_M * up
@@ -68,11 +72,13 @@ def satellite_directions_enu(
 
 
 def _positions_m(c: Constellation, time_s: float) -> np.ndarray:
-    """Positions of a constellation (n, 3), fixed to the turning Earth."""
+    """Positions of a constellation (n, 3), fixed to the turning Earth, m."""
     plane, slot = np.divmod(np.arange(c.n_satellites), c.n_satellites // c.n_planes)
+    # Kepler's third law.
     rate = math.sqrt(_EARTH_GRAVITY_M3PS2 / c.radius_m**3)
     along = 2.0 * math.pi * (slot * c.n_planes + plane * c.phasing) / c.n_satellites
     u = along + rate * time_s
+    # The node drifts westwards as the Earth turns below the orbit.
     node = 2.0 * math.pi * plane / c.n_planes - _EARTH_RATE_RADPS * time_s
     tilt = math.radians(c.inclination_deg)
     x, y = np.cos(u), np.sin(u) * math.cos(tilt)
@@ -87,5 +93,5 @@ def _positions_m(c: Constellation, time_s: float) -> np.ndarray:
 
 
 def time_of_day_s(rng: np.random.Generator) -> float:
-    """A time of chance."""
+    """Return a random time of the day, s: each flight has another sky."""
     return float(rng.uniform(0.0, _DAY_S))

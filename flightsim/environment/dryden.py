@@ -44,7 +44,7 @@ _SQRT_3 = math.sqrt(3.0)
 
 @kernel
 def length_scales_m(height_m: float) -> tuple[float, float]:
-    """Length scales of turbulence, horizontal and vertical, at a height above ground."""
+    """Return the length scales of turbulence (m), horizontal and vertical, at a height."""
     feet = min(max(height_m / _FOOT_M, _LOWEST_FT), _HIGHEST_FT)
     horizontal_ft = feet / (0.177 + 0.000823 * feet) ** 1.2
     return horizontal_ft * _FOOT_M, feet * _FOOT_M
@@ -52,7 +52,7 @@ def length_scales_m(height_m: float) -> tuple[float, float]:
 
 @kernel
 def horizontal_ratio(height_m: float) -> float:
-    """Ratio of the horizontal to the vertical standard deviation of turbulence."""
+    """Return the ratio of the horizontal to the vertical standard deviation of turbulence."""
     feet = min(max(height_m / _FOOT_M, _LOWEST_FT), _HIGHEST_FT)
     return 1.0 / (0.177 + 0.000823 * feet) ** 0.4
 
@@ -83,6 +83,7 @@ def step_turbulence(
     sigma = sigma_up_mps * horizontal_ratio(height_m)
     step = dt_s * speed / along_m
     decay = math.exp(-step)
+    # expm1 keeps its digits for short steps, in which 1 - exp(-2 step) would cancel.
     x[0] = decay * x[0] + math.sqrt(-math.expm1(-2.0 * step)) * normals[0]
     turbulence_mps[0] = sigma * x[0]
     turbulence_mps[1] = sigma * _step_second_order(x[1:3], step, normals[1], normals[2])
@@ -99,14 +100,16 @@ def _step_second_order(x: np.ndarray, step: float, normal: float, other: float) 
     gain = math.sqrt(variance_0)
     mixed = covariance / gain
     x[1] = decay * (x[1] + step * x[0]) + mixed * normal
+    # Rounding may leave a negative variance for tiny steps.
     x[1] += math.sqrt(max(variance_1 - mixed * mixed, 0.0)) * other
     x[0] = decay * x[0] + gain * normal
+    # The numerator 1 + sqrt(3) T s as a combination of both states, scaled to unit variance.
     return math.sqrt(0.5) * (_SQRT_3 * x[0] + (1.0 - _SQRT_3) * x[1])
 
 
 @kernel
 def _driven(step: float, power: int) -> float:
-    """Twice the integral of z^power exp(-2 z) from 0 to `step`, for powers 1 and 2."""
+    """Return twice the integral of z^power exp(-2 z) from 0 to `step`, for powers 1 and 2."""
     if step > _SHORT_STEP:
         decay = math.exp(-2.0 * step)
         if power == 1:
@@ -120,8 +123,9 @@ def _driven(step: float, power: int) -> float:
 
 
 def stationary_states(generator: np.random.Generator) -> Float[np.ndarray, " 5"]:
-    """Random states of the stationary process."""
+    """Draw random states of the stationary process, so that a flight does not begin in calm air."""
     x = generator.standard_normal(N_STATES)
     for first in (1, 3):
+        # Stationary: the second state has variance 1/2, and covariance 1/2 with the first.
         x[first + 1] = 0.5 * x[first] + 0.5 * x[first + 1]
     return x

@@ -1,4 +1,7 @@
-"""What of the physics a run can do without: every effect has a name and is on by default."""
+"""Physical effects that a run can switch off: each has a name and is on by default.
+
+Switching one off shows how much of a result it explains, or gives another simulator's physics.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +33,7 @@ class Effects:
     steel: bool = True
     """Cars, containers and other steel disturb the magnetometer."""
     motor_field: bool = True
-    """So does the current of the motors."""
+    """The current of the motors disturbs the magnetometer."""
     sky: bool = True
     """Solids hide satellites: fixes are diluted, float or fail."""
     shelter: bool = True
@@ -40,7 +43,10 @@ class Effects:
 
     @classmethod
     def without(cls, text: str) -> Self:
-        """All effects but those named in a list such as "ground,ceiling".
+        """Return all effects but those named in a list such as "ground,ceiling".
+
+        Args:
+            text: Names, separated by commas; empty keeps all effects.
 
         Raises:
             EffectError: If one is unknown, with the valid names.

@@ -25,8 +25,8 @@ from aeroscene.solids.voxels import Grid, voxelise
 
 CELL_M = 0.25
 CLEARANCE_CAP_M = 3.0
-_HIGHEST_FLOOR_M = 1.6
-_STEP_M = 0.3
+_HIGHEST_FLOOR_M = 1.6  # a roof or a shelf higher than this is no floor
+_STEP_M = 0.3  # steps up to this height are walked and driven over
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +40,13 @@ class Columns:
 
     @classmethod
     def of(cls, scene: Scene, solids: Iterable[Primitive], height_m: float) -> Columns:
-        """Voxelise ground and solids up to a height above the scene's highest ground."""
+        """Voxelise ground and solids up to a height above the scene's highest ground.
+
+        Args:
+            scene: The scene, for its extent and its relief.
+            solids: Its static solids.
+            height_m: Height of the cells above the highest ground.
+        """
         low = np.array(scene.extent_min_enu_m)
         span = np.array(scene.extent_max_enu_m) - low
         nx, ny = (max(1, ceil(s / CELL_M - 1e-6)) for s in span[:2].tolist())
@@ -57,20 +63,24 @@ class Columns:
 
     @property
     def centres_enu_m(self) -> tuple[Float[np.ndarray, "nx 1"], Float[np.ndarray, "1 ny"]]:
-        """Coordinates of the columns' centres."""
+        """Coordinates of the columns' centres, east and north, of shapes that broadcast."""
         nx, ny, _ = self.grid.shape
         x0, y0, _ = self.grid.origin_enu_m
         return (x0 + CELL_M * np.arange(nx)[:, None], y0 + CELL_M * np.arange(ny)[None, :])
 
     def floor(self, height_m: float) -> Floor:
-        """Room for movers of this height on the lowest floors."""
+        """Return the room for movers of this height on the lowest floors."""
         full = self.occupied.all(axis=2)
+        # Lowest free cell of each column. argmin finds the first False; a full column has none.
         layer = np.where(full, self.occupied.shape[2], np.argmin(self.occupied, axis=2))
+        # Cells are counted from their centres: half a cell lower lies the bottom of the first.
         bottom_m = self.grid.origin_enu_m[2] - CELL_M / 2
         level_m = bottom_m + CELL_M * layer
         filled = np.concatenate(
             [np.zeros((*layer.shape, 1), int), np.cumsum(self.occupied, axis=2)], axis=2
         )
+        # A prefix sum per column answers "is anything solid between these layers" in one
+        # difference.
         top = np.minimum(layer + ceil(height_m / CELL_M), self.occupied.shape[2])
         at_floor = np.take_along_axis(filled, layer[..., None], axis=2)[..., 0]
         in_band = np.take_along_axis(filled, top[..., None], axis=2)[..., 0] - at_floor
@@ -78,7 +88,12 @@ class Columns:
         return Floor(self, level_m, _clearance_m(blocked | _is_at_step(level_m)))
 
     def layer(self, bottom_m: float, height_m: float) -> Floor:
-        """Room for movers that fly between two heights."""
+        """Return the room for movers that fly between two heights.
+
+        Args:
+            bottom_m: ENU height of their underside.
+            height_m: Their own height.
+        """
         base_m = self.grid.origin_enu_m[2] - CELL_M / 2
         first = max(0, int((bottom_m - base_m) / CELL_M))
         last = ceil((bottom_m + height_m - base_m) / CELL_M)
@@ -87,7 +102,7 @@ class Columns:
         return Floor(self, level_m, _clearance_m(blocked))
 
     def covered_by(self, objects: Sequence[SceneObject]) -> Bool[np.ndarray, "nx ny"]:
-        """Columns whose centre lies in the footprint of any of the objects."""
+        """Return the columns whose centre lies in the footprint of any of the objects."""
         x, y = self.centres_enu_m
         inside = np.zeros(self.grid.shape[:2], dtype=bool)
         for obj in objects:
@@ -113,7 +128,7 @@ class Floor:
     """Horizontal distance from a column's centre to the nearest obstacle, capped."""
 
     def cells(self, points_enu_m: Float[np.ndarray, "n _"]) -> tuple[np.ndarray, np.ndarray]:
-        """Indices of the columns that contain points, or of the nearest ones for points outside."""
+        """Return indexes of the columns of points; points outside take the nearest column."""
         grid = self.columns.grid
         index = np.rint((points_enu_m[:, :2] - np.array(grid.origin_enu_m[:2])) / CELL_M)
         i, j = np.clip(index.astype(int), 0, np.array(grid.shape[:2]) - 1).T
@@ -133,7 +148,8 @@ def _is_at_step(level_m: np.ndarray) -> Bool[np.ndarray, "nx ny"]:
 
 
 def _clearance_m(blocked: Bool[np.ndarray, "nx ny"]) -> Float[np.ndarray, "nx ny"]:
-    """Distances to obstacles, including the border of the scene."""
+    """Distances to obstacles, including the border of the scene, m."""
+    # The border is an obstacle: movers stay in the scene.
     rimmed = np.pad(blocked, 1, constant_values=True)
     distance = distance_to_occupied(rimmed[:, :, None], CELL_M, CLEARANCE_CAP_M)
     return distance[1:-1, 1:-1, 0]

@@ -1,8 +1,9 @@
 """Motion of movers along their paths: one compiled call per control tick.
 
-A mover on a loop circulates at its speed. One that goes to and fro accelerates and brakes
-evenly, and rests at each end, where a person turns round. The traffic's clock is simulated time,
-but may run faster or slower, or stop, and its rate changes gradually.
+A mover on a loop circulates at its speed. One that goes to and fro accelerates and brakes evenly,
+and rests at each end, where a person turns round. Its place depends on the traffic's clock alone,
+so that a run repeats and any time can be computed at once. That clock is simulated time, but may
+run faster or slower, or stop, and its rate changes gradually.
 """
 
 from __future__ import annotations
@@ -17,9 +18,9 @@ from flightsim.environment.movers import MOVER_KINDS, MoverName, MovingObstacle,
 from flightsim.environment.paths import smooth_path
 
 MAX_RATE = 5.0
-_RATE_CHANGE_PER_S = 1.0
-_CONTACT_MARGIN_M = 2.0
-_STRAIGHT_UP = 1e-9
+_RATE_CHANGE_PER_S = 1.0  # a change of pace takes a second, so that no mover jumps to another speed
+_CONTACT_MARGIN_M = 2.0  # covers the vehicle's extent and the motion of a tick
+_STRAIGHT_UP = 1e-9  # a path that leads straight up has no heading
 
 TRAFFIC_DTYPE = np.dtype(fields("clock_s", "rate", "rate_cmd", "dt_s"))
 """Clock shared by all movers."""
@@ -39,7 +40,7 @@ MOVER_DTYPE = np.dtype(
 
 
 def new_traffic(dt_s: float) -> np.ndarray:
-    """A clock at zero, in an array of shape (1,), for ticks of `dt_s`."""
+    """Return a clock at zero, in an array of shape (1,), for ticks of `dt_s`."""
     traffic = np.zeros(1, TRAFFIC_DTYPE)
     traffic["rate"] = traffic["rate_cmd"] = 1.0
     traffic["dt_s"] = dt_s
@@ -47,7 +48,11 @@ def new_traffic(dt_s: float) -> np.ndarray:
 
 
 def new_movers(obstacles: Sequence[MovingObstacle]) -> tuple[np.ndarray, np.ndarray]:
-    """Records of movers, (n,), and the control points of all their paths, (k, 3)."""
+    """Return records of movers, (n,), and the control points of all their paths, (k, 3).
+
+    Args:
+        obstacles: The movers; each has its own stretch of the control points.
+    """
     movers = np.zeros(len(obstacles), MOVER_DTYPE)
     points = [np.zeros((0, 3))]
     first = 0
@@ -64,6 +69,7 @@ def new_movers(obstacles: Sequence[MovingObstacle]) -> tuple[np.ndarray, np.ndar
             mover[name] = getattr(path, name)
         mover["first"], mover["n_points"] = first, len(path.points_enu_m)
         mover["speed_mps"], mover["height_m"] = speed, kind.size_m[2]
+        # Trapezoid of speed: its ramps add v / a to the time at full speed.
         one_way_s = path.length_m / speed + speed / kind.acceleration_mps2 + kind.pause_s
         period_s = path.length_m / speed if obstacle.is_loop else 2.0 * one_way_s
         mover["phase_s"] = obstacle.phase * period_s
@@ -73,7 +79,7 @@ def new_movers(obstacles: Sequence[MovingObstacle]) -> tuple[np.ndarray, np.ndar
 
 
 def start_poses(obstacles: Sequence[MovingObstacle]) -> tuple[np.ndarray, np.ndarray]:
-    """Positions (n, 3) and attitudes wxyz (n, 4) of movers at time zero."""
+    """Return positions (n, 3) and attitudes wxyz (n, 4) of movers at time zero."""
     movers, points = new_movers(obstacles)
     for mover in movers:
         place_mover(mover, points, 0.0, 1.0)
@@ -84,7 +90,12 @@ def start_poses(obstacles: Sequence[MovingObstacle]) -> tuple[np.ndarray, np.nda
 
 
 def obstacle_states(obstacles: Sequence[MovingObstacle], movers: np.ndarray) -> ObstacleStates:
-    """Where obstacles are, by the records of their movers."""
+    """Return the true states of obstacles, from the records of their movers.
+
+    Args:
+        obstacles: The movers, for their kinds and sizes.
+        movers: `MOVER_DTYPE` (n,), of the same order.
+    """
     kinds: tuple[MoverName, ...] = tuple(obstacle.kind for obstacle in obstacles)
     size_m = np.array([MOVER_KINDS[kind].size_m for kind in kinds]).reshape(-1, 3)
     return ObstacleStates(
@@ -106,7 +117,7 @@ def move_traffic(
     geom_conaffinity: np.ndarray,
     body_conaffinity: np.ndarray,
 ) -> None:
-    """Advance the clock by a tick and place every mover, to be touched by nobody (`let_touch`).
+    """Advance the clock by a tick and place every mover, with its contacts off (see `let_touch`).
 
     Args:
         traffic: Record of `TRAFFIC_DTYPE`, changed.
@@ -137,9 +148,9 @@ def let_touch(
     geom_conaffinity: np.ndarray,
     body_conaffinity: np.ndarray,
 ) -> bool:
-    """Enable the contacts of movers near a vehicle; returns whether there is such a mover.
+    """Enable the contacts of movers near a vehicle; return true if there is such a mover.
 
-    Those of movers far from every vehicle stay disabled: checking them would cost a third of a
+    Contacts of movers far from every vehicle stay disabled: checking them would cost a third of a
     physics step.
 
     Args:
@@ -153,6 +164,7 @@ def let_touch(
         m = movers[i]
         gap_squared = 0.0
         for k in range(3):
+            # Positions are of the underside; the sphere is around the middle.
             lift = 0.5 * m.height_m if k == 2 else 0.0
             gap_squared += (m.position_enu_m[k] + lift - vehicle_enu_m[k]) ** 2
         if gap_squared < (m.radius_m + _CONTACT_MARGIN_M) ** 2:
@@ -198,6 +210,7 @@ def _go_to_and_fro(m: np.record, time_s: float) -> None:
     if since >= moving_s:
         distance, speed = m.length_m, 0.0
         share = (since - moving_s) / m.pause_s
+        # Smooth step of the turn on the spot, 0 to 1 during the pause.
         m.turn = share * share * (3.0 - 2.0 * share)
     else:
         m.turn = 0.0
@@ -226,6 +239,7 @@ def _follow_path(m: np.record, points: np.ndarray) -> None:
         i = min(max(i, 0), m.n_points - 4)
     t = u - i
     s = 1.0 - t
+    # Weights of the uniform cubic B-spline at t, and below their derivatives.
     a, d = s * s * s / 6.0, t * t * t / 6.0
     b = ((3.0 * t - 6.0) * t * t + 4.0) / 6.0
     c = 1.0 - a - b - d
@@ -233,6 +247,7 @@ def _follow_path(m: np.record, points: np.ndarray) -> None:
     db = (1.5 * t - 2.0) * t
     dc = -da - db - dd
     n = m.n_points
+    # On a loop the control points repeat.
     w, x, y, z = i % n, (i + 1) % n, (i + 2) % n, (i + 3) % n
     for k in range(3):
         p, q = points[m.first + w, k], points[m.first + x, k]

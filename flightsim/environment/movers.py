@@ -42,11 +42,11 @@ class MoverKind:
     pause_s: float
     """Time of rest at each end of such a path."""
     turns_round: bool = False
-    """Whether it turns round and returns face first, instead of moving backwards."""
+    """True lets it turn round and return face first, instead of moving backwards."""
 
     @property
     def radius_m(self) -> float:
-        """Radius of the sphere around its centre that contains it."""
+        """Radius of the sphere around its centre that contains it, m."""
         return math.hypot(*self.size_m) / 2
 
 
@@ -70,7 +70,7 @@ class MovingObstacle:
     """Corners of the path of the centre of its underside; they are rounded."""
     speed_mps: float
     is_loop: bool = False
-    """Whether the path is a loop, else it is followed to and fro."""
+    """True if the path is a loop; otherwise it is followed to and fro."""
     phase: float = 0.0
     """Share of a round, or of a return trip, completed at time zero, 0 to 1."""
 
@@ -116,19 +116,26 @@ class ObstacleStates:
 
 
 def mover_name(index: int, obstacles: Sequence[MovingObstacle]) -> str:
-    """Name of one of several movers, such as "person_0"."""
+    """Return the name of one of several movers, such as "person_0".
+
+    Args:
+        index: Index of the mover.
+        obstacles: All movers; the name counts those of the same kind.
+    """
     kind = obstacles[index].kind
+    # Counted among its own kind, from 0.
     return f"{kind}_{sum(other.kind == kind for other in obstacles[:index])}"
 
 
 def mover_primitives(kind: MoverName, number: int) -> tuple[Primitive, ...]:
-    """Solids of a mover in its own frame: x forward, origin at the centre of its underside.
+    """Return the solids of a mover in its own frame: x forward, origin below its centre.
 
     Args:
         kind: Kind of the mover.
         number: Index among all movers, which determines its colours.
     """
     if kind == "car":
+        # The catalogue's car, so that moving and parked cars look alike.
         size = MOVER_KINDS["car"].size_m
         car = SceneObject(
             id=number,

@@ -29,14 +29,15 @@ class SplinePath:
 
     @property
     def length_m(self) -> float:
-        """Length from end to end, or once around."""
+        """Length from end to end, or once around, m."""
         n = len(self.points_enu_m)
         return (n if self.is_loop else n - 3) * self.spacing_m
 
     def sample(self, distance_m: Float[np.ndarray, " k"]) -> Float[np.ndarray, "k 3"]:
-        """Positions at distances from the start."""
+        """Return positions at distances from the start (m); a loop goes round and round."""
         u = np.asarray(distance_m, dtype=float) / self.spacing_m
         n = len(self.points_enu_m)
+        # Open paths stay in their first and last piece.
         i = np.floor(u).astype(int)
         if not self.is_loop:
             i = np.clip(i, 0, n - 4)
@@ -52,12 +53,18 @@ class SplinePath:
 
 
 def smooth_path(corners_enu_m: Sequence[Vector3], *, is_loop: bool) -> SplinePath:
-    """Smooth path along a polyline of two points or more."""
+    """Return a smooth path along a polyline.
+
+    Args:
+        corners_enu_m: Two points or more.
+        is_loop: True joins the last point to the first.
+    """
     corners = np.array(corners_enu_m, dtype=float)
     if is_loop:
         corners = np.vstack([corners, corners[:1]])
     steps = np.linalg.norm(np.diff(corners, axis=0), axis=1)
     along = np.concatenate([[0.0], np.cumsum(steps)])
+    # A closed cubic spline needs four points.
     n_pieces = max(4 if is_loop else 1, math.ceil(along[-1] / _SPACING_M))
     at = np.linspace(0.0, along[-1], n_pieces + 1)
     points = np.column_stack([np.interp(at, along, corners[:, axis]) for axis in range(3)])
@@ -65,5 +72,6 @@ def smooth_path(corners_enu_m: Sequence[Vector3], *, is_loop: bool) -> SplinePat
         # Piece i depends on points i to i + 3 and lies between the middle two.
         points = np.roll(points[:-1], 1, axis=0)
     else:
+        # One point more at each end, mirrored, lets the spline begin and end at the corners.
         points = np.vstack([2 * points[0] - points[1], points, 2 * points[-1] - points[-2]])
     return SplinePath(points, float(along[-1]) / n_pieces, is_loop)

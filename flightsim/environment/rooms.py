@@ -11,15 +11,16 @@ from aeroscene.scene import Scene
 from aeroscene.scene.catalogue import ROOMS
 from autonomy.jit import kernel
 
+# Middle, turn and half extents of a room, m.
 ROOM_COLUMNS = ("x", "y", "z", "cos yaw", "sin yaw", "half length", "half width", "half height")
 DRAUGHT_M = 1.0
 """Distance from the walls at which the wind reaches its full strength."""
 _WALL_M = 0.4
-"""Rooms are enlarged by this, so that walls, door frames and ceilings belong to them."""
+"""Amount by which rooms are enlarged, so that walls, door frames and ceilings belong to them."""
 
 
 def indoor_rooms(scene: Scene) -> Float[np.ndarray, "n 8"]:
-    """Rooms of a scene with their walls, a row of `ROOM_COLUMNS` each."""
+    """Return the rooms of a scene with their walls, a row of `ROOM_COLUMNS` each."""
     rows = [
         (
             *room.bbox.p,
@@ -35,17 +36,23 @@ def indoor_rooms(scene: Scene) -> Float[np.ndarray, "n 8"]:
 
 @kernel
 def is_in_room(rooms: np.ndarray, position_enu_m: np.ndarray) -> bool:
-    """Whether a position (3,) lies in one of the rooms (n, 8)."""
+    """Return true if a position (3,) lies in one of the rooms (n, 8)."""
     return exposure(rooms, position_enu_m) == 0.0
 
 
 @kernel
 def exposure(rooms: np.ndarray, position_enu_m: np.ndarray) -> float:
-    """Share of the wind at a position (3,): 0 in a room (n, 8), 1 at `DRAUGHT_M` and beyond."""
+    """Return the share of the wind at a position: 0 in a room, 1 at `DRAUGHT_M` and beyond.
+
+    Args:
+        rooms: Rooms (n, 8).
+        position_enu_m: The position (3,).
+    """
     nearest = DRAUGHT_M
     for k in range(rooms.shape[0]):
         room = rooms[k]
         dx, dy = position_enu_m[0] - room[0], position_enu_m[1] - room[1]
+        # Distances to the walls in the room's own axes; negative inside.
         along = abs(room[3] * dx + room[4] * dy) - room[5]
         across = abs(room[3] * dy - room[4] * dx) - room[6]
         above = abs(position_enu_m[2] - room[2]) - room[7]

@@ -1,6 +1,7 @@
-"""Routes through free columns: shortest ways between two places, then rounded.
+"""Routes through free columns: shortest paths between two places, then rounded.
 
-A route is pulled straight like a rope, point by point, wherever enough room remains.
+A route is pulled straight like a rope, point by point, wherever enough room remains. A path of
+cells alone would turn by 45 degrees at a time, as nobody walks.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from jaxtyping import Bool, Float, Int
 from flightsim.environment.floor import CELL_M, Columns, Floor
 
 _SPACING_M = 0.25
-_PULLS = 200
+_PULLS = 200  # sweeps of the pulling, which spread a straight line along the whole route
 _WALL_COST_M = 0.5
 """Clearance at which a cell costs twice its length, so that routes avoid walls."""
 
@@ -22,7 +23,7 @@ def find_route(
     length_m: tuple[float, float],
     generator: np.random.Generator,
 ) -> Float[np.ndarray, "n 2"] | None:
-    """Random route through free columns.
+    """Return a random route through free columns.
 
     Args:
         floor: Floor with the clearance that routes prefer.
@@ -33,7 +34,7 @@ def find_route(
     Returns:
         Points a quarter of a metre apart, or None if the random start leads nowhere.
     """
-    # For start-up time: only runs with traffic search routes.
+    # Imported here for start-up time: only runs with traffic search routes.
     from scipy.sparse.csgraph import dijkstra
 
     cells = np.argwhere(free)
@@ -48,6 +49,7 @@ def find_route(
         return None
     node = int(goals[generator.integers(len(goals))])
     chain = []
+    # -9999, a negative number, ends the chain of predecessors at the start.
     while node >= 0:
         chain.append(node)
         node = int(before[node])
@@ -58,7 +60,13 @@ def find_route(
 def pull_straight(
     route_enu_m: Float[np.ndarray, "n 2"], floor: Floor, free: Bool[np.ndarray, "nx ny"]
 ) -> Float[np.ndarray, "n 2"]:
-    """Repeatedly move every inner point between its neighbours, where that is free."""
+    """Repeatedly move every inner point between its neighbours, if that is free.
+
+    Args:
+        route_enu_m: Points of the route.
+        floor: Floor that finds the columns of points.
+        free: Columns that the route may use.
+    """
     points = route_enu_m.copy()
     for pull in range(_PULLS):
         # Alternate odd and even points: neighbours must not move at once.
@@ -66,6 +74,7 @@ def pull_straight(
         left, right = points[inner - 1], points[inner + 1]
         moved = (left + right) / 2
         is_free = free[floor.cells(moved)]
+        # Also halfway to either neighbour: a point alone would let the line cut a corner.
         is_free &= free[floor.cells((left + moved) / 2)] & free[floor.cells((moved + right) / 2)]
         points[inner[is_free]] = moved[is_free]
     return _resampled(points)
@@ -81,10 +90,12 @@ def _graph(floor: Floor, free: np.ndarray, cells: Int[np.ndarray, "n 2"]) -> obj
     """Graph of free columns and their eight neighbours, with greater lengths near obstacles."""
     from scipy.sparse import coo_array
 
+    # A rim of -1 spares checks at the border.
     number = np.full((free.shape[0] + 2, free.shape[1] + 2), -1)
     number[1:-1, 1:-1][free] = np.arange(len(cells))
     near = 1.0 + _WALL_COST_M / np.maximum(floor.clearance_m[free], 0.1)
     rows, columns, lengths = [], [], []
+    # Half of the directions: the transposed graph adds the others.
     for di, dj in ((1, 0), (0, 1), (1, 1), (1, -1)):
         other = number[cells[:, 0] + 1 + di, cells[:, 1] + 1 + dj]
         here = np.flatnonzero(other >= 0)
@@ -105,7 +116,12 @@ def _graph(floor: Floor, free: np.ndarray, cells: Int[np.ndarray, "n 2"]) -> obj
 def distance_to_points(
     columns: Columns, points_enu_m: Float[np.ndarray, "n 2"]
 ) -> Float[np.ndarray, "nx ny"]:
-    """Distance from each column's centre to the nearest of some points."""
+    """Return the level distance from each column's centre to the nearest of some points, m.
+
+    Args:
+        columns: Columns of free space.
+        points_enu_m: Points by east and north, (n, 2).
+    """
     x, y = columns.centres_enu_m
     squared = np.full(columns.grid.shape[:2], np.inf)
     for px, py in points_enu_m:

@@ -26,17 +26,18 @@ from aeroscene.scene.catalogue import CATALOGUE
 from autonomy.jit import kernel
 
 STEEL_COLUMNS = ("x", "y", "z", "radius", "chi")
-_SHEET_M = 1e-3
+_SHEET_M = 1e-3  # thickness of the sheet
 _PERMEABILITY = 200.0
-_LEAST_RADIUS_M = 0.25
+_LEAST_RADIUS_M = 0.25  # smaller objects are left out
 _REACH = 6.0
 """Distance in radii beyond which the disturbance, below 0.5% of chi, is left out."""
 
 
 def steel_dipoles(scene: Scene) -> Float[np.ndarray, "n 5"]:
-    """Objects of steel, by the surface of their category, a row of `STEEL_COLUMNS` each."""
+    """Return objects of steel, by their category's surface, a row of `STEEL_COLUMNS` each."""
     rows = []
     for thing in scene.objects:
+        # The ball with the volume of the bounding box.
         radius_m = (math.prod(thing.bbox.s) * 0.75 / math.pi) ** (1.0 / 3.0)
         if CATALOGUE[thing.category_id].surface == "metal" and radius_m >= _LEAST_RADIUS_M:
             share = 2.0 * _PERMEABILITY * _SHEET_M / (3.0 * radius_m)
@@ -48,7 +49,14 @@ def steel_dipoles(scene: Scene) -> Float[np.ndarray, "n 5"]:
 def disturb(
     dipoles: np.ndarray, position_enu_m: np.ndarray, earth_ut: np.ndarray, total_ut: np.ndarray
 ) -> None:
-    """Add to a field (3,) what the dipoles (n, 5) do at a position (3,), for the Earth's field."""
+    """Add the disturbance of the dipoles to a field.
+
+    Args:
+        dipoles: Rows of `STEEL_COLUMNS` (n, 5).
+        position_enu_m: Position of the magnetometer (3,).
+        earth_ut: The Earth's field (3,), which magnetises them.
+        total_ut: Field (3,), changed.
+    """
     for k in range(dipoles.shape[0]):
         dipole = dipoles[k]
         x = position_enu_m[0] - dipole[0]
@@ -58,6 +66,7 @@ def disturb(
         radius = dipole[3]
         if square > _REACH * _REACH * radius * radius or square == 0.0:
             continue
+        # Within the ball the field would grow without bound: it stays at that of the surface.
         share = radius / max(math.sqrt(square), radius)
         strength = dipole[4] * share * share * share
         along = 3.0 * (x * earth_ut[0] + y * earth_ut[1] + z * earth_ut[2]) / square

@@ -1,9 +1,9 @@
 """Traffic of a scene: number and random paths of its movers, in free space and never crossing.
 
 People keep to pavements, squares, lawns and the floors of rooms, cars to roads and car parks,
-drones to one height each; without room there, people and cars use any free ground. Every
-mover has its own stretch, so none ever meets another, and all keep away from where vehicles
-start.
+drones to one height each. Without room there, people and cars use any free ground. Every mover has
+its own stretch, so none ever meets another, and all keep away from where vehicles start. Paths
+are fixed beforehand, so that a mover's place depends on time alone.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from flightsim.environment.routes import distance_to_points, find_route, pull_st
 SurfaceHeight = Callable[[Float[np.ndarray, "n 3"]], Float[np.ndarray, " n"]]
 
 _ATTEMPTS = 40
-_START_KEPT_FREE_M = 3.0
+_START_KEPT_FREE_M = 3.0  # movers keep away from the starts of vehicles
 _BETWEEN_MOVERS_M = 0.4
 _SEEN_HEIGHT_M = 9.0
 _GROUND_CLEARANCE_M = 0.02
@@ -42,10 +42,11 @@ _ROUTE_M: dict[MoverName, tuple[float, float]] = {
     "drone": (8.0, 40.0),
 }
 _WISHED_TIMES = 3.0
-"""Ratio of the desired to the least length of a way, tried first."""
+"""Ratio of the desired to the least length of a route; long routes are tried first."""
 _ACROSS = (-1.0, -0.5, 0.0, 0.5, 1.0)
 """Lateral positions of the surface samples, in half widths from the centre."""
 _LEAST_TURN_RADIUS_M = 4.0
+# Heights between which drones fly, below the ceiling of a room indoors.
 _FLYING_M = {"indoor": (1.2, 1.9), "outdoor": (3.0, 7.0), "mixed": (3.0, 7.0)}
 
 
@@ -83,12 +84,16 @@ class TrafficCfg:
 
     @property
     def has_any(self) -> bool:
-        """Whether there are any movers."""
+        """True if there are any movers."""
         return any(self.counts.values())
 
     @classmethod
     def parse(cls, text: str, seed: int) -> TrafficCfg:
         """Read "people=3,cars=2,drones=1", any of them left out, or "none".
+
+        Args:
+            text: The text.
+            seed: Seed of the paths.
 
         Raises:
             TrafficError: Naming the fault and the valid values.
@@ -113,14 +118,14 @@ def plan_traffic(
     surface_height: SurfaceHeight,
     starts_enu_m: Sequence[Vector3] = (),
 ) -> tuple[MovingObstacle, ...]:
-    """Paths for the movers of a scene.
+    """Return paths for the movers of a scene.
 
     Args:
         cfg: Number of movers of each kind.
         scene: Scene to move in.
         solids: All static solids of the scene.
         surface_height: Exact height of the first surface below points, (n, 3) to (n,).
-        starts_enu_m: Where vehicles stand at first; none for the scene's start alone.
+        starts_enu_m: Starting positions of vehicles; none for the scene's start alone.
 
     Raises:
         TrafficError: If there is no room for one of them.
@@ -130,6 +135,7 @@ def plan_traffic(
     if not kinds:
         return ()
     streets = _Streets(scene, solids, surface_height, starts_enu_m or [scene.start_position_enu_m])
+    # Each mover draws from a stream of its own, by its number.
     return tuple(
         streets.place(
             kind, np.random.default_rng(seed_sequence(cfg.seed, scene.scene_id, "traffic", number))
@@ -153,14 +159,22 @@ class _Streets:
         self._columns = Columns.of(scene, solids, _SEEN_HEIGHT_M)
         self._from_starts_m = distance_to_points(self._columns, np.array(starts_enu_m)[:, :2])
         self._taken: dict[bool, list[tuple[np.ndarray, float]]] = {True: [], False: []}
-        """Distances of the columns from each path, and the half width of its mover, of the movers
-        that fly and of those that do not."""
+        """Distances of the columns from each path, and the half width of its mover. True holds
+        movers that fly, false the others: the two never share a height."""
         # All people are of one height and have one zone, and so have all cars.
         self._floors: dict[float, Floor] = {}
         self._zones: dict[tuple[MoverName, bool], Bool[np.ndarray, "nx ny"]] = {}
 
     def place(self, kind: MoverName, generator: np.random.Generator) -> MovingObstacle:
-        """Place a mover on a path that no other crosses."""
+        """Place a mover on a path that no other crosses.
+
+        Args:
+            kind: Kind of mover, such as person.
+            generator: Random numbers for its speed and its path.
+
+        Raises:
+            TrafficError: If no such path is found.
+        """
         low, high = MOVER_KINDS[kind].speed_mps
         speed_mps, phase = float(generator.uniform(low, high)), float(generator.uniform())
         for is_choosy in (True, False):
@@ -181,7 +195,7 @@ class _Streets:
     def _find(
         self, kind: MoverName, generator: np.random.Generator, *, is_choosy: bool
     ) -> Float[np.ndarray, "n 3"] | None:
-        """A path in the kind's zone or, if not choosy, anywhere; long ones are tried first."""
+        """Return a path in the kind's zone or, if not choosy, anywhere; long ones come first."""
         floor = self._floor(kind, generator)
         free = self._free(kind, floor, is_choosy=is_choosy)
         for attempt in range(_ATTEMPTS):
@@ -201,7 +215,7 @@ class _Streets:
         length_m: tuple[float, float],
         generator: np.random.Generator,
     ) -> Float[np.ndarray, "n 3"] | None:
-        """A random path, or None if the draw is unusable."""
+        """Return a random path, or None if the draw is unusable."""
         route = find_route(floor, free, length_m, generator)
         if route is None:
             return None
@@ -242,9 +256,10 @@ class _Streets:
     def _lifted(
         self, kind: MoverName, route: Float[np.ndarray, "n 2"], floor: Floor
     ) -> Float[np.ndarray, "n 3"] | None:
-        """Route lifted to the surface below it; None if that differs from the cells' height."""
+        """Lift a route to the surface below it; None if that differs from the cells' height."""
         if kind == "drone":
             return np.column_stack([route, floor.level_m[floor.cells(route)]])
+        # The mover's length on both sides, and one sample more for rounding.
         reach = ceil(MOVER_KINDS[kind].size_m[0] / 2 / CELL_M) + 1
         tread = _prolonged(route, reach)
         level_m = floor.level_m[floor.cells(tread)]
@@ -261,14 +276,14 @@ class _Streets:
 
 
 def _prolonged(route: Float[np.ndarray, "n 2"], n: int) -> Float[np.ndarray, "m 2"]:
-    """Route with n more points straight on at either end."""
+    """Return the route with n more points straight on at either end."""
     steps = np.arange(1, n + 1)[:, None]
     before = route[0] + steps[::-1] * (route[0] - route[1])
     return np.vstack([before, route, route[-1] + steps * (route[-1] - route[-2])])
 
 
 def half_width_m(kind: MoverName) -> float:
-    """Half of a mover's width, or the radius that it sweeps if it turns on the spot."""
+    """Return half of a mover's width, or the radius that it sweeps if it turns on the spot, m."""
     x, y, _ = MOVER_KINDS[kind].size_m
     return y / 2 if kind == "car" else math.hypot(x, y) / 2
 
@@ -276,7 +291,8 @@ def half_width_m(kind: MoverName) -> float:
 def _has_room(
     kind: MoverName, path: Float[np.ndarray, "n 3"], floor: Floor, free: np.ndarray
 ) -> bool:
-    """Whether the rounded path, and a long mover's ends on it, stay clear."""
+    """Return true if the rounded path, and a long mover's ends on it, stay clear."""
+    # Rounding cuts corners, so the polyline's own room says nothing.
     spline = smooth_path([(x, y, z) for x, y, z in path.tolist()], is_loop=False)
     if spline.length_m < _ROUTE_M[kind][0] / 2:
         return False
@@ -287,6 +303,7 @@ def _has_room(
         return True
     ahead = np.diff(points[:, :2], axis=0)
     headings = np.unwrap(np.arctan2(ahead[:, 1], ahead[:, 0]))
+    # Number of samples in a metre of path.
     window = round(1.0 / (CELL_M / 2))
     if np.any(np.abs(headings[window:] - headings[:-window]) > 1.0 / _LEAST_TURN_RADIUS_M):
         return False
@@ -294,6 +311,7 @@ def _has_room(
     least_m = min(half_width_m(kind) + _SIDE_MARGIN_M / 2, CLEARANCE_CAP_M)
     for reach_m in np.linspace(-0.5, 0.5, 9) * MOVER_KINDS[kind].size_m[0]:
         shifted = points[:-1, :2] + reach_m * directions
+        # The ends, beyond 40% of the length, need only a free column.
         inside_m = least_m if abs(reach_m) < 0.4 * MOVER_KINDS[kind].size_m[0] else 0.0
         if np.any(floor.clearance_m[floor.cells(shifted)] <= inside_m):
             return False

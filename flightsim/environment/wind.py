@@ -21,6 +21,7 @@ from flightsim.environment.dryden import N_NORMALS, N_STATES, step_turbulence
 from flightsim.environment.rooms import exposure
 from flightsim.environment.shelter import flow_at
 
+# Larger values are taken for mistakes.
 MAX_WIND_MPS = 30.0
 MAX_TURBULENCE_MPS = 5.0
 MAX_GUST_MPS = 20.0
@@ -87,13 +88,17 @@ class WindCfg:
 
     @classmethod
     def towards(cls, velocity_enu_mps: Vector3) -> WindCfg:
-        """Steady wind with a given velocity of the air.
+        """Return the steady wind with a given velocity of the air.
+
+        Args:
+            velocity_enu_mps: Velocity of the air.
 
         Raises:
             WindError: If a component is not finite or the speed exceeds `MAX_WIND_MPS`.
         """
         east, north, up = (float(v) for v in velocity_enu_mps)
         from_deg = math.degrees(math.atan2(-east, -north)) % 360.0 if (east or north) else 0.0
+        # Not finite: the check of the speed refuses it, with a message about the speed.
         if not math.isfinite(from_deg):
             from_deg = 0.0
         return cls(speed_mps=math.hypot(east, north), from_deg=from_deg, up_mps=up)
@@ -115,7 +120,7 @@ CALM = WindCfg()
 
 
 def turbulence_mps(text: str, wind_mps: float) -> float:
-    """Standard deviation of vertical turbulence, from a word or a number.
+    """Return the standard deviation of vertical turbulence, from a word or a number, m/s.
 
     Args:
         text: A word of `TURBULENCE_MPS`, `NATURAL`, or the number itself.
@@ -160,7 +165,7 @@ AIR_DTYPE = np.dtype(
 
 
 def new_air(dt_s: float) -> np.ndarray:
-    """Calm air for ticks of `dt_s`, in an array of shape (1,).
+    """Return calm air for ticks of `dt_s`, in an array of shape (1,).
 
     Before it becomes turbulent, its `states` are to be drawn (`dryden.stationary_states`).
     """
@@ -178,11 +183,12 @@ def set_wind(
     Args:
         air: Record of `AIR_DTYPE`, changed.
         cfg: Wind under the open sky.
-        has_rooms: Whether there are rooms without wind.
-        is_sheltered: Whether the field about buildings and hills holds for this direction.
+        has_rooms: True if there are rooms without wind.
+        is_sheltered: True if the field about buildings and hills holds for this direction.
     """
     is_steady = cfg.turbulence_mps == 0.0 and cfg.gust_mps == 0.0
     is_still = cfg.steady_enu_mps == ZERO3
+    # Steady wind that is the same everywhere needs no work in a tick.
     air["is_steady"] = is_steady and (is_still or not (has_rooms or is_sheltered))
     air["is_sheltered"] = is_sheltered
     air["speed_mps"], air["up_mps"] = cfg.speed_mps, cfg.up_mps
@@ -204,7 +210,7 @@ def move_air(
     normals: np.ndarray,
     wind_enu_mps: np.ndarray,
 ) -> None:
-    """Advance by one control tick.
+    """Advance the air by one control tick.
 
     Args:
         air: Record of the air, changed.
@@ -212,7 +218,7 @@ def move_air(
         height_m: Its height above the ground.
         velocity_enu_mps: True velocity.
         rooms: Rooms without wind (n, 8), see `flightsim.environment.rooms`.
-        shelter: Velocity over the open wind's (nx, ny, nz, 3), where the air is sheltered.
+        shelter: Velocity over the open wind's (nx, ny, nz, 3), if the air is sheltered.
         normals: Standard normals (5,).
         wind_enu_mps: Velocity of the air (3,), written.
     """
@@ -220,6 +226,8 @@ def move_air(
         return
     steady = air.steady_enu_mps
     if air.turbulence_mps > 0.0:
+        # Turbulence is met at the speed through the steady wind; gusts and turbulence itself do not
+        # count.
         x = velocity_enu_mps[0] - steady[0]
         y = velocity_enu_mps[1] - steady[1]
         z = velocity_enu_mps[2] - steady[2]
@@ -239,6 +247,7 @@ def move_air(
     along, left, up = air.turbulence_wind_mps
     share, mean, flow = exposure(rooms, position_enu_m), air.speed_mps + _gust(air), air.flow
     _follow_buildings(air, position_enu_m, shelter)
+    # Rotated from the wind's axes (along, left) to east and north.
     wind_enu_mps[0] = share * (mean * flow[0] + along * air.axis_enu[0] - left * air.axis_enu[1])
     wind_enu_mps[1] = share * (mean * flow[1] + along * air.axis_enu[1] + left * air.axis_enu[0])
     wind_enu_mps[2] = share * (mean * flow[2] + air.up_mps + up)
@@ -246,7 +255,7 @@ def move_air(
 
 @kernel
 def _follow_buildings(air: np.record, position_enu_m: np.ndarray, shelter: np.ndarray) -> None:
-    """Set the flow at a position: the open wind's but near buildings."""
+    """Set the flow at a position: the open wind's, except near buildings."""
     if air.is_sheltered == 1 and flow_at(
         shelter, air.shelter_origin_enu_m, air.shelter_cell_m, position_enu_m, air.flow
     ):
@@ -256,8 +265,9 @@ def _follow_buildings(air: np.record, position_enu_m: np.ndarray, shelter: np.nd
 
 @kernel
 def _gust(air: np.record) -> float:
-    """Speed that the present gust adds along the wind."""
+    """Return the speed that the present gust adds along the wind, m/s."""
     since = air.gust_clock_s % air.gust_period_s
+    # None before the first period has passed.
     if air.gust_clock_s < air.gust_period_s or since > air.gust_s:
         return 0.0
     return 0.5 * air.gust_mps * (1.0 - math.cos(2.0 * math.pi * since / air.gust_s))

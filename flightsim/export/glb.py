@@ -1,7 +1,9 @@
 """GLB: the scene as one glTF 2.0 file with its textures inside, for viewers and game engines.
 
-Nodes follow the hierarchy, `building_3` holds `room_7` holds `table_12`, and carry `id`,
-`category`, `domain` and the attributes as glTF extras. glTF is y-up: the root node rotates ours.
+Nodes follow the hierarchy: `building_3` holds `room_7`, which holds `table_12`. They carry `id`,
+`category`, `domain` and the attributes as glTF extras. glTF is y-up, so the root node rotates our
+axes, and all nodes below it are in ours. There are no colliders and no vehicle, since glTF knows
+neither.
 """
 
 from __future__ import annotations
@@ -42,18 +44,23 @@ GROUND = "ground"
 """Node of the ground of a relief; without a relief the ground is no part of the file."""
 
 SURROUNDINGS = "surroundings"
-"""Begin of the names of the nodes of what stands around the site, one for each material."""
+"""Beginning of the names of the nodes of the land around the site, one for each material."""
 
+# Up becomes y, and north becomes -z.
 _GLTF_FROM_ENU = np.array(
     [[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, -1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]]
 )
-_AREA_ALPHA = 160
+_AREA_ALPHA = 160  # of 255
 _AREA_LIFT_M = 0.02
-"""Height at which areas are drawn above their supporting surface."""
+"""Height at which areas are drawn above their supporting surface, so that both do not flicker."""
 
 
 def write_glb(world: World, folder: Path) -> Path:
     """Write `<scene>.glb` into a folder and return its path.
+
+    Args:
+        world: World to write.
+        folder: Destination, which is made if it is missing.
 
     Raises:
         ExportError: If the folder cannot be written.
@@ -70,6 +77,7 @@ def _graph(world: World) -> trimesh.Scene:
     extras = scene_facts(world.scene) | start
     graph.graph.update(ROOT, "world", matrix=_GLTF_FROM_ENU, metadata=extras)
     around = neighbours_of(world.scene)
+    # One material for all of its meshes, so each texture is stored once.
     materials = {
         name: _material(MATERIALS[name])
         for name in dict.fromkeys(solid.material for solid in (*world.solids, *around))
@@ -80,6 +88,7 @@ def _graph(world: World) -> trimesh.Scene:
         graph.add_geometry(mesh, node_name=name, geom_name=name, parent_node_name=ROOT)
     if world.scene.relief is not None:
         _add_relief(graph, world.scene.relief)
+    # Parents come before their children, so each node finds its parent.
     for mesh in object_meshes(world.scene, world.solids):
         _add_object(graph, mesh, world.scene, materials)
     for area in world.scene.interaction_areas:
@@ -117,7 +126,7 @@ def _trimesh(skin: Surface, material: Any, look: Material) -> trimesh.Trimesh:
         faces=skin.triangles,
         vertex_normals=skin.normals,
         visual=TextureVisuals(uv=skin.texture_m / look.texture_size_m, material=material),
-        process=False,
+        process=False,  # as it is: trimesh would merge equal vertices
     )
 
 
@@ -130,6 +139,7 @@ def _material(look: Material) -> Any:
             Image.fromarray(tile(look.texture, look.rgba[:3])) if look.texture else None
         ),
         metallicFactor=0.0,
+        # Shiny materials get less rough; 0.3 is the least.
         roughnessFactor=1.0 - 0.7 * look.specular,
     )
 

@@ -29,7 +29,7 @@ AREA_RGB = {
     "medium": (0.20, 0.80, 0.40),
     "large": (0.98, 0.65, 0.15),
 }
-"""Colours of areas by the drones that they are for."""
+"""Colours of areas by the drones that they are for, red, green and blue from 0 to 1."""
 
 Pose = Float[np.ndarray, "4 4"]
 
@@ -45,15 +45,22 @@ class ObjectMesh:
     skins: dict[str, Surface]
     """Visible surfaces in the object's frame, one for each material."""
     solids: tuple[Primitive, ...]
-    """Collision solids in the world."""
+    """Collision solids in the world, not in the object's frame."""
 
 
 def object_meshes(
     scene: Scene, primitives: tuple[Primitive, ...], detail: Detail = EXPORT_DETAIL
 ) -> Iterator[ObjectMesh]:
-    """Every object of a scene, parents before their children."""
+    """Yield every object of a scene, parents before their children.
+
+    Args:
+        scene: Scene with the objects.
+        primitives: Its solids, those of an object one after the other.
+        detail: Detail of round shapes.
+    """
     parts = {
         object_id: tuple(group)
+        # Equal ids must be neighbours for this, as `scene_primitives` makes them.
         for object_id, group in groupby(primitives, lambda primitive: primitive.object_id)
     }
     poses: dict[int, Pose] = {}
@@ -73,22 +80,22 @@ def object_meshes(
 
 
 def neighbour_skins(scene: Scene, detail: Detail = EXPORT_DETAIL) -> dict[str, Surface]:
-    """Visible surfaces of what stands around a site, in the world, one for each material."""
+    """Return the visible surfaces of the land around a site, in the world, by their materials."""
     return _skins(neighbours_of(scene), np.eye(4), detail)
 
 
 def object_name(obj: SceneObject) -> str:
-    """Name of an object's node."""
+    """Return the name of an object's node, such as table_17."""
     return f"{obj.category}_{obj.id}"
 
 
 def area_name(area: InteractionArea) -> str:
-    """Name of an area's node."""
+    """Return the name of an area's node, such as landing_3_medium."""
     return f"{area.kind}_{area.id}_{area.drone_class}"
 
 
 def area_facts(area: InteractionArea) -> dict[str, Any]:
-    """Annotation of an area for formats that carry numbers and text; object -1 is none."""
+    """Return the facts about an area, for formats of numbers and text; object -1 is none."""
     return {
         "drone_class": area.drone_class,
         "radius_m": area.radius,
@@ -100,13 +107,18 @@ def area_facts(area: InteractionArea) -> dict[str, Any]:
 
 
 def scene_facts(scene: Scene) -> dict[str, Any]:
-    """What a scene is and where on the globe it lies."""
+    """Return the facts about a scene: its id and domain, and its place on the globe."""
     names = ("scene_id", "domain", "latitude_deg", "longitude_deg", "altitude_m")
     return {name: getattr(scene, name) for name in names}
 
 
 def pose_matrix(position_m: tuple[float, ...], quat_wxyz: tuple[float, ...]) -> Pose:
-    """Pose of a frame from its origin and attitude."""
+    """Return the pose of a frame from its origin and attitude.
+
+    Args:
+        position_m: Origin in the outer frame.
+        quat_wxyz: Unit quaternion, inner to outer frame.
+    """
     pose = np.eye(4)
     pose[:3, :3] = rotation_matrix(quat_wxyz)
     pose[:3, 3] = position_m
@@ -121,7 +133,8 @@ def _skins(primitives: tuple[Primitive, ...], local: Pose, detail: Detail) -> di
 
 
 def joined(surfaces: list[Surface]) -> Surface:
-    """Join several surfaces into one."""
+    """Join several surfaces into one, each with its own vertices."""
+    # Triangles count vertices, so each surface's numbers shift by the vertices before it.
     first = np.cumsum([0] + [len(surface.vertices_m) for surface in surfaces[:-1]])
     return Surface(
         np.concatenate([surface.vertices_m for surface in surfaces]),
@@ -132,7 +145,7 @@ def joined(surfaces: list[Surface]) -> Surface:
 
 
 def _moved(surface: Surface, pose: Pose) -> Surface:
-    turn = pose[:3, :3].T
+    turn = pose[:3, :3].T  # points are rows, so the rotation is transposed
     return Surface(
         surface.vertices_m @ turn + pose[:3, 3],
         surface.normals @ turn,

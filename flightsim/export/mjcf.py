@@ -1,8 +1,8 @@
 """MJCF: the world as MuJoCo's own XML, with solids, skins, vehicle and landing areas.
 
-Solids collide and are in geom group 3, hidden by default; skins are visible. Names
-carry the semantics: `table_17_0` is the first solid of object 17, a table, and the sites
-`landing_3_medium` are the areas. The keyframe `start` has the vehicle stand at the start.
+Solids collide and are in geom group 3, hidden by default; skins are visible and do not collide.
+Names carry the semantics: `table_17_0` is the first solid of object 17, a table, and the sites
+`landing_3_medium` are the areas. In the keyframe `start` the vehicle stands at the start.
 """
 
 from __future__ import annotations
@@ -27,12 +27,16 @@ from flightsim.world.geometry import add_solids
 from flightsim.world.ground import add_ground, add_ground_beyond
 from flightsim.world.starts import add_vehicles
 
-_AREA_GROUP = 4
+_AREA_GROUP = 4  # hidden by default in MuJoCo's viewer too
 _AREA_ALPHA = 0.5
 
 
 def write_mjcf(world: World, folder: Path) -> Path:
     """Write `<scene>.xml`, its textures and meshes into a folder and return the XML's path.
+
+    Args:
+        world: World to write.
+        folder: Destination, which is made if it is missing.
 
     Raises:
         ExportError: If the folder cannot be written.
@@ -40,6 +44,7 @@ def write_mjcf(world: World, folder: Path) -> Path:
     name = f"{file_name(world.scene.scene_id)}.xml"
     with staged(folder) as stage:
         spec = _spec(world)
+        # Compiling fills in the data of the textures, and checks the model.
         spec.compile()
         _put_textures_into_files(spec, stage)
         _put_meshes_into_files(spec, stage)
@@ -50,12 +55,13 @@ def write_mjcf(world: World, folder: Path) -> Path:
 def _spec(world: World) -> mujoco.MjSpec:
     spec = new_spec(world.scene, round(1.0 / world.model.opt.timestep))
     add_looks(spec, world.scene, world.solids, EXPORT_DETAIL)
+    # These are skins: the solids that follow collide instead of them.
     for geom in spec.worldbody.geoms:
         geom.contype = geom.conaffinity = 0
     n_before = len(spec.worldbody.geoms)
     add_ground(spec, world.scene.relief)
     add_ground_beyond(spec, world.scene.relief)
-    # The ground lies in the surface of the skins that show it.
+    # The ground coincides with the skins that show it, and would flicker with them.
     for geom in itertools.islice(spec.worldbody.geoms, n_before, None):
         geom.group = int(GeomGroup.VEHICLE_SHAPE)
     solids = [solid for solid in world.solids if solid.collides]
@@ -104,7 +110,11 @@ def _add_area(spec: mujoco.MjSpec, area: InteractionArea) -> None:
 
 
 def plane_normal(area: InteractionArea) -> np.ndarray:
-    """Upward unit normal of an area's polygon, (3,), by Newell's sum over its edges."""
+    """Return the upward unit normal of an area's polygon, (3,), by Newell's sum over its edges.
+
+    It needs no three corners that are not in a line, and evens out a polygon that is not quite
+    flat.
+    """
     vertices = np.array(area.polygon)
     following = np.roll(vertices, -1, axis=0)
     normal = np.cross(vertices, following).sum(axis=0)
@@ -112,7 +122,7 @@ def plane_normal(area: InteractionArea) -> np.ndarray:
 
 
 def _put_meshes_into_files(spec: mujoco.MjSpec, folder: Path) -> None:
-    """Copy the vehicle's mesh beside the XML."""
+    """Copy the vehicle's mesh beside the XML, and refer to the copy."""
     for mesh in spec.meshes:
         if mesh.file:
             source = Path(mesh.file)

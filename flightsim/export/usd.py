@@ -18,6 +18,10 @@ from flightsim.world import World
 def write_usd(world: World, folder: Path) -> Path:
     """Write `<scene>.usdc` and its textures into a folder and return the path of the stage.
 
+    Args:
+        world: World to write.
+        folder: Destination, which is made if it is missing.
+
     Raises:
         ExportError: If usd-core is not installed or the folder cannot be written.
     """
@@ -26,6 +30,7 @@ def write_usd(world: World, folder: Path) -> Path:
             "to 'usd' needs usd-core, which is not installed; "
             "valid: mjcf, glb, or usd after pip install usd-core"
         )
+    # Only here: usd-core is an extra, and the command line must work without it.
     from flightsim.export.usd_stage import write_stage
 
     name = f"{file_name(world.scene.scene_id)}.usdc"

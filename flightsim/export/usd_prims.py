@@ -18,7 +18,7 @@ from flightsim.export.meshes import EXPORT_DETAIL, Pose
 from flightsim.looks.tessellation import ellipsoid
 
 _TAXONOMY = "class"
-"""Taxonomy read by Isaac Sim's annotators."""
+"""Taxonomy of the labels that Isaac Sim's annotators read."""
 
 
 def label(prim: Usd.Prim, name: str) -> None:
@@ -27,7 +27,12 @@ def label(prim: Usd.Prim, name: str) -> None:
 
 
 def describe(prim: Usd.Prim, facts: Mapping[str, AttributeValue]) -> None:
-    """Attach facts as attributes `aeroscene:*`."""
+    """Attach facts as attributes `aeroscene:*`.
+
+    Args:
+        prim: Prim to describe.
+        facts: Values by their names; each is a bool, an int, a float or text.
+    """
     types = {
         bool: Sdf.ValueTypeNames.Bool,
         int: Sdf.ValueTypeNames.Int,
@@ -35,19 +40,27 @@ def describe(prim: Usd.Prim, facts: Mapping[str, AttributeValue]) -> None:
         str: Sdf.ValueTypeNames.String,
     }
     for name, value in facts.items():
+        # By the exact type: a bool is an int too.
         prim.CreateAttribute(f"aeroscene:{name}", types[type(value)]).Set(value)
 
 
 def define_xform(stage: Usd.Stage, path: str, pose: Pose) -> Usd.Prim:
-    """Define a frame at a pose in its parent's frame."""
+    """Define a frame at a pose in its parent's frame, and return its prim."""
     xform = UsdGeom.Xform.Define(stage, path)
     set_pose(xform, pose)
     return xform.GetPrim()
 
 
 def set_pose(xformable: UsdGeom.Xformable, pose: Pose, scale: Vector3 | None = None) -> None:
-    """Place a prim in its parent's frame by translation, orientation and scale."""
+    """Place a prim in its parent's frame by translation, orientation and scale.
+
+    Args:
+        xformable: Prim without a transform so far.
+        pose: Rotation and translation.
+        scale: Factors along the prim's own axes; None leaves it as large as it is.
+    """
     w, x, y, z = Rotation.from_matrix(pose[:3, :3]).as_quat(scalar_first=True).tolist()
+    # USD applies the last operation first: scale, then turn, then shift.
     xformable.AddTranslateOp().Set(Gf.Vec3d(*pose[:3, 3].tolist()))
     xformable.AddOrientOp().Set(Gf.Quatf(w, x, y, z))
     if scale is not None:
@@ -55,20 +68,34 @@ def set_pose(xformable: UsdGeom.Xformable, pose: Pose, scale: Vector3 | None = N
 
 
 def define_mesh(stage: Usd.Stage, path: str, points: np.ndarray, faces: np.ndarray) -> UsdGeom.Mesh:
-    """Define a mesh by its points (n, 3) and the corners of its faces (f, k)."""
+    """Define a mesh by its points (n, 3) and the corners of its faces (f, k).
+
+    Args:
+        stage: Stage to add to.
+        path: Path of the prim.
+        points: Corners, (n, 3).
+        faces: Numbers of each face's corners, (f, k), counter-clockwise from outside.
+    """
     mesh = UsdGeom.Mesh.Define(stage, path)
     points = points.astype(np.float32)
     mesh.CreatePointsAttr(Vt.Vec3fArray.FromNumpy(points))
     counts = np.full(len(faces), faces.shape[1], dtype=np.int32)
     mesh.CreateFaceVertexCountsAttr(Vt.IntArray.FromNumpy(counts))
     mesh.CreateFaceVertexIndicesAttr(Vt.IntArray.FromNumpy(faces.astype(np.int32).ravel()))
+    # Else a renderer would round the mesh off as a subdivision surface.
     mesh.CreateSubdivisionSchemeAttr(UsdGeom.Tokens.none)
     mesh.CreateExtentAttr(Vt.Vec3fArray.FromNumpy(np.stack([points.min(0), points.max(0)])))
     return mesh
 
 
 def define_solid(stage: Usd.Stage, path: str, solid: Primitive) -> UsdGeom.Gprim:
-    """Define a collider of a primitive's size at the origin; a box is a unit cube to be scaled."""
+    """Define a collider of a primitive's size at the origin; a box is a unit cube to be scaled.
+
+    Args:
+        stage: Stage to add to.
+        path: Path of the prim.
+        solid: Primitive, whose kind and size are used; its pose is not.
+    """
     if solid.kind == "box":
         cube = UsdGeom.Cube.Define(stage, path)
         cube.CreateSizeAttr(1.0)
@@ -96,7 +123,13 @@ def _define_hull(stage: Usd.Stage, path: str, solid: Primitive) -> UsdGeom.Gprim
 
 
 def define_material(stage: Usd.Stage, name: str, folder: Path) -> UsdShade.Material:
-    """Define the look of a material (UsdPreviewSurface, texture in a file) and its friction."""
+    """Define a material's look (UsdPreviewSurface, texture in a file) and its friction.
+
+    Args:
+        stage: Stage to add to.
+        name: A key of `MATERIALS`.
+        folder: Folder of the stage, for the texture.
+    """
     look = MATERIALS[name]
     path = f"/World/Materials/{name}"
     material = UsdShade.Material.Define(stage, path)
@@ -110,6 +143,7 @@ def define_material(stage: Usd.Stage, name: str, folder: Path) -> UsdShade.Mater
         write_texture(folder / "textures" / f"{name}.png", look.texture, look.rgba)
         colour.ConnectToSource(_define_texture(stage, path, name))
     material.CreateSurfaceOutput().ConnectToSource(shader.ConnectableAPI(), "surface")
+    # Our physics has one friction for both.
     grip = UsdPhysics.MaterialAPI.Apply(material.GetPrim())
     grip.CreateStaticFrictionAttr(look.friction)
     grip.CreateDynamicFrictionAttr(look.friction)
@@ -118,7 +152,7 @@ def define_material(stage: Usd.Stage, name: str, folder: Path) -> UsdShade.Mater
 
 
 def _define_texture(stage: Usd.Stage, path: str, name: str) -> Any:
-    """Output of a texture that repeats over the mesh's coordinates `st`."""
+    """Return the output of a texture that repeats over the mesh's coordinates `st`."""
     reader = UsdShade.Shader.Define(stage, f"{path}/coordinates")
     reader.CreateIdAttr("UsdPrimvarReader_float2")
     reader.CreateInput("varname", Sdf.ValueTypeNames.String).Set("st")

@@ -37,28 +37,33 @@ from flightsim.looks.relief_ground import relief_surface
 from flightsim.looks.tessellation import Surface
 from flightsim.world import World
 
-_AREA_LIFT_M = 0.02
-_GROUND_HALF_M = 500.0
+_AREA_LIFT_M = 0.02  # so that areas do not flicker with the surface below
+_GROUND_HALF_M = 500.0  # how far the ground reaches; a stage has no endless mesh
 
 
 def write_stage(world: World, path: Path) -> None:
-    """Write the stage of a world, and its textures beside it."""
+    """Write the stage of a world, and its textures beside it.
+
+    Args:
+        world: World to write.
+        path: File to write, ending in .usdc.
+    """
     stage = Usd.Stage.CreateNew(str(path))
     _Writer(stage, world, path.parent).write()
     stage.GetRootLayer().Save()
-    # The layer keeps the file open until `stage` goes; another writer of the same name would find
-    # it in memory.
+    # The layer keeps the file open until `stage` is freed; another writer of the same name would
+    # find it in memory.
 
 
 class _Writer:
-    """Fills one stage."""
+    """Writer that fills one stage."""
 
     def __init__(self, stage: Usd.Stage, world: World, folder: Path) -> None:
         self._stage = stage
         self._world = world
         self._folder = folder
         self._materials: dict[str, Any] = {}
-        self._paths: dict[int | None, str] = {None: "/World/Objects"}
+        self._paths: dict[int | None, str] = {None: "/World/Objects"}  # objects without a parent
 
     def write(self) -> None:
         self._set_up()
@@ -111,7 +116,7 @@ class _Writer:
         self._define_mesh("/World/Ground/look", surface, "grass")
         plane = UsdGeom.Plane.Define(self._stage, "/World/Ground/solid")
         plane.CreateAxisAttr(UsdGeom.Tokens.z)
-        plane.CreatePurposeAttr(UsdGeom.Tokens.guide)
+        plane.CreatePurposeAttr(UsdGeom.Tokens.guide)  # physics only, hidden when drawn
         UsdPhysics.CollisionAPI.Apply(plane.GetPrim())
         self._bind(plane.GetPrim(), "grass")
 
@@ -122,7 +127,7 @@ class _Writer:
         prim = self._stage.GetPrimAtPath(path)
         UsdPhysics.CollisionAPI.Apply(prim)
         shape = UsdPhysics.MeshCollisionAPI.Apply(prim)
-        shape.CreateApproximationAttr(UsdPhysics.Tokens.none)
+        shape.CreateApproximationAttr(UsdPhysics.Tokens.none)  # the triangles as they are, no hull
 
     def _add_object(self, mesh: ObjectMesh) -> None:
         obj = mesh.obj
@@ -136,12 +141,13 @@ class _Writer:
             self._define_mesh(f"{path}/looks/{material}", skin, material)
         if mesh.solids:
             UsdGeom.Scope.Define(self._stage, f"{path}/solids")
+        # Solids are placed in the world, and a prim's pose is relative to its object.
         local = np.linalg.inv(mesh.pose_enu)
         for index, solid in enumerate(mesh.solids):
             self._add_solid(f"{path}/solids/solid_{index}", solid, local)
 
     def _add_neighbours(self) -> None:
-        """Add what stands around the site: its skins, and its solids as colliders."""
+        """Add the land around the site: its skins, and its solids as colliders."""
         neighbours = neighbours_of(self._world.scene)
         if not neighbours:
             return
@@ -184,6 +190,7 @@ class _Writer:
         describe(mesh.GetPrim(), area_facts(area))
 
     def _bind(self, prim: Usd.Prim, name: str) -> None:
+        # Only the materials that occur are written, each once.
         if name not in self._materials:
             self._materials[name] = define_material(self._stage, name, self._folder)
         UsdShade.MaterialBindingAPI.Apply(prim).Bind(self._materials[name])

@@ -1,4 +1,7 @@
-"""Vehicle in a USD stage: a rigid body with mass, inertia, colliders, looks and cameras."""
+"""Vehicle in a USD stage: a rigid body with mass, inertia, colliders, looks and cameras.
+
+It has no rotors that push: the program that opens the stage brings its own forces.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +25,12 @@ _ASPECT = 4.0 / 3.0
 
 
 def add_vehicle(stage: Usd.Stage, world: World) -> None:
-    """Add the vehicle of a world, standing at the start."""
+    """Add the vehicle of a world, standing at the start.
+
+    Args:
+        stage: Stage to add to.
+        world: World with a vehicle, as that vehicle's view.
+    """
     quadrotor = world.airframe.quadrotor
     pose = pose_matrix(tuple(world.rest_qpos[:3]), tuple(world.rest_qpos[3:7]))
     prim = define_xform(stage, VEHICLE_PATH, pose)
@@ -30,6 +38,7 @@ def add_vehicle(stage: Usd.Stage, world: World) -> None:
     UsdPhysics.RigidBodyAPI.Apply(prim)
     mass = UsdPhysics.MassAPI.Apply(prim)
     mass.CreateMassAttr(quadrotor.mass_kg)
+    # The body's frame is our FLU frame, whose axes are the principal ones.
     mass.CreateCenterOfMassAttr(Gf.Vec3f(0.0))
     mass.CreatePrincipalAxesAttr(Gf.Quatf(1.0))
     mass.CreateDiagonalInertiaAttr(Gf.Vec3f(*quadrotor.inertia_flu_kgm2))
@@ -52,7 +61,7 @@ def _add_geom(stage: Usd.Stage, model: mujoco.MjModel, index: int) -> None:
     match model.geom_type[index]:
         case _GEOM.mjGEOM_BOX:
             gprim = UsdGeom.Cube.Define(stage, path)
-            gprim.CreateSizeAttr(2.0)
+            gprim.CreateSizeAttr(2.0)  # MuJoCo has half sizes: a cube from -1 to 1
             scale = tuple(size)
         case _GEOM.mjGEOM_CAPSULE:
             gprim = UsdGeom.Capsule.Define(stage, path)
@@ -79,7 +88,7 @@ def _add_geom(stage: Usd.Stage, model: mujoco.MjModel, index: int) -> None:
 
 
 def _mesh(model: mujoco.MjModel, index: int) -> tuple[np.ndarray, np.ndarray]:
-    """Points (n, 3) and corners (f, 3) of a mesh of the model."""
+    """Return the points (n, 3) and the corners (f, 3) of a mesh of the model."""
     points, faces = model.mesh_vertadr[index], model.mesh_faceadr[index]
     return (
         model.mesh_vert[points : points + model.mesh_vertnum[index]],
@@ -88,7 +97,7 @@ def _mesh(model: mujoco.MjModel, index: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _set_round(gprim: Any, size: list[float]) -> None:
-    """Set radius and length of a capsule or a cylinder; MuJoCo gives half lengths."""
+    """Set radius and length of a capsule or a cylinder; MuJoCo has half lengths."""
     gprim.CreateAxisAttr(UsdGeom.Tokens.z)
     gprim.CreateRadiusAttr(size[0])
     gprim.CreateHeightAttr(2 * size[1])

@@ -1,4 +1,4 @@
-"""Lidars: patterns of beams from files, and scans of what they meet."""
+"""Lidars: patterns of beams from files, and scans of the solids that they meet."""
 
 from flightsim.lidars.definition import LIDARS, LidarCfg, LidarError, lidar_by_name
 from flightsim.lidars.lidar import Lidar, LidarScan

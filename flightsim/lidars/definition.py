@@ -1,4 +1,11 @@
-"""Lidars of files: TOML with everything, or CSV with the angles of one scan alone."""
+"""Lidars described by files: TOML with all settings, or CSV with the angles of one scan alone.
+
+A lidar differs from another by its pattern, rates, range and noise, so all of them are data; the
+shipped ones are files like a user's own. Files come from elsewhere and are read with bounds on
+length and numbers, so that a wrong one is refused with a line that says what would be valid, and
+none takes the machine's memory. docs/sensors.md shows the forms and the sources of the shipped
+figures.
+"""
 
 from __future__ import annotations
 
@@ -27,49 +34,55 @@ from flightsim.lidars.pattern import (
 
 _SHIPPED = Path(__file__).parent / "shipped"
 _COLUMNS = ["azimuth_deg", "elevation_deg"]
-_MOST_SHOTS_HZ = 2_000_000
+_MOST_SHOTS_HZ = 2_000_000  # bounds the rays cast in a simulated second
 _MOST_CSV_BYTES = 8 << 20
-"""Length of a file of angles: 200,000 shots, what a scan of 10 Hz may have, with 40 bytes each."""
-_MOST_LINES = 200_001
+"""Greatest length of a file of angles: 200,000 shots, as many as a scan of 10 Hz may have, with 40
+bytes each."""
+_MOST_LINES = 200_001  # the shots and a line of names
 _MOST_HZ = 50.0
+# A TOML file has exactly one of these.
 _PATTERNS = ("spinning", "rosette", "angles")
 _TURN_DEG = 360.0
 
 
 class LidarError(ValueError):
-    """No such lidar, or a file that describes none; one line says what would be valid."""
+    """There is no such lidar, or its file describes none; one line says what would be valid."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LidarCfg:
-    """A lidar that the vehicle carries."""
+    """Settings of a lidar that the vehicle carries."""
 
     title: str
     pattern: Pattern
-    """Where its shots go."""
+    """Directions of its shots, one after another."""
     scan_hz: float = 10.0
-    """Scans in a second."""
+    """Scans per second."""
     range_m: tuple[float, float] = (0.1, 100.0)
     """Least and greatest distance that it measures."""
     noise_m: float = 0.02
     """Standard deviation of a distance."""
     position_flu_m: Vector3 = (0.0, 0.0, 0.1)
-    """Where it stands on the vehicle, from the centre of mass."""
+    """Place on the vehicle, from the centre of mass."""
     pitch_down_rad: float = 0.0
-    """How far its forward axis looks down."""
+    """Angle by which its forward axis looks down."""
 
     @property
     def rotation_flu_from_lidar(self) -> Float[np.ndarray, "3 3"]:
+        # Looking down is a positive turn about the left axis.
         """Its axes forward, left and up in the body frame, as columns."""
         s, c = math.sin(self.pitch_down_rad), math.cos(self.pitch_down_rad)
         return np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
 
 
 def lidar_by_name(name: str) -> LidarCfg:
-    """Lidar that ships under a name, or that of a file.
+    """Return the lidar that ships under a name, or that of a file.
 
     Args:
         name: One of `LIDARS`, or the path of a file whose name ends in .toml or .csv.
+
+    Returns:
+        Its settings; a CSV file has those of `LidarCfg`'s defaults.
 
     Raises:
         LidarError: If there is none, or the file describes none; the line names file, field and
@@ -117,12 +130,14 @@ def _read(path: Path) -> LidarCfg:
             mount.number("pitch_down_deg", -90.0, 90.0, "degrees", default=0.0)
         ),
     )
+    # After all fields have been read: a misspelt one is the one that is left over.
     mount.check_all_known()
     document.check_all_known()
     return cfg
 
 
 def _pattern(document: Fields, folder: Path, scan_hz: float) -> Pattern:
+    # Exactly one kind: with two it would be unclear which is meant.
     given = [name for name in _PATTERNS if document.has(name)]
     if len(given) != 1:
         document.fail(given[-1] if given else "spinning", _which_pattern(given))
@@ -147,9 +162,12 @@ def _spinning(document: Fields, _folder: Path, scan_hz: float) -> Pattern:
     n = table.count("beams", 1, 256)
     elevations = table.vector("elevations_deg", n, -90.0, 90.0, "degrees")
     step_deg = table.number("step_deg", 0.05, 90.0, "degrees")
+    # A scan must end where the next one begins, which the tolerance of 1e-6 steps allows for
+    # rounding.
     if abs(_TURN_DEG / step_deg - round(_TURN_DEG / step_deg)) > 1e-6:
         table.fail("step_deg", f"is {step_deg:g}; valid: a divisor of 360 degrees")
     firing_s = table.number("column_s", 0.0, 1.0, "s", default=0.0)
+    # The head turns on while the beams of a column fire, but not into the next column.
     spread_deg = firing_s * scan_hz * _TURN_DEG
     if spread_deg > step_deg:
         longest_s = step_deg / (scan_hz * _TURN_DEG)
@@ -179,10 +197,11 @@ def _angles(document: Fields, folder: Path, _scan_hz: float) -> Pattern:
 
 
 def _read_angles(path: Path) -> Float[np.ndarray, "n 3"]:
-    """Directions of a CSV file with a line for each shot."""
+    """Return the directions in a CSV file, which has a line for each shot."""
     file = f"lidar {str(path)!r}"
     try:
         text = read_bounded(path, _MOST_CSV_BYTES).decode("utf-8")
+        # Before parsing, which would take many times the file's memory.
         if (count := text.count("\n")) > _MOST_LINES:
             raise LidarError(f"{file} has {count} lines; valid: up to {_MOST_LINES}")
         lines = list(csv.reader(text.splitlines()))
@@ -208,6 +227,7 @@ def _row(file: str, number: int, line: list[str]) -> tuple[float, float]:
         azimuth_deg, elevation_deg = (float(text) for text in line)
     except ValueError:
         azimuth_deg = elevation_deg = math.nan
+    # NaN fails both comparisons, so it is refused too.
     if not (abs(azimuth_deg) <= _TURN_DEG and abs(elevation_deg) <= _TURN_DEG / 4):
         raise LidarError(
             f"{file}: line {number} is {','.join(line)[:60]!r}; valid: azimuth of -360 to 360 and "
@@ -220,4 +240,4 @@ _NAMES = ("vlp16", "mid40")
 LIDARS: Mapping[str, LidarCfg] = MappingProxyType(
     {name: _read(_SHIPPED / f"{name}.toml") for name in _NAMES}
 )
-"""Lidars that ship."""
+"""Lidars that ship, by name."""

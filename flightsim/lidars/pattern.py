@@ -7,7 +7,7 @@
 
 A beam behind two turning prisms is deflected by d_1 e(2 pi n_1 t) + d_2 e(2 pi n_2 t), with e(a) =
 (cos a, sin a), to first order in the angles. Rates without a common period draw a rosette that
-fills its cone the more densely the longer it is looked at.
+fills its cone the more densely the longer the lidar looks.
 
 Source: Brazeal, Wilkinson and Hochmair 2021, A rigorous observation model for the Risley
 prism-based Livox Mid-40 lidar sensor, doi.org/10.3390/s21144722.
@@ -23,7 +23,7 @@ from jaxtyping import Float, Int
 
 
 class Pattern(Protocol):
-    """Where the shots of a lidar go."""
+    """Directions of a lidar's shots, by their numbers."""
 
     @property
     def shots_per_scan(self) -> int:
@@ -31,13 +31,17 @@ class Pattern(Protocol):
         ...
 
     def directions_flu(self, shots: Int[np.ndarray, " n"]) -> Float[np.ndarray, "n 3"]:
-        """Unit directions in the lidar's frame of shots by their number since it is on."""
+        """Return the unit directions of shots in the lidar's frame.
+
+        Args:
+            shots: Numbers of the shots since the lidar was switched on.
+        """
         ...
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ListedPattern:
-    """The same directions in each scan."""
+    """Pattern with the same directions in each scan."""
 
     listed_flu: Float[np.ndarray, "k 3"]
     """Unit directions in the order in which they are fired."""
@@ -48,36 +52,46 @@ class ListedPattern:
         return len(self.listed_flu)
 
     def directions_flu(self, shots: Int[np.ndarray, " n"]) -> Float[np.ndarray, "n 3"]:
-        """Unit directions in the lidar's frame of shots by their number since it is on."""
+        """Return the unit directions of shots, which repeat with each scan."""
         return self.listed_flu[shots % len(self.listed_flu)]
 
 
 @dataclass(frozen=True, kw_only=True)
 class RosettePattern:
-    """A beam forwards through two prisms that turn against each other."""
+    """Pattern of a beam that passes forwards through two turning prisms.
+
+    A scan is a part of an endless rosette here, so no two scans are alike.
+    """
 
     rates_hz: tuple[float, float]
-    """Turns of each prism in a second, counterclockwise as the lidar sees them from behind."""
+    """Turns of each prism per second, counter-clockwise as seen from behind the lidar."""
     deflections_rad: tuple[float, float]
     shots_per_scan: int
     shots_hz: float
-    """Shots in a second."""
+    """Shots per second."""
 
     def directions_flu(self, shots: Int[np.ndarray, " n"]) -> Float[np.ndarray, "n 3"]:
-        """Unit directions in the lidar's frame of shots by their number since it is on."""
+        """Return the unit directions of shots, by the time at which each is fired."""
         time_s = shots / self.shots_hz
         left_rad, up_rad = np.zeros(len(shots)), np.zeros(len(shots))
         for rate_hz, deflection_rad in zip(self.rates_hz, self.deflections_rad, strict=True):
+            # Whole turns are taken off, which keeps the angle small.
             turned_rad = 2.0 * np.pi * np.mod(rate_hz * time_s, 1.0)
             left_rad += deflection_rad * np.cos(turned_rad)
             up_rad += deflection_rad * np.sin(turned_rad)
+        # To first order the deflections to the left and upwards are azimuth and elevation.
         return directions_flu(left_rad, up_rad)
 
 
 def directions_flu(
     azimuth_rad: Float[np.ndarray, " n"], elevation_rad: Float[np.ndarray, " n"]
 ) -> Float[np.ndarray, "n 3"]:
-    """Unit directions by azimuth, counterclockwise from forwards, and elevation, up from level."""
+    """Return unit directions by their azimuth and elevation.
+
+    Args:
+        azimuth_rad: Angles counter-clockwise from forwards.
+        elevation_rad: Angles up from level.
+    """
     level = np.cos(elevation_rad)
     return np.stack(
         [level * np.cos(azimuth_rad), level * np.sin(azimuth_rad), np.sin(elevation_rad)], axis=1
@@ -87,7 +101,7 @@ def directions_flu(
 def spinning_pattern(
     elevations_rad: Float[np.ndarray, " k"], step_rad: float, spread_rad: float
 ) -> ListedPattern:
-    """Pattern of a column of beams that turns clockwise about the up axis, from the nose on.
+    """Return the pattern of a column of beams that turns clockwise, from the nose on.
 
     Args:
         elevations_rad: Elevations of the beams in the order in which they fire.
@@ -98,5 +112,5 @@ def spinning_pattern(
     k = len(elevations_rad)
     azimuth_rad = columns[:, None] + spread_rad * np.arange(k) / k
     elevation_rad = np.broadcast_to(elevations_rad, azimuth_rad.shape)
-    listed = directions_flu(-azimuth_rad.ravel(), elevation_rad.ravel())
+    listed = directions_flu(-azimuth_rad.ravel(), elevation_rad.ravel())  # clockwise is negative
     return ListedPattern(listed_flu=listed)

@@ -1,4 +1,9 @@
-"""Baked light in the skins, for renderers that only multiply: sun, shadows, sky and lamps."""
+"""Baked light in the skins, for renderers that only multiply: sun, shadows, sky and lamps.
+
+The static world and the sun never change, so light is computed once when a world is drawn first.
+Large flat faces get shadows with exact edges, laid over them as triangles; small and round ones are
+shaded by vertex.
+"""
 
 from __future__ import annotations
 
@@ -20,22 +25,25 @@ from flightsim.looks.tessellation import unit_box
 
 _LARGE_FACE_M2 = 4.0
 """Area above which faces get shadows with edges; smaller ones are shaded per corner."""
+# Smaller or thinner solids cast no shadow that a camera would show.
 _LEAST_CASTER_M = 0.5
 _LEAST_CASTER_WIDTH_M = 0.04
-_OFF_SURFACE_M = 0.02
-_LAMP_LIGHT = 0.9
-_ROOF_M2 = 6.0
+_OFF_SURFACE_M = 0.02  # start of rays before a surface, so that it does not hide itself
+_LAMP_LIGHT = 0.9  # light of lamps, almost the brightest
+_ROOF_M2 = 6.0  # least area of a face that counts as a roof
 _UNDER_ROOF_M = 0.25
 """Distance before a face at which to test whether it is indoors."""
+# Straight up and four slanting directions, 42 degrees above the horizon.
 _SKY_RAYS = np.array(
     [(0.0, 0.0, 1.0), *((0.74 * c, 0.74 * s, 0.67) for c, s in ((1, 0), (0, 1), (-1, 0), (0, -1)))]
 )
+# Sixteen points of a circle, and ten for cylinders; the last equals the first and is left out.
 _CIRCLE = np.linspace(0.0, 2 * np.pi, 17)[:-1]
 _DECAGON = np.linspace(0.0, 2 * np.pi, 11)[:-1]
 
 
 def lit(mesh: WorldMesh, solids: Sequence[Primitive], relief: Relief | None = None) -> WorldMesh:
-    """Mesh with shadows on it and light in its normals.
+    """Return the mesh with shadows on it and light in its normals.
 
     Args:
         mesh: Mesh of the whole world, with true normals.
@@ -63,6 +71,7 @@ def lit(mesh: WorldMesh, solids: Sequence[Primitive], relief: Relief | None = No
     sun = _sun_at_vertices(mesh, face_of, middles)
     is_of_exact = np.isin(face_of, exact)
     whole = exact[shadows.is_whole]
+    # Faces with exact shadows are lit wholly here; the overlay darkens parts of them.
     sun[is_of_exact] = 1.0
     sun[np.isin(face_of, whole)] = 0.0
     light = surface_light(normals, sun, sky) * _mottling(mesh)
@@ -90,7 +99,7 @@ def _rings(mesh: WorldMesh) -> list[np.ndarray]:
 def _middles_and_areas(
     mesh: WorldMesh, rings: list[np.ndarray]
 ) -> tuple[Float[np.ndarray, "f 3"], Float[np.ndarray, " f"]]:
-    """Centres of flat faces, by their corners, and their areas."""
+    """Centres of flat faces, by their corners, and their areas, m^2."""
     n_faces = len(rings)
     face = np.repeat(np.arange(n_faces), mesh.face_count)
     members = np.concatenate(rings) if rings else np.zeros(0, dtype=int)
@@ -102,6 +111,7 @@ def _middles_and_areas(
     following = members + 1
     is_last = np.append(face[1:] != face[:-1], True)[: len(members)]
     following[is_last] = mesh.face_first[face[is_last]]
+    # Twice the areas of the triangles between the centre and each edge.
     twice = np.cross(points - middles[face], mesh.vertices_enu_m[following] - middles[face])
     areas = np.bincount(face, np.linalg.norm(twice, axis=1), n_faces) / 2
     return middles, areas
@@ -139,9 +149,10 @@ def _free_share(roofs: RayScene, points: np.ndarray) -> np.ndarray:
 
 
 def _sun_at_vertices(mesh: WorldMesh, face_of: np.ndarray, middles: np.ndarray) -> np.ndarray:
-    """Whether the sun reaches each vertex, (v,) 0 or 1."""
+    """Visibility of the sun from each vertex, (v,): 0 or 1."""
     points = mesh.vertices_enu_m + _OFF_SURFACE_M * mesh.normals_enu
     is_flat = face_of >= 0
+    # Corners lie on edges, where neighbouring faces would hide them: a tenth inwards.
     points[is_flat] += 0.1 * (middles[face_of[is_flat]] - points[is_flat])
     occluders = RayScene(mesh.corners_enu_m()[~mesh.is_clear()])
     sun = np.zeros(len(points))
@@ -168,6 +179,7 @@ def _casters(solids: Sequence[Primitive]) -> list[np.ndarray]:
         for solid in solids
         if max(solid.size_m) >= _LEAST_CASTER_M
         and sorted(solid.size_m)[1] >= _LEAST_CASTER_WIDTH_M
+        # Paint on the ground is thinner than this and casts nothing.
         and min(solid.size_m) > 0.011
         and solid.material != "glass"
     ]
@@ -190,7 +202,8 @@ def _caster_corners(solid: Primitive) -> np.ndarray:
 
 
 def _terminator(half_m: np.ndarray, turn: np.ndarray) -> np.ndarray:
-    """Terminator on an ellipsoid at the origin, (16, 3)."""
+    """Terminator on an ellipsoid at the origin, (16, 3): the border between light and shade."""
+    # On the unit sphere the terminator is a circle; scaling the sphere turns the sunlight.
     pole = (np.array(SUN_DIRECTION) @ turn) / half_m
     pole /= np.linalg.norm(pole)
     u = np.cross(pole, np.eye(3)[np.abs(pole).argmin()])
@@ -223,6 +236,7 @@ def _tiles_on_faces(mesh: WorldMesh, first: np.ndarray, corners: np.ndarray) -> 
     """Texture coordinates of points on flat faces, extrapolated from each face's first corners."""
     origin = mesh.vertices_enu_m[first]
     u, v = mesh.vertices_enu_m[first + 1] - origin, mesh.vertices_enu_m[first + 2] - origin
+    # Least squares for the weights of both edges: the face's plane is spanned by them.
     uu, uv, vv = (np.einsum("ti,ti->t", a, b)[:, None] for a, b in ((u, u), (u, v), (v, v)))
     away = corners - origin[:, None]
     along_u = np.einsum("tki,ti->tk", away, u)

@@ -14,12 +14,12 @@ _LEAST_M = 1e-3
 def cut_at(
     solids: Iterable[Primitive], height_m: float, least_m: float = _LEAST_M
 ) -> tuple[Primitive, ...]:
-    """Solids below a height; upright boxes are cut there, others are kept by their centre.
+    """Return the solids below a height; upright boxes are cut there, others go by their centre.
 
     Args:
         solids: Solids of a world.
         height_m: Height of the cut, ENU, m.
-        least_m: Boxes of which less than this is left are taken away whole, m.
+        least_m: Boxes of which less than this is left are removed whole, m.
     """
     kept = []
     for solid in solids:
@@ -40,4 +40,5 @@ def cut_at(
 
 def _is_upright(solid: Primitive) -> bool:
     _, x, y, _ = solid.quat_wxyz
+    # A box that is turned about the vertical alone has level faces to cut.
     return abs(x) + abs(y) < 1e-6

@@ -33,13 +33,20 @@ _FAR_EXTENTS = 12.0
 
 
 def set_view(spec: mujoco.MjSpec, scene: Scene) -> None:
-    """Set clip planes, light and sky, the same in both models."""
+    """Set clip planes, light and sky, the same in both models.
+
+    Args:
+        spec: Model, changed.
+        scene: Its scene, whose extent sets the clip planes.
+    """
     low, high = np.array(scene.extent_min_enu_m), np.array(scene.extent_max_enu_m)
     spec.stat.center = (low + high) / 2
     spec.stat.extent = _half_diagonal_m(scene)
     visual: Any = spec.visual
+    # MuJoCo multiplies both clip planes by the extent: 3 cm and 12 extents.
     visual.map.znear = 0.03 / spec.stat.extent
     visual.map.zfar = _FAR_EXTENTS
+    # No multisampling, few sides and bands: software rendering at camera rate affords no more.
     visual.quality.offsamples = 0
     visual.quality.numslices = FAST.slices
     visual.quality.numstacks = FAST.stacks
@@ -79,11 +86,11 @@ def add_looks(
         spec: Model to add to.
         scene: Scene of the solids, with their categories and the ground.
         primitives: Solids to draw.
-        detail: Detail of round shapes, and whether the skins are lit and have textures.
+        detail: Detail of round shapes, and light and textures of the skins.
     """
     mesh = drawn_mesh(scene, primitives, detail)
     if detail.has_light:
-        # Load polygons and rays only when someone draws.
+        # Imported here, because polygons and rays load only when someone draws.
         from flightsim.looks.bake import lit
 
         mesh = lit(mesh, (*primitives, *neighbours_of(scene)), scene.relief)
@@ -96,7 +103,13 @@ def add_looks(
 
 
 def drawn_mesh(scene: Scene, primitives: Sequence[Primitive], detail: Detail) -> WorldMesh:
-    """All static surfaces that a camera sees, with true normals."""
+    """Return all static surfaces that a camera sees, with true normals.
+
+    Args:
+        scene: The scene, with its ground and what lies around it.
+        primitives: Its solids.
+        detail: Detail of round shapes.
+    """
     builder = MeshBuilder(scene.relief)
     add_surroundings(builder, scene, _FAR_EXTENTS * _half_diagonal_m(scene))
     categories = {obj.id: obj.category for obj in scene.objects}

@@ -1,8 +1,8 @@
 """Dressing of solids for pictures: more than their one material.
 
-Facades get a style and a ground floor, ceilings panels and lamps, room walls skirtings, tree
-crowns a tint each. The choice depends on the object's category and id, so that a scene always looks
-the same. Dressing moves no surface.
+Facades get a style and a ground floor, ceilings panels and lamps, room walls skirtings, tree crowns
+a tint each. The choice depends on the object's category and id, so that a scene always looks the
+same. Dressing moves no surface, so that depth and contacts stay as they are.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from flightsim.looks.paint import Colour, Paint, material_paint
 
 FaceSet = tuple[int, ...]
 ALL_FACES: FaceSet = ()
-"""All faces; other sets list indices in `tessellation.BOX_FACES`."""
+"""All faces; other sets list them in the order of `tessellation.unit_box`."""
 TOP, BOTTOM = 4, 5
 SIDES: FaceSet = (0, 1, 2, 3)
 
@@ -34,7 +34,7 @@ _LEAF_TINTS: tuple[Colour, ...] = (
 )
 _GRASS_TINTS: tuple[Colour, ...] = ((1.0, 1.0, 1.0), (1.10, 1.02, 0.88), (0.90, 0.97, 0.95))
 _ROOM_FINISHES = ("dado", "skirting", "papered")
-_LEAST_ROOM_WALL_M = 1.9
+_LEAST_ROOM_WALL_M = 1.9  # lower walls are parapets, not those of a room
 _CEILING_ABOVE_M = 2.0
 """Height above the ground of an underside beyond which a slab is a ceiling."""
 
@@ -49,7 +49,7 @@ class Piece:
 
 
 def dress(primitive: Primitive, category: str | None) -> Iterator[Piece]:
-    """Pieces that together cover a primitive's surface.
+    """Yield pieces that together cover a primitive's surface.
 
     Args:
         primitive: Solid of the world.
@@ -75,7 +75,7 @@ def dress(primitive: Primitive, category: str | None) -> Iterator[Piece]:
 
 
 def _facade(primitive: Primitive, paint: Paint, category: str | None) -> Iterator[Piece]:
-    """Facade in the style of the house; tall ones get a ground floor of shops or an entrance."""
+    """Yield a facade in the style of the house; tall ones get a ground floor of their own."""
     number = primitive.object_id
     if primitive.material == "facade_brick":
         style = "brickwork"
@@ -91,6 +91,7 @@ def _facade(primitive: Primitive, paint: Paint, category: str | None) -> Iterato
     if category == "house" or rise < 1.9 * storey:
         yield Piece(primitive, upper)
         return
+    # Two of three houses have shops.
     ground = "shop_front" if number % 3 else "entrance"
     if category == "tower":
         ground = "entrance"
@@ -101,15 +102,16 @@ def _facade(primitive: Primitive, paint: Paint, category: str | None) -> Iterato
 
 
 def _shifted(primitive: Primitive, size_m: tuple[float, float, float], up_m: float) -> Primitive:
-    """Panel of another size, further up or down the wall (its local y)."""
+    """Return a panel of another size, further up or down the wall (its local y)."""
     w, x, y, z = primitive.quat_wxyz
+    # Second column of the rotation: the panel's y axis in the world.
     up = (2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x))
     east, north, height = (p + up_m * d for p, d in zip(primitive.position_enu_m, up, strict=True))
     return replace(primitive, size_m=size_m, position_enu_m=(east, north, height))
 
 
 def _slab(primitive: Primitive, paint: Paint) -> Iterator[Piece]:
-    """Floors and roofs, with a ceiling below if there is room for people."""
+    """Yield floors and roofs, with a ceiling below if there is room for people."""
     underside_m = primitive.position_enu_m[2] - primitive.size_m[2] / 2
     if underside_m < _CEILING_ABOVE_M or min(primitive.size_m[:2]) < 1.0:
         yield Piece(primitive, paint)
@@ -119,7 +121,7 @@ def _slab(primitive: Primitive, paint: Paint) -> Iterator[Piece]:
 
 
 def _room_wall(primitive: Primitive, paint: Paint) -> Iterator[Piece]:
-    """Inner walls from the floor up: skirting and cornice, in one of three finishes."""
+    """Yield inner walls from the floor up: skirting and cornice, in one of three finishes."""
     if paint.texture != "plaster" or primitive.size_m[2] < _LEAST_ROOM_WALL_M:
         yield Piece(primitive, paint)
         return

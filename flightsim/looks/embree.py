@@ -3,14 +3,14 @@
 embreex brings the library. Its own calls take one ray at a time; a packet of the rays of an image
 costs a third, and finds the same hits to the bit.
 
-rows of a packet   what, 16 numbers each (`RTCRayHit16` of Embree 4)
-0 to 2             origin
-3, 7, 9, 10, 11    least distance, time, mask, number, flags
-4 to 6             direction
-8                  greatest distance; then that of the hit
-12 to 14           normal of the triangle
-15, 16             barycentric weights of its second and third corner
-17 to 20           numbers of triangle, mesh, instance and instance in an array
+    rows of a packet   meaning, 16 numbers each (`RTCRayHit16` of Embree 4)
+    0 to 2             origin
+    3, 7, 9, 10, 11    least distance, time, mask, number, flags
+    4 to 6             direction
+    8                  greatest distance; then that of the hit
+    12 to 14           normal of the triangle
+    15, 16             barycentric weights of its second and third corner
+    17 to 20           numbers of triangle, mesh, instance and instance in an array
 """
 
 from __future__ import annotations
@@ -40,7 +40,8 @@ COHERENT = 1 << 16
 NO_MESH = -1
 _N_ROWS, _ALIGNED_BYTES = 21, 64
 _TRIANGLES, _INDICES, _VERTICES, _UINT3, _FLOAT3, _ROBUST = 0, 0, 1, 0x5003, 0x9003, 4
-"""Of `RTCGeometryType`, `RTCBufferType`, `RTCFormat` and `RTCSceneFlags`."""
+"""Constants of `RTCGeometryType`, `RTCBufferType`, `RTCFormat` and `RTCSceneFlags`."""
+# The features are the upper half of the first field of the arguments.
 _ALL_FEATURES = -1 << 32
 _POINTER = ir.IntType(8).as_pointer()
 
@@ -50,7 +51,7 @@ class EmbreeError(RuntimeError):
 
 
 class Functions(NamedTuple):
-    """Addresses in the library."""
+    """Addresses of functions in the library, for kernels."""
 
     intersect: int
     """`rtcIntersect16`."""
@@ -60,7 +61,7 @@ class Functions(NamedTuple):
 
 @functools.cache
 def functions() -> Functions:
-    """Where the functions that kernels call are."""
+    """Return the addresses of the functions that kernels call."""
     library = _library()
     addresses = (
         ctypes.cast(function, ctypes.c_void_p).value
@@ -77,7 +78,11 @@ class TriangleScene:
     """
 
     def __init__(self, triangles_m: np.ndarray) -> None:
-        """Prepare triangles (t, 3, 3), at least one."""
+        """Prepare triangles.
+
+        Args:
+            triangles_m: Corners (t, 3, 3), at least one triangle.
+        """
         library, corners = _library(), np.ascontiguousarray(triangles_m, dtype=np.float32)
         self.address: int = library.rtcNewScene(_device())
         library.rtcSetSceneFlags(self.address, _ROBUST)
@@ -87,18 +92,21 @@ class TriangleScene:
             (_VERTICES, _FLOAT3, corners, 3 * n),
             (_INDICES, _UINT3, numbers, n),
         ):
+            # 12 bytes a row: three floats or three numbers of vertices.
             place = library.rtcSetNewGeometryBuffer(mesh, kind, 0, form, 12, rows)
             ctypes.memmove(place, array.ctypes.data, array.nbytes)
         library.rtcCommitGeometry(mesh)
         library.rtcAttachGeometry(self.address, mesh)
+        # The scene holds the geometry from now on.
         library.rtcReleaseGeometry(mesh)
         library.rtcCommitScene(self.address)
+        # Released with this object, never while a kernel may use the address.
         weakref.finalize(self, library.rtcReleaseScene, self.address)
 
 
 @functools.cache
 def _library() -> ctypes.CDLL:
-    """Embree, by what links to it: a look-up there finds its symbols too."""
+    """Load Embree by way of embreex, which links to it: a look-up there finds its symbols too."""
     # Load it only when someone casts a ray.
     from embreex.rtcore_scene import EmbreeScene
 
@@ -123,6 +131,7 @@ def _library() -> ctypes.CDLL:
 
 @functools.cache
 def _device() -> int:
+    # Created once and kept for all scenes.
     device = _library().rtcNewDevice(None)
     if not device:
         raise EmbreeError("Embree finds no device; valid: a processor with SSE2 or NEON")
@@ -137,7 +146,11 @@ _in_kernel: Any = intrinsic
 def call_rtc_packet(
     _typing: Any, _function: Any, _valid: Any, _scene: Any, _packet: Any, _arguments: Any
 ) -> Any:
-    """`void rtcIntersect16(valid, scene, rayhit, args)` or its sister; pointers are integers."""
+    """Call `void rtcIntersect16(valid, scene, rayhit, args)` or its sister; pointers are integers.
+
+    The function's address is an argument, because it differs from run to run, and compiled code is
+    cached.
+    """
     signature = types.void(*[types.intp] * 5)
 
     def codegen(context: Any, builder: Any, _signature: Any, args: Any) -> Any:
@@ -151,9 +164,10 @@ def call_rtc_packet(
 
 @kernel
 def new_packet() -> np.ndarray:
-    """A packet (21, 16) of float32, aligned as Embree wants it, of rays from 0 on."""
+    """Return a packet (21, 16) of float32, aligned as Embree demands, of rays from 0 on."""
     n, spare = _N_ROWS * LANES, _ALIGNED_BYTES // 4
     room = np.zeros(n + spare, np.float32)
+    # Number of floats up to the next multiple of 64 bytes.
     first = -room.ctypes.data % _ALIGNED_BYTES // 4
     packet = room[first : first + n].reshape(_N_ROWS, LANES)
     packet.view(np.int32)[RAY_MASK] = -1
@@ -162,7 +176,7 @@ def new_packet() -> np.ndarray:
 
 @kernel
 def new_valid() -> np.ndarray:
-    """Which rays of a packet are cast (16,), -1 for yes and 0 for no, aligned likewise."""
+    """Return the mask of a packet's rays (16,): -1 casts a ray, 0 does not; aligned likewise."""
     room = np.zeros(LANES + _ALIGNED_BYTES // 4, np.int32)
     first = -room.ctypes.data % _ALIGNED_BYTES // 4
     return room[first : first + LANES]
@@ -170,7 +184,7 @@ def new_valid() -> np.ndarray:
 
 @kernel
 def new_arguments(flags: int) -> np.ndarray:
-    """`RTCIntersectArguments` without callbacks, as integers."""
+    """Return `RTCIntersectArguments` without callbacks, as integers."""
     arguments = np.zeros(5, np.int64)
     arguments[0] = _ALL_FEATURES | flags
     return arguments

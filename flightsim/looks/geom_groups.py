@@ -1,4 +1,4 @@
-"""MuJoCo geom groups of our models: who sees what."""
+"""MuJoCo geom groups of our models: the sensors and cameras that see a geom."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from enum import IntEnum
 
 
 class GeomGroup(IntEnum):
-    """Group of a geom; determines who sees it, not whether it collides."""
+    """Group of a geom; it determines which sensors see the geom, not whether it collides."""
 
     SCENE = 0
     """The static world as cameras and rays see it."""

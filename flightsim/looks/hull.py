@@ -19,7 +19,7 @@ class HullError(ValueError):
 
 
 def hull_faces(corners_m: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
-    """The faces of a convex hull.
+    """Return the faces of a convex hull.
 
     Args:
         corners_m: Corners (n, 3); points inside the hull are ignored.
@@ -37,9 +37,11 @@ def hull_faces(corners_m: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
     a, b, c = (corners[triples[:, k]] for k in range(3))
     normals = np.cross(b - a, c - a)
     length = np.linalg.norm(normals, axis=1)
+    # Three corners in a line span no plane.
     is_plane = length > _RELATIVE_TOLERANCE * size_m**2
     normals = normals[is_plane] / length[is_plane, None]
     height = normals @ corners.T - np.sum(normals * a[is_plane], axis=1)[:, None]
+    # Heights are rounded more than the corners themselves.
     tolerance_m = 10 * _RELATIVE_TOLERANCE * size_m
     is_below, is_above = (height <= tolerance_m).all(axis=1), (height >= -tolerance_m).all(axis=1)
     if not len(normals) or (is_below & is_above).any():
@@ -57,7 +59,7 @@ def hull_faces(corners_m: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
 
 
 def face_axes(normal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Orthonormal axes of a face: horizontal, and up the face (north on a level one)."""
+    """Return orthonormal axes of a face: horizontal, and up the face (north on a level one)."""
     x, y, z = normal.tolist()
     length = math.hypot(x, y)
     ux, uy = (-y / length, x / length) if length > 1e-6 else (1.0, 0.0)
@@ -91,6 +93,7 @@ def _turning_left(ring_m: list[tuple[float, float]], least_m2: float) -> list[in
         (ax, ay), (bx, by), (cx, cy) = (ring_m[kept[(i + k) % len(kept)]] for k in (-1, 0, 1))
         if (bx - ax) * (cy - by) - (by - ay) * (cx - bx) <= least_m2:
             kept.pop(i)
+            # The points before may have stopped turning left: look at them again.
             i = max(0, i - 1)
         else:
             i += 1

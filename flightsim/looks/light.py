@@ -28,7 +28,7 @@ Shares = Float[np.ndarray, "*n"]
 
 
 def surface_light(normals_enu: Normals, sun: Shares, sky: Shares) -> Shares:
-    """Light on surfaces.
+    """Return the light on surfaces, 0 to 1.
 
     Args:
         normals_enu: Outward unit normals.
@@ -39,23 +39,27 @@ def surface_light(normals_enu: Normals, sun: Shares, sky: Shares) -> Shares:
     from_sky = _SKY_SHARE * (0.5 + 0.5 * up)
     # Walls differ in brightness, so that corners of a room are visible.
     from_lamps = 0.47 + 0.10 * up + 0.09 * (normals_enu @ np.array([0.8, -0.6, 0.0]))
+    # Undersides indoors are ceilings, which are bright.
     from_lamps = from_lamps + 0.20 * np.clip(-up, 0.0, 1.0)
     from_sun = _SUN_SHARE * np.maximum(0.0, normals_enu @ _TO_SUN)
     return np.clip(sky * from_sky + (1.0 - sky) * from_lamps + sun * from_sun, 0.0, 1.0)
 
 
 def light_rgb(light: Shares) -> Float[np.ndarray, "*n 3"]:
-    """Colour factors of surfaces, at most 1."""
+    """Return colour factors of surfaces, at most 1."""
     ambient, sun = np.array(AMBIENT_RGB, light.dtype), np.array(SUN_RGB, light.dtype)
     return np.minimum(1.0, ambient + light[..., None] * sun)
 
 
 def normals_for_light(light: Shares) -> Normals:
-    """Unit normals whose cosine to the sun is the light."""
+    """Return unit normals whose cosine to the sun is the light."""
     aside = np.sqrt(np.maximum(0.0, 1.0 - light**2))
     return light[..., None] * _TO_SUN + aside[..., None] * _ACROSS_SUN
 
 
 def is_sunward(normals_enu: Normals) -> np.ndarray:
-    """Whether the sun can reach a face at all, (...,) bool."""
+    """Return true for faces that the sun can reach at all, (...,) bool.
+
+    Faces that the light only grazes count as turned away.
+    """
     return normals_enu @ _TO_SUN > 0.05

@@ -16,7 +16,7 @@ from flightsim.looks.paint import Paint
 from flightsim.looks.surfaces import Detail, rotation_enu, surface_enu
 from flightsim.looks.tessellation import N_BOX_FACES, Surface, box_texture_m, unit_box
 
-_ON_GROUND_M = 0.02
+_ON_GROUND_M = 0.02  # a face up to this height lies on the ground, where nobody sees it
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,21 +37,21 @@ class WorldMesh:
     face_paint: Int[np.ndarray, " f"]
 
     def corners_enu_m(self) -> Float[np.ndarray, "t 3 3"]:
-        """The three corners of each triangle."""
+        """Return the three corners of each triangle."""
         return self.vertices_enu_m[self.triangles]
 
     def vertex_paint(self) -> Int[np.ndarray, " v"]:
-        """The paint of each vertex."""
+        """Return the paint of each vertex."""
         paint = np.zeros(len(self.vertices_enu_m), dtype=np.int32)
         paint[self.triangles] = self.triangle_paint[:, None]
         return paint
 
     def is_clear(self) -> Bool[np.ndarray, " t"]:
-        """Whether sunlight passes through each triangle."""
+        """Return true for triangles that sunlight passes through."""
         return np.array([paint.is_clear for paint in self.paints], dtype=bool)[self.triangle_paint]
 
     def is_lamp(self) -> Bool[np.ndarray, " t"]:
-        """Whether each triangle emits light."""
+        """Return true for triangles that emit light."""
         return np.array([paint.is_lamp for paint in self.paints], dtype=bool)[self.triangle_paint]
 
     def with_overlay(self, other: WorldMesh) -> WorldMesh:
@@ -89,6 +89,7 @@ def add_solids(
         for primitive in primitives
         for piece in dress(primitive, categories.get(primitive.object_id))
     ]
+    # All boxes in a few array operations, because most solids are boxes.
     builder.add_boxes([piece for piece in pieces if piece.primitive.kind == "box"])
     for piece in pieces:
         if piece.primitive.kind != "box":
@@ -124,6 +125,7 @@ class MeshBuilder:
                 row[:] = False
                 row[list(piece.faces)] = True
         corners = corners.reshape(*shape, 3)
+        # A face that looks down is hidden if all of its corners lie on the ground.
         faces_down = directions.reshape(*shape, 3)[:, :, 0, 2] < -0.5
         above_m = corners[..., 2] - ground_m(self._relief, corners[..., 0], corners[..., 1])
         is_shown &= ~faces_down | (above_m > _ON_GROUND_M).any(axis=2)
@@ -138,7 +140,14 @@ class MeshBuilder:
     def add_quads(
         self, corners: np.ndarray, normals: np.ndarray, tiles: np.ndarray, paint: np.ndarray
     ) -> None:
-        """Add flat faces of four corners each, (n, 4, ...), with their paints' indices (n,)."""
+        """Add flat faces of four corners each.
+
+        Args:
+            corners: Corners (n, 4, 3), counter-clockwise from outside, ENU.
+            normals: Normal at each corner (n, 4, 3).
+            tiles: Texture coordinates at each corner (n, 4, 2).
+            paint: Index of each face's paint (n,).
+        """
         first = 4 * np.arange(len(corners), dtype=np.int32)
         fan = first[:, None, None] + np.array([(0, 1, 2), (0, 2, 3)], dtype=np.int32)
         self._add(
@@ -153,10 +162,17 @@ class MeshBuilder:
         )
 
     def add_surface(self, surface: Surface, paint: Paint, *, is_flat: bool) -> None:
-        """Add a surface; a flat one consists of fans, one per face."""
+        """Add a surface.
+
+        Args:
+            surface: The surface.
+            paint: Its paint.
+            is_flat: True if it consists of fans of triangles, one for each flat face.
+        """
         number = self.paint(paint)
         first = np.zeros(0, dtype=np.int32)
         if is_flat:
+            # Every fan begins with the first corner of its face.
             first = np.unique(surface.triangles[:, 0])
         count = np.diff(np.append(first, len(surface.vertices_m)))
         if not is_flat:
@@ -173,11 +189,11 @@ class MeshBuilder:
         )
 
     def paint(self, paint: Paint) -> int:
-        """Index of a paint in the mesh."""
+        """Return the index of a paint in the mesh; a new paint gets the next one."""
         return self._paints.setdefault(paint, len(self._paints))
 
     def mesh(self) -> WorldMesh:
-        """Mesh of all collected surfaces."""
+        """Return the mesh of all collected surfaces."""
         empty = tuple(np.zeros(shape) for shape in ((0, 3), (0, 3), (0, 2)))
         whole = np.zeros((0, 3), np.int32), *(np.zeros(0, np.int32) for _ in range(4))
         columns = zip((*empty, *whole), *self._parts, strict=True)

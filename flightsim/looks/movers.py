@@ -34,7 +34,7 @@ class MoverLooks:
 
     @classmethod
     def of(cls, primitives: Sequence[Primitive]) -> MoverLooks:
-        """Surfaces of all solids, opaque."""
+        """Return the surfaces of all solids, opaque."""
         parts = [surface_enu(primitive, FAST).corners_m() for primitive in primitives]
         colours = [MATERIALS[primitive.material].rgba[:3] for primitive in primitives]
         rgb = [np.tile(c, (len(part), 1)) for c, part in zip(colours, parts, strict=True)]
@@ -52,14 +52,21 @@ class MoverSet:
 
     @cached_property
     def looks(self) -> tuple[MoverLooks, ...]:
-        """Surface of each mover."""
+        """Surface of each mover; made on first use."""
         return tuple(
             MoverLooks.of(mover_primitives(obstacle.kind, i))
             for i, obstacle in enumerate(self._obstacles)
         )
 
     def triangles_enu(self, data: mujoco.MjData) -> tuple[np.ndarray, np.ndarray]:
-        """Triangles (t, 3, 3), ENU, and colours (t, 3), 0 to 1, at the poses in `data`."""
+        """Return the triangles of all movers at the poses in `data`.
+
+        Args:
+            data: State of a model with the movers' bodies.
+
+        Returns:
+            Corners (t, 3, 3), ENU, and colours (t, 3), 0 to 1.
+        """
         parts, colours = [np.zeros((0, 3, 3))], [np.zeros((0, 3))]
         rotation = np.empty(9)
         for looks, position, quat in zip(self.looks, data.mocap_pos, data.mocap_quat, strict=True):
@@ -69,7 +76,7 @@ class MoverSet:
         return np.concatenate(parts), np.concatenate(colours)
 
     def triangle_counts(self) -> tuple[int, ...]:
-        """Number of triangles of each mover, in the order of `triangles_enu`."""
+        """Return the number of triangles of each mover, in the order of `triangles_enu`."""
         return tuple(len(looks.corners_m) for looks in self.looks)
 
     def add_solids(self, spec: mujoco.MjSpec) -> None:
@@ -83,6 +90,8 @@ class MoverSet:
                 rgba=(*looks.rgb.mean(axis=0), 1.0),
                 friction=_FRICTION,
                 contype=0,
+                # Affinity alone: two movers never touch, and `let_touch` turns it on near a
+                # vehicle.
                 conaffinity=MOVER_CONTACT_BIT,
                 condim=3,
                 solmix=0.0,

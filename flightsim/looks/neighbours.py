@@ -1,4 +1,4 @@
-"""Looks of what stands around a site: few paints of their own, so that they are few skins."""
+"""Looks of the neighbourhood: few paints of its own, so that it needs few skins."""
 
 from __future__ import annotations
 
@@ -12,7 +12,8 @@ from flightsim.looks.paint import Colour, Paint, material_paint
 from flightsim.looks.surfaces import FAST, surface_enu
 
 _TINT: Colour = (0.97, 0.99, 0.98)
-"""Makes a paint other than the site's of the same material, whose skins are divided into tiles."""
+"""Tint that makes a paint differ from the site's of the same material: the skins of a site's paint
+are divided into tiles, and the neighbourhood would add many."""
 _FACADES = {
     "plaster_cream": "punched",
     "plaster_ochre": "balconies",
@@ -25,7 +26,7 @@ _ROOFING = material_paint("roofing").tinted(_TINT)
 
 
 def add_neighbours(builder: MeshBuilder, neighbours: Sequence[Primitive]) -> None:
-    """Add the surfaces of neighbours."""
+    """Add the surfaces of the neighbourhood's solids."""
     boxes: list[Piece] = []
     for solid in neighbours:
         paint = material_paint(solid.material).tinted(_TINT)
@@ -33,6 +34,7 @@ def add_neighbours(builder: MeshBuilder, neighbours: Sequence[Primitive]) -> Non
             builder.add_surface(surface_enu(solid, FAST), paint, is_flat=True)
         elif solid.material in _FACADES:
             facade = Paint(_FACADES[solid.material], paint.rgb, _TWO_BAYS_M)
+            # No underside: it lies on the ground.
             boxes += [Piece(solid, facade, SIDES), Piece(solid, _ROOFING, (TOP,))]
         else:
             boxes.append(Piece(solid, paint, ALL_FACES))

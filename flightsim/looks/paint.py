@@ -19,24 +19,29 @@ class Paint:
     size_m: tuple[float, float] = (1.0, 1.0)
     """Length and height of one tile."""
     is_fitted: bool = False
-    """Whether one tile covers each face, however large."""
+    """True if one tile covers each face, however large."""
     is_clear: bool = False
-    """Whether sunlight passes through, as through glass."""
+    """True if sunlight passes through, as through glass."""
     is_lamp: bool = False
-    """Whether it emits light, or has enough lamps to count as emitting."""
+    """True if it emits light, or has enough lamps to count as emitting."""
 
     def tinted(self, factors: Colour) -> Paint:
-        """The same pattern in another colour."""
+        """Return the same pattern in another colour, at most white."""
         red, green, blue = (min(1.0, c * f) for c, f in zip(self.rgb, factors, strict=True))
         return replace(self, rgb=(red, green, blue))
 
     def with_texture(self, texture: str, size_m: tuple[float, float]) -> Paint:
-        """Another pattern in the same colour."""
+        """Return paint with another pattern in the same colour.
+
+        Args:
+            texture: Name of the pattern.
+            size_m: Width and height of one tile on the surface.
+        """
         return replace(self, texture=texture, size_m=size_m)
 
 
 def material_paint(name: str) -> Paint:
-    """Paint of a material by the catalogue of materials."""
+    """Return the paint of a material in the catalogue of materials."""
     material = MATERIALS[name]
     red, green, blue, _ = material.rgba
     return Paint(

@@ -33,14 +33,14 @@ _BOUNCE_REACH_M = 1.3
 _LIFT = 0.78
 """Exponent that brightens the shadows."""
 _SHOULDER, _BRIGHTEST = 0.78, 1.02
-"""Light above the shoulder is compressed below the brightest."""
+"""Light above the shoulder is compressed below the brightest value."""
 _N_SKY_RAYS = 5
 _OFF_SURFACE = 1.5e-3
-"""Start of rays before the surface, as a share of the distance from the eye, ..."""
+"""Start of rays before the surface, as a share of the distance from the eye."""
 _OFF_SURFACE_M = 0.004
-"""... and at least this far, m."""
-_BAND_ROWS = 96
-_DEPTH_TOLERANCE = 0.03
+"""Least start of rays before the surface, m."""
+_BAND_ROWS = 96  # rows that are lit at a time, which bounds the memory
+_DEPTH_TOLERANCE = 0.03  # relative difference of depth up to which neighbours show one surface
 _STEPS = (1, 2, 4)
 """Spacing of the filter's taps in pixels."""
 
@@ -66,13 +66,14 @@ class PixelLight:
         self._is_lamp = mesh.is_lamp()
 
     def light(self, eye_enu_m: np.ndarray, rays_enu: np.ndarray, vehicle_enu_m: np.ndarray) -> Seen:
-        """Light along rays.
+        """Return the light along rays.
 
         Args:
             eye_enu_m: Position of the eye (3,).
             rays_enu: Directions (h, w, 3), one metre deep.
             vehicle_enu_m: Triangles (t, 3, 3) that move in the mesh.
         """
+        # A fixed seed: the same view is the same picture.
         rng = np.random.default_rng(0x11)
         across = np.cross(
             vehicle_enu_m[:, 1] - vehicle_enu_m[:, 0], vehicle_enu_m[:, 2] - vehicle_enu_m[:, 0]
@@ -82,6 +83,7 @@ class PixelLight:
         normals = np.concatenate([self._normals, np.repeat(across[:, None], 3, axis=1)])
         is_clear = np.concatenate([self._is_clear, np.zeros(len(vehicle_enu_m), dtype=bool)])
         is_lamp = np.concatenate([self._is_lamp, np.zeros(len(vehicle_enu_m), dtype=bool)])
+        # The eye sees glass; light passes through it.
         seen = RayScene(corners)
         solid = _Surroundings(RayScene(corners[~is_clear]), is_lamp[~is_clear])
         shape = rays_enu.shape[:2]
@@ -100,6 +102,7 @@ class PixelLight:
             facing = np.einsum("nki,nk->ni", normals[own], weights)
             facing /= np.maximum(np.linalg.norm(facing, axis=1, keepdims=True), 1e-6)
             points = eye + hits.distance[met, None] * rays[met]
+            # Rounding of the hit grows with the distance.
             off = np.maximum(_OFF_SURFACE_M, _OFF_SURFACE * hits.distance[met])[:, None]
             starts = points + off * facing
             light = _scattered(solid, starts, facing, rng)
@@ -113,6 +116,7 @@ class PixelLight:
             depth[band] = hits.distance.reshape(depth[band].shape)
             triangle[band] = hits.triangle.reshape(depth[band].shape)
         same = _Neighbours(depth, normal)
+        # The sun keeps its sharp shadows: its light is averaged over fewer pixels.
         light_rgb = same.averaged(rgb, _STEPS) + same.averaged(sun[..., None], (1,)) * _SUN_RGB
         return Seen(depth, _exposed(light_rgb), triangle)
 
@@ -123,7 +127,7 @@ class _Surroundings:
 
     rays: RayScene
     is_lamp: np.ndarray
-    """(t,) bool."""
+    """(t,) bool: true for triangles of lamps."""
 
 
 def _direct(
@@ -149,7 +153,9 @@ def _scattered(
     u, v = _tangents(normals)
     for k in range(_N_SKY_RAYS):
         share = (k + rng.random(n, dtype=np.float32)) / _N_SKY_RAYS
+        # Golden angle: the rays of a pixel spread evenly whatever its random turn.
         angle = 2 * np.pi * (turn + k * 0.618034)
+        # Density proportional to the cosine (Malley's method), so that all rays count alike.
         x, y = np.sqrt(share) * np.cos(angle), np.sqrt(share) * np.sin(angle)
         height = np.sqrt(1.0 - share)
         rays = x[:, None] * u + y[:, None] * v + height[:, None] * normals
@@ -192,10 +198,16 @@ class _Neighbours:
         self._normals = normals
 
     def averaged(self, light: np.ndarray, steps: tuple[int, ...]) -> np.ndarray:
-        """Light (h, w, c) without grain; each step widens the average."""
+        """Return light without grain: averages with neighbours, over ever wider distances.
+
+        Args:
+            light: Light of each pixel, (h, w, c).
+            steps: Distances in pixels to the neighbours, one for each average.
+        """
         for step in steps:
             total = light.copy()
             weight = np.ones(light.shape[:2], dtype=np.float32)
+            # Half of the eight directions: `_add` takes the opposite ones too.
             for down, right in ((0, 1), (1, 0), (1, 1), (1, -1)):
                 self._add(total, weight, light, down * step, right * step)
             light = total / weight[..., None]

@@ -44,7 +44,7 @@ class RayHits:
     """Barycentric weight of its third corner."""
 
     def within(self, far: float) -> RayHits:
-        """Keep only the hits nearer than a distance."""
+        """Return the hits nearer than a distance; the others become misses."""
         is_far = self.distance > far
         triangle = np.where(is_far, NOTHING, self.triangle)
         return RayHits(triangle, np.where(is_far, np.inf, self.distance), self.u, self.v)
@@ -53,7 +53,7 @@ class RayHits:
 class RayScene:
     """Triangles (t, 3, 3) in m, prepared for rays.
 
-    Rays from one point that point nearly alike, as those of an image, cost least. The
+    Rays from one point that point nearly alike, such as those of an image, cost least. The
     interpreter's lock is free meanwhile, and several threads may ask at once.
     """
 
@@ -62,22 +62,23 @@ class RayScene:
 
     @property
     def address(self) -> int:
-        """`flightsim.looks.embree.TriangleScene.address`; 0 without triangles."""
+        """Address of the scene in Embree's memory, for kernels; 0 without triangles."""
         return 0 if self._scene is None else self._scene.address
 
     def is_hidden(self, origins_m: np.ndarray, directions: np.ndarray) -> Bool[np.ndarray, " n"]:
-        """Whether each ray hits anything; for the arguments see `first_hits`."""
+        """Return for each ray whether it hits anything; for the arguments see `first_hits`."""
         if self._scene is None:
             return np.zeros(len(directions), dtype=bool)
         numbers, _ = self._cast(functions().occluded, origins_m, directions)
+        # Embree marks a hidden ray by a negative distance.
         return numbers[0] < 0.0
 
     def first_hits(self, origins_m: np.ndarray, directions: np.ndarray) -> RayHits:
-        """First hit of each ray.
+        """Return the first hit of each ray.
 
         Args:
-            origins_m: Where each ray begins (n, 3), or all of an image (3,).
-            directions: Their directions (n, 3), of any length.
+            origins_m: Origin of each ray (n, 3), or one for all rays of an image (3,).
+            directions: Directions of the rays (n, 3), of any length.
         """
         if self._scene is None:
             n = len(directions)
@@ -89,7 +90,7 @@ class RayScene:
     def _cast(
         self, query: int, origins_m: np.ndarray, directions: np.ndarray
     ) -> tuple[Float[np.ndarray, "3 n"], Int[np.ndarray, " n"]]:
-        """Distance, u and v of each ray, and its triangle."""
+        """Return distance, u and v of each ray, and its triangle."""
         n = len(directions)
         numbers, triangle = np.empty((3, n), np.float32), np.empty(n, np.int32)
         cast_packets(
@@ -119,15 +120,16 @@ def cast_packets(
     Args:
         query: Address of Embree's function.
         scene: Address of the scene.
-        origins_m: Where the rays begin (n, 3), or one place for all (1, 3), float32.
+        origins_m: Origins of the rays (n, 3), or one for all (1, 3), float32.
         directions: Their directions (n, 3), float32.
         flags: `COHERENT` or 0.
         numbers: Written: distance, infinite without a hit, and two weights of corners (3, n).
-        triangle: Written: which was hit, or `NOTHING` (n,).
+        triangle: Written: the triangle that was hit, or `NOTHING` (n,).
     """
     packet, valid, arguments = new_packet(), new_valid(), new_arguments(flags)
     as_integers = packet.view(np.int32)
     places = valid.ctypes.data, packet.ctypes.data, arguments.ctypes.data
+    # 0 takes the only origin for all rays.
     step = len(origins_m) > 1
     for first in range(0, len(directions), LANES):
         n = min(LANES, len(directions) - first)
@@ -137,6 +139,7 @@ def cast_packets(
             for axis in range(3):
                 packet[RAY_ORIGIN + axis, k] = origin[axis]
                 packet[RAY_DIRECTION + axis, k] = directions[first + k, axis]
+            # The last packet may be smaller: its spare lanes are switched off below.
             packet[RAY_FAR, k] = np.inf
             as_integers[HIT_MESH, k] = NO_MESH
             as_integers[HIT_TRIANGLE, k] = NOTHING

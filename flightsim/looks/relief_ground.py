@@ -20,7 +20,7 @@ _FIELD_M = 40.0
 """Width of a field along the border of the grid."""
 _HAZE_M = 500.0
 _N_HAZES = 4
-"""Few shades of haze keep the number of skins low."""
+"""Number of shades of haze: few keep the number of skins low."""
 
 
 def add_relief(
@@ -31,7 +31,7 @@ def add_relief(
     outward_m: Float[np.ndarray, " k"],
     rng: np.random.Generator,
 ) -> None:
-    """Add the ground.
+    """Add the ground of a scene with a relief.
 
     Args:
         builder: Receives the surfaces.
@@ -61,7 +61,12 @@ def add_relief(
 
 
 def relief_surface(relief: Relief, beyond_m: float) -> Surface:
-    """The ground as one surface, up to a distance beyond the grid."""
+    """Return the ground as one surface, up to a distance beyond the grid.
+
+    Args:
+        relief: Heights of the ground.
+        beyond_m: Distance by which the border's heights continue outwards; 0 ends at the grid.
+    """
     outward_m = np.array([beyond_m]) if beyond_m > 0.0 else np.zeros(0)
     vertices = _vertices(relief, [_lines(relief, axis, outward_m) for axis in (1, 0)])
     points = vertices.reshape(-1, 3)
@@ -100,6 +105,7 @@ def _paints(
 ) -> np.ndarray:
     """Paint of each cell, (rows, columns) of objects."""
     parts = [_parts(line, n_out) for line in lines]
+    # A cell at a corner lies as far out as the farther of both axes.
     ring = np.maximum(parts[1][1][:, None], parts[0][1][None, :])
     choice = rng.integers(len(fields), size=(parts[1][0].max() + 1, parts[0][0].max() + 1))
     which = choice[parts[1][0][:, None], parts[0][0][None, :]]
@@ -114,7 +120,7 @@ def _paints(
 
 
 def _parts(line: np.ndarray, n_out: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Of each interval of a line: its field's number, rings out of the grid, distance from it."""
+    """For each interval of a line: its field's number, rings out of the grid, distance from it."""
     n = len(line) - 1
     index = np.arange(n)
     ring = np.maximum(np.maximum(n_out - index, index - (n - 1 - n_out)), 0)
@@ -128,7 +134,7 @@ def _parts(line: np.ndarray, n_out: int) -> tuple[np.ndarray, np.ndarray, np.nda
 
 
 def _hazy(field: Paint, shade: int) -> Paint:
-    """A field in haze: far ones are seen at too flat an angle for a texture."""
+    """Return a field in haze: far ones are seen at too flat an angle for a texture."""
     if shade == 0:
         return field
     haze = shade / _N_HAZES
@@ -144,6 +150,7 @@ def _triangles(is_wanted: np.ndarray, n_columns: int) -> np.ndarray:
     south_west = row * n_columns + column
     south_east, north_west = south_west + 1, south_west + n_columns
     north_east = north_west + 1
+    # The diagonal runs from south-west to north-east, as in the physics.
     lower = np.stack([south_west, south_east, north_east], axis=1)
     upper = np.stack([south_west, north_east, north_west], axis=1)
     return np.concatenate([lower, upper])

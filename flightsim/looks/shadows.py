@@ -1,8 +1,8 @@
 """Exact shadows of the sun on flat faces, as triangles to lay over them.
 
-Seen from the sun, a solid hides what its outline covers and what lies behind it. So everything is
-plane geometry in the two coordinates across the sunlight: outlines of the casters, cut to the part
-before the face's plane, united and intersected with the face.
+Seen from the sun, a solid hides everything that its outline covers and that lies behind it. So
+shadows are plane geometry in the two coordinates across the sunlight: outlines of the casters, cut
+to the part before the face's plane, united and intersected with the face.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ _ACROSS = np.stack([_EAST, np.cross(_TO_SUN, _EAST)], axis=1)
 
 _TOUCH_M = 0.03
 """Least reach of a caster before a face; with less it stands on the face or belongs to it."""
-_LEVEL = 0.9999
+_LEVEL = 0.9999  # vertical part of a normal from which on a face counts as level
 _GROUND_M = 0.35
 """Height up to which level faces are the ground or lie on it."""
-_LEAST_AREA_M2 = 0.02
-_WHOLE_SHARE = 0.985
+_LEAST_AREA_M2 = 0.02  # smaller pieces of shadow are crumbs of rounding
+_WHOLE_SHARE = 0.985  # share of a face from which on it counts as wholly in shadow
 _LIFT_M = 0.004
 """Height of shadows above their faces: above the face, below paint on roads."""
 
@@ -46,7 +46,7 @@ class Shadows:
     """Shadows on some faces."""
 
     is_whole: np.ndarray
-    """Whether the whole face is in shadow, apart from crumbs, (f,) bool."""
+    """True if the whole face is in shadow, apart from crumbs, (f,) bool."""
     face: Int[np.ndarray, " t"]
     """Face of each triangle; faces wholly in shadow have none."""
     corners_enu_m: Float[np.ndarray, "t 3 3"]
@@ -69,14 +69,14 @@ def cast(
     *,
     is_ground_level: bool = True,
 ) -> Shadows:
-    """Shadows on faces that look towards the sun.
+    """Return shadows on faces that look towards the sun.
 
     Args:
         casters_: Solids that cast shadows; they may own some of the faces.
         corners_enu_m: Corners of the faces, ring by ring, counter-clockwise from outside.
         face_of_corner: Face of each corner, 0 to f - 1, ascending.
         normals_enu: Outward normals.
-        is_ground_level: Whether the ground is the plane z = 0, on which many faces share shadows.
+        is_ground_level: True if the ground is the plane z = 0, on which many faces share shadows.
     """
     rings = shapely.linearrings(corners_enu_m @ _ACROSS, indices=face_of_corner)
     polygons = np.asarray(shapely.polygons(rings))
@@ -99,8 +99,8 @@ def cast(
 def _on_ground(casters_: Casters, polygons: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Shade on the many level faces near the ground, which share the same union of outlines.
 
-    Kerbs and slabs cast none here, and the foot of a caster beside a slab is treated as if it
-    stood on the slab: the error is a strip as wide as the slab is high.
+    Kerbs and slabs cast none here, and the foot of a caster beside a slab is treated as if it stood
+    on the slab: the error is a strip as wide as the slab is high.
 
     Returns:
         Indices in `polygons`, and the shaded part of each in any number of pieces.
@@ -115,6 +115,7 @@ def _on_planes(
     casters_: Casters, polygons: np.ndarray, normals_enu: np.ndarray, offset: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Shade on faces of any plane, as `_on_ground`."""
+    # The tree finds pairs whose outlines overlap; most pairs are far apart.
     face, caster = shapely.STRtree(casters_.outlines).query(polygons, predicate="intersects")
     ahead_m = np.einsum("pki,pi->pk", casters_.corners_enu_m[caster], normals_enu[face])
     ahead_m -= offset[face][:, None]
@@ -143,6 +144,7 @@ def _before_plane(corners: np.ndarray, ahead_m: np.ndarray) -> np.ndarray:
     if not len(corners):
         return np.zeros(0, dtype=object)
     across = corners @ _ACROSS
+    # Padding repeats the first corner and must not count again.
     is_new = np.ones(ahead_m.shape, dtype=bool)
     is_new[:, 1:] = (corners[:, 1:] != corners[:, :1]).any(axis=2)
     is_before, is_behind = is_new & (ahead_m > 0), is_new & (ahead_m <= 0)
@@ -157,15 +159,17 @@ def _before_plane(corners: np.ndarray, ahead_m: np.ndarray) -> np.ndarray:
 
 
 def _triangles(shade: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Triangles that fill polygons: the polygon's index, and corners (t, 3, 2) anticlockwise."""
+    """Triangles that fill polygons: the polygon's index, and corners (t, 3, 2)."""
     filled = shapely.constrained_delaunay_triangles(shade)
     parts, index = shapely.get_parts(filled, return_index=True)
     if not len(parts):
         return np.zeros(0, dtype=int), np.zeros((0, 3, 2))
+    # A polygon repeats its first point at the end.
     corners = shapely.get_coordinates(parts).reshape(-1, 4, 2)[:, :3]
     u, v = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     area2 = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
     corners[area2 < 0] = corners[area2 < 0][:, ::-1]
+    # Slivers of rounding have no area.
     is_kept = np.abs(area2) > 1e-6
     return index[is_kept], corners[is_kept]
 
@@ -173,6 +177,7 @@ def _triangles(shade: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def _lifted(triangles: np.ndarray, normals: np.ndarray, offset: np.ndarray) -> np.ndarray:
     """Corners across the sunlight projected back onto their faces, (t, 3, 3)."""
     aside = triangles @ _ACROSS.T
+    # Move along the sunlight until the plane of the face is met.
     depth = offset[:, None] - np.einsum("tki,ti->tk", aside, normals)
     along = depth / (normals @ _TO_SUN)[:, None]
     return aside + along[..., None] * _TO_SUN + _LIFT_M * normals[:, None]

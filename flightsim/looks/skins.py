@@ -1,4 +1,8 @@
-"""Skins of a mesh: one for each paint and ground tile, small enough to be culled well."""
+"""Skins of a mesh: one for each paint and ground tile, small enough to be culled well.
+
+One skin for a paint would be drawn whole even if a corner of it is in view; one for each solid
+would mean many more draw calls.
+"""
 
 from __future__ import annotations
 
@@ -11,11 +15,12 @@ from flightsim.looks.mesh import WorldMesh
 from flightsim.looks.paint import Paint
 
 _TILE_M = 32.0
-_N_ACROSS = 1 << 12
+_N_ACROSS = 1 << 12  # columns of tiles, more than any world needs
 _LEAST_TO_TILE = 400
-"""Paints with fewer triangles are one skin: drawing them costs less than dividing them."""
+"""Least number of triangles of a paint that is divided: drawing fewer costs less than dividing
+them."""
 _LEAST_VERTICES = 4
-"""MuJoCo accepts no single triangle as a mesh."""
+"""Least vertices of a skin, because MuJoCo accepts no single triangle as a mesh."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +35,7 @@ class Skin:
 
 
 def skins(mesh: WorldMesh) -> Iterator[Skin]:
-    """The skins of a mesh, in a fixed order."""
+    """Yield the skins of a mesh, in a fixed order."""
     if not len(mesh.triangles):
         return
     # The first corner keeps both triangles of a quad together.

@@ -1,4 +1,4 @@
-"""Sky of both camera renderers, painted where nothing is seen: haze, hills, clouds and the sun.
+"""Sky of both camera renderers, painted where a picture shows nothing: haze, hills, clouds, sun.
 
 The sun is at its direction in `light`; below the horizon there is land too far to be drawn.
 """
@@ -21,7 +21,7 @@ _HORIZON = np.array(HORIZON_RGB, dtype=np.float32)
 _ZENITH = np.array(ZENITH_RGB, dtype=np.float32)
 _TO_SUN = -np.array(SUN_DIRECTION, dtype=np.float32)
 _SUN_RADIUS_RAD = 0.022
-"""Radius larger than the real one, so that a small picture shows it."""
+"""Radius of the sun, larger than the real one, so that a small picture shows it."""
 _FAR_LAND = np.array(FAR_LAND_RGB, dtype=np.float32)
 _NEAR_LAND = np.array([0.58, 0.66, 0.55], dtype=np.float32)
 _HILL_RGB = np.array([0.60, 0.70, 0.79], dtype=np.float32)
@@ -35,11 +35,14 @@ _HIGHEST_LAND = 0.08
 # The table is a stereographic picture of the sky about the zenith; the horizon has radius 1.
 _TABLE_PIXELS = 540
 _TABLE_REACH = 1.12
-_LATTICE = 64
+_LATTICE = 64  # cells of the noise, after which it repeats
 
 
 def sky_rgb(rays_enu: Float[np.ndarray, "n 3"]) -> UInt8[np.ndarray, "n 3"]:
-    """Colour of the sky along rays of any length, from a table of a third of a degree."""
+    """Return the colour of the sky along rays of any length, from a table of a third of a degree.
+
+    The table costs one look-up a pixel; `painted_sky` computes noise for each.
+    """
     x, y, z = np.asarray(rays_enu, dtype=np.float32).T
     scale = np.sqrt(x * x + y * y + z * z) + z
     # Straight down there is no sky; any finite number works.
@@ -50,13 +53,15 @@ def sky_rgb(rays_enu: Float[np.ndarray, "n 3"]) -> UInt8[np.ndarray, "n 3"]:
 
 
 def painted_sky(directions: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 3"]:
-    """Colour of the sky along unit directions, 0 to 1, exact: for pictures and for the table."""
+    """Return the exact colour of the sky along unit directions, 0 to 1."""
     x, y, z = np.asarray(directions, dtype=np.float32).T
     up = np.clip(z, 0.0, 1.0)
     rgb = _HORIZON + np.sqrt(up)[:, None] * (_ZENITH - _HORIZON)
+    # Angle to the sun: its glow fades over degrees, its disc has an edge.
     to_sun = np.arccos(np.clip(directions @ _TO_SUN, -1.0, 1.0)).astype(np.float32)
     glow = 0.30 * np.exp(-to_sun / 0.16) + 0.25 * np.exp(-to_sun / 0.04)
     rgb += glow[:, None] * np.array([1.0, 0.93, 0.75], np.float32)
+    # Near the horizon clouds would be endless and flicker.
     has_clouds = up > 0.02
     rgb[has_clouds] = _with_clouds(*(part[has_clouds] for part in (rgb, x, y, up, to_sun)))
     is_sun = np.clip((_SUN_RADIUS_RAD - to_sun) / 0.004, 0.0, 1.0)[:, None]
@@ -69,7 +74,8 @@ def painted_sky(directions: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 3"
 def _with_clouds(
     rgb: np.ndarray, x: np.ndarray, y: np.ndarray, up: np.ndarray, to_sun: np.ndarray
 ) -> np.ndarray:
-    """Fair-weather clouds on a plane overhead, thinner towards the horizon."""
+    """Add fair-weather clouds on a plane overhead, thinner towards the horizon."""
+    # A ray meets a plane overhead at 1 / up; the addition keeps the horizon finite.
     reach = 1.0 / (up + 0.11)
     u, v = 1.6 * x * reach, 1.6 * y * reach
     shape = sum(_noise(u * f + 7.0 * f, v * f, k) / f for k, f in enumerate((1.0, 2.1, 4.3, 8.9)))
@@ -80,7 +86,7 @@ def _with_clouds(
 
 
 def _with_land(rgb: np.ndarray, x: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """Hills and woods along the horizon, far land below it."""
+    """Add hills and woods along the horizon, and far land below it."""
     # Sample around the circle, so that the silhouette closes.
     level = 1.0 / np.maximum(np.hypot(x, y), 1e-6)
     u, v = x * level, y * level
@@ -99,6 +105,7 @@ def _noise(u: np.ndarray, v: np.ndarray, octave: int) -> np.ndarray:
     lattice = _lattice(octave)
     column, row = np.floor(u).astype(np.int32), np.floor(v).astype(np.int32)
     s, t = u - column, v - row
+    # Smooth step, so that the slope vanishes at the lattice points and no grid shows.
     s, t = s * s * (3 - 2 * s), t * t * (3 - 2 * t)
     i, j = row % _LATTICE * _LATTICE, column % _LATTICE
     k, m = (row + 1) % _LATTICE * _LATTICE, (column + 1) % _LATTICE

@@ -1,4 +1,4 @@
-"""Surfaces of primitives in the world, round ones in the detail of the picture."""
+"""Surfaces of primitives in the world; round ones have the detail of the picture."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ class Detail:
     stacks: int
     """Number of their bands from pole to pole."""
     has_light: bool = False
-    """Whether the skins contain light and shadows, for renderers that compute none."""
+    """True puts light and shadows into the skins, for renderers that compute none."""
     has_textures: bool = True
-    """Whether the skins have their textures; without them every surface has one colour."""
+    """True gives the skins their textures; without them every surface has one colour."""
 
 
 FAST = Detail(slices=14, stacks=8, has_light=True)
@@ -34,7 +34,12 @@ FINE = Detail(slices=40, stacks=24)
 
 
 def surface_enu(primitive: Primitive, detail: Detail) -> Surface:
-    """Surface of a primitive in the world."""
+    """Return the surface of a primitive in the world.
+
+    Args:
+        primitive: The solid.
+        detail: Sides and bands of round shapes.
+    """
     local = _local_surface(primitive, detail)
     turn = rotation_enu(primitive).T
     return Surface(
@@ -46,7 +51,7 @@ def surface_enu(primitive: Primitive, detail: Detail) -> Surface:
 
 
 def rotation_enu(primitive: Primitive) -> np.ndarray:
-    """Axes (3, 3) of the primitive in the world, as columns."""
+    """Return the axes (3, 3) of the primitive in the world, as columns."""
     rotation = np.empty(9)
     mujoco.mju_quat2Mat(rotation, np.array(primitive.quat_wxyz))
     return rotation.reshape(3, 3)

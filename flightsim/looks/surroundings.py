@@ -28,7 +28,7 @@ _STRIPS_M = (34.0, 46.0, 60.0, 85.0, 130.0, 220.0, 400.0)
 _N_TEXTURED = 4
 """Number of textured rings; fields further out are seen at too flat an angle."""
 _HAZE_M = 500.0
-_HEDGE_M = 1.4
+_HEDGE_M = 1.4  # width of a hedge
 _FIELDS: tuple[Paint, ...] = (
     Paint("meadow", (0.40, 0.55, 0.26), (24.0, 24.0)),
     Paint("meadow", (0.52, 0.58, 0.28), (24.0, 24.0)),
@@ -45,7 +45,13 @@ _Patch = tuple[np.ndarray, Paint]
 
 
 def add_surroundings(builder: MeshBuilder, scene: Scene, reach_m: float) -> None:
-    """Add the ground of a scene up to a distance from its centre."""
+    """Add the ground of a scene up to a distance from its centre.
+
+    Args:
+        builder: Receives the surfaces.
+        scene: The scene; its seed chooses the fields.
+        reach_m: Distance from its centre, the far plane of cameras.
+    """
     rng, fields = np.random.default_rng([scene.seed, 0x6E0]), _fields(scene)
     if scene.relief is not None:
         add_relief(builder, scene.relief, GROUND_MATERIAL, fields, _outward_m(reach_m), rng)
@@ -101,6 +107,7 @@ def _jittered(rng: np.random.Generator, lines: list[np.ndarray]) -> np.ndarray:
     points = np.stack([x, y], axis=2)
     shift = rng.uniform(-0.22, 0.22, points.shape)
     for axis, own in enumerate(lines):
+        # Shifts are shares of the narrower neighbouring field, so that fields never overlap.
         gap = np.minimum(np.diff(own, prepend=own[0] - 50.0), np.diff(own, append=own[-1] + 50.0))
         middle = len(own) // 2
         gap[middle - 1 : middle + 1] = 0.0

@@ -30,20 +30,27 @@ class Surface:
     triangles: Int[np.ndarray, "t 3"]
 
     def corners_m(self) -> Float[np.ndarray, "t 3 3"]:
-        """The three corners of each triangle."""
+        """Return the three corners of each triangle."""
         return self.vertices_m[self.triangles]
 
 
 def box(size_m: np.ndarray) -> Surface:
-    """Box by full extents; the texture starts in the lower left corner of each face."""
+    """Return a box by full extents; the texture starts in the lower left corner of each face."""
     vertices, texture, normals, triangles = unit_box()
     return Surface(vertices * size_m, normals, box_texture_m(texture, size_m), triangles)
 
 
 def ellipsoid(size_m: np.ndarray, slices: int, stacks: int) -> Surface:
-    """Ellipsoid by full extents."""
+    """Return an ellipsoid by full extents.
+
+    Args:
+        size_m: Full extents.
+        slices: Sides around the vertical axis.
+        stacks: Bands from pole to pole.
+    """
     unit = _unit_sphere(slices, stacks)
     half_m = np.asarray(size_m) / 2
+    # The gradient of the implicit surface, which is not the direction from the centre.
     normals = unit.vertices_m / half_m
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     texture_m = unit.texture_m * (half_m[:2].mean(), half_m[2])
@@ -51,17 +58,31 @@ def ellipsoid(size_m: np.ndarray, slices: int, stacks: int) -> Surface:
 
 
 def cylinder(radius_m: float, length_m: float, slices: int) -> Surface:
-    """Upright cylinder at the origin."""
+    """Return an upright cylinder at the origin.
+
+    Args:
+        radius_m: Radius.
+        length_m: Height.
+        slices: Sides.
+    """
     unit = _unit_cylinder(slices)
     scale = np.array([radius_m, radius_m, length_m])
     n_side = 2 * (slices + 1)
     texture_m = unit.texture_m * radius_m
+    # Only the side's v runs along the length; those of the caps lie in their plane.
     texture_m[:n_side, 1] = unit.texture_m[:n_side, 1] * length_m
     return Surface(unit.vertices_m * scale, unit.normals, texture_m, unit.triangles)
 
 
 def capsule(radius_m: float, half_length_m: float, slices: int, stacks: int) -> Surface:
-    """Upright cylinder with half spheres at its ends: a sphere stretched at its equator."""
+    """Return an upright cylinder with half spheres at its ends: a sphere stretched at its equator.
+
+    Args:
+        radius_m: Radius of cylinder and half spheres.
+        half_length_m: Half the length of the cylinder.
+        slices: Sides around the axis.
+        stacks: Bands of both half spheres.
+    """
     half_stacks = (stacks + 1) // 2
     polar = np.linspace(0.0, math.pi / 2, half_stacks + 1)
     rows = np.concatenate([polar, math.pi - polar[::-1]])
@@ -75,7 +96,7 @@ def capsule(radius_m: float, half_length_m: float, slices: int, stacks: int) -> 
 
 
 def hull(corners_m: np.ndarray) -> Surface:
-    """Convex hull of some corners, with sharp edges."""
+    """Return the convex hull of some corners, with sharp edges."""
     vertices, normals, texture, triangles = [], [], [], []
     count = 0
     for normal, members in hull_faces(corners_m):
@@ -107,7 +128,7 @@ def _grid(points: np.ndarray, normals: np.ndarray, texture: np.ndarray) -> Surfa
 
 @functools.cache
 def unit_box() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Vertices, texture corners (0 or 1, and the axes they run along), normals, triangles.
+    """Return vertices, texture corners (0 or 1, and the axes they run along), normals, triangles.
 
     Four vertices for each face, in the order +x, -x, +y, -y, +z, -z.
     """
@@ -132,7 +153,12 @@ def unit_box() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
 
 
 def box_texture_m(axes: np.ndarray, size_m: np.ndarray) -> np.ndarray:
-    """Texture coordinates of a box's vertices in metres, from `unit_box`'s texture corners."""
+    """Return a box's texture coordinates in metres.
+
+    Args:
+        axes: Texture corners of `unit_box`.
+        size_m: Size of the box along its axes.
+    """
     size = np.asarray(size_m)
     return np.stack([axes[:, 0] * size[axes[:, 2]], axes[:, 1] * size[axes[:, 3]]], axis=1)
 
@@ -171,5 +197,6 @@ def _unit_cylinder(slices: int) -> Surface:
         np.concatenate([side.vertices_m, circle + up / 2, circle - up / 2]),
         np.concatenate([side.normals, np.tile(up, (n, 1)), np.tile(-up, (n, 1))]),
         np.concatenate([side.texture_m, circle[:, :2], circle[:, :2]]),
+        # The bottom's triangles are reversed: it is seen from below.
         np.concatenate([side.triangles, fan + 2 * n, fan[:, ::-1] + 3 * n]),
     )

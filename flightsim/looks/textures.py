@@ -26,6 +26,7 @@ LARGE_TILE_PIXELS = 256
 
 PATTERNS: Mapping[str, Pattern] = MappingProxyType(
     {
+        # Names that are Python's own end in an underscore there.
         name.rstrip("_"): pattern
         for module in (ground, masonry, indoors, facades)
         for name, pattern in inspect.getmembers(module, inspect.isfunction)
@@ -41,7 +42,7 @@ _LARGE = frozenset(
 
 @functools.lru_cache(maxsize=512)
 def tile(texture: str, rgb: Colour) -> UInt8[np.ndarray, "n n 3"]:
-    """Picture of one tile, top row first; read-only, since it is cached.
+    """Return the picture of one tile, top row first; read-only, because it is cached.
 
     Args:
         texture: Name of the pattern; an unknown name gets the pattern of plaster.
@@ -56,8 +57,9 @@ def tile(texture: str, rgb: Colour) -> UInt8[np.ndarray, "n n 3"]:
 
 @functools.cache
 def _in_black_and_white(texture: str) -> tuple[np.ndarray, np.ndarray]:
-    """A pattern in the two colours between which all others are interpolated."""
+    """Return a pattern in the two colours between which all others are interpolated."""
     n_pixels = LARGE_TILE_PIXELS if texture in _LARGE else TILE_PIXELS
+    # A checksum as the seed: Python's own hash differs from run to run.
     canvas = Canvas(n_pixels, zlib.crc32(texture.encode()))
     black = PATTERNS[texture](canvas, np.zeros(3, dtype=np.float32))
     canvas.rewind()
@@ -66,7 +68,12 @@ def _in_black_and_white(texture: str) -> tuple[np.ndarray, np.ndarray]:
 
 
 def coarser(picture: UInt8[np.ndarray, "n n 3"], factor: int) -> UInt8[np.ndarray, "m m 3"]:
-    """Tile with fewer pixels, each the mean of a square of the original's."""
+    """Return a tile with fewer pixels, each the mean of a square of the original's.
+
+    Args:
+        picture: Tile of n by n pixels.
+        factor: Divisor of n, by which the tile shrinks.
+    """
     n = picture.shape[0] // factor
     squares = picture.reshape(n, factor, n, factor, 3)
     return (squares.mean(axis=(1, 3)) + 0.5).astype(np.uint8)

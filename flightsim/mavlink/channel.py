@@ -1,4 +1,9 @@
-"""State of a conversation with one partner: received and outgoing bytes, and limits on both."""
+"""State of a conversation with one partner: received and outgoing bytes, and limits on both.
+
+Every partner has its own sequence numbers, MAVLink version and budget of messages. A partner that
+sends too much therefore loses its own messages and delays nobody else. Over TCP the excess stays in
+the kernel's buffer, which slows the sender down; datagrams beyond the budget are discarded.
+"""
 
 from __future__ import annotations
 
@@ -12,19 +17,17 @@ from flightsim.mavlink.streaming import FRAMED, ONE_BY_ONE, WAITS
 from flightsim.mavlink.streams import Profile
 
 Clock = Callable[[], float]
-"""Seconds for protocol timeouts: wall time behind a socket, simulated time in lockstep."""
+"""Clock of protocol timeouts in s: wall time behind a socket, simulated time in lockstep."""
 
 # A ground station sends 1 to 100 messages per second, a mission upload one per round trip.
-_REFILL_PER_TICK = 20
+_REFILL_PER_TICK = 20  # messages that a partner may send on average: 1,000 in a simulated second
 _BURST = 200
+# A stream is read no further while so much of it waits to be parsed.
 _STREAM_BACKLOG_BYTES = 16_384
 
 
 class Channel:
-    """One partner: a UDP address, a TCP connection, a serial line or the in-process client.
-
-    Every partner has its own sequence numbers, MAVLink version and budget.
-    """
+    """One partner: a UDP address, a TCP connection, a serial line or the in-process client."""
 
     def __init__(
         self,
@@ -45,8 +48,8 @@ class Channel:
             write: Sends frames to it.
             profile: Default stream rates.
             clock: Clock of protocol timeouts.
-            is_datagram: Whether no frame continues in the bytes that come next.
-            is_local: Whether nobody but this machine sees what passes.
+            is_datagram: True if no frame continues in the bytes that come next.
+            is_local: True if only this machine sees the messages.
             signing: Signs and checks signatures, once it has a key; None never does.
             link_id: Number of the link in signatures.
         """
@@ -79,26 +82,26 @@ class Channel:
 
     @property
     def is_heard(self) -> bool:
-        """Whether a valid message ever came from this partner."""
+        """True if a valid message ever came from this partner."""
         return self.n_received > 0
 
     @property
     def speaks_version_2(self) -> bool:
-        """Whether the last valid message was one of MAVLink 2."""
+        """True if the last valid message was one of MAVLink 2."""
         return self.is_heard and not self._parser.is_version_1
 
     @property
     def knows_components(self) -> bool:
-        """Whether the partner tells components apart: it speaks MAVLink 2, and is one itself.
+        """True if the partner tells components apart: it speaks MAVLink 2, and is one itself.
 
         Others, such as scripts with pymavlink's defaults, take any heartbeat for the autopilot's.
         """
         return self.speaks_version_2 and self._parser.component_id != 0
 
     def as_component(self, component_id: int) -> Channel:
-        """The same partner for another component of the vehicle, which numbers its own frames.
+        """Return the same partner for another component, which numbers its own frames.
 
-        What is sent there leaves when this channel is flushed.
+        Frames that are sent there leave when this channel is flushed.
         """
         if component_id == self.component_id:
             return self
@@ -115,13 +118,14 @@ class Channel:
                 link_id=self._link_id,
             )
             other.system_id, other.component_id = self.system_id, component_id
+            # One partner has one byte stream in each direction, whichever component speaks.
             other._parser, other._outbox = self._parser, self._outbox
             self._others[component_id] = other
         return other
 
     @property
     def is_crowded(self) -> bool:
-        """Whether the transport lags behind: what nobody waits for is held until it does not."""
+        """True if the transport lags behind: streams are held until it catches up."""
         return self._outbox.is_crowded
 
     @is_crowded.setter
@@ -130,7 +134,7 @@ class Channel:
 
     @property
     def way(self) -> int:
-        """How streams serve the partner now: plain frames are of MAVLink 2 and not signed."""
+        """How streams serve the partner now: waiting, frame by frame, or framed by the kernel."""
         if self._outbox.is_crowded:
             return WAITS
         signing = self._signing
@@ -139,7 +143,7 @@ class Channel:
 
     @property
     def has_room(self) -> bool:
-        """Whether the channel accepts more bytes; the excess of a stream stays in the kernel."""
+        """True if more bytes are accepted; a stream's excess stays in the system's buffer."""
         return self._parser.n_buffered < _STREAM_BACKLOG_BYTES
 
     def lengthen_datagrams(self) -> None:
@@ -148,13 +152,14 @@ class Channel:
             self._outbox.most_bytes = LONG_LOCAL_BYTES if self.is_local else LONG_BYTES
 
     def keep_datagrams_short(self) -> None:
-        """Send datagrams from now on that a partner reads whole which reads little at a time."""
+        """Send short datagrams from now on, for a partner that reads little of each."""
         if not self._reads_little:
             self.flush()
             self._reads_little, self._outbox.most_bytes = True, SHORT_BYTES
 
     def receive(self, data: bytes) -> None:
         """Accept bytes from the partner; datagrams beyond its budget are discarded unread."""
+        # Unread: parsing would already cost what the budget is there to limit.
         if self._is_datagram and self._budget <= 0:
             self.n_refused_bytes += len(data)
             return
@@ -163,7 +168,7 @@ class Channel:
             self._collect()
 
     def take_messages(self) -> list[Message]:
-        """Messages since the last call, up to the partner's budget; call once per tick."""
+        """Return the messages since the last call, up to the budget; call it once per tick."""
         if not self._is_datagram:
             self._collect()
         if self._budget < _BURST:
@@ -174,7 +179,7 @@ class Channel:
         return messages
 
     def put_back(self, messages: Sequence[Message]) -> None:
-        """Return messages that are to be taken later, before all that come after them."""
+        """Return messages to the inbox, before all that come after them, to be taken later."""
         self._inbox = [*messages, *self._inbox]
 
     def _collect(self) -> None:
@@ -182,7 +187,12 @@ class Channel:
         self._inbox += messages
 
     def send(self, layout: Layout, payload: bytes) -> None:
-        """Queue a message, in the partner's version of MAVLink, for the next flush."""
+        """Queue a message for the next flush, which does not wait for others.
+
+        Args:
+            layout: Layout of the message.
+            payload: Its content, packed; the partner's version of MAVLink decides on the frame.
+        """
         self.stream_one(layout, payload)
         self._outbox.is_awaited = True
 
@@ -201,25 +211,39 @@ class Channel:
         return self._signing is not None and self._signing.key is not None
 
     def stream_one(self, layout: Layout, payload: bytes) -> None:
-        """Queue a message like `send`, but one that may wait to share a datagram with others."""
+        """Queue a message like `send`, but one that may wait to share a datagram with others.
+
+        Args:
+            layout: Layout of the message; one that MAVLink 1 cannot carry is dropped for such a
+                partner.
+            payload: Its content, packed.
+        """
+        # The one frame of a signed or MAVLink 1 partner is built here; the kernel builds plain
+        # ones.
         numbers = (self.sequence, self.system_id, self.component_id)
         if self._signs:
             frame = self._signed(layout, payload, numbers)
         else:
             build = layout.frame_v1 if self._parser.is_version_1 else layout.frame_v2
             frame = build(payload, *numbers)
+        # Empty for a message that MAVLink 1 cannot carry: its number is not used up.
         if frame:
             self.sequence = (self.sequence + 1) & 0xFF
             self._outbox.put(frame)
 
     def forward(self, message: Message) -> None:
-        """Queue a message of somebody else, as it came if the partner can read it so."""
+        """Queue a message of another system, unchanged if the partner can read it so.
+
+        Only its checksum and framing may change: sender and sequence stay, so that the receiver
+        still sees losses on the way.
+        """
         frame = bytes(message.get_msgbuf())
         is_version_2 = frame[0] == MARKER_V2
         payload = frame[10 : 10 + frame[1]] if is_version_2 else frame[6 : 6 + frame[1]]
         layout = LAYOUTS[message.get_type()]
         numbers = (message.get_seq(), message.get_srcSystem(), message.get_srcComponent())
         if self._signs:
+            # A signed frame keeps its signature: the sender's key may be the partner's as well.
             if not (is_version_2 and frame[2] & SIGNED_FLAG):
                 frame = self._signed(layout, payload, numbers)
         elif is_version_2 and self._parser.is_version_1:
@@ -238,8 +262,8 @@ class Channel:
 
     @property
     def can_wait(self) -> bool:
-        """Whether what is queued may wait for its burst: only datagrams of streams may.
+        """True if the queue may wait for its burst: only datagrams of streams may.
 
-        What has no datagrams cannot: it goes on where the last bytes ended.
+        A byte stream cannot: its next bytes go on where the last ones ended.
         """
         return self._outbox.can_wait

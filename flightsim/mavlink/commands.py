@@ -1,7 +1,8 @@
-"""Command protocol: executes COMMAND_LONG and COMMAND_INT and acknowledges every one.
+"""Command protocol: executes COMMAND_LONG and COMMAND_INT, and acknowledges every one.
 
-https://mavlink.io/en/services/command.html; the handlers are in `flight_commands.py` and
-`message_commands.py`.
+https://mavlink.io/en/services/command.html. Handlers are in the `*_commands.py` modules, by
+subject. Both messages become one `Command`, so that no handler asks which one came. A command
+without an answer would cost a client its whole timeout, so unknown ones are acknowledged too.
 """
 
 from __future__ import annotations
@@ -28,14 +29,14 @@ RESULTS = {
     CommandResult.FAILED: mav.MAV_RESULT_FAILED,
     CommandResult.IN_PROGRESS: mav.MAV_RESULT_IN_PROGRESS,
 }
-"""Value of MAV_RESULT of each outcome."""
+"""Value of MAV_RESULT for each outcome."""
 _PROGRESS_UNKNOWN = 255
 UNSUPPORTED = Reply(CommandResult.UNSUPPORTED)
 
 
 @dataclass(frozen=True, slots=True)
 class Order:
-    """A command's number and parameters, of a message or a mission item; NaN is "not given"."""
+    """Number and parameters of a command, from a message or a mission item; NaN is "not given"."""
 
     number: int
     """Value of MAV_CMD."""
@@ -52,17 +53,17 @@ class Order:
     z: float
     """Parameter 7; altitude if it is a place."""
     sender: tuple[int, int]
-    """System and component id of who gives it."""
+    """System and component id of the sender."""
     param5: float
-    """Parameter 5 where it is a number and no place, whichever message carries it."""
+    """Parameter 5 if it is a number and no place, whichever message carries it."""
 
     @property
     def is_here(self) -> bool:
-        """Whether the command names no horizontal place; clients without NaN send (0, 0)."""
+        """True if the command names no horizontal place; clients without NaN send (0, 0)."""
         return math.isnan(self.x) or math.isnan(self.y) or (self.x == 0.0 and self.y == 0.0)
 
     def place_fault(self) -> str | None:
-        """Description of an invalid place, or None if it is valid."""
+        """Return the description of an invalid place, or None if the place is valid."""
         if self.frame not in GEODETIC_FRAMES:
             return f"frame {self.frame} is no global one; valid are 0, 3, 5, 6, 10, 11"
         if not self.is_here and not (abs(self.x) <= 90.0 and abs(self.y) <= 180.0):
@@ -72,19 +73,24 @@ class Order:
         return None
 
     def altitude_amsl_m(self, home_altitude_m: float) -> float:
-        """Altitude above mean sea level; NaN if not given. Terrain counts as the height of home."""
+        """Return the altitude above mean sea level, m; NaN if not given.
+
+        Args:
+            home_altitude_m: Altitude of home above mean sea level. Terrain counts as the height of
+                home.
+        """
         return self.z if self.frame in FRAME_GLOBAL else self.z + home_altitude_m
 
 
 @dataclass(frozen=True, slots=True)
 class Command(Order):
-    """An order that a client gave, who waits for its acknowledgement."""
+    """An order from a client that waits for its acknowledgement."""
 
     channel: Channel
 
 
 Executor = Callable[[Command], Reply | None]
-"""Carries out a command; None says that it will be acknowledged later."""
+"""Carries out a command; None means that the acknowledgement comes later."""
 
 
 class CommandService:
@@ -103,6 +109,7 @@ class CommandService:
         self._execute(Command(m.command, 0, *values, _sender(m), m.param5, channel))
 
     def _on_int(self, channel: Channel, m: Message) -> None:
+        # The same integers serve places and plain numbers; `param5` keeps the plain one.
         x, y = (coordinate_from_int(value, m.frame) for value in (m.x, m.y))
         values = (m.param1, m.param2, m.param3, m.param4, x, y, m.z)
         self._execute(Command(m.command, m.frame, *values, _sender(m), float(m.x), channel))
@@ -111,6 +118,7 @@ class CommandService:
         executor = self._executors.get(command.number)
         if executor is None:
             reply = UNSUPPORTED
+        # NaN means "not given", but infinity would pass range checks and spread through the state.
         elif any(map(math.isinf, _values(command))):
             reply = denied("a parameter is infinite")
         else:
@@ -143,7 +151,12 @@ def _sender(message: Message) -> tuple[int, int]:
 
 
 def explanation(request: str, reply: Reply) -> str:
-    """Line that says why a request was refused, by its name."""
+    """Return a line for people that says why a request was refused.
+
+    Args:
+        request: Name of the request, such as Takeoff.
+        reply: Result, with the autopilot's reason.
+    """
     if " denied: " in reply.reason:  # the autopilot itself announces what it denies
         return reply.reason[0].upper() + reply.reason[1:]
     return f"{request} {reply.result.value}: {reply.reason}"
@@ -154,14 +167,19 @@ def _values(c: Order) -> tuple[float, ...]:
 
 
 def given(value: float) -> float | None:
-    """The value, or None for NaN."""
+    """Return the value, or None for NaN."""
     return None if math.isnan(value) else value
 
 
 def choice(value: float, default: int | None = None) -> int | None:
-    """The whole number in a parameter that selects an option; None if it is not whole.
+    """Return the whole number in a parameter that selects an option.
 
-    NaN, "not given", yields the default.
+    Args:
+        value: The parameter.
+        default: Result for NaN, "not given".
+
+    Returns:
+        None if the value is not whole.
     """
     if math.isnan(value):
         return default

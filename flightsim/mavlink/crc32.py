@@ -8,5 +8,10 @@ _INVERTED = 0xFFFFFFFF
 
 
 def crc32(data: bytes | bytearray, before: int = 0) -> int:
-    """Checksum of data, or of what came before and the data."""
+    """Return the checksum of data.
+
+    Args:
+        data: The bytes.
+        before: Checksum of the bytes before them, to continue it.
+    """
     return zlib.crc32(data, before ^ _INVERTED) ^ _INVERTED

@@ -20,7 +20,7 @@ from flightsim.mavlink.supplement import SUPPLEMENT, SupplementaryMessage
 MARKER_V2 = 0xFD
 SIGNED_FLAG = 0x01
 """Flag of a MAVLink 2 frame that a signature follows."""
-_V1_IDS = 256
+_V1_IDS = 256  # messages with greater ids exist in MAVLink 2 only
 
 _Range = tuple[float, float]
 _FLOAT32_MAX = 3.4028234663852886e38
@@ -33,12 +33,13 @@ _RANGES: Mapping[str, _Range] = {
     },
     **{letter: (0, (1 << bits) - 1) for letter, bits in zip("BHIQ", (8, 16, 32, 64), strict=True)},
 }
-"""Least and greatest number of each letter of a struct format."""
+"""Least and greatest number for each letter of a struct format."""
 
 _HEADER_V2 = struct.Struct("<6B3s")
 """Length, two bytes of flags, sequence, system, component and message, behind the marker."""
 _HEADER_END = 1 + _HEADER_V2.size
 _CHECKSUM = struct.Struct("<H")
+# pymavlink has the fast checksum only where the package `fastcrc` is installed.
 _crc16: Callable[[bytes], int] = dialect.mcrf4xx or (lambda data: dialect.x25crc(data).crc)
 
 
@@ -86,13 +87,16 @@ class Layout:
         self.pack: Callable[..., bytes] = self._struct.pack
         """Pack a payload from all values in wire order, arrays spread out.
 
-        It raises `struct.error` or `OverflowError` where a number does not fit into its field.
+        It raises `struct.error` or `OverflowError` if a number does not fit into its field.
         """
 
     def encode(self, **values: Any) -> bytes:
         """Pack a payload from named values; other fields are zero, text may be `str` or `bytes`.
 
         A number beyond the range of its field is sent as the end of that range.
+
+        Raises:
+            LayoutError: If the message has no such field, or an array is too long.
         """
         flat = list(self._defaults)
         for field, value in values.items():
@@ -103,6 +107,7 @@ class Layout:
                 flat[place] = value.encode() if isinstance(value, str) else value
             else:
                 flat[place] = _filled(value, place.stop - place.start)
+        # Most values fit. Clamping each one beforehand would cost every message.
         try:
             return self._struct.pack(*flat)
         except (struct.error, OverflowError):
@@ -117,16 +122,29 @@ class Layout:
     def frame_v2(
         self, payload: bytes, sequence: int, system_id: int, component_id: int, flags: int = 0
     ) -> bytes:
-        """Build a MAVLink 2 frame; trailing zeros of the payload are cut as the protocol allows."""
+        """Build a MAVLink 2 frame; trailing zeros of the payload are cut as the protocol allows.
+
+        Args:
+            payload: Content of the message, packed.
+            sequence: Number of the frame, 0 to 255, by which a receiver counts losses.
+            system_id: System id of the sender.
+            component_id: Component id of the sender.
+            flags: Incompatibility flags; 1 announces a signature, which the caller appends.
+        """
+        # One byte must stay, even if all are zero.
         payload = payload.rstrip(b"\0") or b"\0"
         ids = (sequence, system_id, component_id, self._id_v2)
         body = _HEADER_V2.pack(len(payload), flags, 0, *ids) + payload
         return b"\xfd" + body + _CHECKSUM.pack(_crc16(body + self.crc_seed))
 
     def payload_v2(self, data: bytes) -> bytes | None:
-        """Payload of an unsigned MAVLink 2 frame, with the zeros that were cut from its end.
+        """Return the payload of an unsigned MAVLink 2 frame, with its cut zeros restored.
 
-        None where the bytes are anything but one whole frame of this message.
+        Args:
+            data: Bytes of the frame.
+
+        Returns:
+            None if the bytes are anything but one whole frame of this message.
         """
         end = len(data) - _CHECKSUM.size
         if end < _HEADER_END or (data[0], data[1], data[2]) != (MARKER_V2, end - _HEADER_END, 0):
@@ -138,17 +156,28 @@ class Layout:
         return data[_HEADER_END:end].ljust(self.size, b"\0")[: self.size]
 
     def frame_v1(self, payload: bytes, sequence: int, system_id: int, component_id: int) -> bytes:
-        """Build a MAVLink 1 frame without extension fields; empty for ids above 255."""
+        """Build a MAVLink 1 frame without extension fields.
+
+        Args:
+            payload: Content of the message, packed; it may be cut short or have extensions.
+            sequence: Number of the frame, 0 to 255.
+            system_id: System id of the sender.
+            component_id: Component id of the sender.
+
+        Returns:
+            The frame; empty for message ids above 255, which MAVLink 1 has no room for.
+        """
         if self.message_id >= _V1_IDS:
             return b""
         payload = payload[: self.base_size].ljust(self.base_size, b"\0")
         header = bytes((len(payload), sequence, system_id, component_id, self.message_id))
         body = header + payload
+        # Markers: 0xFE begins a MAVLink 1 frame, 0xFD one of MAVLink 2.
         return b"\xfe" + body + _crc16(body + self.crc_seed).to_bytes(2, "little")
 
 
 def number_range(letter: str) -> tuple[float, float]:
-    """Least and greatest number of a letter of a struct format."""
+    """Return the least and the greatest number of a letter of a struct format."""
     return _RANGES[letter]
 
 
@@ -159,6 +188,7 @@ def _letters(wire_format: str) -> str:
 
 
 def _clamped(value: Any, letter: str) -> Any:
+    # NaN and infinity have a place in a float field; comparing them would destroy them.
     if letter == "s" or value != value or abs(value) == math.inf:  # noqa: PLR0124 - NaN
         return value
     least, most = _RANGES[letter]
@@ -172,7 +202,7 @@ def _size_without_last(wire_format: str, n_fields: int) -> int:
 
 
 def _places(defaults: Sequence[Any], lengths: Sequence[int]) -> Iterator[int | slice]:
-    """Where each field is among the values: an index of a number or a text, a slice of an array."""
+    """Yield the place of each field among the values: an index, or a slice of an array."""
     start = 0
     for length in lengths:
         is_array = length > 1 and not isinstance(defaults[start], bytes)
@@ -182,7 +212,7 @@ def _places(defaults: Sequence[Any], lengths: Sequence[int]) -> Iterator[int | s
 
 
 def _filled(values: Sequence[Any], length: int) -> Sequence[Any]:
-    """An array, with zeros at its end where it is too short."""
+    """Return an array, filled up with zeros at its end."""
     if len(values) > length:
         raise LayoutError(f"an array of {len(values)} values does not fit into {length}")
     return (*values, *([0] * (length - len(values))))
@@ -190,7 +220,7 @@ def _filled(values: Sequence[Any], length: int) -> Sequence[Any]:
 
 def _layout_of(message_class: Any) -> Layout:
     is_ours = issubclass(message_class, SupplementaryMessage)
-    # pymavlink's constructors have defaults for extension fields only.
+    # pymavlink's constructors have defaults for extension fields only
     defaults = message_class.__init__.__defaults__ or ()
     return Layout(
         message_class.msgname,
@@ -203,6 +233,7 @@ def _layout_of(message_class: Any) -> Layout:
     )
 
 
+# Messages that pymavlink's dialect lacks become known to its parser as well.
 dialect.mavlink_map.update({message.id: message for message in SUPPLEMENT})
 
 LAYOUTS: Mapping[str, Layout] = {
@@ -213,11 +244,12 @@ MESSAGE_NAMES: Mapping[int, str] = {layout.message_id: name for name, layout in 
 
 
 def layout(name: str, *wire_order: str) -> Layout:
-    """Layout of a message; state the wire order where values are packed by position.
+    """Return the layout of a message; state the wire order if values are packed by position.
 
     Args:
         name: Message name, such as "ATTITUDE".
-        wire_order: All its fields in wire order, or none.
+        wire_order: All its fields in wire order, or none. A dialect that changes their order then
+            fails at import, not in flight.
 
     Raises:
         UnknownMessageError: If the dialect has no such message.

@@ -32,11 +32,11 @@ _LINK_FAILURES = frozenset({Failure.NONE, Failure.OFF})
 _ANY = frozenset(Failure)
 _ALL = 0
 Unit = tuple[frozenset[Failure], Callable[[Failure], None]]
-"""Kinds of failure of a part, and what lets it fail."""
+"""Kinds of failure that a part can have, and the function that makes it fail."""
 
 
 class FailureCommands:
-    """Executes MAV_CMD_INJECT_FAILURE where SYS_FAILURE_EN allows it, as in PX4."""
+    """Executes MAV_CMD_INJECT_FAILURE if SYS_FAILURE_EN allows it, as in PX4."""
 
     def __init__(self, view: VehicleView, statustext: StatustextSender) -> None:
         self._view = view
@@ -45,7 +45,7 @@ class FailureCommands:
         self.executors: Mapping[int, Executor] = {mav.MAV_CMD_INJECT_FAILURE: self._inject}
 
     def _parts(self) -> Mapping[int, tuple[str, tuple[Unit, ...]]]:
-        """Name and instances of each FAILURE_UNIT that the vehicle has."""
+        """Return name and instances of each FAILURE_UNIT that the vehicle has."""
         plant, autopilot = self._view.plant, self._view.autopilot
         motors = plant.world.airframe.motors
         return {
@@ -83,9 +83,12 @@ class FailureCommands:
             return UNSUPPORTED
         name, instances = self._units[unit]
         failure = Failure(kind)
+        # Instances count from 1; 0 means all.
         if instance is None or not _ALL <= instance <= len(instances):
             return denied(f"instance {c.param3:g}; valid are 0 (all) to {len(instances)}")
         chosen = instances if instance == _ALL else instances[instance - 1 : instance]
+        # Checked for all chosen instances before the first fails, so that a refusal changes
+        # nothing.
         if any(failure not in kinds for kinds, _ in chosen):
             return UNSUPPORTED
         for _, fail in chosen:

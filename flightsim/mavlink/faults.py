@@ -1,4 +1,4 @@
-"""Faults of our own in answering a client: each is counted and told once, none ends the flight."""
+"""Errors of this program in answering a client: counted and reported, and none ends the flight."""
 
 from __future__ import annotations
 
@@ -7,23 +7,27 @@ from pathlib import PurePath
 from types import TracebackType
 
 _MOST_TOLD = 64
-"""Ways to a fault that are told; a program has few, and no client can make this grow."""
+"""Most distinct faults that are reported. A program has few, and no client can make this grow."""
 
 
 class Faults:
-    """Context that ends what is done for one client where it fails, and nothing else.
+    """Context that ends only the piece of work in which it fails.
 
-    The same object guards one piece of work after the other: a message, a stream, a transfer. What
-    it catches is an error of this program, for input that is merely wrong is refused before.
+    The same object guards one piece of work after the other: a message, a stream, a transfer. It
+    catches errors of this program, because merely wrong input is refused before.
 
     Attributes:
         n_caught: Number of pieces of work that failed.
-        last: The latest of them in one line; None if there was none.
-        has_failed: Whether the latest piece of work failed.
+        last: The latest error in one line; None if there was none.
+        has_failed: True if the latest piece of work failed.
     """
 
     def __init__(self, tell: Callable[[str], None]) -> None:
-        """Guard work from now on; `tell` gets one line for each way in which the program fails."""
+        """Guard work from now on.
+
+        Args:
+            tell: Gets one line for each distinct fault.
+        """
         self.n_caught = 0
         self.last: str | None = None
         self.has_failed = False
@@ -31,7 +35,7 @@ class Faults:
         self._told: set[tuple[int, ...]] = set()
 
     def attempt(self, work: Callable[[], None]) -> None:
-        """Do a piece of work, guarded like any other; for what is done in each tick."""
+        """Do a piece of work, guarded like any other; for work of each tick."""
         try:
             work()
         except Exception as error:  # noqa: BLE001 - whatever it is, the flight goes on
@@ -46,6 +50,7 @@ class Faults:
         error: BaseException | None,
         _trace: TracebackType | None,
     ) -> bool:
+        # Interrupts and exits are no errors: they must end the run.
         if not isinstance(error, Exception):
             return False
         self._catch(error)
@@ -54,6 +59,7 @@ class Faults:
     def _catch(self, error: Exception) -> None:
         self.has_failed = True
         self.n_caught += 1
+        # The line numbers of the whole trace name the fault: the same line may fail by two callers.
         lines, file, trace = [], "", error.__traceback__
         while trace is not None:
             lines.append(trace.tb_lineno)

@@ -1,4 +1,4 @@
-"""File transfer: a small tree of the vehicle's own to read, in which there is nothing of the host.
+"""File transfer: a small read-only tree of the vehicle's own, with no file of the host in it.
 
 https://mavlink.io/en/services/ftp.html. Files are bytes in memory, found by their whole path, so
 that no path leads out. A well-formed refusal matters: MAVProxy waits 11 s after one that it cannot
@@ -17,19 +17,19 @@ from flightsim.mavlink.parsing import Message
 from flightsim.mavlink.service import Handler, send
 
 Tree = Callable[[], Mapping[str, bytes | bytearray]]
-"""Finds the files: bytes by path, such as `log/0.ulg`; they may grow, and none is copied whole."""
+"""Finds the files: bytes by path, such as `log/0.ulg`. Files may grow, and none is copied whole."""
 
 _HEADER = struct.Struct("<HBBBBBxI")
 """Sequence, session, opcode, size, request, burst complete, padding, offset; the data follow."""
-_DATA_BYTES = 239
+_DATA_BYTES = 239  # what a payload of 251 bytes leaves beside the header
 _NONE, _TERMINATE, _RESET, _LIST, _OPEN, _READ, _CRC, _BURST = 0, 1, 2, 3, 4, 5, 14, 15
 _WRITES = frozenset(range(6, 14))
 _ACK, _NAK = 128, 129
 _INVALID_SESSION, _NO_SESSION, _END_OF_FILE = 4, 5, 6
 _UNKNOWN_COMMAND, _PROTECTED, _NOT_FOUND = 7, 9, 10
 _MOST_SESSIONS = 8
-"""Files that a partner may have open at a time."""
-_CHUNKS_PER_TICK = 8
+"""Most files that a partner may have open at a time."""
+_CHUNKS_PER_TICK = 8  # so that a burst shares the link with telemetry
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,13 +46,13 @@ class _Request:
 
     @property
     def path(self) -> str:
-        """Path in the data, without slashes around it."""
+        """Path in the data, without slashes and dots around it."""
         return self.data.split(b"\0")[0].decode("utf-8", "replace").strip("/.")
 
 
 @dataclass
 class _Burst:
-    """What is left of a file to be sent unasked."""
+    """The rest of a file that is sent without further requests."""
 
     request: _Request
     sequence: int
@@ -61,7 +61,7 @@ class _Burst:
 
 @dataclass
 class _Session:
-    """A file that a partner reads, as long as it was when it was opened."""
+    """A file that a partner reads, with the size that it had when it was opened."""
 
     data: bytes | bytearray
     size: int
@@ -69,7 +69,7 @@ class _Session:
 
 
 class FtpError(Exception):
-    """A request is refused; the number is the protocol's."""
+    """A request is refused; `code` is the protocol's error number."""
 
     def __init__(self, code: int) -> None:
         super().__init__(f"refused with error {code}")
@@ -79,8 +79,8 @@ class FtpError(Exception):
 class FileService:
     """Answers requests to list and read.
 
-    A session has the number with which the client opened it, as ArduPilot has it, and clients may
-    begin the next before they end one.
+    A session has the number with which the client opened it, as in ArduPilot. Clients may begin the
+    next session before they end one.
     """
 
     def __init__(self, tree: Tree) -> None:
@@ -94,7 +94,7 @@ class FileService:
         return self._sessions
 
     def update(self, channel: Channel) -> None:
-        """Go on with what a partner reads in bursts."""
+        """Continue the bursts of a partner, by at most 8 chunks a tick for each file."""
         for session in self._sessions[channel].values():
             for _ in range(_CHUNKS_PER_TICK):
                 burst = session.burst
@@ -128,6 +128,7 @@ class FileService:
             data=payload[_HEADER.size : _HEADER.size + min(size, _DATA_BYTES)],
         )
         session = self._sessions.get(channel, {}).get(request.session)
+        # Any request in a session ends its burst: the client has changed its mind.
         if session is not None:
             session.burst = None
         try:
@@ -139,7 +140,7 @@ class FileService:
             _send(channel, request, _ACK, data, offset)
 
     def _answer(self, channel: Channel, request: _Request) -> bytes | None:
-        """Data of the answer; None if it comes in a burst.
+        """Return the data of the answer; None if it comes in a burst.
 
         Raises:
             FtpError: If the request is refused.
@@ -172,6 +173,7 @@ class FileService:
         if request.offset >= session.size:
             raise FtpError(_END_OF_FILE)
         if request.opcode == _BURST:
+            # Answers carry the number of the request plus one; each chunk of a burst counts on.
             session.burst = _Burst(request, request.sequence + 1, request.offset)
             return None
         end = min(request.offset + _chunk_bytes(request), session.size)
@@ -190,13 +192,13 @@ class FileService:
             self.forget(channel)
 
     def _file(self, path: str) -> bytes | bytearray:
-        data = self._tree().get(path.partition("?")[0])  # ArduPilot's stations add wishes.
+        data = self._tree().get(path.partition("?")[0])  # ArduPilot's stations append options
         if data is None:
             raise FtpError(_NOT_FOUND)
         return data
 
     def _list(self, request: _Request) -> bytes:
-        """Entries of a directory from the one that the offset counts, as many as fit."""
+        """Return entries of a directory from the one that the offset counts, as many as fit."""
         prefix = f"{request.path}/" if request.path else ""
         below = {
             path[len(prefix) :]: data
@@ -206,6 +208,7 @@ class FileService:
         if prefix and not below:
             raise FtpError(_NOT_FOUND)
         entries = sorted(
+            # A set: a directory appears once, however many files are below it.
             {
                 f"D{name.split('/', 1)[0]}" if "/" in name else f"F{name}\t{len(data)}"
                 for name, data in below.items()

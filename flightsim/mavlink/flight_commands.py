@@ -18,24 +18,30 @@ from flightsim.mavlink.mode_report import ModeReport
 from flightsim.mavlink.personalities import Personality
 from flightsim.mavlink.view import VehicleView
 
+# Bits of the base mode, and of parameter 2 of DO_REPOSITION.
 _CUSTOM_MODE_FLAG = 1
 _CHANGE_MODE_FLAG = 1
 _FORCE = 21196
-"""Parameter 2 of arm/disarm that skips the checks."""
+"""Value of parameter 2 of arm/disarm that skips the checks."""
 _AIR_SPEED, _GROUND_SPEED = 0, 1
 _NO_CHANGE, _DEFAULT_SPEED = -1.0, -2.0
-_RESET_PARAMETERS = 2
+_RESET_PARAMETERS = 2  # parameter 1 of PREFLIGHT_STORAGE
 _MAX_MODE_PART = 0xFF
 _PRECISIONS = frozenset(Precision)
 
 
 def _yaw_of_degrees(heading_deg: float) -> float | None:
-    """ENU yaw of a heading in degrees; None for NaN."""
+    """Return the ENU yaw of a heading in degrees; None for NaN."""
     return None if math.isnan(heading_deg) else swap_yaw_enu_ned(math.radians(heading_deg))
 
 
 class FlightCommands:
-    """Executes flight commands by calling the autopilot."""
+    """Executes flight commands by calling the autopilot.
+
+    Each handler converts units and frames, checks the values that only MAVLink knows, and leaves
+    every other decision to the autopilot, so that clients of both personalities meet the same
+    vehicle.
+    """
 
     def __init__(self, view: VehicleView, personality: Personality, modes: ModeReport) -> None:
         self._view = view
@@ -70,7 +76,15 @@ class FlightCommands:
             self.executors = {**self.executors, **switch}
 
     def set_custom_mode(self, base_mode: int, custom_mode: int) -> Reply:
-        """Change to the mode with a number of the personality, if the base mode says it is one."""
+        """Change to the mode with a number of the personality.
+
+        Args:
+            base_mode: Base mode of the request; its flag 1 says that the number is a custom mode.
+            custom_mode: The number.
+
+        Returns:
+            The reply; denied without the flag or if there is no such mode.
+        """
         if not base_mode & _CUSTOM_MODE_FLAG:
             return denied(f"base mode {base_mode} has no custom mode flag (1)")
         entry = self._personality.selectable(custom_mode)
@@ -78,6 +92,7 @@ class FlightCommands:
             reply = denied(f"custom mode {custom_mode:#x} does not exist")
         else:
             reply = self._modes.choose(entry)
+        # ArduPilot's refusal of SET_MODE is FAILED, whatever the reason.
         if self._personality.acknowledges_set_mode and not reply.is_accepted:
             return Reply(CommandResult.FAILED, reply.reason)
         return reply
@@ -143,6 +158,7 @@ class FlightCommands:
         if fault:
             return denied(fault)
         altitude_m = c.altitude_amsl_m(self._view.home_altitude_m)
+        # ArduPilot's takeoff counts from home whatever the frame says, and needs an armed vehicle.
         if self._personality.takes_off_above_home:
             if not self._autopilot.is_armed:
                 return Reply(CommandResult.FAILED, "takeoff denied: not armed")
@@ -191,6 +207,7 @@ class FlightCommands:
             return denied(f"frame {c.param2:g}; valid are 0, 3, 5, 6")
         if not abs(c.param1) <= 1e5:
             return denied(f"altitude {c.param1:g} m; valid are -100000 to 100000")
+        # Frames 5 and 6 are the integer variants of 0 (above the sea) and 3 (above home).
         is_amsl = frame in {0, 5}
         altitude_m = c.param1 + (0.0 if is_amsl else self._view.home_altitude_m)
         return self._autopilot.goto(Geodetic(math.nan, math.nan, altitude_m))
@@ -214,11 +231,11 @@ class FlightCommands:
         return self._autopilot.set_home(self._place(c))
 
     def _yaw_told(self, c: Command) -> float | None:
-        """Heading of a takeoff or landing; None keeps the present one."""
+        """Heading of a takeoff or landing, rad ENU; None keeps the present one."""
         return _yaw_of_degrees(c.param4) if self._personality.turns_as_told else None
 
     def _place(self, c: Command) -> Geodetic:
-        """Place of a command; NaN means "keep"."""
+        """Place of a command; NaN keeps the vehicle's coordinate."""
         altitude_m = c.altitude_amsl_m(self._view.home_altitude_m)
         if c.is_here:
             return Geodetic(math.nan, math.nan, altitude_m)
@@ -238,6 +255,7 @@ class FlightCommands:
 
     def _change_speed(self, c: Command) -> Reply:
         if choice(c.param1) not in {_AIR_SPEED, _GROUND_SPEED}:
+            # Air speed is flown as ground speed: the vehicle has no use for the difference.
             return denied(f"speed type {c.param1:g}; valid are 0 and 1")
         if math.isnan(c.param2) or c.param2 == _NO_CHANGE:
             return ACCEPTED
@@ -258,6 +276,7 @@ class FlightCommands:
             first, last = self._index(first), self._index(last)
         if first is None or last is None or not 0 <= first < max(1, n_items):
             return denied(f"items {c.param1:g} to {c.param2:g}; there are {n_items}")
+        # A last item that does not follow the first means none, as 0 does.
         return self._autopilot.start_mission(first, last if last > first else None)
 
     def _start_landing(self, _: Command) -> Reply:
@@ -275,7 +294,7 @@ class FlightCommands:
         return self.set_current_item(index)
 
     def _index(self, sequence: int) -> int:
-        """Index in the mission of an item's number on the wire; home means the first item."""
+        """Return the mission's index of an item's number on the wire; home means the first."""
         n_home_items = self._personality.n_home_items
         return max(0, sequence - n_home_items) if sequence >= 0 else sequence
 

@@ -1,4 +1,4 @@
-"""FOLLOW_TARGET: where the target of follow mode is."""
+"""FOLLOW_TARGET: position and velocity of the target that follow mode follows."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from flightsim.mavlink.parsing import Message
 from flightsim.mavlink.service import Handler
 from flightsim.mavlink.view import VehicleView
 
+# Beyond these the report is a mistake, and the vehicle must not set out for it.
 _FARTHEST_M = 1e5
 _FASTEST_MPS = 100.0
 # Bits of est_capabilities.
@@ -19,7 +20,7 @@ _HAS_POSITION, _HAS_VELOCITY = 1, 2
 class FollowTargetService:
     """Passes the target's reports on; one that is incomplete or out of range is dropped whole.
 
-    Its sender is told.
+    Its sender gets a text with the reason.
     """
 
     def __init__(self, view: VehicleView) -> None:

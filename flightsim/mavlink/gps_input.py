@@ -1,4 +1,8 @@
-"""GPS_INPUT: fixes of a client's receiver, true or forged, instead of the vehicle's own."""
+"""GPS_INPUT: fixes of a client's receiver, true or forged, instead of the vehicle's own.
+
+Tests of spoofing and of receivers in the loop send them. As long as fixes come, they replace the
+simulated receiver; when they end, it returns if the vehicle has one to return to.
+"""
 
 from __future__ import annotations
 
@@ -16,11 +20,11 @@ from flightsim.mavlink.statustext import StatustextSender
 from flightsim.mavlink.view import VehicleView
 from flightsim.plant.outside import Fix, FixSource
 
-_SILENCE_US = 2_000_000
+_SILENCE_US = 2_000_000  # silence after which the client's fixes count as lost
 _FARTHEST_M, _FASTEST_MPS = 1e5, 200.0
-_LEAST_SIGMA = 0.01
+_LEAST_SIGMA = 0.01  # a better accuracy would make the filter follow each fix
 _USUAL_SIGMA_M, _USUAL_SIGMA_MPS = (1.5, 2.5), 0.3
-"""Accuracy of a fix that names none."""
+"""Accuracy of a fix that names none: horizontal, vertical and of the velocity."""
 _NO_HEIGHT = mav.GPS_INPUT_IGNORE_FLAG_ALT
 _NO_VELOCITY = mav.GPS_INPUT_IGNORE_FLAG_VEL_HORIZ | mav.GPS_INPUT_IGNORE_FLAG_VEL_VERT
 _NO_LEVEL_SIGMA = mav.GPS_INPUT_IGNORE_FLAG_HORIZONTAL_ACCURACY
@@ -48,13 +52,14 @@ class GpsInputService:
         self.handlers: Mapping[str, Handler] = {"GPS_INPUT": self._on_fix}
 
     def update(self) -> None:
-        """Notice that no fixes come any more."""
+        """Notice that no fixes come any more, and restore the vehicle's receiver."""
         aids = self._view.plant.outside
         if not self._said or self._view.time_us - self._heard_us <= _SILENCE_US:
             return
         self._said.clear()
         if not aids.is_fed_fixes:
             return
+        # The texts above are forgotten: a stream that comes back is announced again.
         aids.lose_fix()
         if aids.fix_source is FixSource.EITHER:
             aids.end_fixes()
@@ -76,19 +81,21 @@ class GpsInputService:
         aids.feed_fix(fix)
 
     def _say_once(self, text: str) -> None:
-        """Say a text once for a stream of fixes."""
+        """Queue a text once for a stream of fixes."""
         if text not in self._said:
             self._said.add(text)
             self._statustext.say(Severity.WARNING, text)
 
     def _fix(self, m: Message) -> Fix | str:
-        """The fix of a message, or what is wrong with it."""
+        """Return the fix of a message, or the description of its fault."""
         if m.gps_id != 0:
             return f"gps_id = {m.gps_id}; valid is 0, there is one receiver"
         latitude_deg, longitude_deg = 1e-7 * m.lat, 1e-7 * m.lon
         if not (abs(latitude_deg) <= 90.0 and abs(longitude_deg) <= 180.0):
             return f"latitude {latitude_deg:g}, longitude {longitude_deg:g} is off the globe"
         has_height = not m.ignore_flags & _NO_HEIGHT
+        # A fix without a height keeps the present one, with an infinite deviation in
+        # `_with_accuracy`.
         altitude_m = m.alt if has_height else self._view.place.altitude_m
         place = Geodetic(latitude_deg, longitude_deg, altitude_m)
         position_enu_m = self._view.frame.enu_from_geodetic(place)
@@ -120,6 +127,6 @@ class GpsInputService:
 
 
 def _sigma(value: float, usual: float, *, is_ignored: int) -> float:
-    """A standard deviation that a message names, or the usual one."""
+    """Return the standard deviation that a message names, or the usual one."""
     is_given = not is_ignored and math.isfinite(value) and value > 0.0
     return max(value, _LEAST_SIGMA) if is_given else usual

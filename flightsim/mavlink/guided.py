@@ -1,4 +1,8 @@
-"""ArduPilot's guided mode: it flies what it is told without a change of mode."""
+"""ArduPilot's guided mode: it follows setpoints and single items without a change of mode.
+
+PX4 separates hold (a place) from offboard (a stream); ArduPilot has one GUIDED mode for both. This
+module chooses between our two modes by what comes, so that clients of ArduPilot see one mode.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +18,7 @@ from flightsim.mavlink.mode_report import ModeReport
 from flightsim.mavlink.view import VehicleView
 
 _SAME_PLACE_M = 0.01
-"""A stream that repeats one place does not start the flight there anew."""
+"""Distance within which a place counts as repeated: a stream of one place starts one flight."""
 _GUIDED_MODES = frozenset({Mode.HOLD, Mode.TAKEOFF, Mode.OFFBOARD})
 
 
@@ -27,13 +31,13 @@ class GuidedInput:
 
     @property
     def is_guided(self) -> bool:
-        """Whether the vehicle flies, and takes what it is told."""
+        """True if the vehicle flies and follows guided requests."""
         is_flying = self._view.autopilot.landed_state is not LandedState.ON_GROUND
         return is_flying and self._is_ready
 
     @property
     def _is_ready(self) -> bool:
-        """Whether it takes what it is told, or would if it flew."""
+        """True if guided requests are followed, or would be if the vehicle flew."""
         autopilot = self._view.autopilot
         is_chosen = Mode.OFFBOARD in self._modes.entry.also
         return autopilot.is_armed and is_chosen and autopilot.mode in _GUIDED_MODES
@@ -43,8 +47,11 @@ class GuidedInput:
 
         From the ground nothing but an attitude with a climb is followed, as by ArduCopter.
 
+        Args:
+            setpoint: The setpoint.
+
         Returns:
-            Why the setpoint is not followed; None if it is.
+            The reason why the setpoint is not followed; None if it is.
         """
         takes_off = False
         if setpoint.level is ControlLevel.ATTITUDE:
@@ -62,7 +69,15 @@ class GuidedInput:
         return None
 
     def accept_item(self, item: MissionItem, *, is_altitude_only: bool) -> Reply:
-        """Fly to the place of a mission item that is not part of a mission."""
+        """Fly to the place of a mission item that is not part of a mission.
+
+        Args:
+            item: The item.
+            is_altitude_only: True keeps the horizontal place.
+
+        Returns:
+            The reply; rejected unless the vehicle flies in guided mode.
+        """
         if not self.is_guided:
             return rejected("not flying in guided mode")
         is_amsl = item.frame in FRAME_GLOBAL
@@ -72,9 +87,9 @@ class GuidedInput:
         return self._view.autopilot.goto(Geodetic(item.x, item.y, altitude_m))
 
     def _with_climb(self, setpoint: Setpoint) -> Setpoint:
-        """The tilt and heading of an attitude, with a climb by its thrust: 0.5 keeps the height.
+        """Return tilt and heading of an attitude, with a climb by its thrust: 0.5 keeps the height.
 
-        Where body rates alone are given, thrust stays thrust here; ArduCopter climbs by it too.
+        If body rates alone are given, thrust stays thrust here; ArduCopter climbs by it too.
 
         Source: ArduCopter 4.5, GCS_Mavlink.cpp, SET_ATTITUDE_TARGET without GUID_OPTIONS.
         """
@@ -82,9 +97,11 @@ class GuidedInput:
         share = 2.0 * setpoint.thrust - 1.0
         speed_mps = parameters["MPC_Z_V_AUTO_UP" if share > 0.0 else "MPC_Z_V_AUTO_DN"]
         w, x, y, z = setpoint.quat_wxyz
+        # Body z in the world: the direction of the thrust.
         east, north, up = 2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)
         tilt_rad = min(math.atan2(math.hypot(east, north), up), self._tilt_max_rad)
         level = max(math.hypot(east, north), 1e-9)
+        # A level acceleration of g tan(tilt) leads the position controller to that tilt.
         push_mps2 = GRAVITY_MPS2 * math.tan(tilt_rad) / level
         return Setpoint(
             level=ControlLevel.TRAJECTORY,
@@ -106,6 +123,7 @@ class GuidedInput:
         )
         target = autopilot.target_enu_m
         is_same = target is not None and math.dist(target, (x, y, z)) < _SAME_PLACE_M
+        # The vehicle flies there already, or holds there.
         if autopilot.mode is Mode.HOLD and is_same:
             return
         yaw_rad = None if math.isnan(setpoint.yaw_rad) else setpoint.yaw_rad

@@ -1,4 +1,4 @@
-"""Identity of a flight controller, by which ground stations and logs tell vehicles apart."""
+"""Identity of a flight controller, by which ground stations and logs distinguish vehicles."""
 
 from __future__ import annotations
 
@@ -7,5 +7,5 @@ _LENGTH = 18
 
 
 def hardware_uid(system_id: int) -> bytes:
-    """Serial number of a vehicle's board, the same in each of its runs."""
+    """Return the serial number of a vehicle's board (18 bytes), the same in each of its runs."""
     return b"AeroScene" + system_id.to_bytes(_LENGTH - len(b"AeroScene"), "big")

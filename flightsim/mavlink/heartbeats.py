@@ -1,4 +1,4 @@
-"""What partners say of themselves by their heartbeats."""
+"""Heartbeats of partners: presence of a ground station, and companions that read little."""
 
 from __future__ import annotations
 
@@ -13,13 +13,14 @@ from flightsim.mavlink.service import Handler
 _PRESENCE_S = 1.5
 """Time for which a heartbeat's sender counts as present: one and a half periods."""
 _TICKS_BETWEEN_LOOKS = 10
-"""A fifth of a simulated second; the shortest silence that counts as a loss is five."""
+"""Ticks between two looks: a fifth of a simulated second. The shortest silence that counts as a
+loss is five seconds."""
 
 
 class HeartbeatService:
-    """Keeps the data link alive while a ground station sends heartbeats; companions read little.
+    """Keeps the data link alive while a ground station sends heartbeats.
 
-    Presence is timed by the partner's own clock: a client behind a socket sends a heartbeat once a
+    Presence is timed by the partner's own clock. A client behind a socket sends a heartbeat once a
     second of wall time, which at fifty times real time is once in fifty simulated seconds.
     """
 
@@ -30,7 +31,7 @@ class HeartbeatService:
         self.handlers: Mapping[str, Handler] = {"HEARTBEAT": self._on_heartbeat}
 
     def update(self) -> None:
-        """Report to the autopilot whether a ground station is present."""
+        """Report to the autopilot that a ground station is present, if one is."""
         self._n_ticks += 1
         if self._n_ticks % _TICKS_BETWEEN_LOOKS:
             return
@@ -38,6 +39,7 @@ class HeartbeatService:
             if channel.clock() - heard_s <= _PRESENCE_S:
                 self._autopilot.on_link_heartbeat()
                 return
+        # All of them have fallen silent: the autopilot notices by the missing reports.
         self._last_heard_s.clear()
 
     def forget(self, channel: Channel) -> None:
@@ -49,4 +51,4 @@ class HeartbeatService:
             self._last_heard_s[channel] = channel.clock()
             self._autopilot.on_link_heartbeat()
         elif message.type == mav.MAV_TYPE_ONBOARD_CONTROLLER:
-            channel.keep_datagrams_short()  # As mavros says it is.
+            channel.keep_datagrams_short()  # mavros sends this type

@@ -1,4 +1,7 @@
-"""Messages that change nothing: whoever sends one is told so, once for each kind of message."""
+"""Messages that change nothing: the sender gets one text for each kind of message.
+
+A client that sends such a message expects something of it. Silence would leave its user to guess.
+"""
 
 from __future__ import annotations
 
@@ -47,7 +50,8 @@ _REASONS: Mapping[str, str] = {
     "VISION_POSITION_DELTA": "valid are ODOMETRY and VISION_POSITION_ESTIMATE",
     "WHEEL_DISTANCE": "there are no wheels",
 }
-"""Why a message changes nothing. Most of these name no addressee, but are meant for a vehicle."""
+"""Reason why a message changes nothing. Most of these name no addressee, but are meant for a
+vehicle."""
 _ANSWERS = frozenset(
     {
         *("COMMAND_ACK", "LOGGING_ACK", "LOGGING_DATA", "LOGGING_DATA_ACKED", "MOUNT_STATUS"),
@@ -57,19 +61,25 @@ _ANSWERS = frozenset(
         "REQUEST_DATA_STREAM",
     }
 )
-"""Messages with an addressee that ask for nothing, or for nothing that a component has."""
+"""Messages with an addressee that need no answer, or none that a component has."""
 _USUAL = "this vehicle does not use it"
 
 
 class IgnoredMessages:
-    """Says why messages are ignored; what it remembers is bounded by the number of messages."""
+    """Says why messages are ignored; its memory is bounded by the number of message types."""
 
     def __init__(self, statustext: StatustextSender) -> None:
         self._statustext = statustext
         self._told: dict[Channel, set[int]] = {}
 
     def tell(self, channel: Channel, message: Message, reason: str) -> None:
-        """Tell a client why a message of its own changes nothing, unless it has been told."""
+        """Send a client the reason why its message changes nothing, once for each kind of message.
+
+        Args:
+            channel: The client.
+            message: Its message.
+            reason: The reason.
+        """
         told = self._told.setdefault(channel, set())
         if message.get_msgId() not in told:
             told.add(message.get_msgId())
@@ -82,7 +92,7 @@ class IgnoredMessages:
 
 
 def reason_for(message: Message) -> str:
-    """Why a message that no service handles changes nothing; empty if it is not for us.
+    """Return why a message that no service handles changes nothing; empty if it is not for us.
 
     Telemetry of other vehicles, and answers, are for nobody in particular.
     """

@@ -1,4 +1,4 @@
-"""LANDING_TARGET: where the target of a precision landing is."""
+"""LANDING_TARGET: position of the target of a precision landing."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from flightsim.mavlink.service import Handler
 from flightsim.mavlink.view import VehicleView
 
 _FARTHEST_M = 1e3
-_STEEPEST_RAD = 1.4
+_STEEPEST_RAD = 1.4  # about 80 degrees: the tangent of a steeper angle says nothing of the place
 _STILL = (0.0, 0.0, 0.0)
 _LOCAL, _BODY = mav.MAV_FRAME_LOCAL_NED, mav.MAV_FRAME_BODY_FRD
 
@@ -21,7 +21,7 @@ _LOCAL, _BODY = mav.MAV_FRAME_LOCAL_NED, mav.MAV_FRAME_BODY_FRD
 class LandingTargetService:
     """Passes the target's place on; a report that is incomplete or out of range is dropped whole.
 
-    Its sender is told.
+    Its sender gets a text with the reason.
 
     A report has a position, in the local frame as PX4 wants it or relative to the body, or the two
     angles at which a camera that looks down sees the target, right and up in its image.
@@ -44,14 +44,16 @@ class LandingTargetService:
             if m.frame == _LOCAL:
                 return (m.x, m.y, m.z)
             return self._beside(m.x, m.y, m.z) if m.frame == _BODY else None
+        # Without a distance in the message the rangefinder scales the angles.
         height_m = m.distance if m.distance > 0.0 else self._view.plant.sensors.range_m
         if not max(abs(m.angle_x), abs(m.angle_y)) <= _STEEPEST_RAD or not math.isfinite(height_m):
             return None
+        # The image's top points forward: a target below its centre is behind the vehicle.
         forward_m, right_m = -height_m * math.tan(m.angle_y), height_m * math.tan(m.angle_x)
         return self._beside(forward_m, right_m, height_m)
 
     def _beside(self, forward_m: float, right_m: float, down_m: float) -> Vector3:
-        """Local position of an offset from the vehicle, along its heading."""
+        """Return the local NED position of an offset from the vehicle, along its heading."""
         north_m, east_m, below_m = self._view.position_ned_m
         yaw_rad = self._view.rpy_rad[2]
         c, s = math.cos(yaw_rad), math.sin(yaw_rad)

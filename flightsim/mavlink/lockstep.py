@@ -1,7 +1,9 @@
-"""Lockstep with a client outside this process: simulated time waits for what it grants.
+"""Lockstep with a client outside this process: simulated time waits for the ticks that it grants.
 
-The client sends MAV_CMD_USER_1 with a number of ticks in parameter 1. They run at once, without a
-word of that client being read in between, and are acknowledged after the last of their telemetry.
+The client sends MAV_CMD_USER_1 with a number of ticks in parameter 1. They run at once. No message
+of that client is read in between, and the acknowledgement follows the last of their telemetry.
+Whatever the client sends therefore takes effect at the same tick in each run, which makes the
+flight repeatable.
 """
 
 from __future__ import annotations
@@ -21,7 +23,7 @@ class Lockstep:
     """Ticks that the client who keeps time has granted; the first who grants any is that client.
 
     Attributes:
-        is_over: Whether that client has left, so that time stands still for good.
+        is_over: True if that client has left, so that time stands still for good.
     """
 
     def __init__(self) -> None:
@@ -34,24 +36,24 @@ class Lockstep:
 
     @property
     def has_ticks(self) -> bool:
-        """Whether a tick may run now."""
+        """True if a tick may run now."""
         return self._n_left > 0 or self._is_released
 
     @property
     def has_keeper(self) -> bool:
-        """Whether a client keeps the time at present."""
+        """True if a client keeps the time at present."""
         return self._keeper is not None
 
     def release(self) -> None:
-        """Let time pass by itself from now on, in which nobody is heard."""
+        """Let time pass by itself from now on; no client is heard any more."""
         self._is_released, self.is_over = True, False
 
     def holds_back(self, channel: Channel) -> bool:
-        """Whether a partner's messages wait until the ticks that it granted have run."""
+        """Return true if a partner's messages wait until the ticks that it granted have run."""
         return self._is_released or (self.has_ticks and channel is self._keeper)
 
     def end_tick(self) -> None:
-        """Count a tick, and acknowledge the grant after its last."""
+        """Count a tick, and acknowledge the grant after its last one."""
         self._n_left = max(0, self._n_left - 1)
         if self._n_left == 0 and self._grant is not None:
             grant, self._grant = self._grant, None
@@ -71,4 +73,5 @@ class Lockstep:
         if self._keeper not in {None, c.channel}:
             return rejected("another client keeps the time")
         self._keeper, self._grant, self._n_left = c.channel, c, n_ticks
+        # No reply yet: `end_tick` acknowledges, after the telemetry of the last tick.
         return None

@@ -1,7 +1,8 @@
 """Maintenance on the ground: calibration, reboot, and why there is no autotune.
 
 The sensors come calibrated, so a calibration at rest ends as soon as it has begun, in PX4's words,
-which SDKs read. One for which a vehicle must be turned by hand cannot be done here, and says so.
+which SDKs read. A calibration for which the vehicle must be turned by hand is impossible here and
+is denied.
 """
 
 from __future__ import annotations
@@ -23,10 +24,10 @@ _AT_REST = {
     (5, 4): "accel",
     (6, 1): "airspeed",
 }
-"""What is calibrated at rest, by parameter and value of MAV_CMD_PREFLIGHT_CALIBRATION."""
+"""Sensors that are calibrated at rest, by parameter and value of MAV_CMD_PREFLIGHT_CALIBRATION."""
 _BY_HAND = {(2, 1): "mag", (5, 1): "accel"}
-"""What wants the vehicle turned to all sides."""
-_DONE_PERCENT = (0, 50, 100)
+"""Sensors for whose calibration the vehicle has to be turned to all sides."""
+_DONE_PERCENT = (0, 50, 100)  # SDKs show a progress bar
 _NO_CHOICE = -1
 # As of PX4 without its module, and of ArduCopter, where autotune is a mode.
 _NO_AUTOTUNE = Reply(
@@ -54,6 +55,7 @@ class MaintenanceCommands:
             for number, value in enumerate(values, start=1)
             if (chosen := choice(value, default=0)) != 0
         }
+        # All parameters 0 is MAVLink's cancellation.
         if not asked:
             self._statustext.say(Severity.INFO, "[cal] calibration cancelled")
             return ACCEPTED
@@ -71,7 +73,7 @@ class MaintenanceCommands:
         return ACCEPTED
 
     def _tell(self, name: str) -> None:
-        """Tell of a calibration from its beginning to its end."""
+        """Report a calibration from its beginning to its end."""
         say = self._statustext.say
         say(Severity.INFO, f"[cal] calibration started: 2 {name}")
         for percent in _DONE_PERCENT:
@@ -81,7 +83,7 @@ class MaintenanceCommands:
     def _reboot(self, c: Command) -> Reply:
         """Restart the autopilot; the testbench itself ends only where it was started."""
         if choice(c.param1, default=0) == 0 and choice(c.param2, default=0) == 0:
-            return ACCEPTED  # Nothing is asked for.
+            return ACCEPTED  # nothing is asked for
         if choice(c.param1) != _REBOOT:
             return UNSUPPORTED
         return self._autopilot.restart()

@@ -11,6 +11,7 @@ from flightsim.mavlink.view import VehicleView
 
 _INVALID_AXIS = 0x7FFF
 _PWM_MIDDLE, _PWM_HALF_SPAN = 1500, 500
+# A channel that is given back to the radio, and one that the message leaves as it is.
 _PWM_RELEASED, _PWM_KEPT = 0, 0xFFFF
 
 
@@ -23,7 +24,7 @@ class ManualControlService:
         self._system_id = system_id
         self._pulses = [_PWM_RELEASED] * 4
         self._pulsed_us = [0] * 4
-        """When each of the pulses was told; one that grows old is released."""
+        """Time at which each pulse was sent; an old one counts as released."""
         self.handlers: Mapping[str, Handler] = {
             "MANUAL_CONTROL": self._on_manual_control,
             "RC_CHANNELS_OVERRIDE": self._on_override,
@@ -42,6 +43,7 @@ class ManualControlService:
     def _on_override(self, _: Channel, message: Message) -> None:
         now_us = self._view.time_us
         told = (message.chan1_raw, message.chan2_raw, message.chan3_raw, message.chan4_raw)
+        # Each channel may come in a message of its own, so the others keep their last pulse.
         for channel, pwm in enumerate(told):
             if pwm != _PWM_KEPT:
                 self._pulses[channel], self._pulsed_us[channel] = pwm, now_us
@@ -51,7 +53,7 @@ class ManualControlService:
             for pwm, told_us in zip(self._pulses, self._pulsed_us, strict=True)
         ]
         if not any(pulses):
-            return  # All are released: there is no radio besides.
+            return  # all are released, and there is no radio besides
         roll, pitch, throttle, yaw = map(_deflection, pulses)
         # A stick pulled back gives a high pulse and pitches the nose up.
         self._autopilot.set_manual_control(
@@ -64,7 +66,7 @@ def _axis(value: int) -> float:
 
 
 def _deflection(pwm: int) -> float:
-    """Deflection of a stick by its pulse; that of a released one is the middle."""
+    """Return the deflection of a stick by its pulse width, us; a released one is in the middle."""
     if pwm == _PWM_RELEASED:
         return 0.0
     return max(-1.0, min(1.0, (pwm - _PWM_MIDDLE) / _PWM_HALF_SPAN))

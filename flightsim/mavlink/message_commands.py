@@ -18,7 +18,8 @@ from flightsim.mavlink.statustext import StatustextSender
 from flightsim.mavlink.telemetry import TelemetryService
 
 DENIED = Reply(CommandResult.DENIED)
-"""Denial without a reason: clients request messages regularly; a text for each would be noise."""
+"""Denial without a reason: clients request messages regularly, and a text for each would be noise.
+"""
 
 _AVAILABLE_MODES = LAYOUTS["AVAILABLE_MODES"].message_id
 _AUTOPILOT_VERSION = LAYOUTS["AUTOPILOT_VERSION"].message_id
@@ -43,12 +44,20 @@ class MessageCommands:
         }
 
     def request(self, c: Command) -> Reply:
-        """Send the message that parameter 1 names."""
+        """Send the message that parameter 1 names; denied if the component does not have it."""
         message_id = choice(c.param1)
         return DENIED if message_id is None else self.send_once(c.channel, message_id)
 
     def send_once(self, channel: Channel, message_id: int) -> Reply:
-        """Send a message to a partner."""
+        """Send a message to a partner once.
+
+        Args:
+            channel: The partner.
+            message_id: Number of the message.
+
+        Returns:
+            Denied if the message is unknown, rejected if it has nothing to say yet.
+        """
         if not self._telemetry.is_known(message_id):
             return DENIED
         return ACCEPTED if self._telemetry.send_now(channel, message_id) else rejected("")
@@ -67,7 +76,7 @@ class MessageCommands:
 
 
 class IdentityCommands:
-    """Executes the autopilot's commands that request messages of what it is and where its home is.
+    """Executes the autopilot's commands that request its identity, its modes and its home.
 
     They go beyond `MessageCommands`, and replace its answer to a request for the list of modes.
     """
@@ -121,7 +130,7 @@ class IdentityCommands:
 
 
 def _distinct(entries: tuple[ModeEntry, ...]) -> tuple[ModeEntry, ...]:
-    """The first entry of each custom mode."""
+    """Return the first entry of each custom mode: clients must not see a number twice."""
     first: dict[int, ModeEntry] = {}
     for entry in entries:
         first.setdefault(entry.custom_mode, entry)

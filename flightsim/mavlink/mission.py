@@ -1,7 +1,7 @@
 """Mission protocol: upload, download, clearing and progress.
 
-One upload of each type runs at a time. Downloads keep no state: every request is answered
-as it comes, so a lost item is simply requested again.
+One upload of each type runs at a time. Downloads keep no state: every request is answered as it
+comes, so a lost item is simply requested again.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ class Guide(Protocol):
     """Flies to a single item."""
 
     def __call__(self, item: MissionItem, *, is_altitude_only: bool) -> Reply:
-        """Accept or refuse the item."""
+        """Accept or refuse the item; `is_altitude_only` keeps the horizontal place."""
         ...
 
 
@@ -75,10 +75,10 @@ class MissionService:
 
         Args:
             stores: The autopilot's stores by MAV_MISSION_TYPE.
-            partners: Everybody who is told of progress.
-            statustext: Says why items are refused.
+            partners: All partners, which get reports of progress.
+            statustext: Texts for people, with reasons of refusals.
             guide: Flies single items outside any mission; None ignores them.
-            requests_int: Whether uploads are asked for with MISSION_REQUEST_INT.
+            requests_int: True requests uploads with MISSION_REQUEST_INT.
         """
         self._stores = stores
         self._guide = guide
@@ -125,13 +125,14 @@ class MissionService:
         self._finished = {k: v for k, v in self._finished.items() if k[0] is not channel}
 
     def announce_reached(self, index: int) -> None:
-        """Tell all partners that the mission reached an item."""
+        """Send all partners the report that the mission reached an item."""
         message = LAYOUTS["MISSION_ITEM_REACHED"]
         self._partners.broadcast(message, message.encode(seq=index))
 
     # --- upload ---
 
     def _on_count(self, channel: Channel, message: Message) -> None:
+        # An upload of no items clears the list: there is nothing to request.
         if message.count == 0 and message.mission_type in self._stores:
             self._store(channel, _sender(message), message.mission_type, ())
             return
@@ -162,6 +163,7 @@ class MissionService:
         if refusal is not None:
             self._ack(channel, _sender(message), mission_type, refusal)
             return
+        # A new upload makes the last acknowledgement of this type meaningless.
         self._finished.pop((channel, mission_type), None)
         self._uploads[mission_type] = Upload(
             channel,
@@ -183,6 +185,7 @@ class MissionService:
         return mav.MAV_MISSION_DENIED if is_busy else None
 
     def _on_item(self, channel: Channel, message: Message) -> None:
+        # Such an item is a command in disguise, even during an upload.
         if self._guide is not None and message.current in _GUIDED:
             is_altitude_only = message.current == _GUIDED_ALTITUDE
             reply = self._guide(item_from_message(message), is_altitude_only=is_altitude_only)
@@ -202,7 +205,7 @@ class MissionService:
             self._finished[channel, upload.mission_type] = (result, message.seq)
 
     def _repeat_ack(self, channel: Channel, message: Message) -> None:
-        """Repeat the ack whenever the last item arrives again, since the ack was lost."""
+        """Repeat the acknowledgement if the last item arrives again, because it was lost."""
         result, last = self._finished.get((channel, message.mission_type), (0, -1))
         if message.seq == last:
             self._ack(channel, _sender(message), message.mission_type, result)
@@ -226,7 +229,7 @@ class MissionService:
         return result
 
     def _on_ack(self, channel: Channel, message: Message) -> None:
-        """Cancel the partner's upload; acks of downloads need no action."""
+        """Cancel the partner's upload; acknowledgements of downloads need no action."""
         upload = self._uploads.get(message.mission_type)
         if upload and upload.is_from(channel, message) and message.type != mav.MAV_MISSION_ACCEPTED:
             del self._uploads[message.mission_type]
@@ -237,6 +240,7 @@ class MissionService:
             self._ack(channel, _sender(message), mission_type, mav.MAV_MISSION_UNSUPPORTED)
             return
         for cleared in self._stores if mission_type == _ALL else (mission_type,):
+            # A list that is cleared must not be filled again by an upload that is under way.
             self._uploads.pop(cleared, None)
             self._stores[cleared].replace(())
         self._ack(channel, _sender(message), mission_type, mav.MAV_MISSION_ACCEPTED)
@@ -279,6 +283,7 @@ class MissionService:
         channel.send(LAYOUTS["MISSION_ITEM_INT" if is_int else "MISSION_ITEM"], payload)
 
     def _on_request_partial(self, channel: Channel, message: Message) -> None:
+        # Not offered: requests of single items serve the same purpose.
         self._ack(channel, _sender(message), message.mission_type, mav.MAV_MISSION_UNSUPPORTED)
 
     def _ack(

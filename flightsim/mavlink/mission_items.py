@@ -15,6 +15,7 @@ from flightsim.mavlink.dialect import LAYOUTS
 from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.parsing import Message
 
+# By name, so that local frames that the dialect gains are recognised.
 _LOCAL_FRAMES = frozenset(
     number
     for number, entry in mav.enums["MAV_FRAME"].items()
@@ -32,7 +33,7 @@ _RESULT_OF_FAULT = {
 
 
 def result_of(error: MissionError) -> int:
-    """MAV_MISSION_RESULT for an error of the autopilot."""
+    """Return the MAV_MISSION_RESULT for an error of the autopilot."""
     if error.fault is MissionFault.INVALID_PARAM:
         if error.param is None:
             return mav.MAV_MISSION_INVALID
@@ -41,14 +42,19 @@ def result_of(error: MissionError) -> int:
 
 
 def scale_of(frame: int) -> float:
-    """Units of x and y in integer messages, per degree or metre of this frame."""
+    """Return the units of x and y in integer messages, per degree or metre of a frame."""
     if frame in GEODETIC_FRAMES:
         return 1e7
     return 1e4 if frame in _LOCAL_FRAMES else 1.0
 
 
 def coordinate_from_int(value: int, frame: int) -> float:
-    """Degrees or metres of an x or y in an integer message; NaN for "not given"."""
+    """Return degrees or metres of an x or y in an integer message; NaN for "not given".
+
+    Args:
+        value: The integer.
+        frame: Its MAV_FRAME.
+    """
     return math.nan if value == _NOT_GIVEN else value / scale_of(frame)
 
 
@@ -61,6 +67,9 @@ def _int_from_coordinate(value: float, frame: int) -> int:
 def check_frames(items: Iterable[MissionItem]) -> None:
     """Refuse items in local frames, as PX4 does: stored missions outlive a local origin.
 
+    Args:
+        items: All items.
+
     Raises:
         MissionError: Names the first such item.
     """
@@ -71,7 +80,7 @@ def check_frames(items: Iterable[MissionItem]) -> None:
 
 
 def item_from_message(message: Message) -> MissionItem:
-    """Item of a MISSION_ITEM_INT or of the older MISSION_ITEM."""
+    """Return the item of a MISSION_ITEM_INT or of the older MISSION_ITEM."""
     is_int = message.get_type() == "MISSION_ITEM_INT"
     frame = message.frame
     return MissionItem(
@@ -97,7 +106,16 @@ def payload_of_item(
     target: tuple[int, int],
     mission_type: int,
 ) -> bytes:
-    """Payload of MISSION_ITEM_INT or MISSION_ITEM for an item."""
+    """Return the payload of MISSION_ITEM_INT or MISSION_ITEM for an item.
+
+    Args:
+        item: The item.
+        sequence: Its number on the wire.
+        is_int: True for MISSION_ITEM_INT, which keeps degrees to a centimetre.
+        is_current: True if the mission is at this item.
+        target: System and component id of the receiver.
+        mission_type: MAV_MISSION_TYPE of its list.
+    """
     message = LAYOUTS["MISSION_ITEM_INT" if is_int else "MISSION_ITEM"]
     return message.encode(
         target_system=target[0],

@@ -1,6 +1,6 @@
 """A mission as ArduPilot's clients read and write it: item 0 is home, and every item continues.
 
-As in ArduCopter headings of places are not kept: it turns to where it flies.
+As in ArduCopter, headings of places are not kept: the vehicle turns to where it flies.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ _GLOBAL = 0
 
 
 class MissionWithHome:
-    """The autopilot's mission with home before it; what is uploaded as home is not kept."""
+    """The autopilot's mission with home before it; an uploaded home is not kept."""
 
     def __init__(self, autopilot: Autopilot) -> None:
         self._autopilot = autopilot
@@ -30,17 +30,21 @@ class MissionWithHome:
 
     @property
     def current_index(self) -> int:
-        """Index of the current item, home counted."""
+        """Index of the current item, with home counted."""
         return self._autopilot.mission.current_index + 1
 
     def replace(self, items: Iterable[MissionItem]) -> None:
         """Replace the mission by all items but the first.
 
-        Clients leave "autocontinue" at 0, for ArduPilot has never looked at it.
+        Clients leave "autocontinue" at 0, because ArduPilot has never looked at it.
+
+        Args:
+            items: Home and the mission.
 
         Raises:
             MissionError: If an item cannot be flown; the old mission remains.
         """
+        # An empty upload has no home either; the placeholder stands for it.
         _, *rest = (*items,) or (None,)
         try:
             self._autopilot.mission.replace(
@@ -54,6 +58,7 @@ class MissionWithHome:
     def _home(self) -> MissionItem:
         home = self._autopilot.home
         if home is None:
+            # Before the first position clients still expect an item 0.
             return MissionItem(frame=_GLOBAL, command=Cmd.WAYPOINT, param1=0.0, param2=0.0)
         place = home.geodetic
         return MissionItem(

@@ -1,4 +1,4 @@
-"""The mode that clients are told, and the choice of another one."""
+"""The mode that is reported to clients, and the choice of another one."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _CIRCLE_RATE_RADPS = radians(20.0)
 class ModeReport:
     """Mode of the vehicle in its personality's terms.
 
-    Where several modes of a flight stack are one of ours, the one that was chosen is reported.
+    If several modes of a flight stack are one of ours, the one that was chosen is reported.
     """
 
     def __init__(self, personality: Personality, autopilot: Autopilot) -> None:
@@ -33,13 +33,18 @@ class ModeReport:
         return self._personality.entry(mode)
 
     def choose(self, entry: ModeEntry) -> Reply:
-        """Change the mode at a client's request."""
+        """Change the mode at a client's request.
+
+        Args:
+            entry: The mode in the personality's terms.
+        """
         if entry.also and entry is self.entry:
-            return ACCEPTED  # What is being flown within this mode goes on.
+            return ACCEPTED  # the flight within this mode goes on
         if entry.mode is Mode.ORBIT:
             reply = self._autopilot.circle_ahead(_CIRCLE_RATE_RADPS)
         else:
             reply = self._autopilot.set_mode(entry.mode)
+        # Kept only if the change succeeds: the report must not name a mode that was refused.
         if reply.is_accepted:
             self._chosen = entry
         return reply

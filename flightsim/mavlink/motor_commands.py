@@ -1,4 +1,4 @@
-"""Tests of motors: MAV_CMD_ACTUATOR_TEST by PX4's tools, MAV_CMD_DO_MOTOR_TEST by ArduPilot's."""
+"""Motor tests: MAV_CMD_ACTUATOR_TEST by PX4's tools, MAV_CMD_DO_MOTOR_TEST by ArduPilot's."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from flightsim.mavlink.personalities import Personality
 from flightsim.mavlink.view import VehicleView
 
 _FIRST_MOTOR_FUNCTION = mav.ACTUATOR_OUTPUT_FUNCTION_MOTOR1
-_PWM_LEAST, _PWM_SPAN = 1000.0, 1000.0
+_PWM_LEAST, _PWM_SPAN = 1000.0, 1000.0  # pulses of 1,000 to 2,000 us are a throttle of 0 to 1
 
 
 class MotorCommands:
-    """Executes tests of motors, which are numbered as the flight stack numbers them."""
+    """Executes motor tests, with motors numbered as the flight stack numbers them."""
 
     def __init__(self, view: VehicleView, personality: Personality) -> None:
         self._autopilot = view.autopilot
@@ -36,7 +36,7 @@ class MotorCommands:
         }
 
     def _test_actuator(self, c: Command) -> Reply:
-        """Turn one motor; NaN ends its test."""
+        """Turn one motor; a throttle of NaN ends its test."""
         function = choice(c.x)
         number = None if function is None else function - _FIRST_MOTOR_FUNCTION
         if number is None or not 0 <= number < len(self._by_number):
@@ -52,6 +52,7 @@ class MotorCommands:
     def _test_motors(self, c: Command) -> Reply:
         """Turn one motor, or several one after the other."""
         first, kind, n = choice(c.param1), choice(c.param2), choice(c.x, default=1)
+        # An unknown order is refused below; 0 is the flight stack's own.
         order = self._orders.get(choice(c.y, default=mav.MOTOR_TEST_ORDER_DEFAULT) or 0)
         throttles = {
             mav.MOTOR_TEST_THROTTLE_PERCENT: c.param3 / 100.0,
@@ -68,7 +69,7 @@ class MotorCommands:
         return self._autopilot.actuator_test.request(rotors, throttles[kind], c.param4)
 
     def _obstacle(self) -> str | None:
-        """What forbids a test, if anything does."""
+        """Return the reason that forbids a test, or None."""
         if self._autopilot.is_armed:
             return "the vehicle is armed"
         is_landed = self._autopilot.landed_state is LandedState.ON_GROUND

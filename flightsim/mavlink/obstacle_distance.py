@@ -1,4 +1,4 @@
-"""OBSTACLE_DISTANCE: what is around the vehicle, from a companion to collision prevention."""
+"""OBSTACLE_DISTANCE: a companion's report of obstacles around, for collision prevention."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _NORTH = frozenset({mav.MAV_FRAME_GLOBAL, mav.MAV_FRAME_LOCAL_NED, mav.MAV_FRAME
 class ObstacleDistanceService:
     """Passes reports on; one with an impossible step or in an unknown frame is dropped whole.
 
-    Its sender is told.
+    Its sender gets a text with the reason.
     """
 
     def __init__(self, view: VehicleView) -> None:
@@ -30,6 +30,7 @@ class ObstacleDistanceService:
 
     def _on_distances(self, _: Channel, message: Message) -> str | None:
         v = self._view
+        # `increment_f` is finer and comes with MAVLink 2 only; 0 there means "not given".
         step_deg = message.increment_f or float(message.increment)
         is_step = _LEAST_STEP_DEG <= abs(step_deg) <= _MOST_STEP_DEG
         if not is_step or not abs(message.angle_offset) <= 360.0:
@@ -41,6 +42,7 @@ class ObstacleDistanceService:
         v.autopilot.collision_prevention.receive(
             [_distance_m(cm, message.max_distance) for cm in message.distances],
             first_rad,
+            # Sectors count clockwise, ENU angles counter-clockwise.
             -math.radians(step_deg),
             v.plant.estimate.position_enu_m,
             v.plant.time_us,
@@ -49,7 +51,7 @@ class ObstacleDistanceService:
 
 
 def _distance_m(distance_cm: int, max_distance_cm: int) -> float:
-    """Distance of an obstacle; infinite for none within the sensor's range, NaN if unknown."""
+    """Return the distance of an obstacle in m; infinite if none is in range, NaN if unknown."""
     if distance_cm == _UNKNOWN:
         return math.nan
     return math.inf if distance_cm > max_distance_cm else 0.01 * distance_cm

@@ -1,8 +1,9 @@
 """Offboard setpoints: SET_POSITION_TARGET_LOCAL_NED, _GLOBAL_INT and SET_ATTITUDE_TARGET.
 
 A setpoint with a field that is not a number or out of range is dropped whole, so the stream counts
-as lost, and its sender is told. NaN in a position, velocity or acceleration means "free", as in
-PX4.
+as lost, and its sender gets a text. NaN in a position, velocity or acceleration means "free", as in
+PX4. Flying the valid half of a setpoint would be worse: the vehicle would do something that nobody
+asked for.
 """
 
 from __future__ import annotations
@@ -33,6 +34,7 @@ from flightsim.mavlink.view import VehicleView
 _BODY_FRAMES = frozenset(
     {mav.MAV_FRAME_BODY_NED, mav.MAV_FRAME_BODY_OFFSET_NED, mav.MAV_FRAME_BODY_FRD}
 )
+# BODY_NED turns velocities, but its positions are not offsets from the vehicle.
 _OFFSET_FRAMES = _BODY_FRAMES - {mav.MAV_FRAME_BODY_NED} | {mav.MAV_FRAME_LOCAL_OFFSET_NED}
 _LOCAL_FRAMES = frozenset({mav.MAV_FRAME_LOCAL_NED, *_OFFSET_FRAMES, *_BODY_FRAMES})
 _FORCE = mav.POSITION_TARGET_TYPEMASK_FORCE_SET
@@ -50,7 +52,12 @@ class OffboardService:
     """Converts MAVLink's setpoints into the autopilot's."""
 
     def __init__(self, view: VehicleView, accept: Callable[[Setpoint], str | None]) -> None:
-        """Pass setpoints in the view's frames on to `accept`, which says why it takes none."""
+        """Serve a vehicle.
+
+        Args:
+            view: The vehicle, whose frames convert the setpoints.
+            accept: Takes a setpoint; returns the reason if it does not, else None.
+        """
         self._view = view
         self._accept = accept
         self.handlers: Mapping[str, Handler] = {
@@ -71,7 +78,7 @@ class OffboardService:
         return self._apply(message, position)
 
     def _position_of_local(self, message: Message) -> Vector3:
-        """Desired position in ENU, NaN on ignored axes."""
+        """Return the desired position in ENU, m, NaN on ignored axes."""
         position = _masked((message.x, message.y, message.z), message.type_mask)
         frame = message.coordinate_frame
         if frame not in _OFFSET_FRAMES:
@@ -82,7 +89,7 @@ class OffboardService:
         return self._view.enu_from_ned((x + position[0], y + position[1], z + position[2]))
 
     def _position_of_global(self, message: Message) -> Vector3 | None:
-        """Desired position in ENU; None if the frame is not global."""
+        """Return the desired position in ENU, m; None if the frame is not global."""
         view, frame = self._view, message.coordinate_frame
         if frame in FRAME_GLOBAL:
             altitude_m = message.alt
@@ -90,18 +97,20 @@ class OffboardService:
             altitude_m = message.alt + view.home_altitude_m
         elif frame in FRAME_TERRAIN:
             terrain = (0.0, 0.0, view.plant.terrain_height_est_m)
+            # Terrain is the estimate's: the height of the ground below the vehicle.
             altitude_m = message.alt + view.frame.geodetic_from_enu(terrain).altitude_m
         else:
             return None
         place = Geodetic(message.lat_int * 1e-7, message.lon_int * 1e-7, altitude_m)
         east, north, up = view.frame.enu_from_geodetic(place)
-        # The mask counts x (north), y (east), z.
+        # The mask counts x (north), y (east), z, while ENU begins with east.
         north, east, up = _masked((north, east, up), message.type_mask)
         return (east, north, up)
 
     def _apply(self, message: Message, position_enu_m: Vector3) -> str | None:
-        """Apply the fields of both messages: velocity, acceleration and yaw, NED or by heading."""
+        """Apply the fields of both messages: velocity, acceleration, yaw; NED or by heading."""
         mask = message.type_mask
+        # The mask has three bits each for position, velocity and acceleration.
         velocity = _masked((message.vx, message.vy, message.vz), mask >> 3)
         acceleration = _masked((message.afx, message.afy, message.afz), mask >> 6)
         if message.coordinate_frame in _BODY_FRAMES:
@@ -125,6 +134,7 @@ class OffboardService:
                 velocity_enu_mps=vectors[1],
                 acceleration_enu_mps2=vectors[2],
                 yaw_rad=swap_yaw_enu_ned(yaw) if math.isfinite(yaw) else math.nan,
+                # Clockwise from above on the wire, counter-clockwise in ENU.
                 yaw_rate_radps=-yaw_rate,
             )
         )
@@ -134,6 +144,7 @@ class OffboardService:
         rates = _masked(
             (message.body_roll_rate, message.body_pitch_rate, message.body_yaw_rate), mask
         )
+        # A rate that is free is zero: the attitude decides then.
         rates = (_or_zero(rates[0]), _or_zero(rates[1]), _or_zero(rates[2]))
         has_thrust = not mask & _IGNORE_THRUST and math.isfinite(message.thrust)
         if not has_thrust or not all(abs(rate) <= _MAX_RATE_RADPS for rate in rates):
@@ -154,7 +165,7 @@ class OffboardService:
         )
 
     def _ned_from_heading(self, vector: Vector3) -> Vector3:
-        """Forward-right-down vector rotated into NED by the heading alone.
+        """Return a forward-right-down vector in NED, rotated by the heading alone.
 
         A free horizontal axis stays free only if the other is free too: rotation mixes both.
         """
@@ -175,7 +186,7 @@ def _numbers(frames: Iterable[int]) -> str:
 
 
 def _masked(vector: Vector3, mask: int) -> Vector3:
-    """The vector, NaN on axes that the mask ignores."""
+    """Return the vector with NaN on axes that the mask ignores."""
     if mask & 7 == 7:
         return NAN3
     x, y, z = vector
@@ -184,10 +195,11 @@ def _masked(vector: Vector3, mask: int) -> Vector3:
 
 
 def _is_usable(vectors: Sequence[Vector3]) -> bool:
-    """Whether any field is given and none is out of range; NaN is free."""
+    """Return true if any field is given and none is out of range; NaN is free."""
     is_wanted = False
     for vector, limit in zip(vectors, _LIMITS, strict=True):
         for value in vector:
+            # NaN compares false and passes as free.
             if abs(value) > limit:
                 return False
             is_wanted = is_wanted or not math.isnan(value)
@@ -200,6 +212,7 @@ def _or_zero(value: float) -> float:
 
 def _normalised(quat: Sequence[float]) -> Quaternion | None:
     norm = math.hypot(*quat)
+    # Too short a quaternion has no direction that could be scaled up.
     if not 1e-3 < norm < math.inf:
         return None
     w, x, y, z = (value / norm for value in quat)

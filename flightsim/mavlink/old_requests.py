@@ -20,7 +20,7 @@ _SET_MODE = LAYOUTS["SET_MODE"].message_id
 
 
 class OldRequestService:
-    """Answers them as commands of the same meaning are executed.
+    """Answers old requests as the commands of the same meaning.
 
     PX4 acknowledges none of them. ArduPilot acknowledges SET_MODE, by the number of the message.
     """
@@ -51,6 +51,8 @@ class OldRequestService:
 
     def _on_set_current(self, channel: Channel, message: Message) -> None:
         if self._commands.set_current_item(message.seq).is_accepted:
+            # All partners show the mission's progress; only the sender learns that nothing has
+            # changed.
             self._telemetry.broadcast("MISSION_CURRENT")
         else:
             self._telemetry.send_now(channel, LAYOUTS["MISSION_CURRENT"].message_id)

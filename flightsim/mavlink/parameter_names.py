@@ -1,4 +1,9 @@
-"""The autopilot's parameters under the names and in the units of another flight stack."""
+"""The autopilot's parameters under the names and in the units of another flight stack.
+
+Clients of ArduPilot know its names and read back what they set. Several of their values may be one
+of ours: two numbers for the same action, or a 0 that stands for another parameter's value. So the
+value that a client set is kept beside ours, and reported as long as ours has not changed.
+"""
 
 from __future__ import annotations
 
@@ -17,10 +22,10 @@ from flightsim.mavlink.view import VehicleView
 
 
 class AliasedParameters:
-    """Those parameters for which a flight stack has a name, in the order of their names.
+    """Parameters for which a flight stack has a name, in the order of their names.
 
-    A value that a client sets is told as it was set, though several of them may be one of ours: two
-    numbers for the same action, or a 0 that stands for another parameter's value.
+    A value that a client sets is reported as it was set, even if several of its values are one of
+    ours.
     """
 
     def __init__(self, view: VehicleView, personality: Personality) -> None:
@@ -44,14 +49,16 @@ class AliasedParameters:
         return iter(self._names)
 
     def __getitem__(self, name: str) -> float:
-        """Value in the flight stack's unit; the nearest choice below for one that it lacks."""
+        """Value in the flight stack's unit; the nearest choice below if it lacks our value."""
         if (setting := self._settings.get(name)) is not None:
             present = setting.read(self._view)
             chosen = self._chosen.get(name, present)
+            # The choice of a client is reported as long as it still means the present state.
             return chosen if setting.choices[chosen] == setting.choices[present] else present
         alias = self._alias(name)
         ours = self._parameters[alias.ours]
         told, of = self._told.get(name, (math.nan, math.nan))
+        # Ours has not changed since the client set it: report its own number.
         if ours == of:
             return told
         if alias.codes:
@@ -61,7 +68,7 @@ class AliasedParameters:
         return round(value) if alias.is_integer else value
 
     def is_integer(self, name: str) -> bool:
-        """Whether the parameter is a whole number.
+        """Return true if the parameter is a whole number.
 
         Raises:
             UnknownParameterError: If there is none of this name.
@@ -69,7 +76,7 @@ class AliasedParameters:
         return name in self._settings or self._alias(name).is_integer
 
     def index(self, name: str) -> int:
-        """Index of a parameter.
+        """Return the index of a parameter, from 0.
 
         Raises:
             UnknownParameterError: If there is none of this name.
@@ -77,7 +84,7 @@ class AliasedParameters:
         return self._names.index(name if name in self._settings else self._alias(name).name)
 
     def name_at(self, index: int) -> str:
-        """Name of the parameter with this index.
+        """Return the name of the parameter with this index.
 
         Raises:
             UnknownParameterError: If there is none.
@@ -103,6 +110,7 @@ class AliasedParameters:
             return self[name]
         alias = self._alias(name)
         self._check(alias, value)
+        # As the wire holds it, so that a client reads back what it wrote.
         stored = float(int(value)) if alias.is_integer else _float32(value)
         try:
             ours = self._parameters.set(alias.ours, self._ours_of(alias, stored))
@@ -113,7 +121,7 @@ class AliasedParameters:
         return self[name]
 
     def _follow(self, changed: Alias) -> None:
-        """Let those parameters change along whose 0 stands for the one that has changed."""
+        """Change the parameters along whose 0 stands for the changed one."""
         for alias in self._aliases.values():
             if alias.zero_means == changed.name and self[alias.name] == 0:
                 ours = self._parameters.set(alias.ours, self._parameters[changed.ours])
@@ -134,6 +142,7 @@ class AliasedParameters:
         if value in alias.special or (is_whole and least <= _float32(value) <= most):
             return
         kind = "whole numbers" if alias.is_integer else "numbers"
+        # Special values below the range are valid too, such as -1 for "off".
         others = "".join(f" and {number:g}" for number in alias.special if number < least)
         unit = f" {alias.unit}" if alias.unit else ""
         raise ParameterValueError(
@@ -142,7 +151,7 @@ class AliasedParameters:
         )
 
     def _range(self, alias: Alias) -> tuple[float, float]:
-        """Least and greatest value in the flight stack's unit, as 32 bits hold them."""
+        """Return the valid range in the flight stack's unit, as 32 bits hold it."""
         if alias.valid is not None:
             least, most = alias.valid
         else:
@@ -151,8 +160,9 @@ class AliasedParameters:
         return _float32(least), _float32(most)
 
     def _is_default(self, alias: Alias) -> bool:
-        """Whether the vehicle starts with the flight stack's default."""
+        """Return true if the vehicle starts with the flight stack's default."""
         assert alias.default is not None, alias.name
+        # Ours is rounded to 32 bits.
         return math.isclose(
             self._parameters[alias.ours], self._ours_of(alias, alias.default), rel_tol=1e-6
         )
@@ -171,7 +181,7 @@ def _check_choice(name: str, value: float, choices: Collection[int]) -> None:
 
 
 def _float32(value: float) -> float:
-    """The number as 32 bits hold it; one that they cannot hold stays as it is."""
+    """Return the number as 32 bits hold it; one that they cannot hold stays as it is."""
     try:
         return struct.unpack("<f", struct.pack("<f", value))[0]
     except OverflowError:

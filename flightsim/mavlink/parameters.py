@@ -1,7 +1,8 @@
 """Parameter protocol: list, read, set, and a hash that saves ground stations the list.
 
 PX4 carries integers bytewise in the float field, and ArduPilot casts them to floats:
-https://mavlink.io/en/services/parameter.html.
+https://mavlink.io/en/services/parameter.html. A refused value is answered with the present one,
+because clients wait for a PARAM_VALUE.
 """
 
 from __future__ import annotations
@@ -27,10 +28,10 @@ from flightsim.mavlink.statustext import StatustextSender
 _PARAM_VALUE = layout(
     "PARAM_VALUE", "param_value", "param_count", "param_index", "param_id", "param_type"
 )
-_INTEGER_TYPES = range(1, 7)
+_INTEGER_TYPES = range(1, 7)  # MAV_PARAM_TYPE of whole numbers: UINT8 to INT32
 _NO_INDEX = 0xFFFF
 _HASH_NAME = "_HASH_CHECK"
-_LIST_PER_TICK = 8
+_LIST_PER_TICK = 8  # so that a list of hundreds shares the link with telemetry
 
 
 class NamedParameters(Protocol):
@@ -43,19 +44,27 @@ class NamedParameters(Protocol):
     def __getitem__(self, name: str, /) -> float: ...
 
     def is_integer(self, name: str) -> bool:
-        """Whether the parameter is a whole number."""
+        """Return true if the parameter is a whole number."""
         ...
 
     def index(self, name: str) -> int:
-        """Index of a parameter."""
+        """Return the index of a parameter."""
         ...
 
     def name_at(self, index: int) -> str:
-        """Name of the parameter with this index."""
+        """Return the name of the parameter with this index."""
         ...
 
     def set(self, name: str, value: float) -> float:
-        """Change a parameter and return its value as stored."""
+        """Change a parameter.
+
+        Args:
+            name: Name of the parameter.
+            value: New value.
+
+        Returns:
+            The value as stored, rounded to 32 bits, which clients are sent.
+        """
         ...
 
 
@@ -74,10 +83,10 @@ class ParameterService:
 
         Args:
             parameters: The autopilot's parameters, or those of them that a flight stack names.
-            partners: Everybody who is told of changes.
-            statustext: Says why values are refused.
-            has_bytewise_integers: Whether integers travel bytewise as in PX4, or cast to floats as
-                in ArduPilot, which has no hash of its parameters either.
+            partners: All partners, which get each changed value.
+            statustext: Texts for people, with reasons of refusals.
+            has_bytewise_integers: True sends integers bytewise as in PX4; false casts them to
+                floats as ArduPilot does, which has no hash of its parameters either.
         """
         self._parameters = parameters
         self._has_bytewise_integers = has_bytewise_integers
@@ -96,7 +105,7 @@ class ParameterService:
         return self._listing
 
     def update(self, channel: Channel) -> None:
-        """Continue the list that a partner requested."""
+        """Continue the list that a partner requested, by at most 8 parameters."""
         start = self._listing.get(channel)
         if start is None:
             return
@@ -114,6 +123,7 @@ class ParameterService:
 
     def _on_list(self, channel: Channel, _: Message) -> None:
         if self._has_bytewise_integers:
+            # First: a ground station whose cache has this hash stops the list at once.
             self._send_hash(channel)
         self._listing[channel] = 0
 
@@ -123,6 +133,7 @@ class ParameterService:
             self._send_hash(channel)
             return
         try:
+            # An index of -1 means that the name counts.
             if message.param_index >= 0:
                 name = self._parameters.name_at(message.param_index)
             self._send_value(channel, name)
@@ -147,6 +158,7 @@ class ParameterService:
             self._refuse(channel, message, self._parameters.index(name), reason)
             self._send_value(channel, name)
             return
+        # Everybody gets the new value: several ground stations show the same table.
         for partner in self._partners.channels:
             self._send_value(partner, name)
 
@@ -174,6 +186,7 @@ class ParameterService:
     ) -> None:
         count = len(self._parameters)
         payload = _PARAM_VALUE.pack(0.0, count, index, name.encode(), param_type)
+        # The value is put in as bytes: a float of some integers would be a NaN, which may change.
         channel.send(_PARAM_VALUE, data + payload[4:])
 
     def _refuse(self, channel: Channel, message: Message, index: int, error: int) -> None:
@@ -188,7 +201,7 @@ class ParameterService:
         )
 
     def _received_value(self, message: Message) -> float:
-        """Value of a parameter message: the float as it is, or the bytes of an integer type.
+        """Return the value of a message: the float as it is, or the bytes of an integer type.
 
         Clients that send integers as floats with a float type are understood as well.
         """
@@ -196,12 +209,16 @@ class ParameterService:
             return message.param_value
         # Not through the decoded float: Python would change the bits of a signalling NaN.
         frame = message.get_msgbuf()
+        # The value is the first field, behind the header of the version.
         start = 10 if frame[0] == MARKER_V2 else 6
         return struct.unpack("<i", frame[start : start + 4])[0]
 
 
 def parameter_hash(parameters: NamedParameters) -> int:
-    """Checksum of names and values in order, as PX4 computes it."""
+    """Return the checksum of names and values in order, as PX4 computes it.
+
+    A ground station compares it with that of its cache, and needs no list if both are equal.
+    """
     crc = 0
     for name in parameters:
         value = parameters[name]

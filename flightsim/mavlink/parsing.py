@@ -1,4 +1,8 @@
-"""MAVLink 1 and 2 frame parser: skips garbage and bounds the work per call."""
+"""MAVLink 1 and 2 frame parser: skips garbage and bounds the work per call.
+
+It decides on whole candidate frames and counts each one against the caller's budget, so that
+garbage cannot cost more than messages do.
+"""
 
 from __future__ import annotations
 
@@ -12,9 +16,10 @@ Message = Any
 """Decoded message: pymavlink's object with fields as attributes."""
 
 _MARKERS = re.compile(rb"[\xfd\xfe]")
-_BUFFER_LIMIT_BYTES = 65536
+_BUFFER_LIMIT_BYTES = 65536  # most bytes kept of a stream: many times the longest frame
 _HEADER_V1_BYTES, _HEADER_V2_BYTES, _CHECKSUM_BYTES = 6, 10, 2
 
+# One decoder for all partners: it is used for single whole frames, and keeps nothing between them.
 _decoder = dialect.MAVLink(None)
 
 
@@ -23,7 +28,7 @@ class FrameParser:
 
     A marker without a valid frame costs one step of the caller's budget and the search continues at
     the next byte, so a damaged frame never hides the one after it. Unknown message ids are ignored,
-    and so is what `signing` does not admit, if it is given.
+    and so are frames that `signing` does not admit, if it is given.
     """
 
     def __init__(self, signing: Signing | None = None) -> None:
@@ -34,12 +39,17 @@ class FrameParser:
         self.n_messages = 0
         self.n_bad = 0
         self.is_version_1 = False
-        """Whether the last valid frame was a MAVLink 1 frame."""
+        """True if the last valid frame was a MAVLink 1 frame."""
         self.component_id = 0
         """Component that sent the last valid frame; 0 if it has no number."""
 
     def feed(self, data: bytes, *, is_datagram: bool = False) -> None:
-        """Add received bytes. A frame never continues into another datagram."""
+        """Add received bytes.
+
+        Args:
+            data: The bytes; of a stream, bytes beyond 64 KiB of backlog are lost.
+            is_datagram: True if they are a whole datagram: no frame continues into another one.
+        """
         self._is_complete = is_datagram
         if is_datagram or self._position == len(self._buffer):
             self._buffer = bytearray(data)
@@ -63,15 +73,18 @@ class FrameParser:
         messages: list[Message] = []
         while budget > 0:
             frame = self._next_frame()
+            # The end of a datagram cannot be the start of a frame: search on behind that marker.
             if frame is None and not (self._is_complete and self.n_buffered):
                 break
             budget -= 1
             message = None if frame is None else _decode(frame)
             if frame is None or message is None:
                 self.n_bad += 1
+                # One byte on, not one frame: a true frame may begin within the damaged one.
                 self._position += 1
                 continue
             self._position += len(frame)
+            # Not admitted, but well-formed: skipped as a whole.
             if self._signing is not None and not self._signing.admits(frame):
                 continue
             self.n_messages += 1
@@ -81,7 +94,7 @@ class FrameParser:
         return messages, budget
 
     def _next_frame(self) -> bytearray | None:
-        """Bytes of the next candidate frame, at `_position`; None until more bytes arrive."""
+        """Return the bytes of the next candidate frame, at `_position`; None until more arrive."""
         found = _MARKERS.search(self._buffer, self._position)
         if found is None:
             self._position = len(self._buffer)
@@ -100,7 +113,12 @@ class FrameParser:
 
 
 def starts_with_message(datagram: bytes, signing: Signing) -> bool:
-    """Whether the first candidate frame in a datagram is one to believe; looks no further."""
+    """Return true if the first candidate frame in a datagram is a message with a valid signature.
+
+    Args:
+        datagram: Bytes from an unknown address. One candidate is tried, so that garbage is cheap.
+        signing: Judges the signature.
+    """
     parser = FrameParser()
     parser.feed(datagram, is_datagram=True)
     messages, _ = parser.take(1)
@@ -108,7 +126,8 @@ def starts_with_message(datagram: bytes, signing: Signing) -> bool:
 
 
 def _decode(frame: bytearray) -> Message | None:
-    """Message of a candidate frame; None if it is damaged, unknown or of an unknown variant."""
+    """Return the message of a candidate frame; None if it is damaged or unknown."""
+    # Flags that we do not know may change the layout: MAVLink demands to drop such frames.
     if frame[0] == MARKER_V2 and frame[2] & ~SIGNED_FLAG:
         return None
     try:

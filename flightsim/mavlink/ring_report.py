@@ -10,18 +10,22 @@ from flightsim.plant import Plant
 
 OBSTACLE_DISTANCE = layout("OBSTACLE_DISTANCE")
 _NONE_CM = round(100.0 * MAX_RANGE_M) + 1
-"""Said of a beam that meets nothing."""
+"""Value for a beam that meets nothing: the range plus one, as MAVLink defines."""
 
 
 class RingReport:
-    """The nearest solid in each of 72 level directions, clockwise from the nose."""
+    """Distances to the nearest solid in each of 72 level directions, clockwise from the nose."""
 
     def __init__(self, plant: Plant) -> None:
         self._plant = plant
         self._scanner = RingScanner(plant.world, plant.data)
 
     def payload(self, time_us: int) -> bytes:
-        """Scan from where the vehicle is, and encode it as of this time."""
+        """Return the payload of OBSTACLE_DISTANCE for a scan from the vehicle's true place.
+
+        Args:
+            time_us: Simulated time of the report.
+        """
         truth = self._plant.truth
         ranges_m = self._scanner.scan_m(truth.position_enu_m, yaw_of(truth.quat_wxyz))
         return OBSTACLE_DISTANCE.encode(

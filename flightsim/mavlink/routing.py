@@ -1,8 +1,9 @@
-"""Routing: what a partner sends to others goes on to them.
+"""Routing: messages of one partner go on to the others.
 
-https://mavlink.io/en/guide/routing.html. A message for nobody in particular goes to all
-other partners, one for a system or component to those behind whom it has been heard, and none ever
-back to where it came from.
+https://mavlink.io/en/guide/routing.html. A message for nobody in particular goes to all other
+partners. One for a system or component goes to those behind whom it has been heard. None ever goes
+back to where it came from. So a ground station can command a companion's camera through the
+vehicle.
 """
 
 from __future__ import annotations
@@ -15,20 +16,20 @@ from flightsim.mavlink.service import Partners
 _KEPT = frozenset(LAYOUTS[name].message_id for name in ("RADIO_STATUS", "SETUP_SIGNING"))
 """Messages that mean one link alone: the state of its radio, and a key that nobody else may see."""
 _MOST_BEHIND_ONE = 64
-"""Systems and components that are remembered behind one partner; no client can make this grow."""
+"""Most systems and components remembered behind one partner; no client can make this grow."""
 
 Address = tuple[int, int]
 """System and component id."""
 
 
 class Router:
-    """Knows who has been heard where, and passes on what is not for this vehicle alone."""
+    """Knows which systems were heard behind each partner, and forwards messages to the others."""
 
     def __init__(self, partners: Partners, own: Address) -> None:
         """Route between all present partners.
 
         Args:
-            partners: Those to route between.
+            partners: Partners to route between.
             own: Address of this vehicle's autopilot.
         """
         self._partners = partners
@@ -40,7 +41,12 @@ class Router:
         self._heard.pop(channel, None)
 
     def route(self, origin: Channel, message: Message) -> None:
-        """Pass a message on to whom it may concern; one for this autopilot concerns nobody else."""
+        """Forward a message to the partners that it may concern.
+
+        Args:
+            origin: Partner that sent it; it never gets it back.
+            message: The message. One for this autopilot concerns nobody else.
+        """
         heard = self._heard.setdefault(origin, set())
         if len(heard) < _MOST_BEHIND_ONE:
             heard.add((message.get_srcSystem(), message.get_srcComponent()))
@@ -56,13 +62,15 @@ class Router:
     def _is_behind(self, channel: Channel, system: int, component: int) -> bool:
         heard = self._heard.get(channel, ())
         if component:
+            # A message for a whole system goes wherever any of its components was heard.
             return (system, component) in heard
         return any(known == system for known, _ in heard)
 
 
 def _target(message: Message) -> Address:
-    """Addressed system and component; 0 is all."""
+    """Return the addressed system and component; 0 means all."""
     system = getattr(message, "target_system", None)
     if system is None:
+        # MANUAL_CONTROL alone names its addressee "target".
         system = getattr(message, "target", 0) if message.get_type() == "MANUAL_CONTROL" else 0
     return system, getattr(message, "target_component", 0)

@@ -2,6 +2,7 @@
 
 Nothing that a client sends can stop the flight: work per tick is bounded for every partner,
 malformed input is ignored, and an error in answering one costs that partner's message alone.
+Everything runs between two ticks of the simulation, so that a run in lockstep repeats exactly.
 """
 
 from __future__ import annotations
@@ -62,10 +63,11 @@ class MavlinkServer:
             system_id: MAVLink system id, 1 to 255.
             personality: Flight stack to imitate.
             local_origin_enu_m: Origin of MAVLink's local frame; by default the vehicle's position.
-            has_lockstep: Whether a client may keep the time; `wait_for_tick` then waits for it.
+            has_lockstep: True lets a client keep the time; `wait_for_tick` then waits for it.
             ticks_per_burst: Number of ticks whose streams leave together, as long datagrams one
                 behind the other, which wake their reader once; answers never wait.
-            signing: What the links sign with, so that clients can set its key; None if they do not.
+            signing: Key and signatures of the links, so that clients can set the key; None if the
+                links do not sign.
             payload: Camera and gimbal, updated here; None carries neither.
 
         Raises:
@@ -115,6 +117,7 @@ class MavlinkServer:
 
     def _open_links(self) -> None:
         with contextlib.ExitStack() as opened:
+            # Closes the links that are open already if one fails.
             for link in self._links:
                 link.open(self._selector, lambda: self._view.time_us)
                 opened.callback(link.close)
@@ -126,7 +129,12 @@ class MavlinkServer:
         return self._partners.channels
 
     def update(self) -> None:
-        """Read, answer, stream and send; call once every 20 ms of simulated time."""
+        """Read, answer, stream and send; call once every 20 ms of simulated time.
+
+        The order keeps delays short: requests first, then events, due work of services and streams,
+        and the grant of lockstep last, so that its acknowledgement follows all telemetry of the
+        tick.
+        """
         attempt = self.faults.attempt
         self._receive(0.0)
         self._tell_events()
@@ -143,22 +151,25 @@ class MavlinkServer:
         self._n_ticks += 1
         self._flush(with_streams=self._n_ticks % self._ticks_per_burst == 0)
         if self._payload is not None:
-            attempt(self._payload.work)  # Pictures take their time: answers do not wait for it.
+            attempt(self._payload.work)  # pictures take their time, and answers do not wait for it
 
     def _work(self, service: StatefulService) -> None:
-        """Perform a service's due work, for all whose transport does not lag behind."""
+        """Perform a service's due work, for all partners whose transport does not lag behind."""
         faults = self.faults
         for channel in [channel for channel in service.busy if not channel.is_crowded]:
             with faults:
                 service.update(channel)
             if faults.has_failed:
-                service.forget(channel)  # Else it would fail again at every tick.
+                service.forget(channel)  # else it would fail again at every tick
 
     def wait_for_tick(self, timeout_s: float) -> bool:
-        """Answer clients until one that keeps the time grants a tick; at once without lockstep.
+        """Answer clients until the one that keeps the time grants a tick; at once without lockstep.
+
+        Args:
+            timeout_s: Longest wait for a message, s of wall time.
 
         Returns:
-            Whether a tick may run; False if none was granted within the time.
+            True if a tick may run, False if none was granted within the time.
         """
         if self.lockstep is None or self.lockstep.has_ticks:
             return True
@@ -167,7 +178,7 @@ class MavlinkServer:
         return self.lockstep.has_ticks
 
     def _receive(self, timeout_s: float) -> None:
-        """Read all links, and answer what came; wait for the first bytes at most that long."""
+        """Read all links and answer the messages; wait for the first bytes at most `timeout_s`."""
         for key, _ in self._selector.select(timeout_s):
             with self.faults:
                 key.data()
@@ -179,6 +190,7 @@ class MavlinkServer:
                 self._answer(channel, messages)
 
     def _answer(self, channel: Channel, messages: Sequence[Message]) -> None:
+        # A grant within the messages ends them: the rest is answered after its ticks.
         for number, message in enumerate(messages, start=1):
             with self.faults:
                 self._dispatch(channel, message)
@@ -192,7 +204,7 @@ class MavlinkServer:
                 self.faults.attempt(channel.flush)
 
     def close(self) -> None:
-        """Send what still waits and release all ports. Closing twice is fine."""
+        """Send all queued frames and release all ports. Closing twice is fine."""
         self._flush()
         for link in self._links:
             link.close()
@@ -200,6 +212,7 @@ class MavlinkServer:
 
     def _meet_partners(self) -> None:
         channels = [channel for link in self._links for channel in link.channels]
+        # Links keep the order, so that an unchanged list means unchanged partners.
         if channels == self._partners.channels:
             return
         for gone in self._identified.difference(channels):
@@ -218,9 +231,12 @@ class MavlinkServer:
 
     def _dispatch(self, channel: Channel, message: Message) -> None:
         sender = (message.get_srcSystem(), message.get_srcComponent())
+        # Our own frame came back through a partner that routes: answering it would go round for
+        # ever.
         if sender == self._own:
             return
         self._router.route(channel, message)
+        # Routed already if it is for another system.
         if getattr(message, "target_system", 0) not in {0, self.system_id}:
             return
         reason: str | None = None
@@ -236,6 +252,7 @@ class MavlinkServer:
     def _tell_events(self) -> None:
         for event in self._autopilot.pop_events():
             if isinstance(event, MissionItemReached):
+                # ArduPilot's clients count home as item 0.
                 self._missions.announce_reached(event.index + self._n_home_items)
             elif isinstance(event, PayloadOrder):
                 if self._payload is not None:

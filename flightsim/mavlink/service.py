@@ -10,7 +10,7 @@ from flightsim.mavlink.dialect import Layout, layout
 from flightsim.mavlink.parsing import Message
 
 Handler = Callable[[Channel, Message], str | None]
-"""Answers a message; returns why it changes nothing, where that is so and nothing else says it."""
+"""Answers a message. It returns why the message changes nothing, if nothing else reports that."""
 
 
 class Service(Protocol):
@@ -31,7 +31,7 @@ class StatefulService(Service, Protocol):
         ...
 
     def update(self, channel: Channel) -> None:
-        """Perform due work for a partner; called once per tick for each in `busy`."""
+        """Perform due work for a partner; called once per tick for each one in `busy`."""
         ...
 
     def forget(self, channel: Channel) -> None:
@@ -52,10 +52,10 @@ class CommonService(Service, Protocol):
 
 
 class Watching(Protocol):
-    """What looks at the vehicle in each tick."""
+    """An observer of the vehicle, called in each tick."""
 
     def update(self) -> None:
-        """Look, and keep or tell what there is; called once per tick."""
+        """Look at the vehicle, and keep or report what is new; called once per tick."""
         ...
 
 
@@ -66,12 +66,18 @@ class Partners:
         self.channels: Sequence[Channel] = ()
 
     def broadcast(self, message: Layout, payload: bytes) -> None:
-        """Send one payload to all partners."""
+        """Send one payload to all partners; it is packed only once."""
         for channel in self.channels:
             channel.send(message, payload)
 
 
 def send(channel: Channel, name: str, **values: Any) -> None:
-    """Send a message from named field values: for answers, not for streams."""
+    """Send a message from named field values: for answers, not for streams.
+
+    Args:
+        channel: The receiver.
+        name: Name of the message.
+        values: Values of its fields; fields that are missing are 0.
+    """
     message = layout(name)
     channel.send(message, message.encode(**values))

@@ -1,4 +1,4 @@
-"""All microservices of a vehicle, and which of them answers which message."""
+"""All microservices of a vehicle, and the service that answers each message."""
 
 from __future__ import annotations
 
@@ -61,20 +61,20 @@ _FIX_HINT = "GPS_TYPE = 14 lets it be used"
 
 @dataclass(frozen=True, kw_only=True)
 class Setting:
-    """What services are built from."""
+    """Parts that the services are built from."""
 
     view: VehicleView
-    """What they tell of the vehicle."""
+    """The vehicle, as reports and requests see it."""
     partners: Partners
-    """Who is present."""
+    """Present partners."""
     statustext: StatustextSender
-    """Texts for everybody."""
+    """Texts for all partners."""
     personality: Personality
     """Flight stack to imitate."""
     system_id: int
     """MAVLink system id of the vehicle."""
     signing: Signing | None
-    """What the links sign with; None if they do not."""
+    """Key and signatures of the links; None if they do not sign."""
     lockstep: Lockstep | None
     """Lets a client keep the time; None if none may."""
     faults: Faults
@@ -89,15 +89,16 @@ class Services:
     Attributes:
         telemetry: Streams.
         missions: Missions, fences and rally points.
-        watching: What looks at each tick, for nobody in particular.
+        watching: Observers of each tick, for nobody in particular.
         stateful: Services that act by themselves.
         common: Services that act for all partners together.
-        handlers: What answers each message, by its id.
+        handlers: Handler of each message, by its id.
     """
 
     def __init__(self, setting: Setting) -> None:
-        """Build them."""
+        """Build all services, and set the personality's choices in autopilot and plant."""
         view, personality, payload = setting.view, setting.personality, setting.payload
+        # ArduPilot turns the fence on by an upload; PX4 has no switch, so its fence always counts.
         view.autopilot.fence.switch = None if personality.switches_fence else True
         view.plant.outside.fix_source = personality.fix_source
         unknown = () if personality.switches_fence else (mav.MAV_CMD_DO_FENCE_ENABLE,)
@@ -135,6 +136,7 @@ class Services:
         )
         stateless = _answering(setting, modes, guided, self.telemetry)
         watched = (metadata,) if metadata else ()
+        # A later service would replace an earlier one that answers the same message.
         answering = (*stateless, fixes, vision, *watched, *self.stateful, *self.common)
         self.handlers: dict[int, Handler] = {
             LAYOUTS[name].message_id: handler
@@ -146,7 +148,7 @@ class Services:
 def _answering(
     setting: Setting, modes: ModeReport, guided: GuidedInput | None, telemetry: TelemetryService
 ) -> Sequence[Service]:
-    """Services that do nothing by themselves."""
+    """Return the services that do nothing by themselves."""
     view, statustext, signing = setting.view, setting.statustext, setting.signing
     flight_commands = FlightCommands(view, setting.personality, modes)
     accept = guided.accept_setpoint if guided else view.autopilot.set_offboard_setpoint
@@ -166,7 +168,7 @@ def _answering(
 def _executors(
     setting: Setting, flight_commands: FlightCommands, telemetry: TelemetryService
 ) -> Mapping[int, Executor]:
-    """What carries out each command."""
+    """Return the executor of each command; a later group replaces an earlier one."""
     view, statustext, personality = setting.view, setting.statustext, setting.personality
     messages = MessageCommands(telemetry)
     return {
@@ -194,7 +196,7 @@ def _missions(setting: Setting, guided: GuidedInput | None) -> MissionService:
 
 
 def _named_parameters(setting: Setting) -> NamedParameters:
-    """The autopilot's parameters, under the names of the flight stack."""
+    """Return the autopilot's parameters, under the names of the flight stack."""
     view, personality = setting.view, setting.personality
     has_names = bool(personality.aliases)
     return AliasedParameters(view, personality) if has_names else view.autopilot.parameters
@@ -231,6 +233,6 @@ def _telemetry(
 
 
 def _of_the_mount(setting: Setting) -> Mapping[str, Producer]:
-    """The message in which the flight stack's own clients read the gimbal's attitude."""
+    """Return the message in which the flight stack's own clients read the gimbal's attitude."""
     name = setting.personality.mount_message
     return {} if setting.payload is None else {name: setting.payload.producers[name]}

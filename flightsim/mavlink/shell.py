@@ -1,4 +1,4 @@
-"""SERIAL_CONTROL: PX4's shell over MAVLink, of which some commands are there."""
+"""SERIAL_CONTROL: a part of PX4's shell over MAVLink."""
 
 from __future__ import annotations
 
@@ -13,17 +13,23 @@ from flightsim.mavlink.view import VehicleView
 
 _PROMPT = "nsh> "
 _NO_SHELL = "This vehicle has no shell.\n"
-_CHUNK_BYTES = 70
+_CHUNK_BYTES = 70  # size of the data field of SERIAL_CONTROL
 _CHUNKS_PER_TICK = 8
+# Bounds on what a partner can make the vehicle keep and execute.
 _LONGEST_LINE_BYTES = 256
 _LINES_PER_MESSAGE = 4
 
 
 class ShellService:
-    """Collects each partner's line, and sends what it prints piece by piece."""
+    """Collects each partner's line, and sends the output piece by piece."""
 
     def __init__(self, view: VehicleView, *, has_shell: bool) -> None:
-        """Serve a shell, or say that the vehicle has none."""
+        """Serve a shell.
+
+        Args:
+            view: The vehicle.
+            has_shell: False answers that this vehicle has none.
+        """
         self._commands = ShellCommands(view) if has_shell else None
         self._typed: dict[Channel, bytes] = {}
         self._printed: dict[Channel, bytes] = {}
@@ -31,11 +37,11 @@ class ShellService:
 
     @property
     def busy(self) -> Collection[Channel]:
-        """Partners for whom something is still to be printed."""
+        """Partners with output that is still to be sent."""
         return self._printed
 
     def update(self, channel: Channel) -> None:
-        """Go on with what is still to be printed."""
+        """Send the next pieces of a partner's output, at most 8."""
         for _ in range(_CHUNKS_PER_TICK):
             left = self._printed.pop(channel, b"")
             if not left:
@@ -45,13 +51,13 @@ class ShellService:
                 self._printed[channel] = left[_CHUNK_BYTES:]
 
     def forget(self, channel: Channel) -> None:
-        """Drop the line of a partner that left."""
+        """Drop line and output of a partner that left."""
         self._typed.pop(channel, None)
         self._printed.pop(channel, None)
 
     def _on_serial(self, channel: Channel, message: Message) -> None:
         if message.flags & mav.SERIAL_CONTROL_FLAG_REPLY or not message.count:
-            return  # An answer of somebody else, or a question for more of one.
+            return  # an answer of another system, or a question for more of one
         if self._commands is None or message.device != mav.SERIAL_CONTROL_DEV_SHELL:
             self._send(channel, message.device, _NO_SHELL.encode())
             return
@@ -59,7 +65,7 @@ class ShellService:
         *lines, rest = (self._typed.get(channel, b"") + data).split(b"\n")
         self._typed[channel] = rest[:_LONGEST_LINE_BYTES]
         if self._printed.get(channel):
-            return  # Who types on while much is printed is not read.
+            return  # lines typed while much is printed are not read
         output = ""
         for line in lines[:_LINES_PER_MESSAGE]:
             printed = self._commands.run(line.decode("ascii", "replace"))

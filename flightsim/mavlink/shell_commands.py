@@ -1,4 +1,4 @@
-"""Commands of the shell: a small part of PX4's, carried out here and by nothing of the host."""
+"""Commands of the shell: a small part of PX4's, executed here without any program of the host."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from flightsim.autopilot.parameters import ParameterError
 from flightsim.autopilot.results import Reply
 from flightsim.mavlink.view import VehicleView
 
-_MOST_LINES = 400
+_MOST_LINES = 400  # longest output: a client cannot make the vehicle send without end
 _MODES = {mode.value.lower(): mode for mode in Mode if mode not in {Mode.DESCEND, Mode.TERMINATION}}
 
 
 class ShellCommands:
-    """Carries out one line at a time."""
+    """Executes one line at a time."""
 
     def __init__(self, view: VehicleView) -> None:
         self._view = view
@@ -40,11 +40,16 @@ class ShellCommands:
         }
 
     def run(self, line: str) -> str:
-        """Output of a line, as long as its user may want to read."""
+        """Return the output of a line, cut after `_MOST_LINES` lines.
+
+        Args:
+            line: The line as typed; an empty one has no output.
+        """
         name, *words = line.split() or [""]
         if not name:
             return ""
         if name not in self._commands:
+            # As PX4's shell answers; the name is cut, because the client chose it.
             return f"nsh: {name[:32]}: command not found"
         lines = self._commands[name][1](words).splitlines()
         if len(lines) > _MOST_LINES:
@@ -111,6 +116,7 @@ class ShellCommands:
 
     def _takeoff(self) -> str:
         autopilot = self._view.autopilot
+        # The mode first: arming checks depend on it.
         reply = autopilot.takeoff()
         return _told(autopilot.arm() if reply.is_accepted else reply)
 

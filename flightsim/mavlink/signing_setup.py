@@ -1,8 +1,8 @@
-"""SETUP_SIGNING: a client on this machine sets the key, changes it or takes it away.
+"""SETUP_SIGNING: a client on this machine sets the key, changes it or removes it.
 
-The message holds the key for everybody to read, so it is heeded from loopback, from serial lines
-and from this process only, while the vehicle is disarmed; once there is a key, it must be signed
-with it as any other. Its timestamp says nothing to a vehicle that has a clock.
+The message holds the key for everybody to read. So it is accepted from loopback, from serial lines
+and from this process only, while the vehicle is disarmed. Once there is a key, the message must be
+signed with it like any other. Its timestamp means nothing to a vehicle that has a clock.
 """
 
 from __future__ import annotations
@@ -35,6 +35,7 @@ class SigningSetup:
             self._statustext.say(Severity.WARNING, f"Signing key refused: {refusal}")
             return
         key = bytes(message.secret_key)
+        # A key of zeros ends signing, as MAVLink defines.
         self._signing.key = key if any(key) else None
         self._statustext.say(Severity.NOTICE, f"Signing is {'on' if any(key) else 'off'}")
 

@@ -10,8 +10,8 @@ from flightsim.mavlink.dialect import layout
 from flightsim.mavlink.service import Partners
 
 _STATUSTEXT = layout("STATUSTEXT")
-_CHUNK_BYTES = 50
-_LONGEST_BYTES = 250
+_CHUNK_BYTES = 50  # text field of one message
+_LONGEST_BYTES = 250  # five chunks
 
 
 class StatustextSender:
@@ -32,7 +32,12 @@ class StatustextSender:
         self._said_in_tick.clear()
 
     def say(self, severity: Severity, text: str) -> None:
-        """Send a text of at most 250 bytes; longer ones are cut, repeats in a tick are dropped."""
+        """Send a text of at most 250 bytes; longer ones are cut, repeats in a tick are dropped.
+
+        Args:
+            severity: Severity, as ground stations colour it.
+            text: The text.
+        """
         if text in self._said_in_tick:
             return
         self._said_in_tick.add(text)
@@ -42,7 +47,7 @@ class StatustextSender:
             self._partners.broadcast(_STATUSTEXT, payload)
 
     def answer(self, channel: Channel, severity: Severity, text: str) -> None:
-        """Send a text to one partner."""
+        """Send a text to one partner; listeners get it too."""
         for listener in self.listeners:
             listener(severity, text)
         for payload in self._payloads(severity, text.encode()[:_LONGEST_BYTES]):
@@ -52,6 +57,7 @@ class StatustextSender:
         if len(line) <= _CHUNK_BYTES:
             yield _STATUSTEXT.encode(severity=int(severity), text=line)
             return
+        # 0 means "complete in one message", so ids run from 1.
         self._last_id = self._last_id % 0xFFFF + 1
         # A chunk that is not full ends the text, so a full last chunk is followed by an empty one.
         for chunk, start in enumerate(range(0, len(line) + 1, _CHUNK_BYTES)):

@@ -1,4 +1,4 @@
-"""Stream rates of each partner: which messages it gets unrequested, and how often."""
+"""Stream rates of each partner: the messages that it gets unrequested, and how often."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Profile = Literal["normal", "onboard"]
 """Default stream rates: for a ground station or for a companion computer."""
 
 LONGEST_US = 0x7FFFFFFF
-"""Longest interval of a stream, 36 minutes: the most that MESSAGE_INTERVAL can tell."""
+"""Longest interval of a stream, 36 minutes: the greatest value that MESSAGE_INTERVAL holds."""
 
 _NEVER = -1
 
@@ -89,11 +89,17 @@ class StreamTable:
     Attributes:
         ids: Ids of the messages, in order.
         partner: `PARTNER_DTYPE` (1,), whose calendar this is.
-        is_due: Which of the messages are due in this tick (n,), bytes.
+        is_due: For each message, 1 if it is due in this tick (n,), bytes.
     """
 
     def __init__(self, profile: Profile, supported: Sequence[int], now_us: int = 0) -> None:
-        """Start with the default rates of `profile`, for the message ids in `supported`."""
+        """Start with default rates.
+
+        Args:
+            profile: Ground station or companion.
+            supported: Ids of the messages that can be streamed.
+            now_us: Simulated time.
+        """
         column = 0 if profile == "normal" else 1
         self.ids = tuple(supported)
         self._index = {message_id: index for index, message_id in enumerate(supported)}
@@ -107,6 +113,7 @@ class StreamTable:
         self.is_due = np.zeros(len(supported), np.uint8)
         self.partner = np.zeros(1, PARTNER_DTYPE)
         self.partner["now_us"] = now_us
+        # The kernel reads these arrays by address: they live as long as this table.
         self.partner["next_address"] = self._next_us.ctypes.data
         self.partner["interval_address"] = self._interval_us.ctypes.data
         self.partner["due_address"] = self.is_due.ctypes.data
@@ -114,14 +121,18 @@ class StreamTable:
             self.set_interval(message_id, interval_us)
 
     def interval_us(self, message_id: int) -> int:
-        """Present interval in us; -1 if not streamed."""
+        """Return the present interval in us; -1 if the message is not streamed."""
         index = self._index.get(message_id)
         return _NEVER if index is None else int(self._interval_us[index])
 
     def set_interval(self, message_id: int, interval_us: float) -> bool:
-        """Set an interval in us; 0 is the default rate, -1 stops the stream.
+        """Set an interval of a stream.
 
         An interval beyond `TICK_US` and `LONGEST_US` becomes the nearer of the two.
+
+        Args:
+            message_id: The message.
+            interval_us: The interval; 0 is the default rate, -1 stops the stream.
 
         Returns:
             False if this message is never streamed.
@@ -135,12 +146,18 @@ class StreamTable:
         self._interval_us[index] = (
             round(max(TICK_US, min(LONGEST_US, interval_us))) if is_on else _NEVER
         )
+        # Due at the next tick, so that a client sees at once that its request acts.
         self._next_us[index] = self.partner["now_us"][0] + TICK_US
         self.is_due[index] = 0
         return True
 
     def set_group(self, group: int, rate_hz: float, *, is_on: bool) -> bool:
         """Handle REQUEST_DATA_STREAM: one rate for a group of messages, except heartbeats.
+
+        Args:
+            group: MAV_DATA_STREAM.
+            rate_hz: Rate of each message of the group.
+            is_on: False stops them.
 
         Returns:
             False if there is no such group.

@@ -1,7 +1,8 @@
 """Messages that the dialects of pymavlink lack: declared here, read and packed like the others.
 
-Most are of MAVLink's `common`; the last are of ArduPilot's own dialect, whose thousands of lines
-need not be loaded for them.
+Most belong to MAVLink's `common`. The last ones belong to ArduPilot's own dialect, whose thousands
+of lines need not be loaded for them. pymavlink's dialect file is not changed, so that its updates
+need no merge.
 """
 
 from __future__ import annotations
@@ -48,7 +49,7 @@ class SupplementaryMessage(dialect.MAVLink_message):
         vars(self).update({name: _readable(value) for name, value in given.items()})
 
     def pack(self, mav: Any, force_mavlink1: bool = False) -> bytes:
-        """Frame of the message."""
+        """Return the frame of the message, as pymavlink's `MAVLink.send` calls it."""
         values: list[Any] = []
         for name in self.ordered_fieldnames:
             value = self._given.get(name, 0)
@@ -57,7 +58,7 @@ class SupplementaryMessage(dialect.MAVLink_message):
 
 
 def _readable(value: Any) -> Any:
-    """A text as `str`, as pymavlink's messages have it, and a number as it is."""
+    """Return a text as `str`, as pymavlink's messages have it, and a number as it is."""
     if isinstance(value, bytes):
         return value.split(b"\0", 1)[0].decode("ascii", "replace")
     return value
@@ -72,7 +73,10 @@ def message(
         name: Name of the message.
         message_id: Its number.
         fields: Type and name of each field in the order of the definition: "uint8_t[40] arguments".
-        extensions: Fields that MAVLink 2 alone carries, alike.
+        extensions: Fields that only MAVLink 2 carries, written in the same form.
+
+    Returns:
+        The class. It must also enter pymavlink's table of messages.
     """
     parsed = [_parsed(field) for field in fields]
     # https://mavlink.io/en/guide/serialization.html: larger types first, extensions last.
@@ -81,6 +85,7 @@ def message(
     wire_names = [field for *_, field in wire]
     counts = [count for _, count, _ in wire]
     letters = [f"{count or ''}{_LETTERS[kind]}" for kind, count, _ in wire]
+    # A text is one value for `struct`, an array many.
     lengths = [1 if kind == "char" else count or 1 for kind, count, _ in wire]
     return type(
         name,
@@ -102,7 +107,7 @@ def message(
 
 
 def _parsed(field: str) -> tuple[str, int, str]:
-    """Type, length of the array or 0, and name of a field."""
+    """Return type, length of the array or 0, and name of a field."""
     found = _FIELD.fullmatch(field)
     assert found is not None, field
     kind, count, name = found.groups()
@@ -114,7 +119,7 @@ def _size(kind: str) -> int:
 
 
 def _crc_extra(name: str, wire: list[tuple[str, int, str]]) -> int:
-    """Seed of the checksum: https://mavlink.io/en/guide/serialization.html#crc_extra."""
+    """Return the seed of the checksum: https://mavlink.io/en/guide/serialization.html#crc_extra."""
     crc = x25crc()
     crc.accumulate_str(f"{name} ")
     for kind, count, field in wire:
@@ -176,7 +181,7 @@ SUPPLEMENT = (
         *("uint8_t index", "uint64_t time_usec", "int32_t[4] rpm"),
         *("float[4] voltage", "float[4] current"),
     ),
-    # Of ArduPilot.
+    # From ArduPilot's dialect.
     message(
         "SIMSTATE",
         164,
@@ -217,7 +222,7 @@ SUPPLEMENT = (
         *("int32_t pointing_a", "int32_t pointing_b", "int32_t pointing_c"),
         extensions=("uint8_t mount_mode",),
     ),
-    # These have no service here: they are read in order to say so.
+    # No service here uses these. They are read in order to answer that they are ignored.
     message(
         "FENCE_POINT",
         160,

@@ -1,4 +1,9 @@
-"""Telemetry service: streams, intervals and single messages on request."""
+"""Telemetry service: streams, intervals and single messages on request.
+
+Several partners with different rates share the work: each message is packed once in a tick for all
+of them. The most frequent messages are packed by a compiled kernel (`flightsim.mavlink.streaming`),
+the others by Python producers.
+"""
 
 from __future__ import annotations
 
@@ -37,11 +42,12 @@ class TelemetryService:
         """Prepare to send messages.
 
         Args:
-            producers: What packs each message by its name.
-            partners: To whom they are streamed.
+            producers: Packing function of each message, by its name.
+            partners: Partners that the streams go to.
             now_us: Simulated time.
             faults: Guards the packing of each message.
-            told: The vehicle, of which compiled messages tell; None sends those of `producers`.
+            told: The vehicle, for messages that the kernel packs; None sends those of `producers`
+                alone.
         """
         names = (*producers, *(TOLD if told else ()))
         self._ids = frozenset(LAYOUTS[name].message_id for name in names)
@@ -55,18 +61,19 @@ class TelemetryService:
         self._served: Sequence[Channel] | None = None
         self._in_turn: Sequence[tuple[Channel, Streamed]] = ()
         self._next_us = 0
-        """Time at which something is due again, while neither rates nor partners change."""
+        """Time at which a message is due again, while neither rates nor partners change."""
         self.handlers: Mapping[str, Handler] = {"REQUEST_DATA_STREAM": self._on_data_stream}
 
     def update(self) -> None:
-        """Send all partners what is due at this tick."""
+        """Send all partners the messages that are due at this tick."""
         channels = self._partners.channels
         if not channels:
             return
+        # By identity: `MavlinkServer` makes a new list when partners come or go.
         if channels is not self._served:
             self._meet(channels)
         now_us = self._now_us()
-        if now_us < self._next_us:  # As in 46% of the ticks of a ground station alone.
+        if now_us < self._next_us:  # in 46% of the ticks of a ground station alone
             for _, streamed in self._in_turn:
                 streamed.let_pass(now_us)
             return
@@ -77,6 +84,7 @@ class TelemetryService:
             frames = streamed.frames
             if frames:
                 channel.stream(frames, streamed.n_frames)
+            # Partners of MAVLink 1 or with signatures need frames of their own.
             elif streamed.way == ONE_BY_ONE:
                 self._send_one_by_one(channel, streamed)
 
@@ -87,6 +95,10 @@ class TelemetryService:
 
     def send_now(self, channel: Channel, message_id: int) -> bool:
         """Send one message.
+
+        Args:
+            channel: The receiver.
+            message_id: The message.
 
         Returns:
             False if the message is unknown or has no data yet.
@@ -99,16 +111,34 @@ class TelemetryService:
         return len(payloads) > 0
 
     def is_known(self, message_id: int) -> bool:
-        """Whether the message can be requested."""
+        """Return true if the message can be requested."""
         return message_id in self._ids
 
     def set_interval(self, channel: Channel, message_id: int, interval_us: float) -> bool:
-        """Change one stream of one partner; False if the message is never streamed."""
+        """Change the interval of one stream of one partner.
+
+        Args:
+            channel: Link to the partner.
+            message_id: Message to stream.
+            interval_us: Time between two of them; as in MAVLink 0 is the default and -1 none.
+
+        Returns:
+            False if the message is never streamed.
+        """
+        # The calendar has changed: look at all partners in the next tick.
         self._next_us = 0
         return self._table(channel)[0].set_interval(message_id, interval_us)
 
     def send_interval(self, channel: Channel, message_id: int) -> bool:
-        """Answer with MESSAGE_INTERVAL; False if there is no such message."""
+        """Answer a partner's question for an interval with MESSAGE_INTERVAL.
+
+        Args:
+            channel: Link to the partner.
+            message_id: Message asked about.
+
+        Returns:
+            False if there is no such message; nothing is sent then.
+        """
         if message_id not in MESSAGE_NAMES:
             return False
         interval_us = self._table(channel)[0].interval_us(message_id)
@@ -143,7 +173,7 @@ class TelemetryService:
         return known
 
     def _send_one_by_one(self, channel: Channel, streamed: Streamed) -> None:
-        """Send what is due to a partner of MAVLink 1, or one whose frames are signed."""
+        """Send due messages to a partner of MAVLink 1, or to one whose frames are signed."""
         for index in streamed.take_due():
             for payload in self._streamer.payloads(index):
                 channel.stream_one(self._layouts[index], payload)
@@ -162,7 +192,7 @@ class TelemetryService:
         try:
             payload = self._producers[message_id]()
         except (struct.error, ValueError, OverflowError):
-            # A number that its field cannot hold (a diverged estimate) is not sent.
+            # A number that its field cannot hold, as of a diverged estimate, is not sent.
             return ()
         if payload is None:
             return ()

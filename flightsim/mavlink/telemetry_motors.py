@@ -1,4 +1,4 @@
-"""Motor telemetry: what the speed controllers report."""
+"""Motor telemetry: reports of the speed controllers."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from flightsim.vehicles.battery import watts_per_cubed_speed
 _ESC_STATUS, _ESC_INFO = layout("ESC_STATUS"), layout("ESC_INFO")
 
 _ESCS = 4
-"""Speed controllers in a message; more are told in several."""
+"""Speed controllers in one message; further ones come in more messages."""
 _INFO_BITS = 8
 _RPM_PER_RADPS = 30.0 / math.pi
-_LEAST_VOLTAGE_V = 1.0
+_LEAST_VOLTAGE_V = 1.0  # no division by zero at an empty battery
 _DSHOT = 5  # of ESC_CONNECTION_TYPE
 _UNKNOWN_TEMPERATURE = 0x7FFF
 
@@ -44,6 +44,8 @@ class MotorTelemetry:
         v = self._view
         rotors = self._motors[first : first + _ESCS]
         speeds_radps = [v.plant.rotor_speeds_radps[rotor] for rotor in rotors]
+        # Controllers measure current; here it follows from the same power law as the battery's
+        # load.
         watts = [self._watts_per_cubed_speed * abs(speed) ** 3 for speed in speeds_radps]
         return _ESC_STATUS.encode(
             time_usec=v.time_us,
@@ -60,9 +62,11 @@ class MotorTelemetry:
         return tuple(
             _ESC_INFO.encode(
                 time_usec=v.time_us,
+                # MAVLink's counter of data packets; here it counts ticks.
                 counter=v.time_us // 20_000 & 0xFFFF,
                 count=len(self._motors),
                 connection_type=_DSHOT,
+                # Bits of eight controllers share one field: the group that this message belongs to.
                 info=online >> first // _INFO_BITS * _INFO_BITS & 0xFF,
                 temperature=[_UNKNOWN_TEMPERATURE] * _ESCS,
                 index=first,

@@ -45,7 +45,7 @@ class SensorTelemetry:
         return _SCALED_IMU.encode(time_boot_ms=self._view.time_boot_ms, **imu_fields(self._view))
 
     def _flow(self) -> bytes | None:
-        """Report the flow of what passes below; none before the first sample."""
+        """Report the optical flow; none before the first sample."""
         flow = self._view.plant.sensors.optical_flow
         if flow.integration_us == 0:
             return None
@@ -61,6 +61,7 @@ class SensorTelemetry:
             integrated_ygyro=about_y,
             integrated_zgyro=about_z,
             quality=flow.quality,
+            # As MAVLink defines it, a negative distance is unknown.
             time_delta_distance_us=0,
             distance=flow.distance_m if math.isfinite(flow.distance_m) else -1.0,
         )
@@ -73,6 +74,7 @@ class SensorTelemetry:
             battery_function=mav.MAV_BATTERY_FUNCTION_ALL,
             type=mav.MAV_BATTERY_TYPE_LIPO,
             temperature=0x7FFF,
+            # Cells are not measured one by one: each gets its share of the pack's voltage.
             voltages=[millivolts // cells] * cells + [_UNKNOWN_U16] * (10 - cells),
             current_battery=max(-1, min(0x7FFF, round(100.0 * battery.current_a))),
             current_consumed=round(battery.consumed_mah),
@@ -83,7 +85,10 @@ class SensorTelemetry:
 
 
 def imu_fields(view: VehicleView) -> Mapping[str, int]:
-    """Fields of SCALED_IMU and RAW_IMU: thousandths of g, of rad/s and of gauss, centidegrees."""
+    """Return the fields of SCALED_IMU and RAW_IMU.
+
+    Units are thousandths of g, of rad/s and of gauss, and centidegrees.
+    """
     sensors = view.plant.sensors
     accel, gyro = sensors.imu.accel_flu_mps2, sensors.imu.gyro_flu_radps
     readings = {
@@ -100,5 +105,5 @@ def imu_fields(view: VehicleView) -> Mapping[str, int]:
 
 
 def _i16(value: float) -> int:
-    """The nearest whole number that a signed 16-bit field holds."""
+    """Return the nearest whole number that a signed 16-bit field holds."""
     return round(max(-_LARGEST_I16, min(_LARGEST_I16, value)))

@@ -42,6 +42,7 @@ _STATES = {
     SystemState.CRITICAL: mav.MAV_STATE_CRITICAL,
     SystemState.EMERGENCY: mav.MAV_STATE_EMERGENCY,
 }
+# There are only four payloads, so they are packed once.
 _EXTENDED_SYS_STATES = {
     state: _EXTENDED_SYS_STATE.pack(0, landed_state)
     for state, landed_state in (
@@ -104,9 +105,10 @@ class StatusTelemetry:
         )
 
     def _sys_status(self) -> bytes:
-        """Report the parts' health, which is packed anew when the autopilot has looked at them."""
+        """Report the parts' health; packed anew only after the autopilot has checked them."""
         autopilot = self._view.autopilot
         health, battery = autopilot.health, autopilot.battery
+        # By identity: the autopilot makes new reports twice a second.
         if health is not self._packed_of[0] or battery is not self._packed_of[1]:
             more = self._personality.status_bits
             self._packed_of, self._packed = (health, battery), _pack_status(health, battery, more)
@@ -147,7 +149,7 @@ class StatusTelemetry:
         n_home_items = self._personality.n_home_items
         return _MISSION_CURRENT.encode(
             seq=mission.current_index + n_home_items,
-            total=n_home_items + len(mission) if len(mission) else 0xFFFF,
+            total=n_home_items + len(mission) if len(mission) else 0xFFFF,  # 0xFFFF: no mission
             mission_state=self._mission_state(),
             mission_mode=1 if autopilot.mode is Mode.MISSION else 2,
         )
@@ -191,6 +193,7 @@ class StatusTelemetry:
         return _FLIGHT_INFORMATION.encode(
             time_boot_ms=v.time_boot_ms,
             arming_time_utc=_utc_us(autopilot.armed_at_us),
+            # Both times are UTC, by the date of the simulation.
             takeoff_time_utc=_utc_us(autopilot.took_off_at_us),
             flight_uuid=autopilot.n_arms,
         )
@@ -201,7 +204,13 @@ def _utc_us(time_us: int | None) -> int:
 
 
 def _pack_status(health: Health, battery: BatteryView, more: int) -> bytes:
-    """SYS_STATUS, with bits of `more` that are always present, on and healthy."""
+    """Pack SYS_STATUS.
+
+    Args:
+        health: Health of the parts.
+        battery: The battery.
+        more: Bits that are always present, on and healthy.
+    """
     # MAVSDK infers "position known" from GPS, and "calibrated" from gyro, accel and mag.
     bits = (
         (_GYRO | _ACCEL if health.is_imu_ok else 0)

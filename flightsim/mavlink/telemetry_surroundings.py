@@ -1,4 +1,4 @@
-"""Telemetry of what is around: obstacles, other aircraft, and the pilot's sticks."""
+"""Telemetry of the surroundings: obstacles, other aircraft, and the pilot's sticks."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ _ADSB_VEHICLE = layout("ADSB_VEHICLE")
 _RC_CHANNELS = layout("RC_CHANNELS")
 
 _FIRST_ICAO_ADDRESS = 0xF00000
-"""Of a block that the ICAO has given to nobody."""
+"""First address of a block that the ICAO has given to nobody."""
 _PWM_MIDDLE, _PWM_HALF_SPAN = 1500, 500
 _UNUSED_CHANNEL, _FULL_SIGNAL = 0xFFFF, 254
 
 
 class SurroundingsTelemetry:
-    """Packs messages of what the vehicle flies among."""
+    """Packs messages of obstacles, other aircraft and sticks."""
 
     def __init__(self, view: VehicleView) -> None:
         self._view = view
@@ -37,7 +37,7 @@ class SurroundingsTelemetry:
         }
 
     def _aircraft_report(self) -> bytes:
-        """Report the other aircraft in turn, one a message."""
+        """Report the other aircraft in turn, one in each message."""
         number = self._n_sent % len(self._aircraft)
         self._n_sent += 1
         v = self._view
@@ -68,14 +68,15 @@ class SurroundingsTelemetry:
         return self._ring.payload(self._view.time_us)
 
     def _sticks(self) -> bytes | None:
-        """Report the sticks as pulses: roll, pitch, throttle, yaw; none if there are none."""
+        """Report the sticks as pulses: roll, pitch, throttle, yaw; none without sticks."""
         v = self._view
         if not v.autopilot.sticks.is_alive(v.time_us):
             return None
         sticks = v.autopilot.sticks.current(v.time_us)
+        # A stick pulled back gives a high pulse and pitches the nose up.
         axes = (sticks.roll, -sticks.pitch, 2.0 * sticks.throttle - 1.0, sticks.yaw)
         pulses = [_PWM_MIDDLE + round(_PWM_HALF_SPAN * axis) for axis in axes]
-        pulses += [_UNUSED_CHANNEL] * (18 - len(pulses))
+        pulses += [_UNUSED_CHANNEL] * (18 - len(pulses))  # fields of RC_CHANNELS
         return _RC_CHANNELS.encode(
             time_boot_ms=v.time_boot_ms,
             chancount=len(axes),

@@ -1,4 +1,4 @@
-"""What kind of vehicle clients are told of, by its number of rotors."""
+"""MAVLink's type of the vehicle, by its number of rotors."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ _TYPES = {
     12: mav.MAV_TYPE_DODECAROTOR,
 }
 _AUTOSTART = {6: 6001, 8: 8001}
-"""PX4's airframes of so many rotors, besides the default."""
+"""PX4's default airframes (SYS_AUTOSTART) with so many rotors."""
 
 
 def vehicle_type(airframe: Airframe) -> int:
-    """Value of MAV_TYPE."""
+    """Return the value of MAV_TYPE; a generic one for numbers of rotors without a type."""
     return _TYPES.get(len(airframe.quadrotor.rotors), mav.MAV_TYPE_GENERIC_MULTIROTOR)
 
 
 def vehicle_parameters(airframe: Airframe) -> Mapping[str, float]:
-    """Parameters that say what kind of vehicle it is, where it is no quadrotor."""
+    """Return the parameters that state the type of the vehicle, as clients read them."""
     n = len(airframe.quadrotor.rotors)
     parameters: dict[str, float] = {"MAV_TYPE": vehicle_type(airframe)}
     if n in _AUTOSTART:

@@ -22,9 +22,10 @@ _OLDEST_US = 250_000
 
 
 class VehicleView:
-    """State of the vehicle now, converted where it is asked for.
+    """State of the vehicle now, converted when it is asked for.
 
-    What is streamed many times a second is converted by `flightsim.mavlink.streaming` instead.
+    Values that are streamed many times a second are converted by `flightsim.mavlink.streaming`
+    instead.
 
     MAVLink's local frame has its origin at the vehicle's start, as in PX4's estimator: scripts fly
     to (0, 0, -5) right after arming and mean five metres straight up.
@@ -41,12 +42,12 @@ class VehicleView:
 
     @property
     def time_us(self) -> int:
-        """Simulated time."""
+        """Simulated time, microseconds."""
         return self.plant.time_us
 
     @property
     def time_boot_ms(self) -> int:
-        """Simulated time as MAVLink tells it, which begins again after 49 days."""
+        """Simulated time in MAVLink's 32 bits, which begins again after 49 days."""
         return self.plant.time_us // 1000 & 0xFFFFFFFF
 
     @property
@@ -66,12 +67,12 @@ class VehicleView:
 
     @property
     def rpy_rad(self) -> Vector3:
-        """Estimated roll, pitch and yaw."""
+        """Estimated roll, pitch and yaw, FRD to NED."""
         return euler_rpy_rad(self.quat_ned_frd)
 
     @property
     def rates_frd_radps(self) -> Vector3:
-        """Estimated angular rate."""
+        """Estimated angular rate about forward, right and down."""
         return swap_flu_frd(self.plant.estimate.angular_rate_flu_radps)
 
     @property
@@ -80,13 +81,14 @@ class VehicleView:
         return self.frame.geodetic_from_enu(self.plant.estimate.position_enu_m)
 
     def ned_from_enu(self, position_enu_m: Vector3) -> Vector3:
-        """Convert a position from the scene's frame to MAVLink's local frame."""
+        """Convert a position from the scene's frame (ENU) to MAVLink's local frame (NED), m."""
         east, north, up = position_enu_m
         x0, y0, z0 = self.origin_enu_m
+        # ENU (x0, y0, z0) is the origin: north is y, east is x, down is -z.
         return (north - y0, east - x0, z0 - up)
 
     def enu_from_ned(self, position_ned_m: Vector3) -> Vector3:
-        """Convert a position from MAVLink's local frame to the scene's."""
+        """Convert a position from MAVLink's local frame (NED) to the scene's (ENU), m."""
         north, east, down = position_ned_m
         x0, y0, z0 = self.origin_enu_m
         return (east + x0, north + y0, z0 - down)
@@ -98,9 +100,13 @@ class VehicleView:
         return self.origin.altitude_m if home is None else home.geodetic.altitude_m
 
     def age_s(self, time_us: int) -> float:
-        """Age of a measurement by its time stamp; 0 where the stamp is of another clock.
+        """Return the age of a measurement by its time stamp, s.
 
-        Stamps count from the vehicle's start, or from 1970 by its date.
+        Args:
+            time_us: The stamp, counted from the vehicle's start or from 1970 by its date.
+
+        Returns:
+            0 if the stamp belongs to another clock, or is older than the filter can use.
         """
         for stamp_us in (time_us, time_us - EPOCH_US):
             if 0 <= self.plant.time_us - stamp_us <= _OLDEST_US:

@@ -1,7 +1,7 @@
 """Poses and velocities of a companion's odometry or motion capture, instead of the vehicle's own.
 
-Without satellites a pose says where the vehicle is in MAVLink's local frame. With satellites, or in
-a frame without a compass, it serves as odometry does: the first pose agrees with the estimate.
+Without satellites a pose states where the vehicle is in MAVLink's local frame. With satellites, or
+in a frame without a compass, it serves as odometry does: the first pose agrees with the estimate.
 """
 
 from __future__ import annotations
@@ -20,20 +20,20 @@ from flightsim.mavlink.statustext import StatustextSender
 from flightsim.mavlink.view import VehicleView
 from flightsim.plant.outside import Pose, PoseUse
 
-_SILENCE_US = 1_000_000
+_SILENCE_US = 1_000_000  # silence after which poses count as lost
 _FARTHEST_M, _FASTEST_MPS = 1e5, 200.0
 _LEVEL, _HEIGHT, _VELOCITY, _HEADING = 1, 2, 4, 8
-"""Bits of EKF2_EV_CTRL."""
+"""Bits of EKF2_EV_CTRL: horizontal position, height, velocity, heading."""
 _NED, _FRD = mav.MAV_FRAME_LOCAL_NED, mav.MAV_FRAME_LOCAL_FRD
 _BODY = (mav.MAV_FRAME_BODY_FRD, mav.MAV_FRAME_BODY_NED)
 # Defaults of PX4's EKF2_EVP_NOISE, EKF2_EVV_NOISE and EKF2_EVA_NOISE, and their least values.
 _USUAL_M, _USUAL_MPS, _USUAL_RAD = 0.1, 0.1, 0.1
 _LEAST_M, _LEAST_MPS, _LEAST_RAD = 0.01, 0.01, 0.01
 _OF_X, _OF_Y, _OF_Z, _OF_YAW = 0, 6, 11, 20
-"""Places of the variances in the upper triangle of a 6 by 6 covariance."""
+"""Indexes of the variances in the upper triangle of a 6 by 6 covariance."""
 _UNKNOWN_VARIANCE = 1e4
 """Variance in m^2 or rad^2 from which on an axis counts as not measured."""
-_FAILED = -1
+_FAILED = -1  # quality of an ODOMETRY that reports its own failure
 
 
 class VisionService:
@@ -69,7 +69,7 @@ class VisionService:
         }
 
     def update(self) -> None:
-        """Notice that no poses come any more."""
+        """Notice that no poses come any more, and end their use."""
         if not self._said or self._view.time_us - self._heard_us <= _SILENCE_US:
             return
         plant, names = self._view.plant, " and ".join(sorted(self._names))
@@ -98,6 +98,7 @@ class VisionService:
             valid = f"valid are {_NED} (local NED) and {_FRD} (local FRD)"
             self._say_once(f"ODOMETRY refused: frame_id = {m.frame_id}; {valid}")
             return
+        # FRD is not aligned with north: only changes of such poses can be used.
         is_relative = m.frame_id == _FRD
         position = (m.x, m.y, m.z)
         heading = _heading_of(m.q)
@@ -121,7 +122,16 @@ class VisionService:
         *,
         is_relative: bool = False,
     ) -> None:
-        """Use a pose as far as the parameter allows."""
+        """Use a pose as far as the parameter allows.
+
+        Args:
+            m: The message.
+            time_us: Its time stamp.
+            position_ned_m: Position in its frame.
+            yaw_ned_rad: Heading; NaN if it has none.
+            covariance: Upper triangle of its covariance; empty or NaN if unknown.
+            is_relative: True if its frame is not aligned with north.
+        """
         name, bits = m.get_type(), self._bits(m, _LEVEL | _HEIGHT | _HEADING)
         if not bits:
             return
@@ -138,6 +148,7 @@ class VisionService:
             Pose(
                 position_enu_m=self._view.enu_from_ned(position_ned_m),
                 yaw_rad=swap_yaw_enu_ned(yaw_ned_rad) if has_heading else 0.0,
+                # An infinite variance leaves this part of the pose out.
                 level_variance_m2=level_m2 if bits & _LEVEL else math.inf,
                 height_variance_m2=height_m2 if bits & _HEIGHT else math.inf,
                 yaw_variance_rad2=yaw_rad2 if bits & _HEADING and has_heading else math.inf,
@@ -156,7 +167,7 @@ class VisionService:
             self._say_once(f"Heading of {name} is not used: it differs from the compass")
 
     def _watch_resets(self, name: str, counter: int) -> None:
-        """Begin anew where the source says that it has jumped."""
+        """Begin anew if the source reports that it has jumped."""
         if self._resets.setdefault(name, counter) != counter:
             self._resets[name] = counter
             self._view.plant.outside.expect_jump()
@@ -171,6 +182,7 @@ class VisionService:
             velocity_enu_mps = _rotated(quat, swap_flu_frd(velocity))
         elif m.child_frame_id == m.frame_id == _NED:
             velocity_enu_mps = swap_enu_ned(velocity)
+        # A velocity in a frame without north cannot be turned into the world.
         else:
             return
         self._feed_velocity(m, m.time_usec, velocity_enu_mps, m.velocity_covariance)
@@ -190,7 +202,7 @@ class VisionService:
     # --- what is said ---
 
     def _bits(self, m: Message, wanted: int) -> int:
-        """Those of the wanted bits that the parameter has; says once that there are none."""
+        """Return the wanted bits that the parameter has; report once that there are none."""
         self._heard_us = self._view.time_us
         bits = int(self._view.autopilot.parameters["EKF2_EV_CTRL"])
         if not bits & wanted:
@@ -199,7 +211,7 @@ class VisionService:
         return bits & wanted
 
     def _say_once(self, text: str) -> None:
-        """Say a text once for a stream of poses."""
+        """Queue a text once for a stream of poses."""
         if text not in self._said:
             self._said.add(text)
             self._heard_us = self._view.time_us
@@ -207,7 +219,7 @@ class VisionService:
 
 
 def _from_companions(handler: Handler) -> Handler:
-    """The same without what other vehicles report of themselves, which reaches this one too."""
+    """Return a handler that skips what other vehicles report of themselves."""
 
     def handle(channel: Channel, message: Message) -> str | None:
         is_telemetry = message.get_srcComponent() == mav.MAV_COMP_ID_AUTOPILOT1
@@ -219,19 +231,20 @@ def _from_companions(handler: Handler) -> Handler:
 def _variance(
     covariance: Sequence[float], places: Sequence[int], usual: float, least: float
 ) -> float:
-    """Greatest of the named variances, or the usual one where they are not given (NaN or 0).
+    """Return the greatest of the named variances, or the usual one without them (NaN or 0).
 
     Infinite for an axis that is as good as unknown: it is not used at all.
     """
     named = [covariance[place] for place in places if place < len(covariance)]
     if not named or not all(math.isfinite(value) and value > 0.0 for value in named):
         return usual * usual
+    # A better accuracy than that would make the filter follow each pose.
     variance = max(*named, least * least)
     return variance if variance < _UNKNOWN_VARIANCE else math.inf
 
 
 def _heading_of(quat_wxyz: Sequence[float]) -> float:
-    """Heading of an attitude, clockwise from its frame's x; NaN if it is none."""
+    """Return the heading of an attitude, clockwise from its frame's x; NaN if it is none."""
     length = math.hypot(*quat_wxyz)
     if not 0.5 < length < 2.0:
         return math.nan
@@ -240,9 +253,10 @@ def _heading_of(quat_wxyz: Sequence[float]) -> float:
 
 
 def _rotated(quat_wxyz: Quaternion, vector: Vector3) -> Vector3:
-    """The vector turned from the frame of the body into the world's."""
+    """Return a vector turned from the body's frame into the world's."""
     w, x, y, z = quat_wxyz
     a, b, c = vector
+    # v + 2 w (q x v) + 2 q x (q x v), with t = 2 q x v.
     tx, ty, tz = 2.0 * (y * c - z * b), 2.0 * (z * a - x * c), 2.0 * (x * b - y * a)
     return (
         a + w * tx + y * tz - z * ty,

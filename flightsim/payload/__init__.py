@@ -1,4 +1,4 @@
-"""What the vehicle carries besides itself: a gimbal, a camera on it, and its pictures."""
+"""Payload of the vehicle: a gimbal, a camera on it, and the pictures that it takes."""
 
 from flightsim.payload.payload import VIDEO_PORT, Payload, PayloadCfg
 from flightsim.payload.video import VideoError

@@ -1,7 +1,8 @@
-"""What the gimbal's camera sees, rendered when somebody wants it.
+"""Lens of the gimbal's camera, whose pictures are rendered only when somebody wants one.
 
-It is a camera of its own, where the airframe has its first one: those of the airframe are fixed,
-and a pilot steers by them.
+It is a camera of its own at the place of the airframe's first one. The airframe's cameras are
+fixed, because a pilot steers by them. No renderer is open before the first picture, so a flight
+without pictures pays nothing.
 """
 
 from __future__ import annotations
@@ -21,17 +22,19 @@ Size = Literal["photo", "video"]
 SIZES_PX: dict[Size, tuple[int, int]] = {"photo": (1280, 960), "video": (640, 480)}
 """Width and height of the pictures."""
 VERTICAL_FOV_RAD = math.radians(60.0)
+# Pixels are square, and pictures are 4 to 3.
 HORIZONTAL_FOV_RAD = 2.0 * math.atan(4.0 / 3.0 * math.tan(0.5 * VERTICAL_FOV_RAD))
 SENSOR_MM = (6.17, 4.63)
-"""Width and height of the sensor, one of 1/2.3 inch."""
+"""Width and height of the sensor, one of 1/2.3 inch, for clients that reckon with millimetres."""
 FOCAL_LENGTH_MM = 0.5 * SENSOR_MM[1] / math.tan(0.5 * VERTICAL_FOV_RAD)
 
+# Optical axes are x to the right, y down and z forward.
 _FLU_FROM_OPTICAL = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Aim:
-    """Where a camera is and which way it looks."""
+    """Place of a camera and the direction in which it looks."""
 
     position_enu_m: Vector3
     quat_wxyz: Quaternion
@@ -39,10 +42,15 @@ class Aim:
 
 
 class Lens:
-    """The camera on a gimbal; a renderer for each size opens with the first picture of it."""
+    """Camera on a gimbal; a renderer for each size opens with the first picture of it."""
 
     def __init__(self, plant: Plant, gimbal: Gimbal) -> None:
-        """Put a camera on a gimbal."""
+        """Put a camera on a gimbal.
+
+        Args:
+            plant: Vehicle that carries it.
+            gimbal: Gimbal, whose present angles are read for each picture.
+        """
         self._plant = plant
         self._gimbal = gimbal
         cameras = plant.world.airframe.cameras
@@ -52,21 +60,25 @@ class Lens:
 
     @property
     def is_open(self) -> bool:
-        """Whether anything has been rendered."""
+        """True if any renderer is open."""
         return bool(self._renderers)
 
     def aim_est(self) -> Aim:
-        """Where the vehicle takes the camera to be, and which way to look."""
+        """Return the place and direction of the camera by the vehicle's own estimate."""
         state = self._plant.estimate
         return self._aim(state.position_enu_m, state.quat_wxyz)
 
     def aim_true(self) -> Aim:
-        """Where the camera is, and which way it looks."""
+        """Return the true place and direction of the camera."""
         state = self._plant.truth
         return self._aim(state.position_enu_m, state.quat_wxyz)
 
     def render(self, size: Size) -> RgbdFrame:
-        """The present picture; repeated requests at one time render it once."""
+        """Return the present picture; repeated requests at one time render it once.
+
+        Args:
+            size: Name of the size, a key of `SIZES_PX`.
+        """
         latest = self._latest.get(size)
         if latest is not None and latest.time_us == self._plant.time_us:
             return latest
@@ -77,7 +89,10 @@ class Lens:
         return frame
 
     def open(self, size: Size) -> None:
-        """Open the renderer for a size now, which takes as long as a hundred pictures."""
+        """Open the renderer for a size now, which takes as long as a hundred pictures.
+
+        Without it the first picture opens the renderer, in the middle of the flight.
+        """
         if size not in self._renderers:
             self._renderers[size] = open_camera_renderer(self._plant.world, *SIZES_PX[size])
 
@@ -90,6 +105,7 @@ class Lens:
     def _aim(self, position_enu_m: Vector3, quat_wxyz: Quaternion) -> Aim:
         offset_m = _rotation(quat_wxyz) @ self._mount_flu_m
         x, y, z = (np.array(position_enu_m) + offset_m).tolist()
+        # Only the heading of the vehicle counts: the gimbal takes out its roll and pitch.
         half_yaw = 0.5 * (yaw_of(quat_wxyz) + self._gimbal.yaw_rad)
         half_pitch = 0.5 * self._gimbal.pitch_down_rad
         cy, sy, cp, sp = (f(a) for a in (half_yaw, half_pitch) for f in (math.cos, math.sin))
@@ -108,7 +124,7 @@ class Lens:
 
 
 def _rotation(quat_wxyz: Quaternion) -> np.ndarray:
-    """Rotation matrix (3, 3) of an attitude."""
+    """Return the rotation matrix (3, 3) of an attitude."""
     w, x, y, z = quat_wxyz
     return np.array(
         [

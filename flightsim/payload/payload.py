@@ -1,4 +1,4 @@
-"""The payload: a gimbal with a camera on it, which costs nothing until somebody uses it."""
+"""Payload of a vehicle: a gimbal with a camera on it, which costs nothing until it is used."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ VIDEO_PORT = 5600
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class PayloadCfg:
-    """What becomes of the pictures."""
+    """Destinations of the pictures."""
 
     captures: Path | None = None
     """Folder for photographs and films; None keeps none."""
@@ -33,9 +33,9 @@ class Payload:
     """Everything that a vehicle carries for its pictures; `update` once every 20 ms.
 
     Attributes:
-        gimbal: What turns the camera.
-        lens: What the camera sees.
-        camera: What takes photographs and films.
+        gimbal: Gimbal that turns the camera.
+        lens: Lens that renders the pictures.
+        camera: Camera that takes photographs and films.
         video: Stream to a port; None if none was asked for.
     """
 
@@ -43,6 +43,12 @@ class Payload:
         self, plant: Plant, autopilot: Autopilot, frame: LocalFrame, cfg: PayloadCfg | None = None
     ) -> None:
         """Attach a payload to a vehicle.
+
+        Args:
+            plant: Vehicle that carries it.
+            autopilot: Its autopilot, for the height above home.
+            frame: Local frame of the scene.
+            cfg: Destinations of the pictures; by default they are counted and not kept.
 
         Raises:
             OSError: If the folder for pictures cannot be made.
@@ -60,20 +66,28 @@ class Payload:
             )
 
     def prepare(self) -> None:
-        """Open what the pictures that are wanted need, so that the first one is there at once."""
+        """Open the renderers that photographs and the stream will need, before the flight begins.
+
+        A renderer takes as long to open as a hundred pictures to render, which would halt the
+        flight at the first one.
+        """
         if self.camera.card.folder is not None:
             self.lens.open("photo")
         if self.video is not None:
             self.lens.open("video")
 
     def now_us(self) -> int:
-        """Present time in microseconds."""
+        """Return the present time in microseconds."""
         return self._plant.time_us
 
     def update(self) -> None:
-        """Turn, take, film and stream what is due at this tick."""
+        """Turn the gimbal, and take, film and stream the pictures that are due at this tick.
+
+        An error is raised once: it ends the pictures that were to come.
+        """
         plant = self._plant
         state = plant.estimate
+        # Before the pictures, so that they show this tick's angles.
         self.gimbal.update(state.position_enu_m, yaw_of(state.quat_wxyz))
         try:
             self.camera.update()
@@ -84,7 +98,7 @@ class Payload:
             raise
 
     def close(self) -> None:
-        """End what goes on and release everything."""
+        """End film and stream, and release everything."""
         self.camera.close()
         if self.video is not None:
             self.video.close()

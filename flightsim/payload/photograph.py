@@ -1,4 +1,4 @@
-"""A photograph: when and where it was taken, and its file with all of that in it."""
+"""Photograph: the time, place and direction of a picture, and the files that keep them."""
 
 from __future__ import annotations
 
@@ -16,12 +16,13 @@ from flightsim.environment.date import EPOCH_US
 from flightsim.frames import Geodetic
 from flightsim.payload.lens import FOCAL_LENGTH_MM, Aim
 
+# Pillow's scale, which ends at 95.
 _JPEG_QUALITY = 92
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Photograph:
-    """A picture that was taken; positions and attitudes are what the vehicle took them for."""
+    """Picture that was taken; positions and attitudes are the vehicle's estimates."""
 
     index: int
     """Number in this run, from 0."""
@@ -34,14 +35,14 @@ class Photograph:
     name: str = ""
     """Name of its file; empty if it is not kept."""
     is_sound: bool = True
-    """Whether all went well."""
+    """True if it was taken without a fault, and written if it was to be kept."""
 
 
 def jpeg(photograph: Photograph, rgb: np.ndarray) -> bytes:
-    """JPEG of a picture, with time, place, direction and focal length as Exif.
+    """Return the JPEG of a picture, with time, place, direction and focal length as Exif.
 
     Args:
-        photograph: What is known of the picture.
+        photograph: Facts about the picture.
         rgb: Colours, uint8 (height, width, 3).
     """
     from PIL import ExifTags, Image
@@ -61,9 +62,10 @@ def jpeg(photograph: Photograph, rgb: np.ndarray) -> bytes:
             gps.GPSLatitude: _sexagesimal(place.latitude_deg),
             gps.GPSLongitudeRef: "E" if place.longitude_deg >= 0.0 else "W",
             gps.GPSLongitude: _sexagesimal(place.longitude_deg),
+            # Exif has no signs: the altitude's reference says whether it lies below the sea.
             gps.GPSAltitudeRef: b"\0" if place.altitude_m >= 0.0 else b"\1",
             gps.GPSAltitude: abs(place.altitude_m),
-            gps.GPSImgDirectionRef: "T",
+            gps.GPSImgDirectionRef: "T",  # true north
             gps.GPSImgDirection: _heading_deg(photograph.aim),
             gps.GPSDateStamp: at.strftime("%Y:%m:%d"),
             gps.GPSTimeStamp: (float(at.hour), float(at.minute), at.second + at.microsecond * 1e-6),
@@ -75,7 +77,13 @@ def jpeg(photograph: Photograph, rgb: np.ndarray) -> bytes:
 
 
 def sidecar(photograph: Photograph, frame: RgbdFrame, true: Aim) -> bytes:
-    """JSON beside a picture: its pose as the vehicle took it and as it was, and its lens."""
+    """Return the JSON beside a picture: its pose as estimated and as it was, and its lens.
+
+    Args:
+        photograph: Facts about the picture.
+        frame: Rendered picture, for the focal lengths and the principal point in pixels.
+        true: True place and attitude of the camera.
+    """
     place = photograph.place
     plain: dict[str, Any] = {
         "file": photograph.name,
@@ -101,7 +109,11 @@ def _moment(photograph: Photograph) -> datetime:
 
 
 def _heading_deg(aim: Aim) -> float:
-    """Direction of the optical axis, clockwise from north; that of its top looking down."""
+    """Return the direction of the optical axis, clockwise from north.
+
+    A camera that looks straight down has no such direction; the one of the top of its picture is
+    taken, which is the limit of the others.
+    """
     w, x, y, z = aim.quat_wxyz
     # Without roll, the left axis is level whatever the pitch.
     east, north = 2 * (x * y - w * z), 1 - 2 * (x * x + z * z)

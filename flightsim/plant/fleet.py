@@ -157,7 +157,12 @@ class Fleet:
         self._check_physics(vehicles)
 
     def share(self, worlds: Sequence[int], work: Callable[[int], None]) -> None:
-        """Call `work` with each of these worlds, such as `advance_one`, on all threads."""
+        """Call a function with each of some worlds, on all threads, and wait for the last one.
+
+        Args:
+            worlds: Numbers of the worlds; threads take the next one as they become free.
+            work: Function of a world's number, such as `advance_one`.
+        """
         # Threads take the next world from one iterator; the interpreter lock makes each step
         # atomic.
         waiting = iter(worlds)

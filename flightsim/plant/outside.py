@@ -263,7 +263,13 @@ class OutsideAids:
         return PoseUse.RESTARTED
 
     def feed_velocity(self, velocity_enu_mps: Vector3, variance: float, age_s: float) -> None:
-        """Let the filter use a velocity, with the variance of each axis in m^2/s^2."""
+        """Let the filter use a velocity; nothing happens before it is aligned.
+
+        Args:
+            velocity_enu_mps: Measured velocity.
+            variance: Variance of each axis in m^2/s^2.
+            age_s: Time since it was measured.
+        """
         if self._filter["is_aligned"]:
             velocity = np.array(velocity_enu_mps)
             fuse_velocity(self._filter, velocity, self._age_ticks(age_s), variance)

@@ -100,7 +100,14 @@ def new_rays(world: World, data: mujoco.MjData, tree: RayTree | None = None) -> 
 def cast_rays(
     rays: np.ndarray, ray_enu_m: np.ndarray, excluded_body: int, distance_m: np.ndarray
 ) -> None:
-    """Write the distances to what many rays meet first, in lengths of their directions."""
+    """Write the distances to the first solids that many rays meet.
+
+    Args:
+        rays: Record of a world's index (`new_rays`).
+        ray_enu_m: Origin and direction of each ray, (n, 6).
+        excluded_body: Body that no ray meets, such as the vehicle's own; -1 for none.
+        distance_m: Takes the distances (n,), in lengths of the directions; infinite for none.
+    """
     for i in range(len(ray_enu_m)):
         hit_m = _first_hit_m(rays[0], ray_enu_m[i], excluded_body)
         distance_m[i] = hit_m
@@ -196,7 +203,16 @@ def _is_near_line(r: np.record, geom: int, ray: np.ndarray) -> bool:
 
 @kernel
 def geom_m(r: np.record, geom: int, ray: np.ndarray) -> float:
-    """Return the distance to one geom along a ray; negative if it does not meet it."""
+    """Return the distance to one geom along a ray.
+
+    Args:
+        r: Record of a world's index.
+        geom: Number of the geom.
+        ray: Origin and direction, (6,).
+
+    Returns:
+        The distance in lengths of the direction; negative if the ray does not meet it.
+    """
     origin, direction = ray.ctypes.data, ray[3:].ctypes.data
     kind = integers(r.type_address, r.n_geoms)[geom]
     if kind == HEIGHT_FIELD:

@@ -49,7 +49,12 @@ _numbers = numbers(
 
 
 def estimator_status(f: np.void, tick_us: int) -> EstimatorStatus:
-    """Return the status of a filter of `FILTER_DTYPE`; `tick_us` is the length of its ticks."""
+    """Return the status of an estimator: its validity, its deviations and its test ratios.
+
+    Args:
+        f: Record of `FILTER_DTYPE`.
+        tick_us: Length of its ticks.
+    """
     # Order of the error state: position, velocity, attitude; three each.
     v = f["covariance"].diagonal()[:9].tolist()
     is_aligned, tick, last_gnss_tick, last_tick, gyro_bias, accel_bias, *ratios = _numbers(f)

@@ -85,7 +85,15 @@ def new_sky(
 
 @kernel
 def look_up(s: np.record, e: np.record, position_enu_m: np.ndarray) -> None:
-    """Look for the next satellites from a true position; the first call looks for all of them."""
+    """Look for the next satellites from a true position; the first call looks for all of them.
+
+    Satellites take turns, so one that was lost is heard again about a second later.
+
+    Args:
+        s: Record of the sky, which takes what is in view.
+        e: Record of the index of the world's geoms.
+        position_enu_m: Position of the antenna.
+    """
     if s.is_on == 0:
         return
     n_rays = _RAYS_PER_FIX if s.has_looked == 1 else s.n

@@ -96,7 +96,16 @@ def sense_airspeed(
     air_velocity_enu_mps: np.ndarray,
     normals: np.ndarray,
 ) -> None:
-    """Measure if a sample is due; the filter estimates the wind without it."""
+    """Measure if a sample is due; the filter estimates the wind without it.
+
+    Args:
+        r: Record of the sensor, which takes the sample.
+        tick: Number of the control tick.
+        qpos: True pose of the vehicle, (7,).
+        qvel: True velocity of the vehicle, (6,), of which the first three are ENU.
+        air_velocity_enu_mps: Velocity of the air around it.
+        normals: Standard normal numbers of the sensor.
+    """
     if is_due(r, tick):
         row = noise(r, tick, normals)
         sample_airspeed(r, tick, qpos[2], qpos[3:7], air_velocity_enu_mps, qvel[0:3], row)

@@ -41,7 +41,14 @@ def _configure(r: np.void, cfg: BarometerCfg, start: SensorStart) -> None:
 
 @kernel
 def sample_barometer(r: np.record, tick: int, height_enu_m: float, normals: np.ndarray) -> None:
-    """Take one sample at a true height above the scene's origin, m; uses `normals[0:2]`."""
+    """Take one sample, whose altitude is that of the standard atmosphere at the measured pressure.
+
+    Args:
+        r: Record of the sensor, which takes the sample.
+        tick: Number of the control tick.
+        height_enu_m: True height above the scene's origin.
+        normals: Standard normal numbers; the first two are used.
+    """
     altitude = r.origin_altitude_m + height_enu_m
     r.drift_pa = r.decay * r.drift_pa + r.drift_sigma_pa * normals[1]
     measured_pa = pressure_pa(altitude) + r.drift_pa + r.noise_pa * normals[0]
@@ -55,7 +62,17 @@ def sample_barometer(r: np.record, tick: int, height_enu_m: float, normals: np.n
 def sense_barometer(
     r: np.record, f: np.record, tick: int, qpos: np.ndarray, normals: np.ndarray
 ) -> None:
-    """Measure if a sample is due, and let the filter use it."""
+    """Measure if a sample is due, and let the filter use it.
+
+    Before the filter is aligned, samples are summed for its first height.
+
+    Args:
+        r: Record of the sensor.
+        f: Record of the filter.
+        tick: Number of the control tick.
+        qpos: True pose of the vehicle, (7,).
+        normals: Standard normal numbers of the sensor.
+    """
     if not is_due(r, tick):
         return
     sample_barometer(r, tick, qpos[2], noise(r, tick, normals))

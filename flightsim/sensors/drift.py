@@ -32,7 +32,12 @@ def drift_terms(density: float, correlation_s: float, dt_s: float) -> tuple[floa
 
 
 def density_of(stationary_sigma: float, correlation_s: float) -> float:
-    """Return the density of the driving noise for which the process settles at a deviation."""
+    """Return the density of the noise that drives a drift of a given deviation.
+
+    Args:
+        stationary_sigma: Standard deviation at which the process settles.
+        correlation_s: Its correlation time.
+    """
     return stationary_sigma / math.sqrt(0.5 * correlation_s)
 
 

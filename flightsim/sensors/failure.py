@@ -72,7 +72,15 @@ FAILURE_FIELDS = (
 
 @kernel
 def is_heard(r: np.record, part: int, tick: int) -> bool:
-    """Return true if a part of a sensor, which measures at this tick, also sends its sample."""
+    """Return true if a part of a sensor, which measures at this tick, also sends its sample.
+
+    A slow part sends every so many samples, an intermittent one those of every other second.
+
+    Args:
+        r: Record of the sensor.
+        part: Index of the part, such as the accelerometer of an IMU.
+        tick: Number of the control tick.
+    """
     kind = r.failure[part]
     if kind == _OFF:
         return False

@@ -145,7 +145,14 @@ def _configure(r: np.void, cfg: GnssCfg, start: SensorStart) -> None:
 def follow_gnss(
     r: np.record, tick: int, position_enu_m: np.ndarray, velocity_enu_mps: np.ndarray
 ) -> None:
-    """Store the true state of an IMU tick, from which a later fix is made; called at every tick."""
+    """Store the true state of an IMU tick, from which a later fix is made; called at every tick.
+
+    Args:
+        r: Record of the receiver.
+        tick: Number of the control tick, which is the IMU's.
+        position_enu_m: True position.
+        velocity_enu_mps: True velocity.
+    """
     r.under_sky_ticks += 1
     slot = tick % N_GNSS_PAST
     for i in range(3):
@@ -175,7 +182,13 @@ def hears_satellites(
 
 @kernel
 def suffer_sky(r: np.record, sky: np.record, normals: np.ndarray) -> None:
-    """Compute dilution, float state and multipath of the next fix from the satellites in view."""
+    """Compute dilution, float state and multipath of the next fix from the satellites in view.
+
+    Args:
+        r: Record of the receiver.
+        sky: Record of the satellites in view.
+        normals: Standard normal numbers; those from 9 to 11 are used.
+    """
     r.n_heard = sky.n_heard
     r.is_float = 1 if sky.n_heard < r.least_fixed else 0
     r.dilution[0], r.dilution[1], r.dilution[2] = sky.horizontal, sky.horizontal, sky.vertical
@@ -192,7 +205,13 @@ def suffer_sky(r: np.record, sky: np.record, normals: np.ndarray) -> None:
 
 @kernel
 def sample_gnss(r: np.record, tick: int, normals: np.ndarray) -> None:
-    """Deliver at `tick` the fix that is valid for `delay_ticks` earlier; uses `normals[0:9]`."""
+    """Deliver the fix that is valid for `delay_ticks` before this tick.
+
+    Args:
+        r: Record of the receiver.
+        tick: Number of the control tick at which the fix arrives.
+        normals: Standard normal numbers; the first nine are used.
+    """
     ambiguous = r.float_sigma_m * r.is_float
     r.tick = tick - r.delay_ticks
     r.settling_sigma_m *= r.settle_decay

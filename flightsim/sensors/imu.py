@@ -155,7 +155,18 @@ def sense_imu(
     vibration: np.record,
     normals: np.ndarray,
 ) -> None:
-    """Measure, and let the filter predict with the sample; called at every control tick."""
+    """Measure, and let the filter predict with the sample; called at every control tick.
+
+    Args:
+        r: Record of the IMU.
+        f: Record of the filter.
+        tick: Number of the control tick.
+        qpos: True pose of the vehicle, (7,).
+        qvel: True velocity of the vehicle, (6,).
+        rotor_speed_radps: Speed of each rotor, for the filter's air resistance.
+        vibration: Record of the vibration, which is added to the sample.
+        normals: Standard normal numbers of the sensor.
+    """
     drawn = noise(r, tick, normals)
     sample_imu(r, qpos[3:7], qvel[0:3], drawn)
     for i in range(3):

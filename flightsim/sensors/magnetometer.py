@@ -60,7 +60,16 @@ def sample_magnetometer(
     steel: np.ndarray,
     normals: np.ndarray,
 ) -> None:
-    """Take one sample at a true pose (7,), among steel (`flightsim.environment.steel`)."""
+    """Take one sample of the field, with the currents' and the steel's share in it.
+
+    Args:
+        r: Record of the sensor, which takes the sample.
+        tick: Number of the control tick.
+        qpos: True pose of the vehicle, (7,).
+        rotor_speed_radps: Speed of each rotor; the current goes with its cube.
+        steel: Steel around the site (`flightsim.environment.steel`).
+        normals: Standard normal numbers of the sensor.
+    """
     R, field = r.R, r.work_vector
     matrix_from_quat(qpos[3:7], R)
     field[:] = r.field_enu_ut
@@ -87,7 +96,17 @@ def sense_magnetometer(
     steel: np.ndarray,
     normals: np.ndarray,
 ) -> None:
-    """Measure if a sample is due, and let the filter use it."""
+    """Measure if a sample is due, and let the filter use it.
+
+    Args:
+        r: Record of the sensor.
+        f: Record of the filter.
+        tick: Number of the control tick.
+        qpos: True pose of the vehicle, (7,).
+        rotor_speed_radps: Speed of each rotor; the current goes with its cube.
+        steel: Steel around the site (`flightsim.environment.steel`).
+        normals: Standard normal numbers of the sensor.
+    """
     if not is_due(r, tick):
         return
     sample_magnetometer(r, tick, qpos, rotor_speed_radps, steel, noise(r, tick, normals))

@@ -42,7 +42,15 @@ def _configure(r: np.void, cfg: MocapCfg, start: SensorStart) -> None:
 def sample_mocap(
     r: np.record, tick: int, position_enu_m: np.ndarray, quat_wxyz: np.ndarray, normals: np.ndarray
 ) -> None:
-    """Measure at a true pose; the reading is valid for use after `delay_ticks`."""
+    """Measure at a true pose; the reading is valid for use after `delay_ticks`.
+
+    Args:
+        r: Record of the sensor, which takes the sample.
+        tick: Number of the control tick.
+        position_enu_m: True position.
+        quat_wxyz: True attitude, FLU to ENU.
+        normals: Standard normal numbers; the first four are used.
+    """
     for i in range(3):
         measured = position_enu_m[i] + r.position_noise_m * normals[i]
         r.position_enu_m[i] = said(r, 0, tick, i, measured, normals)
@@ -55,7 +63,15 @@ def sample_mocap(
 def sense_mocap(
     r: np.record, f: np.record, tick: int, qpos: np.ndarray, normals: np.ndarray
 ) -> None:
-    """Fuse the pose that arrives at this tick, then take the next one."""
+    """Fuse the pose that arrives at this tick, then take the next one.
+
+    Args:
+        r: Record of the sensor.
+        f: Record of the filter.
+        tick: Number of the control tick.
+        qpos: True pose of the vehicle, (7,).
+        normals: Standard normal numbers of the sensor.
+    """
     # Fuse before sampling: the next sample overwrites the one that arrives at this tick.
     has_come = has_arrived(r, tick) and not is_stuck(r, 0, r.position_enu_m[0])
     if has_come and f.is_aligned == 1:

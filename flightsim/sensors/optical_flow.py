@@ -114,7 +114,16 @@ def follow_flow(
 
 @kernel
 def sample_optical_flow(r: np.record, tick: int, period_s: float, normals: np.ndarray) -> None:
-    """Finish the sample that began `period_s` ago and start the next one."""
+    """Finish the sample that began `period_s` ago and start the next one.
+
+    A sample during which the ground was lost once has quality 0 and no flow.
+
+    Args:
+        r: Record of the sensor.
+        tick: Number of the control tick.
+        period_s: Time over which the flow was summed up.
+        normals: Standard normal numbers; the first two are used.
+    """
     r.quality = BEST_QUALITY if r.has_lost == 0 else 0
     for i in range(2):
         flow = r.passed_frd_rad[i] + r.noise_radps * period_s * normals[i]

@@ -104,7 +104,12 @@ class Sensor:
         return self.grades[setting] if self.grades else setting
 
     def new(self, cfg: Any, start: SensorStart) -> np.ndarray:
-        """Return the record of a sensor before its first sample, in an array of shape (1,)."""
+        """Return the record of a sensor before its first sample, in an array of shape (1,).
+
+        Args:
+            cfg: Settings of the sensor; fields with a name of the record are copied into it.
+            start: Facts that a sensor begins with, such as the rate of the ticks.
+        """
         records = np.zeros(1, self.dtype)
         r: np.void = records[0]
         # A configuration without `rate_hz`, such as the IMU's, measures at every tick.
@@ -125,14 +130,24 @@ class Sensor:
 
 @kernel
 def is_due(r: np.record, tick: int) -> bool:
-    """Return true if a sensor measures and sends at this tick."""
+    """Return true if a sensor measures and sends at this tick.
+
+    Args:
+        r: Record of the sensor; it sends nothing while it is off, failed or replaced from outside.
+        tick: Number of the control tick.
+    """
     is_on = r.is_enabled == 1 and r.is_replaced == 0
     return is_on and tick % r.period_ticks == 0 and is_heard(r, 0, tick)
 
 
 @kernel
 def has_arrived(r: np.record, tick: int) -> bool:
-    """Return true if the last sample of a sensor with a delay arrives at this tick."""
+    """Return true if the last sample of a sensor with a delay arrives at this tick.
+
+    Args:
+        r: Record of the sensor; its `tick` is that of the sample, -1 before the first.
+        tick: Number of the control tick.
+    """
     is_on = r.is_enabled == 1 and r.is_replaced == 0
     return is_on and r.tick >= 0 and tick == r.tick + r.delay_ticks
 

@@ -79,7 +79,15 @@ def _configure(r: np.void, cfg: VioCfg, start: SensorStart) -> None:
 def sample_vio(
     r: np.record, tick: int, position_enu_m: np.ndarray, quat_wxyz: np.ndarray, normals: np.ndarray
 ) -> None:
-    """Measure at a true pose; the reading is valid for use after `delay_ticks`."""
+    """Measure at a true pose; the reading is valid for use after `delay_ticks`.
+
+    Args:
+        r: Record of the sensor, whose drift goes on from its last sample.
+        tick: Number of the control tick.
+        position_enu_m: True position.
+        quat_wxyz: True attitude, FLU to ENU.
+        normals: Standard normal numbers of the sensor.
+    """
     last, now, m = r.last_position_enu_m, position_enu_m, r.odometer_m
     dx, dy, dz = now[0] - last[0], now[1] - last[1], now[2] - last[2]
     # Fourth root of the squared distance: the walk is in m/sqrt(m flown).
@@ -103,7 +111,15 @@ def sample_vio(
 
 @kernel
 def sense_vio(r: np.record, f: np.record, tick: int, qpos: np.ndarray, normals: np.ndarray) -> None:
-    """Fuse the pose that arrives at this tick, then take the next one."""
+    """Fuse the pose that arrives at this tick, then take the next one.
+
+    Args:
+        r: Record of the sensor.
+        f: Record of the filter.
+        tick: Number of the control tick.
+        qpos: True pose of the vehicle, (7,).
+        normals: Standard normal numbers of the sensor.
+    """
     # Fuse before sampling: the next sample overwrites the one that arrives at this tick.
     has_come = has_arrived(r, tick) and not is_stuck(r, 0, r.position_vio_m[0])
     if has_come and f.is_aligned == 1:

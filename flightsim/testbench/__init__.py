@@ -1,4 +1,4 @@
-"""A scene with its vehicles, whoever flies them, and MAVLink, in one loop."""
+"""A scene with its vehicles, their flight stacks, and MAVLink, in one loop."""
 
 from flightsim.testbench.cfg import MAX_INSTANCES, TestbenchCfg, TestbenchError
 from flightsim.testbench.testbench import Testbench

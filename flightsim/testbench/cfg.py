@@ -1,4 +1,9 @@
-"""Settings of a testbench: vehicle, seed, air, sensors, speed, ports, and who flies."""
+"""Settings of a testbench: vehicle, seed, air, sensors, speed, ports, and the flight stack.
+
+The fields are the options of `aeroscene sitl` and of other commands, so their docstrings are its
+help. A field that has a syntax of its own, such as the traffic, stays text here; a property parses
+it. All of them are parsed once at the start, so that a wrong option costs no building of a scene.
+"""
 
 from __future__ import annotations
 
@@ -27,12 +32,13 @@ _LEAST_PX, _MOST_PX = 16, 4096
 _TICKS_PER_BURST = 10
 """Ticks whose telemetry leaves together at full speed, where they take about a millisecond.
 
-To send a datagram costs 4 us of CPU, and 12 more where that wakes its reader: once in ten ticks.
+To send a datagram costs 4 us of CPU, and 12 more if it wakes its reader; together they wake it once
+in ten ticks.
 """
 
 
 class TestbenchError(ValueError):
-    """No testbench can be built from the configuration."""
+    """No testbench can be built from the settings."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,7 +81,7 @@ class TestbenchCfg:
     lidar: str = ""
     """Lidar to carry: vlp16, mid40, or a file FILE.toml or FILE.csv; see docs/sensors.md."""
     optical_flow: bool = False
-    """Carry a sensor of optical flow that looks down, and tell of it by MAVLink."""
+    """Carry a sensor of optical flow that looks down, with its MAVLink messages."""
     without: str = ""
     """Effects of the physics to leave out, such as ground,ceiling; docs/physics.md names them."""
     free_flight: bool = True
@@ -98,8 +104,8 @@ class TestbenchCfg:
     personality: str = "px4"
     """Flight stack whose modes, parameters and habits clients meet: px4 or ardupilot."""
     autopilot: Literal["builtin", "px4", "ardupilot"] = "builtin"
-    """Who flies: our autopilot, or a flight stack of its own that runs in lockstep with our
-    physics; see docs/flight_stacks.md."""
+    """Flight stack that flies: our own autopilot, or PX4 or ArduPilot itself, which runs in
+    lockstep with our physics; see docs/flight_stacks.md."""
     autopilot_binary: str = ""
     """Program of that flight stack, which is started and ended with the run; without it the run
     waits for one that you start."""
@@ -108,11 +114,17 @@ class TestbenchCfg:
     bit; the run ends when it leaves. See docs/lockstep.md."""
 
     def __post_init__(self) -> None:
-        """Refuse invalid settings before anything is built."""
+        """Refuse invalid settings before anything is built.
+
+        Raises:
+            ValueError: If one is invalid; the line names the option, its value, and what is valid.
+                Each part of the package has its own subclass.
+        """
         require_ranges(self, TestbenchError)
         with_cameras(airframe_by_name(self.vehicle), self.camera)
         if self.lidar:
             lidar_by_name(self.lidar)
+        # Each property parses its option, and raises if it cannot.
         _ = self.camera_size_px
         _ = (
             self.wind_cfg,
@@ -130,7 +142,7 @@ class TestbenchCfg:
         self._check_autopilot()
 
     def _check_autopilot(self) -> None:
-        """Refuse what only our autopilot has, where another one flies."""
+        """Refuse settings that only our autopilot has, where another one flies."""
         if self.autopilot == "builtin":
             if self.autopilot_binary:
                 raise TestbenchError(
@@ -148,11 +160,7 @@ class TestbenchCfg:
 
     @property
     def wind_cfg(self) -> WindCfg:
-        """Wind of these settings.
-
-        Raises:
-            WindError: If it is invalid.
-        """
+        """Wind of these settings."""
         return WindCfg(
             speed_mps=self.wind,
             from_deg=self.wind_from,
@@ -162,39 +170,24 @@ class TestbenchCfg:
 
     @property
     def traffic_cfg(self) -> TrafficCfg:
-        """Traffic of these settings.
-
-        Raises:
-            TrafficError: If it is invalid.
-        """
+        """Traffic of these settings."""
         return TrafficCfg.parse(self.traffic, self.seed)
 
     @property
     def timed_failures(self) -> tuple[TimedFailure, ...]:
-        """Failures in flight of these settings.
-
-        Raises:
-            TimedFailureError: If one is invalid.
-        """
+        """Failures in flight of these settings."""
         return parse_failures(self.fail, len(airframe_by_name(self.vehicle).motors))
 
     @property
     def effects(self) -> Effects:
-        """Physics of these settings.
-
-        Raises:
-            EffectError: If there is no effect of a name.
-        """
+        """Effects of the physics that these settings leave in."""
         return Effects.without(self.without)
 
     @property
     def camera_size_px(self) -> tuple[int, int]:
-        """Width and height of the cameras' images.
-
-        Raises:
-            TestbenchError: If they are no size, or out of range.
-        """
+        """Width and height of the cameras' images, in pixels."""
         parts = self.camera_size.split("x")
+        # `isdecimal` admits no sign, no space and no underscore, all of which int() takes.
         is_size = len(parts) == 2 and all(part.isdecimal() for part in parts)
         sizes = [int(part) for part in parts] if is_size else []
         if not is_size or not all(_LEAST_PX <= px <= _MOST_PX for px in sizes):
@@ -206,11 +199,7 @@ class TestbenchCfg:
 
     @property
     def serial_line(self) -> SerialLine | None:
-        """Serial device of these settings, if there is one.
-
-        Raises:
-            TestbenchError: If its speed is unknown.
-        """
+        """Serial device of these settings, if there is one."""
         try:
             return SerialLine.parse(self.serial) if self.serial else None
         except LinkError as error:
@@ -218,11 +207,7 @@ class TestbenchCfg:
 
     @property
     def out_addresses(self) -> tuple[OutAddress, ...]:
-        """Addresses to which the vehicle speaks first.
-
-        Raises:
-            TestbenchError: If one is no address, or its host is unknown.
-        """
+        """Addresses to which the vehicle speaks first."""
         try:
             return tuple(map(OutAddress.parse, self.out))
         except LinkError as error:
@@ -230,11 +215,7 @@ class TestbenchCfg:
 
     @property
     def signing(self) -> Signing:
-        """What the network and serial links of these settings sign with.
-
-        Raises:
-            TestbenchError: If the file of the key holds none.
-        """
+        """Signing of the network and serial links, with the key of these settings, if any."""
         try:
             return Signing(read_key(self.signing_key) if self.signing_key else None)
         except SigningKeyError as error:
@@ -242,21 +223,22 @@ class TestbenchCfg:
 
     @property
     def initial_parameters(self) -> Mapping[str, float]:
-        """The autopilot's parameters that these settings change from their defaults."""
+        """Parameters of the autopilot that these settings change from their defaults."""
         return {
             **PERSONALITIES[self.personality].initial_parameters,
-            "MAV_SYS_ID": 1 + self.instance,
+            "MAV_SYS_ID": 1 + self.instance,  # instances count from 0, ids from 1
             **wind_parameters(self.wind_cfg),
         }
 
     @property
     def ticks_per_burst(self) -> int:
-        """Number of ticks whose telemetry leaves together."""
+        """Number of ticks whose telemetry leaves together; 1 wherever a client may wait for it."""
+        # At any other speed a tick takes longer than a client should wait for its telemetry.
         return _TICKS_PER_BURST if self.speed == "max" and not self.lockstep else 1
 
     @property
     def plant_cfg(self) -> PlantCfg:
-        """Plant of these settings."""
+        """Settings of the plant that follow from these."""
         cfg = PlantCfg(
             seed=self.seed,
             gnss=self.gnss,
@@ -266,5 +248,6 @@ class TestbenchCfg:
             free_flight=self.free_flight,
             optical_flow=OpticalFlowCfg(is_fitted=self.optical_flow),
         )
+        # An external stack sets the rate of the exchanges, which are one per control tick.
         stack = STACKS.get(self.autopilot)
         return cfg if stack is None else replace(cfg, control_hz=stack.rate_hz)

@@ -1,4 +1,7 @@
-"""Our flight stack around a plant: autopilot, payload and MAVLink."""
+"""Our flight stack around a plant: autopilot, payload and MAVLink.
+
+It has the same interface as `ExternalStack`, so the testbench need not know which of the two flies.
+"""
 
 from __future__ import annotations
 
@@ -21,13 +24,13 @@ from flightsim.vehicles.builder import vehicle_name
 
 
 class OwnStack:
-    """Builds the parts of our stack, and owns what must be closed.
+    """Our stack, which builds its parts and owns those that must be closed.
 
     Attributes:
-        autopilot: Flies the plant.
+        autopilot: Autopilot that flies the plant.
         payload: Gimbal and camera.
-        server: Serves all links.
-        habits: What a client must know of it.
+        server: MAVLink server for all links.
+        habits: Peculiarities that a client must know.
     """
 
     habits = PX4_HABITS
@@ -43,11 +46,20 @@ class OwnStack:
         captures: Path | None,
         has_video: bool,
     ) -> None:
-        """Build the parts and open the links; see `Testbench`.
+        """Build the parts and open the links.
+
+        Args:
+            plant: Vehicle to fly.
+            frame: Local frame of the scene.
+            cfg: Settings, with the instance of this vehicle.
+            has_network: True opens the ports for clients outside this process.
+            links: MAVLink links besides those.
+            captures: Folder for photographs and films; None keeps none.
+            has_video: True streams the camera's picture to a port.
 
         Raises:
             PortInUseError: If a MAVLink port is taken.
-            TestbenchError: If the folder cannot be made, or there is nothing to encode video with.
+            TestbenchError: If the folder cannot be made, or there is no encoder for the video.
         """
         personality = PERSONALITIES[cfg.personality]
         self.autopilot = Autopilot(
@@ -55,6 +67,7 @@ class OwnStack:
             frame,
             airframe=plant.world.airframe,
             initial_parameters={
+                # The settings come last, and win over those of the vehicle.
                 **vehicle_parameters(plant.world.airframe),
                 **cfg.initial_parameters,
             },
@@ -62,9 +75,11 @@ class OwnStack:
             pilot_speeds_limit_all=personality.pilot_speeds_limit_all,
             terrain=plant.world.scene.relief,
         )
+        # From now on a client that sets a wind parameter changes the plant's wind.
         follow_parameters(self.autopilot.parameters, plant)
         video_port = VIDEO_PORT + cfg.instance if has_video else None
         if captures is not None and plant.mates:
+            # Several vehicles would number their pictures in one folder.
             captures /= vehicle_name(plant.world.number)
         payload_cfg = PayloadCfg(captures=captures, video_port=video_port)
         try:
@@ -79,6 +94,8 @@ class OwnStack:
             self.autopilot,
             plant,
             frame,
+            # The link in this process is served first, then those of the caller, then the
+            # network's.
             [self._pilot_link, *links, *network],
             system_id=1 + cfg.instance,
             personality=personality,
@@ -87,26 +104,27 @@ class OwnStack:
             signing=cfg.signing,
             payload=self.payload,
         )
+        # Renderers open here, before time passes.
         self.payload.prepare()
 
     @property
     def fault(self) -> str:
-        """What keeps time from passing for good, in words; empty while it passes."""
+        """Words that say why time will pass no more; empty while it passes."""
         lockstep = self.server.lockstep
         is_over = lockstep is not None and lockstep.is_over
         return "the client that kept the time" if is_over else ""
 
     @property
     def reports(self) -> Autopilot:
-        """Whose mode and arming are shown and recorded."""
+        """Source of the mode and the arming that are shown and recorded."""
         return self.autopilot
 
     def pipe(self) -> BytePipe:
-        """Lockstep MAVLink for a companion inside this process."""
+        """Return a lockstep MAVLink connection for a companion inside this process."""
         return self._pilot_link.client
 
     def listen(self, listener: Callable[[Severity, str], None]) -> None:
-        """Call a function with severity and text of each message to clients."""
+        """Call a function with the severity and the text of each message to clients."""
         self.server.statustext.listeners.append(listener)
 
     def close(self) -> None:
@@ -116,10 +134,11 @@ class OwnStack:
 
 
 def _network_links(cfg: TestbenchCfg, number: int) -> list[Link]:
-    """Links that clients outside this process connect to, for the vehicle of a number."""
+    """Return the links for clients outside this process, for the vehicle of a number."""
     return network_links(
         cfg.instance,
         cfg.bind,
+        # All vehicles of a world speak to one port of a ground station, the first one's.
         first_instance=cfg.instance - number,
         serial_line=cfg.serial_line,
         outs=cfg.out_addresses,

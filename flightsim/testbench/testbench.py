@@ -1,4 +1,9 @@
-"""Testbench: a scene with its vehicles, whoever flies them, and MAVLink, in one loop."""
+"""Testbench: a scene with its vehicles, their flight stacks, and MAVLink, in one loop.
+
+It is the one place where the parts of a run are put together, for the command line, the tests and a
+user's script alike. It builds all or nothing: if a port is taken or a vehicle cannot stand, those
+that were opened before are closed again.
+"""
 
 from __future__ import annotations
 
@@ -28,10 +33,11 @@ from flightsim.world import build_world
 
 
 class Testbench:
-    """Builds every part of a run and owns what must be closed.
+    """A run with all of its parts, which owns those that must be closed.
 
     Vehicle i is instance `cfg.instance` + i: its system id and its ports follow from that, as if it
-    had been started alone. The first one has what there can be only once, such as a serial line.
+    had been started alone. The first one has all that there can be only once, such as a serial
+    line.
 
     Attributes:
         vehicles: The vehicles, in their order.
@@ -60,21 +66,22 @@ class Testbench:
             cfg: Settings of the simulation.
             airframes: Vehicles instead of the configured one.
             traffic: Movers on paths of their own instead of the configured ones.
-            has_network: Whether clients outside this process can connect.
+            has_network: True lets clients outside this process connect.
             links: MAVLink links besides the in-process one and the network's, for the first
                 vehicle, the second and so on.
             captures: Folder for photographs and films of the gimbal's camera, with a folder for
                 each of several vehicles; None keeps none.
-            has_video: Whether that camera's picture is streamed to a port of this machine.
+            has_video: True streams that camera's picture to a port of this machine.
 
         Raises:
             WorldError: If the start has not enough room, or a vehicle cannot stand.
             TrafficError: If the scene has no room for the traffic.
             PortInUseError: If a MAVLink port is taken.
-            TestbenchError: If the folder cannot be made, there is nothing to encode video with, the
+            TestbenchError: If the folder cannot be made, there is no encoder for the video, the
                 external flight stack cannot be had, or there are too many vehicles for it or for
                 the ports.
         """
+        # Before this one is built, the memory of those before it is needed.
         free_ended()
         self.cfg, self.scene = cfg, scene
         airframes = airframes or (airframe_by_name(cfg.vehicle),)
@@ -83,6 +90,7 @@ class Testbench:
         world = build_world(
             scene, *airframes, traffic=cfg.traffic_cfg if traffic is None else traffic
         )
+        # The first plant owns time, and makes those of the other vehicles.
         first = Plant(world, cfg.plant_cfg)
         self.frame = LocalFrame(Geodetic(scene.latitude_deg, scene.longitude_deg, scene.altitude_m))
         vehicle = partial(Vehicle, has_network=has_network, captures=captures, has_video=has_video)
@@ -91,8 +99,10 @@ class Testbench:
                 stack.enter_context(closing(vehicle(plant, self.frame, own_cfg, links=own_links)))
                 for plant, own_cfg, own_links in _parts(first, cfg, links)
             )
+            # All are open: from here on `close` closes them, and leaving the block does not.
             self._stack = stack.pop_all()
         self.plant, self.airframe, self.stack = first, airframes[0], self.vehicles[0].stack
+        # Lidars first, so a user's observer finds the scan of this tick.
         self.observers: list[Observer] = [each.lidar.update for each in self.vehicles if each.lidar]
         if cfg.fail != "none":
             self.observers += [each.failures.update for each in self.vehicles]
@@ -106,34 +116,47 @@ class Testbench:
 
     @property
     def autopilot(self) -> Autopilot:
-        """Our autopilot of the first vehicle, where it flies."""
+        """Our autopilot of the first vehicle.
+
+        Raises:
+            TestbenchError: If an external flight stack flies.
+        """
         return self.vehicles[0].autopilot
 
     @property
     def server(self) -> MavlinkServer:
-        """MAVLink of our autopilot of the first vehicle, where it flies."""
+        """MAVLink server of the first vehicle's autopilot.
+
+        Raises:
+            TestbenchError: If an external flight stack flies.
+        """
         return self.vehicles[0].own.server
 
     @property
     def external(self) -> ExternalStack | None:
-        """The external flight stack that flies, if one does."""
+        """External flight stack that flies; None if our autopilot does."""
         return self.vehicles[0].external
 
     @property
     def fault(self) -> str:
-        """What keeps time from passing for good, in words; empty while it passes."""
+        """Words that say why time will pass no more; empty while it passes."""
         return next((fault for each in self.vehicles if (fault := each.stack.fault)), "")
 
     def connect(self) -> MavlinkClient:
-        """Create a companion of the first vehicle; see `Vehicle.connect`."""
+        """Return a new companion of the first vehicle; see `Vehicle.connect`."""
         return self.vehicles[0].connect()
 
     def run(self, seconds: float, until: Callable[[], bool] | None = None) -> None:
-        """Advance simulated time at the configured speed, until `until()` holds if it is given."""
+        """Advance simulated time at the configured speed.
+
+        Args:
+            seconds: Greatest advance, of simulated time.
+            until: Called before each tick; once it returns True the run ends.
+        """
         self.simulator.run(until_us=self.plant.time_us + round(seconds * 1e6), stop=until)
 
     def close(self) -> None:
-        """Close every link, and end what flies."""
+        """Close every link, and end the flight stacks."""
         self._stack.close()
 
     def __enter__(self) -> Self:
@@ -144,7 +167,7 @@ class Testbench:
 
 
 class _Controllers:
-    """The controllers of all vehicles."""
+    """Controllers of all vehicles as one."""
 
     def __init__(self, controllers: Sequence[Controller]) -> None:
         self._controllers = controllers
@@ -155,7 +178,7 @@ class _Controllers:
 
 
 class _Servers:
-    """The servers of all vehicles; time passes when each of them lets it."""
+    """Servers of all vehicles as one; time passes when each of them lets it."""
 
     def __init__(self, servers: Sequence[Server]) -> None:
         self._servers = servers
@@ -171,14 +194,21 @@ class _Servers:
 def _parts(
     first: Plant, cfg: TestbenchCfg, links: Sequence[Sequence[Link]]
 ) -> Iterator[tuple[Plant, TestbenchCfg, Sequence[Link]]]:
-    """Plant, settings and links of each vehicle: instances count up, the first has the line."""
+    """Yield plant, settings and links of each vehicle.
+
+    Instances count up, and only the first has the serial line.
+    """
     for i, plant in enumerate((first, *first.mates)):
         own = replace(cfg, instance=cfg.instance + i, serial="" if i else cfg.serial)
         yield plant, own, links[i] if i < len(links) else ()
 
 
 def _check_number(cfg: TestbenchCfg, n: int) -> None:
-    """Refuse several vehicles of another flight stack, and more than there are instances."""
+    """Refuse several vehicles of another flight stack, and more than there are instances.
+
+    Raises:
+        TestbenchError: If the number is too large.
+    """
     if cfg.autopilot != "builtin" and n > 1:
         raise TestbenchError(
             f"vehicles {n} are our autopilot's, and {cfg.autopilot} flies; valid: "

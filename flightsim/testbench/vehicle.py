@@ -1,4 +1,4 @@
-"""One vehicle of a testbench: its plant, whoever flies it, and MAVLink."""
+"""One vehicle of a testbench: its plant, its flight stack, and MAVLink."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from flightsim.testbench.remains import note_end
 
 
 class Vehicle:
-    """A vehicle of a testbench, which opens its links and owns what must be closed.
+    """A vehicle of a testbench, which opens its links and owns all that must be closed.
 
     Attributes:
         plant: The vehicle in its world.
@@ -29,10 +29,10 @@ class Vehicle:
         frame: Frame of the scene on the earth.
         cfg: Settings of the testbench, with the instance of this vehicle.
         lidar: Lidar that it carries; None without one.
-        failures: Lets its parts fail in flight, as the settings say.
-        stack: Whoever flies: our own flight stack, or an external one.
-        controller: Commands the plant after each tick.
-        server: Talks with those outside.
+        failures: Timer that lets parts fail in flight, as the settings say.
+        stack: Flight stack: our own, or an external one.
+        controller: Controller that commands the plant after each tick.
+        server: Server that talks with clients.
     """
 
     def __init__(
@@ -46,10 +46,25 @@ class Vehicle:
         captures: Path | None,
         has_video: bool,
     ) -> None:
-        """Build the stack of a vehicle and open its links; see `Testbench`."""
+        """Build the stack of a vehicle and open its links.
+
+        Args:
+            plant: Vehicle in its world.
+            frame: Frame of the scene on the earth.
+            cfg: Settings, with the instance of this vehicle.
+            has_network: True lets clients outside this process connect.
+            links: MAVLink links besides the in-process one and the network's.
+            captures: Folder for photographs and films; None keeps none.
+            has_video: True streams the camera's picture to a port.
+
+        Raises:
+            PortInUseError: If a MAVLink port is taken.
+            TestbenchError: If the flight stack cannot be had, or lacks what is asked for.
+        """
         self.plant, self.frame, self.cfg = plant, frame, cfg
         self.airframe, self.scene = plant.world.airframe, plant.world.scene
         self.lidar = Lidar(plant, lidar_by_name(cfg.lidar)) if cfg.lidar else None
+        # Motors are counted by the airframe, so its failures are checked against it.
         ahead = parse_failures(cfg.fail, len(self.airframe.motors))
         self.failures = FailureTimer(plant, ahead)
         self._own: OwnStack | None = None
@@ -73,6 +88,8 @@ class Vehicle:
                 "captures and video are of the camera that our autopilot has, and "
                 f"{cfg.autopilot} flies; valid: --autopilot builtin"
             )
+        # An external stack commands the rotors inside a tick; its monitor only reads what it
+        # reports.
         self.stack = self._open_external()
         self.controller, self.server = self.stack.monitor, self.stack
 
@@ -88,30 +105,34 @@ class Vehicle:
 
     @property
     def own(self) -> OwnStack:
-        """Our own flight stack: autopilot, payload and MAVLink.
-
-        Raises:
-            TestbenchError: If another one flies.
-        """
+        """Our own flight stack: autopilot, payload and MAVLink."""
         if self._own is None:
             raise TestbenchError(f"{self.cfg.autopilot} flies; valid: autopilot builtin")
         return self._own
 
     @property
     def external(self) -> ExternalStack | None:
-        """The external flight stack that flies, if one does."""
+        """External flight stack that flies; None if our own does."""
         return self.stack if isinstance(self.stack, ExternalStack) else None
 
     @property
     def autopilot(self) -> Autopilot:
-        """Our autopilot, where it flies."""
+        """Our autopilot of this vehicle.
+
+        Raises:
+            TestbenchError: If an external flight stack flies.
+        """
         return self.own.autopilot
 
     def connect(self) -> MavlinkClient:
-        """Create a companion by MAVLink; `update` it with `plant.time_us` after each tick."""
+        """Return a new companion by MAVLink.
+
+        Call its `update` with `plant.time_us` after each tick, else it neither reads nor sends.
+        """
         return MavlinkClient(self.stack.pipe(), self.frame, habits=self.stack.habits)
 
     def close(self) -> None:
-        """Close every link, and end what flies."""
+        """Close every link, and end the flight stack."""
+        # The plant stays in memory until the collector has run; see `remains`.
         self.stack.close()
         note_end(self.plant)

@@ -27,25 +27,32 @@ class BatteryError(ValueError):
 
 
 def cell_voltage_v(state_of_charge: float) -> float:
-    """Open-circuit voltage of one cell; the charge is clamped to 0 to 1."""
+    """Return the open-circuit voltage of one cell; the charge is clamped to 0 to 1."""
     position = min(max(state_of_charge, 0.0), 1.0) * _N_INTERVALS
     i = min(int(position), _N_INTERVALS - 1)
     return _CELL_OCV_V[i] + (position - i) * (_CELL_OCV_V[i + 1] - _CELL_OCV_V[i])
 
 
 def watts_per_cubed_speed(params: BatteryParams) -> float:
-    """Electrical power of the motors over the sum of their cubed speeds."""
+    """Return the electrical power of the motors over the sum of their cubed speeds, W s^3/rad^3.
+
+    A rotor's power grows with the cube of its speed, so one constant from hover serves all speeds.
+    """
     return params.hover_power_w / (params.n_rotors * params.hover_rotor_speed_radps**3)
 
 
 def amperes_per_cubed_speed(params: BatteryParams) -> float:
-    """Current of the motors at the nominal voltage over the sum of their cubed speeds."""
+    """Return the motors' current over the sum of their cubed speeds, at the nominal voltage."""
     nominal_v = _NOMINAL_CELL_V * params.cells
     return params.hover_power_w / nominal_v / (params.n_rotors * params.hover_rotor_speed_radps**3)
 
 
 class Battery:
-    """State of a pack, in plain floats: about a microsecond per step."""
+    """State of a pack, in plain floats: about a microsecond per step.
+
+    Raises:
+        BatteryError: If the state of charge is outside 0 to 1.
+    """
 
     def __init__(self, params: BatteryParams, state_of_charge: float = 1.0) -> None:
         if not 0.0 <= state_of_charge <= 1.0:
@@ -62,7 +69,7 @@ class Battery:
 
     @property
     def consumed_mah(self) -> float:
-        """Charge drawn since the start."""
+        """Charge drawn since the start, mAh."""
         return self._used_c / _COULOMB_PER_MAH
 
     @property
@@ -75,12 +82,17 @@ class Battery:
 
         An empty pack delivers nothing: voltage stays, the motors stop elsewhere for lack of charge.
         A load beyond the pack's greatest power, E^2 / 4R, gets that power.
+
+        Args:
+            rotor_speeds_radps: Speed of each rotor; the sign does not matter.
+            dt_s: Length of the step.
         """
         cubes = 0.0
         for speed in rotor_speeds_radps:
             cubes += abs(speed * speed * speed)
         power_w = self.params.avionics_power_w + self._watts_per_speed_cubed * cubes
         open_v = self.params.cells * cell_voltage_v(self.remaining)
+        # Negative for a load that the pack cannot deliver.
         discriminant = open_v * open_v - 4.0 * self.params.internal_resistance_ohm * power_w
         self.voltage_v = (open_v + math.sqrt(max(0.0, discriminant))) / 2.0
         self.current_a = (open_v - self.voltage_v) / self.params.internal_resistance_ohm

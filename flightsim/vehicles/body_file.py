@@ -1,8 +1,10 @@
 """A vehicle's body in a URDF or MJCF file, read by MuJoCo's own compiler.
 
-Of the file count the shapes of its bodies where they are at rest, and its masses where it states
-them; joints, motors, sensors and the file's world do not. Its frame is that of its topmost body,
-forward, left, up.
+Only the shapes of the bodies in their resting pose count, and the masses if the file states them.
+Joints, motors, sensors and the file's world do not. The frame is that of its topmost body: forward,
+left, up. MuJoCo's compiler resolves what such files may contain (defaults, includes, meshes), which
+a reader of our own would have to repeat. Files may come from strangers, so size, number and nesting
+are bounded first.
 """
 
 from __future__ import annotations
@@ -23,12 +25,13 @@ from aeroscene.files import UnpackError, read_bounded
 from autonomy.types import Quaternion, Vector3
 
 SUFFIXES = (".urdf", ".xml")
+# Elements that make any number of shapes out of one line.
 _MULTIPLYING = frozenset(("composite", "flexcomp", "hfield", "replicate", "skin"))
 _MOST_ELEMENTS = 2_000
 _DEEPEST = 4
 _PACKAGE = "package://"
 _MOST_BYTES = 4 << 20
-"""Length of a file, which names its meshes and does not hold them."""
+"""Most bytes of a file, which names its meshes and does not hold them."""
 _SHAPES = frozenset(
     {
         mujoco.mjtGeom.mjGEOM_SPHERE,
@@ -42,7 +45,7 @@ _SHAPES = frozenset(
 
 
 class BodyFileError(ValueError):
-    """A file that describes no body; one line says why."""
+    """A file describes no body; one line says why."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -51,14 +54,14 @@ class BodyPart:
 
     shape: mujoco.mjtGeom
     size_m: Vector3
-    """Half extents, as MuJoCo has them; of no meaning for a mesh."""
+    """Half extents, as MuJoCo has them; without meaning for a mesh."""
     position_m: Vector3
     quat_wxyz: Quaternion
     rgba: tuple[float, float, float, float]
     is_solid: bool
-    """Whether the file lets it touch things; what it does not is there to be looked at."""
+    """True if the file lets it touch things; other parts are visible only."""
     corners_m: Float[np.ndarray, "8 3"]
-    """Corners of a box around it that is as it is turned, in the file's frame."""
+    """Corners of a box around it, turned as the part is, in the file's frame."""
     vertices_m: Float[np.ndarray, "n 3"] | None = None
     """Vertices of a mesh about its position and attitude."""
     faces: Int[np.ndarray, "m 3"] | None = None
@@ -72,35 +75,39 @@ class BodyMass:
     centre_m: Float[np.ndarray, " 3"]
     """Centre of mass in the file's frame."""
     inertia_kgm2: Float[np.ndarray, "3 3"]
-    """About the centre of mass, along the axes of the file's frame."""
+    """Moments about the centre of mass, along the axes of the file's frame."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class BodyFile:
-    """What a file says of a body."""
+    """Content of a file: the body's parts and its mass."""
 
     parts: tuple[BodyPart, ...]
     mass: BodyMass | None
-    """None where neither an inertial element nor a shape states a mass."""
+    """None if neither an inertial element nor a shape states a mass."""
 
     @property
     def looks(self) -> tuple[BodyPart, ...]:
-        """What is looked at: what touches nothing, or all parts if all do."""
+        """Visible parts: those that touch nothing, or all parts if all do."""
         return tuple(part for part in self.parts if not part.is_solid) or self.parts
 
     @property
     def solids(self) -> tuple[BodyPart, ...]:
-        """What can touch things."""
+        """Parts that can touch obstacles."""
         return tuple(part for part in self.parts if part.is_solid)
 
 
 def read_body_file(path: Path) -> BodyFile:
-    """Read a URDF or MJCF file with one body and what that carries.
+    """Read a URDF or MJCF file with one body and its parts.
+
+    Args:
+        path: The file; meshes are looked for beside it.
 
     Raises:
         BodyFileError: If it cannot be read, or has no such body.
     """
     try:
+        # The time of the last change belongs to the key, so that an edited file is read again.
         return _read(path, path.stat().st_mtime_ns)
     except OSError as error:
         raise BodyFileError(error.strerror or str(error)) from None
@@ -124,9 +131,9 @@ def add_parts(
         spec: World of the body.
         body: The body, forward, left, up.
         parts: Parts of a file.
-        position_flu_m: Where the file's origin lies.
-        name: What their names begin with; a number follows.
-        kind: What all of these geoms have, besides shape and colour.
+        position_flu_m: Place of the file's origin in the body frame.
+        name: Beginning of their names; a number follows.
+        kind: Properties of all of these geoms besides shape and colour.
     """
     for i, part in enumerate(parts):
         shape: dict[str, Any] = {"size": part.size_m}
@@ -135,6 +142,7 @@ def add_parts(
                 name=f"{name}{i}",
                 uservert=part.vertices_m.ravel(),
                 userface=part.faces.ravel(),
+                # Its surface is enough: a mesh need not be closed, and its mass is not asked for.
                 inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
             )
             shape = {"meshname": f"{name}{i}"}
@@ -173,7 +181,7 @@ def _read(path: Path, _changed_ns: int) -> BodyFile:
 
 
 def _checked(path: Path, depth: int = 0) -> ET.Element:
-    """The topmost element of a file that asks for no more than a body has, nor what it includes.
+    """Return the topmost element of a file, after checks of its size and its includes.
 
     Raises:
         BodyFileError: If it has too many elements, or one that makes any number of others.
@@ -196,12 +204,13 @@ def _checked(path: Path, depth: int = 0) -> ET.Element:
 def _mjcf(path: Path) -> mujoco.MjSpec:
     _checked(path)
     spec = mujoco.MjSpec.from_file(str(path))
+    # No joint stays, so that every body would be fused into the world.
     spec.compiler.fusestatic = False
     return spec
 
 
 def _urdf(path: Path) -> mujoco.MjSpec:
-    """The file with what MuJoCo would otherwise leave out: looks, and the mass of the base."""
+    """Return the file with what MuJoCo would leave out by default: looks, and the base's mass."""
     root = _checked(path)
     if root.tag != "robot":
         raise BodyFileError(f"its topmost element is {root.tag!r}; in a URDF file robot is valid")
@@ -223,7 +232,7 @@ def _urdf(path: Path) -> mujoco.MjSpec:
 
 
 def _mesh_file(folder: Path, named: str) -> Path:
-    """File of a mesh: `package://NAME/REST` is REST in the URDF's folder, or in one above it."""
+    """Return the file of a mesh: `package://NAME/REST` is REST in the URDF's folder or above it."""
     if not named.startswith(_PACKAGE):
         return folder / named.removeprefix("file://")
     rest = named.removeprefix(_PACKAGE).partition("/")[2]
@@ -232,7 +241,7 @@ def _mesh_file(folder: Path, named: str) -> Path:
 
 
 def _stand_still(spec: mujoco.MjSpec) -> None:
-    """Take out whatever moves, measures or is posed."""
+    """Remove everything that moves, measures or is posed."""
     for kind in ("keys", "sensors", "actuators", "tendons", "equalities", "excludes", "pairs"):
         for element in list(getattr(spec, kind)):
             spec.delete(element)
@@ -246,9 +255,10 @@ def _stand_still(spec: mujoco.MjSpec) -> None:
 
 
 def _count_stated_masses_only(spec: mujoco.MjSpec) -> bool:
-    """Let shapes without a mass of their own weigh nothing; whether anything weighs."""
+    """Let shapes without a mass of their own weigh nothing; return true if anything has a mass."""
     states = any(body.explicitinertial for body in spec.bodies)
     for geom in spec.geoms:
+        # MuJoCo would give them the density of water.
         if np.isnan(geom.mass):
             geom.mass = 0.0
         states |= geom.mass > 0.0
@@ -260,6 +270,7 @@ def _part(model: mujoco.MjModel, data: mujoco.MjData, geom: int, top: int) -> Bo
     if shape not in _SHAPES:
         valid = "spheres, capsules, ellipsoids, cylinders, boxes and meshes are valid"
         raise BodyFileError(f"its body has a shape {shape.name[7:].lower()}; {valid}")
+    # Into the frame of the topmost body.
     rotation = data.xmat[top].reshape(3, 3)
     x, y, z = (rotation.T @ (data.geom_xpos[geom] - data.xpos[top])).tolist()
     turn = np.empty(4)
@@ -310,6 +321,7 @@ def _mass(model: mujoco.MjModel, data: mujoco.MjData, top: int) -> BodyMass:
     for body in range(top, model.nbody):
         axes = data.ximat[body].reshape(3, 3)
         away_m = data.xipos[body] - centre_m
+        # Parallel axes: the moment of a point mass away from the common centre.
         around = np.eye(3) * (away_m @ away_m) - np.outer(away_m, away_m)
         inertia_kgm2 += axes @ np.diag(model.body_inertia[body]) @ axes.T
         inertia_kgm2 += model.body_mass[body] * around

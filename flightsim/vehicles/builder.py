@@ -1,7 +1,8 @@
 """MuJoCo body of an airframe: inertia, collision shape, looks and cameras.
 
-The collision shape is what can hit something: fuselage, arms, legs, and each rotor disc as a thin
-cylinder. It has no mass and is invisible; the looks are separate and without contacts.
+The collision shape contains everything that can hit an obstacle: fuselage, arms, legs, and each
+rotor disc as a thin cylinder. It has no mass and is invisible. The looks are separate and without
+contacts, so that they may be as detailed as they like.
 """
 
 from __future__ import annotations
@@ -27,9 +28,9 @@ _CAPSULE = mujoco.mjtGeom.mjGEOM_CAPSULE
 _CYLINDER = mujoco.mjtGeom.mjGEOM_CYLINDER
 _ELLIPSOID = mujoco.mjtGeom.mjGEOM_ELLIPSOID
 
-_MOST_DISC_HALF_THICKNESS_M = 0.005
+_MOST_DISC_HALF_THICKNESS_M = 0.005  # small rotors have thinner discs
 _FRONT_SHARE = 0.4
-"""A rotor ahead of the centre by more than this share of its radius has the colour of the front."""
+"""Share of a rotor's radius: one that lies farther ahead of the centre has the front's colour."""
 
 # Contact of the vehicle with anything, chosen by dropping it from 0.3 m on slopes of 0 to 8 degrees
 # (tests/flightsim/vehicles/test_builder.py): overdamped legs rebound at 5 % of the impact's speed,
@@ -62,12 +63,12 @@ _DISC_REAR = (0.20, 0.22, 0.26, 0.25)
 
 
 def vehicle_name(number: int) -> str:
-    """Name of the body of a vehicle by its number in its world, 0 for the first."""
+    """Return the name of the body of a vehicle by its number in its world, 0 for the first."""
     return VEHICLE_BODY if number == 0 else f"{VEHICLE_BODY}_{number + 1}"
 
 
 def part_name(number: int, part: str) -> str:
-    """Name of a part or a camera of such a vehicle; those of the first have no prefix."""
+    """Return the name of a vehicle's part or camera; those of the first vehicle have no prefix."""
     return part if number == 0 else f"{vehicle_name(number)}/{part}"
 
 
@@ -81,12 +82,12 @@ def add_vehicle(
 ) -> None:
     """Add a body with a free joint, its origin (the centre of mass) at a position.
 
-    Its cameras have the names of `airframe.cameras`, as `part_name` says them.
+    Its cameras have the names of `airframe.cameras`, as `part_name` forms them.
 
     Args:
         spec: World to add it to.
         airframe: The vehicle.
-        position_enu_m: Where it is.
+        position_enu_m: Position of its centre of mass.
         yaw_rad: Its heading, counter-clockwise from east.
         number: Number among several vehicles, 0 for the first, whose body is "vehicle".
     """
@@ -95,6 +96,7 @@ def add_vehicle(
         name=name,
         pos=position_enu_m,
         quat=quat_about_up(yaw_rad),
+        # Explicit: the geoms have no mass, and inertia comes from the airframe alone.
         explicitinertial=True,
         mass=airframe.quadrotor.mass_kg,
         ipos=(0.0, 0.0, 0.0),
@@ -123,7 +125,8 @@ def add_vehicle(
 
 
 def camera_quat_wxyz(mount: CameraMount) -> tuple[float, float, float, float]:
-    """Attitude of MuJoCo's camera axes (x right, y up, z backwards) in the body frame."""
+    """Return the attitude of MuJoCo's camera axes (x right, y up, z back) in the body frame."""
+    # The optical frame has y down and z forward: both are flipped.
     rotation_flu_from_camera = mount.rotation_flu_from_optical * np.array([1.0, -1.0, -1.0])
     quat = np.empty(4)
     mujoco.mju_mat2Quat(quat, rotation_flu_from_camera.ravel())
@@ -132,7 +135,11 @@ def camera_quat_wxyz(mount: CameraMount) -> tuple[float, float, float, float]:
 
 
 def leg_axes_flu_m(airframe: Airframe) -> list[tuple[Vector3, Vector3]]:
-    """Ends of each leg's axis in the body frame: at the body, and one leg radius above the sole."""
+    """Return the ends of each leg's axis in the body frame: at the body, and above the sole.
+
+    The lower end lies one leg radius above the sole, so that the capsule's surface touches the
+    ground.
+    """
     return [
         ((0.7 * x, 0.7 * y, 0.0), (x, y, z + airframe.leg_radius_m))
         for x, y, z in airframe.soles_flu_m
@@ -140,7 +147,7 @@ def leg_axes_flu_m(airframe: Airframe) -> list[tuple[Vector3, Vector3]]:
 
 
 def skid_axes_flu_m(airframe: Airframe) -> list[tuple[Vector3, Vector3]]:
-    """Ends of the axis of each skid in the body frame, if it has skids."""
+    """Return the ends of the axis of each skid in the body frame; none without skids."""
     if not airframe.has_skids:
         return []
     a, b, c, d = (foot for _, foot in leg_axes_flu_m(airframe))
@@ -155,6 +162,7 @@ def _add_collision_shape(spec: mujoco.MjSpec, body: Any, airframe: Airframe, num
         add_parts(spec, body, solids, airframe.model.position_flu_m, name, _CONTACT)
     else:
         body.add_geom(name=name, type=_BOX, size=(length / 2, width / 2, height / 2), **_CONTACT)
+    # A leg belongs to the arm of the same number; further legs follow without an arm.
     legs = leg_axes_flu_m(airframe)
     for i, rotor in enumerate(airframe.quadrotor.rotors):
         hub = rotor.position_flu_m
@@ -215,6 +223,7 @@ def _add_rotor_looks(body: Any, airframe: Airframe, rotor: RotorParams) -> None:
     mujoco.mju_mulQuat(
         blades,
         np.array(turn),
+        # Blades stand at an angle to the arm, so that both are visible.
         np.array(quat_about_up(math.atan2(y, x) + rotor.spin * math.radians(50.0))),
     )
     size_m = (0.97 * radius, arm_m, 0.15 * arm_m)
@@ -242,7 +251,7 @@ def _add_mesh(spec: mujoco.MjSpec, body: Any, mesh: BodyMesh, name: str) -> None
 
 
 def _add_gear_looks(body: Any, airframe: Airframe) -> None:
-    """Add the lenses, the legs and the skids."""
+    """Add the lenses, the legs and the skids to the looks."""
     lens_m = 1.4 * airframe.arm_radius_m
     for mount in airframe.cameras:
         _show(body, _ELLIPSOID, (lens_m, lens_m, lens_m), _LENS, mount.position_flu_m)

@@ -1,4 +1,4 @@
-"""Cameras as options of a command name them: NAME,fov=90,pitch=15,yaw=0,x=0.1,y=0,z=0.02."""
+"""Cameras as options of a command: NAME,fov=90,pitch=15,yaw=0,x=0.1,y=0,z=0.02."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ _VALID = {
 
 
 def with_cameras(airframe: Airframe, options: Sequence[str]) -> Airframe:
-    """The same vehicle with cameras changed, or with more of them.
+    """Return the same vehicle with cameras changed, or with more of them.
 
     Args:
         airframe: The vehicle; its centre of mass is the origin of x, y and z.
-        options: A camera each; what it does not say stays as it was, and is level ahead at the
-            place of the first camera with 60 degrees for a new one.
+        options: One camera each. A setting that is missing stays as it was. A new camera looks
+            level ahead from the place of the first camera, with a field of view of 60 degrees.
 
     Raises:
         AirframeError: Naming the option, the field and its value, and what would be valid.
@@ -57,6 +57,7 @@ def _changed(
     x, y, z = (
         numbers.get(axis, old) for axis, old in zip("xyz", mount.position_flu_m, strict=True)
     )
+    # The sole is the ground for a vehicle that stands: a camera below it would be inside.
     if z <= ground_m:
         raise AirframeError(
             f"camera {option!r}: z is {z:g}; valid: above the ground, more than {ground_m:g} m"
@@ -83,6 +84,7 @@ def _number(option: str, setting: str) -> tuple[str, float]:
     try:
         value = float(text)
     except ValueError:
+        # NaN fails the comparison below and gets the same message as a number out of range.
         value = math.nan
     if not low <= value <= high:
         raise AirframeError(

@@ -1,4 +1,4 @@
-"""Airframes by their names: those that ship, and files of one's own."""
+"""Airframes by name: those that ship, and files of your own."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from flightsim.vehicles.definition import read_airframe
 
 _SHIPPED = Path(__file__).parent / "shipped"
 _SUFFIX = ".toml"
+# Named here, so that a list of names for `--help` reads no files.
 _NAMES = ("iris", "iris-rotors", "hummingbird", "crazyflie", "typhoon")
 
 
@@ -41,7 +42,7 @@ AIRFRAMES: Mapping[str, Airframe] = _Shipped()
 
 
 def airframe_by_name(name: str) -> Airframe:
-    """Airframe that ships under a name, or that of a TOML file.
+    """Return the airframe that ships under a name, or the one of a TOML file.
 
     Args:
         name: `iris` or another name of `AIRFRAMES`, or the path of a file whose name ends in .toml.

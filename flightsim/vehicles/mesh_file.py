@@ -1,7 +1,7 @@
-"""Mesh files of bodies, STL and OBJ, read by MuJoCo; those in ASCII STL facet by facet.
+"""Mesh files of bodies, STL and OBJ, read by MuJoCo; ASCII STL is read here, facet by facet.
 
-CAD programs export STL as text by default, which MuJoCo does not read. trimesh does, but takes
-300 MB for a file of 16 MiB, and 90 MB before it has read any.
+CAD programs export STL as text by default, which MuJoCo does not read. trimesh does, but takes 300
+MB for a file of 16 MiB, and 90 MB before it has read any.
 """
 
 from __future__ import annotations
@@ -20,9 +20,10 @@ from aeroscene.files import UnpackError, read_bounded
 
 SUFFIXES = (".stl", ".obj")
 _MOST_BYTES = 16 << 20
-"""Largest file: a binary STL of 200,000 faces, MuJoCo's most, has 10 MB."""
+"""Most bytes of a file: a binary STL of 200,000 faces, MuJoCo's most, has 10 MB."""
 _MOST_REACH_M = 10.0
-"""Farthest that a vertex may lie from the file's origin: twice the longest vehicle."""
+"""Greatest distance of a vertex from the file's origin: twice the longest vehicle."""
+# Bounded repetitions: a damaged file must fail quickly, not be searched for ever.
 _CORNER = rb"vertex" + rb"\s+(\S{1,40})" * 3 + rb"\s+"
 _FACET = re.compile(
     rb"\s*facet\s+normal(?:\s+\S{1,40}){3}\s+outer\s+loop\s+"
@@ -33,15 +34,18 @@ _FACET = re.compile(
 _NAME_END = re.compile(rb"\bfacet\s+normal\b|\bendsolid\b", re.IGNORECASE)
 _END = re.compile(rb"\s*endsolid\b[^\n]*", re.IGNORECASE)
 _HEAD_BYTES, _FACE_BYTES = 84, 50
-"""Lengths of the head and of a face of a binary STL."""
+"""Bytes of the head and of a face of a binary STL."""
 
 
 class MeshFileError(ValueError):
-    """A mesh that cannot be read; one line says why, and what would be valid."""
+    """A mesh cannot be read; one line says why, and what would be valid."""
 
 
 def mesh_source(path: str) -> Mapping[str, Any]:
-    """Arguments of `MjSpec.add_mesh` that make it a file's mesh.
+    """Return the arguments of `MjSpec.add_mesh` that make it a file's mesh.
+
+    Args:
+        path: The file.
 
     Raises:
         MeshFileError: If the file cannot be read, or is damaged.
@@ -58,7 +62,7 @@ def check_mesh(path: str, scale: float) -> None:
 
     Args:
         path: The file.
-        scale: Metres in a unit of the file.
+        scale: Size of the file's unit in metres.
 
     Raises:
         MeshFileError: If it is damaged, has no surface, or is larger than any vehicle.
@@ -74,6 +78,7 @@ def check_mesh(path: str, scale: float) -> None:
     except ValueError as error:
         reason = " ".join(str(error).partition("\n")[0].removeprefix("Error: ").split())
         raise MeshFileError(f"{reason}; valid: a whole STL or OBJ file with a surface") from None
+    # MuJoCo moves a mesh to its centre; mesh_pos is where that was in the file.
     reach_m = float(np.abs(model.mesh_vert + model.mesh_pos[0]).max())
     if not reach_m <= _MOST_REACH_M:
         raise MeshFileError(
@@ -98,14 +103,14 @@ def _source(path: str, _changed_ns: int) -> Mapping[str, Any]:
 
 
 def _is_ascii(data: bytes) -> bool:
-    """Whether an STL is text; the length decides, for binary ones may begin with `solid` too."""
+    """Return true if an STL is text; by its length, as binary ones may begin with `solid` too."""
     n_faces = int.from_bytes(data[_HEAD_BYTES - 4 : _HEAD_BYTES], "little")
     is_binary = len(data) == _HEAD_BYTES + _FACE_BYTES * n_faces
     return data.lstrip()[:5].lower() == b"solid" and not is_binary
 
 
 def _ascii_surface(data: bytes) -> Mapping[str, Any]:
-    """Arguments of `MjSpec.add_mesh` for the facets of an ASCII STL."""
+    """Return the arguments of `MjSpec.add_mesh` for the facets of an ASCII STL."""
     corners = array("d")
     end = 0
     try:
@@ -125,7 +130,7 @@ def _ascii_surface(data: bytes) -> Mapping[str, Any]:
 
 
 def _skip_name(data: bytes, start: int) -> int:
-    """Where the facets of the solid begin that begins at `start`; the end if there is none."""
+    """Return the place of the first facet of the solid at `start`; the end without one."""
     if not data[start:].strip():
         return len(data)
     head = _NAME_END.search(data, start)
@@ -135,7 +140,7 @@ def _skip_name(data: bytes, start: int) -> int:
 
 
 def _require_end(data: bytes, start: int) -> int:
-    """Where the line ends that closes a solid and begins at `start`."""
+    """Return the end of the line that closes a solid and begins at `start`."""
     end = _END.match(data, start)
     if end is None:
         raise ValueError

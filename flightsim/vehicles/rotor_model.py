@@ -47,7 +47,7 @@ _COEFFICIENTS = (
 )
 """Fields of `RotorParams` that the record has too."""
 
-_REPRESENTATIVE_RADIUS = 0.75
+_REPRESENTATIVE_RADIUS = 0.75  # of the radius: the blade element that stands for the whole blade
 
 ROTORS_DTYPE = np.dtype(
     [
@@ -89,7 +89,7 @@ def new_rotors(
         dt_s: Length of a physics step.
         axial_limit_mps: Speed of climb, by the loss in slow climb at hover speed, at which a rotor
             has no thrust; infinite for no such loss.
-        effects: What of the model is on.
+        effects: Effects of the model that are on.
     """
     records = np.zeros(1, ROTORS_DTYPE)
     r = records[0]
@@ -106,6 +106,7 @@ def new_rotors(
     r["rad_per_m"] = 2.0 * airframe.quadrotor.hover_speed_radps / axial_limit_mps
     r["blade_rad_per_m"] = 1.0 / (_REPRESENTATIVE_RADIUS * airframe.rotor_radius_m)
     disc_m2 = math.pi * airframe.rotor_radius_m**2
+    # Momentum theory in hover: v_h = sqrt(T / 2 rho A), and T = kf w^2, so v_h = kappa w.
     r["induced_m"] = np.sqrt(r["thrust_constant"] / (2.0 * AIR_DENSITY_KGPM3 * disc_m2))
     r["dt_per_inertia"] = dt_s / airframe.rotor_inertia_kgm2
     r["friction_radps"] = airframe.rotor_friction_nm * r["dt_per_inertia"]
@@ -117,7 +118,7 @@ def new_rotors(
 
 
 def drag_model(airframe: Airframe, effects: Effects = ALL_EFFECTS) -> DragModel:
-    """Parameters of air resistance with which an estimator finds the wind."""
+    """Return the parameters of air resistance with which an estimator finds the wind."""
     quadrotor = airframe.quadrotor
     mass = quadrotor.mass_kg
     x, y, _ = (frame_drag(airframe, has_arms=effects.frame_drag) / mass).tolist()
@@ -129,8 +130,9 @@ def drag_model(airframe: Airframe, effects: Effects = ALL_EFFECTS) -> DragModel:
 
 
 def _hub_distances_m(hubs_flu_m: np.ndarray) -> tuple[float, float]:
-    """Mean distance of a rotor's axis to those of the nearest two, and to the farthest one."""
+    """Mean distance of a rotor's axis to the nearest two axes, and to the farthest one."""
     apart = np.linalg.norm(hubs_flu_m[:, None, :2] - hubs_flu_m[None, :, :2], axis=2)
+    # Sorted, so that column 0 is the rotor itself.
     ordered = np.sort(apart, axis=1).mean(axis=0)
     return float(ordered[1:3].mean()), float(ordered[-1])
 
@@ -168,6 +170,7 @@ def step_rotors(
         command = command_radps[i]
         if command > 0.0:
             command = command * r.command_share[i] + r.stuck_radps[i]
+        # NaN commands no power either: the comparison is false.
         is_coasting = r.can_coast == 1 and not command > 0.0
         if not is_coasting:
             _follow(r, i, command)
@@ -180,7 +183,7 @@ def step_rotors(
 
 @kernel
 def _follow(r: np.record, i: int, command_radps: float) -> None:
-    """First-order lag, exact for a command that is constant over the step."""
+    """Apply a first-order lag, exact for a command that is constant over the step."""
     command = min(max(command_radps, 0.0), r.max_speed_radps[i])
     if not math.isfinite(command_radps):
         command = 0.0
@@ -190,10 +193,12 @@ def _follow(r: np.record, i: int, command_radps: float) -> None:
 
 @kernel
 def _add_rotor(r: np.record, i: int, rate: np.ndarray, is_coasting: bool) -> None:
+    """Add a rotor's force and torque to those of the body."""
     w, v, hub = r.speed_radps[i], r.air_velocity_flu_mps, r.position_flu_m[i]
     vx = v[0] + rate[1] * hub[2] - rate[2] * hub[1]
     vy = v[1] + rate[2] * hub[0] - rate[0] * hub[2]
     vz = v[2] + rate[0] * hub[1] - rate[1] * hub[0]
+    # Only the part along the axis changes the thrust; the rest is drag.
     axis = r.axis_flu[i]
     along = vx * axis[0] + vy * axis[1] + vz * axis[2]
     vx -= along * axis[0]
@@ -209,6 +214,7 @@ def _add_rotor(r: np.record, i: int, rate: np.ndarray, is_coasting: bool) -> Non
     fx = drag * vx + thrust * axis[0]
     fy = drag * vy + thrust * axis[1]
     fz = drag * vz + thrust * axis[2]
+    # Without power nothing but friction reacts on the body, which is left out.
     roll = -abs(w) * r.rolling_moment_coefficient[i]
     F, M = r.force_flu_n, r.torque_flu_nm
     F[0] += fx
@@ -221,13 +227,14 @@ def _add_rotor(r: np.record, i: int, rate: np.ndarray, is_coasting: bool) -> Non
 
 @kernel
 def _thrust(r: np.record, i: int, vz: float, square_across: float) -> float:
-    """Thrust of a sound rotor at its hub's velocity along, and squared across, its axis."""
+    """Thrust of a sound rotor at its hub's velocity along, and squared across, its axis, N."""
     w = r.speed_radps[i]
     if r.has_inflow == 0:
         loss = min(max(1.0 - abs(vz) / r.axial_limit_mps, 0.0), 1.0)
         return r.thrust_constant[i] * w * w * loss / (1.0 - r.ground_share[i])
     hover = r.induced_m[i] * w
     through, share = vz, r.ground_share[i]
+    # A rotor that hardly turns has no wake: the ratio would divide by almost nothing.
     if w > 1.0:
         square_y = square_across / (hover * hover)
         ratio = r.ceiling_ratio[i] * induced_ratio(vz / hover, square_y)
@@ -245,5 +252,6 @@ def _coast(r: np.record, i: int, thrust: float) -> None:
     kappa = min(r.induced_m[i], r.torque_per_thrust_m[i])
     profile = r.thrust_constant[i] * (r.torque_per_thrust_m[i] - kappa)
     w -= r.dt_per_inertia * (kappa * thrust + profile * w * abs(w))
+    # Friction slows a rotor down to rest, never beyond.
     slower = max(abs(w) - r.friction_radps, 0.0)
     r.speed_radps[i] = math.copysign(slower, w)

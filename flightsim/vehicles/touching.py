@@ -1,4 +1,4 @@
-"""What vehicles touch: the world that stands always, movers and each other where there are any.
+"""Contacts of vehicles: with the static world always, with movers and other vehicles on demand.
 
 Two vehicles meet at twice the speed at which one meets a wall, and both are thin: the contact of a
 vehicle with the world, soft as legs are, would let them through each other. So each vehicle among
@@ -37,11 +37,18 @@ _BUMPER: dict[str, Any] = {
 
 
 def let_touch_each_other(spec: mujoco.MjSpec, n_vehicles: int) -> None:
-    """Give vehicles shapes for each other, instead of those by which they touch the world."""
+    """Give vehicles shapes for each other, instead of those by which they touch the world.
+
+    Args:
+        spec: World with the vehicles, changed.
+        n_vehicles: Number of vehicles; a single one needs no such shapes.
+    """
     for number in range(n_vehicles):
         body = spec.body(vehicle_name(number))
         shapes = [geom for geom in body.geoms if geom.contype]
         for k, geom in enumerate(shapes):
+            # Affinity 0: two vehicles no longer meet by these shapes, only the world's geoms still
+            # do.
             geom.conaffinity = 0
             size = geom.size.copy()
             if geom.type == mujoco.mjtGeom.mjGEOM_CYLINDER:
@@ -59,7 +66,12 @@ def let_touch_each_other(spec: mujoco.MjSpec, n_vehicles: int) -> None:
 
 
 def let_touch_movers(spec: mujoco.MjSpec, n_vehicles: int) -> None:
-    """Let vehicles touch movers."""
+    """Let vehicles touch movers.
+
+    Args:
+        spec: World with the vehicles, changed.
+        n_vehicles: Number of vehicles.
+    """
     for number in range(n_vehicles):
         for geom in spec.body(vehicle_name(number)).geoms:
             if geom.contype & STATIC_CONTACT_BIT:

@@ -1,4 +1,4 @@
-"""Contact parameters of everything that stands still."""
+"""Contact parameters of all solids that stand still."""
 
 from __future__ import annotations
 
@@ -18,5 +18,9 @@ STATIC_CONTACT: dict[str, Any] = {
 
 
 def friction(material: str) -> tuple[float, float, float]:
-    """Sliding, torsional and rolling friction of a surface; the last two are MuJoCo's defaults."""
+    """Return a surface's friction: sliding, torsional and rolling; the last two are MuJoCo's own.
+
+    Args:
+        material: A key of `MATERIALS`.
+    """
     return (MATERIALS[material].friction, 0.005, 0.0001)

@@ -1,4 +1,8 @@
-"""Ground of a world: the plane z = 0, or the height fields of a relief."""
+"""Ground of a world: the plane z = 0, or the height fields of a relief.
+
+A relief has a grid that ends with the site, while vehicles, rays and cameras reach beyond. Its
+border heights therefore continue outwards, as level strips in eight more height fields around it.
+"""
 
 from __future__ import annotations
 
@@ -16,13 +20,18 @@ from flightsim.world.contact import STATIC_CONTACT, friction
 
 GROUND_GEOM = "ground"
 BEYOND_M = 2_000.0
-"""Distance that the ground continues beyond the grid of a relief."""
+"""Distance by which the ground continues beyond the grid of a relief."""
 _DEPTH_M = 10.0
-"""Thickness of the ground below its lowest point."""
+"""Thickness of the ground below the lowest point of each field."""
 
 
 def add_ground(spec: mujoco.MjSpec, relief: Relief | None) -> None:
-    """Add the geom "ground": the plane z = 0, or the height field of a relief."""
+    """Add the geom "ground": the plane z = 0, or the height field of a relief.
+
+    Args:
+        spec: Model to add to.
+        relief: Heights of the ground; None makes it the plane.
+    """
     if relief is not None:
         _add_field(spec, relief, 1, 1, GROUND_GEOM)
         return
@@ -38,8 +47,8 @@ def add_ground(spec: mujoco.MjSpec, relief: Relief | None) -> None:
 def add_ground_beyond(spec: mujoco.MjSpec, relief: Relief | None) -> None:
     """Continue the ground of a relief beyond its grid by eight height fields.
 
-    A height field has one spacing along each axis, so each side and each corner is one of its own,
-    two nodes wide.
+    A height field has one spacing along each axis, so each side and each corner is a field of its
+    own, two nodes wide. They reach `BEYOND_M` outwards; the plane needs none, since it has no end.
     """
     if relief is not None:
         for row, column in product(range(3), repeat=2):
@@ -48,7 +57,15 @@ def add_ground_beyond(spec: mujoco.MjSpec, relief: Relief | None) -> None:
 
 
 def _add_field(spec: mujoco.MjSpec, relief: Relief, row: int, column: int, name: str) -> None:
-    """Add one of the three by three height fields; the one in the middle is the relief's grid."""
+    """Add one of the three by three height fields; the one in the middle is the relief's grid.
+
+    Args:
+        spec: Model to add to.
+        relief: Heights on the grid.
+        row: 0 for the south, 1 for the grid's own part, 2 for the north.
+        column: 0 for the west, 1 for the grid's own part, 2 for the east.
+        name: Name of the geom and of its data.
+    """
     (south, north), (west, east) = (
         tuple(pairwise(_borders_m(relief, axis)))[part] for axis, part in ((0, row), (1, column))
     )
@@ -72,14 +89,20 @@ def _add_field(spec: mujoco.MjSpec, relief: Relief, row: int, column: int, name:
 
 
 def _borders_m(relief: Relief, axis: int) -> tuple[float, float, float, float]:
-    """Coordinates of the borders of the three fields along an axis: 0 is north, 1 is east."""
+    """Return the coordinates of the borders of the three fields along an axis.
+
+    Args:
+        relief: Heights on the grid.
+        axis: Axis of the grid's array: 0 is north, 1 is east.
+    """
     first = relief.origin_enu_m[1 - axis]
     last = first + (relief.heights_m.shape[axis] - 1) * relief.spacing_m
     return first - BEYOND_M, first, last, last + BEYOND_M
 
 
 def _part(heights_m: Float[np.ndarray, "n _"], part: int) -> Float[np.ndarray, "k _"]:
-    """Rows of the field before the grid (0), on it (1) or after it (2)."""
+    """Return the rows of the field before the grid (0), on it (1) or after it (2)."""
+    # Twice the border's row, so heights stay the same all the way outwards.
     return heights_m if part == 1 else np.repeat(heights_m[[0 if part == 0 else -1]], 2, axis=0)
 
 

@@ -1,4 +1,10 @@
-"""Where vehicles stand at first: free places around a scene's start, and how they come to rest."""
+"""First places of the vehicles: free ones around a scene's start, and their coming to rest.
+
+A scene has one start, and several vehicles must stand apart from each other, on even ground, and
+not behind a wall from it. Candidates on a grid are tried from the nearest on, by rays against the
+exact solids. Vehicles are then lowered and left to settle in the physics, so that a flight begins
+at rest on the legs, and a start that cannot be stood on is refused before it.
+"""
 
 from __future__ import annotations
 
@@ -28,15 +34,15 @@ LOWERING_M = 0.05
 
 _GRID_M = 1.0
 _HIGHEST_STEP_M = 0.3
-"""Difference in height from the scene's start up to which another place is beside it."""
+"""Greatest difference in height between the scene's start and another place beside it."""
 _UNEVEN_M = 0.05
 """Greatest difference in height beneath a vehicle."""
 _ROOM_M = 0.5
 """Free air around a vehicle at its start."""
-_HEADROOM_M = 2.5
+_HEADROOM_M = 2.5  # free air above a vehicle, so that it can take off
 _LEVELS_M = (0.15, 0.5, 1.5)
 """Heights over the surface at which there must be room."""
-_N_AROUND = 12
+_N_AROUND = 12  # directions in which room is looked for
 
 # A contact up there deeper than the tolerance means that the vehicle is inside something.
 _PENETRATION_TOLERANCE_M = 0.01
@@ -60,7 +66,7 @@ class PlacedVehicle:
 
     @property
     def lowered_from_enu_m(self) -> Vector3:
-        """Where its centre of mass is before it is lowered onto its legs."""
+        """Place of its centre of mass before it is lowered onto its legs."""
         x, y, z = self.stand_enu_m
         return (x, y, z + self.airframe.leg_length_m + LOWERING_M)
 
@@ -70,13 +76,16 @@ def place_vehicles(
 ) -> tuple[PlacedVehicle, ...]:
     """Stand the first vehicle on the scene's start, the others on the nearest free places.
 
-    A place is free where the surface is about as high as the start's and even, where there is room
-    around and above a vehicle, and nothing but air between it and the start.
+    A place is free if its surface is even and about as high as the start's, if there is room around
+    and above a vehicle, and nothing but air between it and the start.
 
     Args:
         scene: Scene with its start.
-        airframes: The vehicles.
+        airframes: Vehicles to place, in order.
         solids: All static solids of the scene.
+
+    Returns:
+        The vehicles with their places; all have the scene's first heading.
 
     Raises:
         WorldError: If there are fewer places than vehicles.
@@ -104,19 +113,28 @@ def place_vehicles(
 
 
 def _free_places(scene: Scene, solids: Sequence[Primitive], radius_m: float) -> Iterator[Vector3]:
-    """Free places beside a scene's start, the nearest first."""
+    """Yield free places beside a scene's start, the nearest first.
+
+    Args:
+        scene: Scene with its start.
+        solids: All static solids of the scene.
+        radius_m: Radius of the largest vehicle.
+    """
     colliding = [solid for solid in solids if solid.collides]
     probe = SurfaceProbe(scene.relief, colliding)
     start = np.array(scene.start_position_enu_m)
     low, high = np.array(scene.extent_min_enu_m), np.array(scene.extent_max_enu_m)
     waters = {o.id for o in scene.objects if o.category in WATER}
     around_rad = np.linspace(0.0, math.tau, _N_AROUND, endpoint=False)
+    # Points beneath the vehicle's middle and its rim, from which the surface is probed.
     ring = np.column_stack([np.cos(around_rad), np.sin(around_rad), np.zeros(_N_AROUND)])
     feet_m = np.vstack([np.zeros(3), radius_m * ring])
     n = math.floor(WITHIN_M / _GRID_M)
     steps = [_GRID_M * k for k in range(-n, n + 1)]
     shifts = [shift for shift in itertools.product(steps, steps) if math.hypot(*shift) <= WITHIN_M]
+    # Of equal distances the shift itself decides, so the places are always the same.
     for dx, dy in sorted(shifts, key=lambda shift: (math.hypot(*shift), shift)):
+        # Rays begin at the height of the highest step, so no surface above it is found.
         middle = start + np.array([dx, dy, _HIGHEST_STEP_M])
         is_within = np.all(middle[:2] - radius_m >= low[:2]) and np.all(
             middle[:2] + radius_m <= high[:2]
@@ -140,7 +158,14 @@ def _has_room(
     radius_m: float,
     ring: Float[np.ndarray, "n 3"],
 ) -> bool:
-    """Whether nothing is beside a place or above it."""
+    """Return True if nothing is beside a place or above it.
+
+    Args:
+        probe: Surfaces of the scene.
+        place_enu_m: Point of the surface.
+        radius_m: Radius of the vehicle.
+        ring: Level unit vectors all around.
+    """
     up = np.array([0.0, 0.0, 1.0])
     for level_m in _LEVELS_M:
         eye = place_enu_m + level_m * up
@@ -153,7 +178,10 @@ def _has_room(
 def _is_in_sight(
     probe: SurfaceProbe, start_enu_m: Float[np.ndarray, 3], place_enu_m: Float[np.ndarray, 3]
 ) -> bool:
-    """Whether there is nothing but air from one place to another, at two heights."""
+    """Return True if there is nothing but air from one place to another, at two heights.
+
+    The lowest level is left out, since a gentle rise of the ground may lie between.
+    """
     for level_m in _LEVELS_M[1:]:
         eye = start_enu_m + np.array([0.0, 0.0, level_m])
         way = place_enu_m - start_enu_m
@@ -176,11 +204,14 @@ def settle(
 
     Args:
         model: World with the vehicles as they are lowered.
-        vehicles: The vehicles.
+        vehicles: Vehicles at their starts.
         bodies: Body of each in the model.
 
+    Returns:
+        Configuration (nq,) of the whole model after one second.
+
     Raises:
-        WorldError: If one does not stay where it was put.
+        WorldError: If one slides away or tips over.
     """
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
@@ -188,9 +219,11 @@ def settle(
         mujoco.mj_step(model, data)
     for vehicle, body in zip(vehicles, bodies, strict=True):
         at = model.jnt_qposadr[model.body_jntadr[body]]
+        # A vehicle that only comes down has moved by the lowering, which is taken out.
         moved = data.qpos[at : at + 3] - model.qpos0[at : at + 3] + (0.0, 0.0, LOWERING_M)
         drift_m = float(np.linalg.norm(moved))
         _, x, y, _ = data.qpos[at + 3 : at + 7]
+        # The third entry of the rotation matrix's last row is the cosine of the tilt.
         tilt_rad = math.acos(max(-1.0, min(1.0, 1.0 - 2.0 * (x * x + y * y))))
         if drift_m > _MAX_DRIFT_M or tilt_rad > _MAX_TILT_RAD:
             raise WorldError(
@@ -202,7 +235,12 @@ def settle(
 
 
 def inside_of(model: mujoco.MjModel, body: int) -> int | None:
-    """Geom that a vehicle is inside of before it is lowered; None if it is free."""
+    """Return the geom that a vehicle is inside of before it is lowered; None if it is free.
+
+    Args:
+        model: World with the vehicles as they are lowered.
+        body: Body of the vehicle.
+    """
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     for contact in data.contact[: data.ncon] if data.ncon else ():

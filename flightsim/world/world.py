@@ -1,8 +1,14 @@
 """A scene and its vehicles compiled into one MuJoCo model, ready to step.
 
-Integrator: MuJoCo's default, semi-implicit Euler. The moving bodies are free, without joint
-damping or springs, and their forces are constant over a step; implicit variants make no difference
-here. Elliptic friction cones with a raised `impratio` keep a landed vehicle from creeping downhill.
+Physics, rays and lidars share this model, and a second one for drawing is built from the same
+parts, so all see the same world. Ids of objects are attached to its geoms, by which hits and pixels
+have names. Several vehicles share one `World` each as its own view: in it the vehicle's geoms are
+its own, and the others are things that it sees.
+
+The integrator is MuJoCo's default, semi-implicit Euler. The moving bodies are free, without joint
+damping or springs, and their forces are constant over a step, so implicit variants make no
+difference. Elliptic friction cones with a raised `impratio` keep a landed vehicle from creeping
+downhill.
 """
 
 from __future__ import annotations
@@ -46,34 +52,35 @@ VEHICLE_ID, GROUND_ID = -1, -2
 GROUND_NAME = "the ground"
 """Name of the ground, as `World.name_of` gives it."""
 NEIGHBOUR_ID = NEIGHBOUR_OBJECT_ID
-"""Id of what stands around the site, in `World.geom_object_id`; -3 is the sky of pictures."""
+"""Id of the houses and trees around the site, in `World.geom_object_id`; -3 is the sky."""
 NEIGHBOUR_NAME = "the surroundings"
 FIRST_MOVER_ID = -10
 """Id of the first moving obstacle in `World.geom_object_id`; the next ones count down."""
 FIRST_MATE_ID = -100
-"""Id of the first vehicle of a world where another one sees it; the next ones count down."""
+"""Id of the first vehicle of a world in the view of another; the next ones count down."""
 
 
 @dataclass(frozen=True, eq=False)
 class World:
-    """A compiled scene as one vehicle has it, alone or among others, or without any."""
+    """A compiled scene in the view of one vehicle, alone or among others, or without any."""
 
     model: mujoco.MjModel
     scene: Scene
     """The scene, with this vehicle's start."""
     solids: tuple[Primitive, ...]
     """All static solids: geom 0 is the ground, geom 1 + i is solid i. The ground beyond the grid of
-    a relief and what stands around the site follow."""
+    a relief and the neighbours of the site follow."""
     obstacles: tuple[MovingObstacle, ...]
     """All movers: mocap body i is obstacle i."""
     movers: MoverSet
     """Appearance of the movers."""
     rays: RayTree
-    """By which rays of the plant find its geoms: those of the site, without what is around it."""
+    """Index for the rays of the plant: the geoms of the site, without its neighbours."""
     wide_rays: RayTree
-    """By which lidars find its geoms: those around the site, too."""
+    """Index for the beams of lidars, with the neighbours of the site."""
     geom_object_id: np.ndarray
-    """Id (ngeom,) int32 of a scene object, `VEHICLE_ID`, `GROUND_ID`, or of a mover or mate."""
+    """Id (ngeom,) int32 of a scene object, `VEHICLE_ID`, `GROUND_ID`, `NEIGHBOUR_ID`, or of a mover
+    or another vehicle."""
     vehicle_body_id: int
     """Body of the vehicle, -1 in a world without one."""
     rest_qpos: np.ndarray
@@ -95,19 +102,20 @@ class World:
 
     @property
     def views(self) -> tuple[World, ...]:
-        """The world as each of its vehicles has it, in their order."""
+        """The world in the view of each of its vehicles, in their order."""
         return tuple(self._as_of(number) for number in range(self.n_vehicles))
 
     @property
     def qpos_address(self) -> int:
-        """Where the pose of the vehicle (7,) begins in a configuration."""
+        """Index at which the pose of the vehicle (7,) begins in a configuration."""
         return int(self.model.jnt_qposadr[self.model.body_jntadr[self.vehicle_body_id]])
 
     def _as_of(self, number: int) -> World:
-        """The world as the vehicle with a number has it."""
+        """Return the world in the view of the vehicle with a number; both share the model."""
         if number == self.number:
             return self
         vehicle, ids = self.vehicles[number], self.geom_object_id.copy()
+        # The two swap roles: this one becomes another vehicle, and that one the vehicle.
         ids[self.geom_object_id == VEHICLE_ID] = FIRST_MATE_ID - self.number
         ids[self.geom_object_id == FIRST_MATE_ID - number] = VEHICLE_ID
         return replace(
@@ -119,23 +127,32 @@ class World:
         )
 
     def camera_name(self, camera: str) -> str:
-        """Name that one of the vehicle's cameras has in the model."""
+        """Return the name that one of the vehicle's cameras has in the model."""
         return part_name(self.number, camera)
 
     def is_of_mate(self, model: mujoco.MjModel) -> Bool[np.ndarray, " ngeom"]:
-        """Which geoms of a model of this world, to fly or to draw, are other vehicles'."""
+        """Return True for each geom that belongs to another vehicle.
+
+        Args:
+            model: A model of this world, to fly or to draw.
+        """
         names = [vehicle_name(k) for k in range(self.n_vehicles) if k != self.number]
         bodies = [mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name) for name in names]
         return np.isin(model.geom_bodyid, bodies)
 
     def as_seen(self) -> mujoco.MjModel:
-        """The model as the vehicle's cameras see it: the other vehicles are of what moves."""
+        """Return the model for the vehicle's cameras, which draw the other vehicles as movers."""
+        # A copy, since each vehicle hides itself and shows the others.
         if self.n_vehicles < 2:
             return self.model
         return self._with_visible_mates(copy.copy(self.model))
 
     def new_looks(self, detail: Detail) -> mujoco.MjModel:
-        """Build a drawing model of the same world; `qpos` and mocap poses mean the same in it."""
+        """Build a drawing model of the same world; `qpos` and mocap poses mean the same in it.
+
+        Args:
+            detail: Fineness of the looks.
+        """
         spec = mujoco.MjSpec()
         set_view(spec, self.scene)
         add_looks(spec, self.scene, self.solids, detail)
@@ -144,17 +161,22 @@ class World:
         return self._with_visible_mates(spec.compile())
 
     def _with_visible_mates(self, model: mujoco.MjModel) -> mujoco.MjModel:
+        # Cameras leave out the group of vehicles' looks, so that none sees the one that carries it.
         is_shown = self.is_of_mate(model) & (model.geom_group == GeomGroup.VEHICLE_LOOKS)
         model.geom_group[is_shown] = GeomGroup.MOVING
         return model
 
     def mover_body_id(self, index: int) -> int:
-        """Body of a moving obstacle."""
+        """Return the body of a moving obstacle."""
         name = mover_name(index, self.obstacles)
         return mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_BODY, name)
 
     def name_of(self, object_id: int) -> str:
-        """Name of a thing by its id in `geom_object_id`, such as "object 12 (tree)"."""
+        """Return the name of a thing by its id in `geom_object_id`, such as "object 12 (tree)".
+
+        Args:
+            object_id: Any id that occurs there.
+        """
         if object_id == VEHICLE_ID:
             return "the vehicle"
         if object_id <= FIRST_MATE_ID:
@@ -164,7 +186,7 @@ class World:
         return _describe(self.scene, object_id)
 
     def new_data(self) -> mujoco.MjData:
-        """State at time zero: the vehicles at their starts, at rest on their legs."""
+        """Return the state at time zero: the vehicles at their starts, at rest on their legs."""
         data = mujoco.MjData(self.model)
         data.qpos[:] = self.rest_qpos
         mujoco.mj_forward(self.model, data)
@@ -188,7 +210,7 @@ def build_world(
         traffic: Movers on their paths, or the number of movers to find paths for.
 
     Returns:
-        The world as the first vehicle has it; `World.views` has it as each of them does.
+        The world in the view of the first vehicle; `World.views` has that of each.
 
     Raises:
         WorldError: If a vehicle has no room at its start, is inside something or cannot stand.
@@ -197,6 +219,7 @@ def build_world(
     solids = (*scene_primitives(scene), *extra)
     vehicles = place_vehicles(scene, airframes, solids)
     spec = new_spec(scene, physics_hz)
+    # `_geom_ids` relies on this order of the static geoms.
     add_ground(spec, scene.relief)
     add_solids(spec, solids)
     add_ground_beyond(spec, scene.relief)
@@ -218,6 +241,7 @@ def build_world(
     _put_movers(model, traffic)
     bodies = [model.body(vehicle_name(k)).id for k in range(len(vehicles))]
     ids = _geom_ids(model, solids, len(neighbours), bodies)
+    # Without neighbours both indices are one, and its memory is shared.
     wide_rays, is_neighbour = RayTree.of(model), ids == NEIGHBOUR_ID
     for vehicle, body in zip(vehicles, bodies, strict=True):
         if (geom := inside_of(model, body)) is not None:
@@ -242,7 +266,14 @@ def build_world(
 def _geom_ids(
     model: mujoco.MjModel, solids: Sequence[Primitive], n_neighbours: int, bodies: Sequence[int]
 ) -> Int[np.ndarray, " geoms"]:
-    """What each geom belongs to: an object by its id, the ground, a vehicle or a mover."""
+    """Return the id of each geom's owner: an object, the ground, a neighbour, a vehicle or a mover.
+
+    Args:
+        model: Compiled world.
+        solids: Static solids of the scene, in the order of their geoms.
+        n_neighbours: Number of solids around the site, the last of the static geoms.
+        bodies: Bodies of the vehicles.
+    """
     ids = np.zeros(model.ngeom, dtype=np.int32)
     n_static = int(np.count_nonzero(model.geom_bodyid == 0))
     # The ground, the solids, the ground beyond a relief's grid, the neighbours.
@@ -251,7 +282,7 @@ def _geom_ids(
     ids[n_static - n_neighbours : n_static] = NEIGHBOUR_ID
     for k, body in enumerate(bodies):
         ids[model.geom_bodyid == body] = FIRST_MATE_ID - k if k else VEHICLE_ID
-    is_mover = model.body_mocapid[model.geom_bodyid] >= 0
+    is_mover = model.body_mocapid[model.geom_bodyid] >= 0  # each mover is one geom
     ids[is_mover] = FIRST_MOVER_ID - np.arange(np.count_nonzero(is_mover))
     return ids
 
@@ -269,7 +300,12 @@ def _compiled(spec: mujoco.MjSpec, scene: Scene, airframes: Sequence[Airframe]) 
 
 
 def new_spec(scene: Scene, physics_hz: int) -> mujoco.MjSpec:
-    """Create an empty world with the solver's settings, light and sky."""
+    """Create an empty world with the solver's settings, light and sky.
+
+    Args:
+        scene: Scene, for its name, light and sky.
+        physics_hz: Steps per second.
+    """
     spec = mujoco.MjSpec()
     spec.modelname = scene.scene_id
     spec.option.timestep = 1.0 / physics_hz
@@ -290,7 +326,7 @@ def _put_movers(model: mujoco.MjModel, obstacles: Sequence[MovingObstacle]) -> N
 def _enable_sleep(model: mujoco.MjModel) -> None:
     """Skip the kinematics of geoms that never move; the vehicle itself never sleeps.
 
-    Bit-identical to the same world without sleeping, and twice as fast with 600 geoms.
+    The flight is bit-identical to one without sleeping, and a step twice as fast with 600 geoms.
     """
     model.opt.enableflags |= mujoco.mjtEnableBit.mjENBL_SLEEP
     model.tree_sleep_policy[:] = mujoco.mjtSleepPolicy.mjSLEEP_NEVER

@@ -9,23 +9,28 @@ from flightsim.autopilot.modes import Mode
 
 
 class Behaviour(Protocol):
-    """A way to fly: created when its mode begins, started when the vehicle flies in it."""
+    """One manner of flight: created when its mode begins, started when the vehicle flies in it.
+
+    The two moments differ, because a mode can be chosen on the ground long before the takeoff. The
+    commander calls `ready_to_lift` in each tick on the ground, then `start` once, then `update` in
+    each tick of flight.
+    """
 
     next_mode: Mode | None
     """Mode that should follow; set when this behaviour is done."""
 
     @property
     def is_landing(self) -> bool:
-        """Whether the behaviour intends to touch the ground now."""
+        """True if the behaviour intends to touch the ground now."""
         ...
 
     @property
     def may_rest(self) -> bool:
-        """Whether it leads down, so that the rotors may idle once something carries the vehicle."""
+        """True if it leads down, so that the rotors may idle once something carries the vehicle."""
         ...
 
     def ready_to_lift(self) -> bool:
-        """Run one tick on the ground with idle rotors; return whether to take off now."""
+        """Run one tick on the ground with idle rotors; return true to take off now."""
         ...
 
     def start(self) -> None:
@@ -33,5 +38,5 @@ class Behaviour(Protocol):
         ...
 
     def update(self) -> Setpoint:
-        """Run one tick of flight."""
+        """Run one tick of flight and return its setpoint."""
         ...

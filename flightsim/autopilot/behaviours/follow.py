@@ -1,4 +1,4 @@
-"""Follow mode: keep a distance, a height and an angle to a target that says where it is.
+"""Follow mode: keep a distance, a height and an angle to a target that reports its position.
 
 The angle counts from the target's course, as in PX4: 180 degrees are behind it. While the target
 has not moved yet, the vehicle stays on the side where it is.
@@ -17,7 +17,7 @@ from flightsim.autopilot.modes import Mode
 from flightsim.autopilot.vehicle import TICK_S
 
 _LEAST_SPEED_MPS = 0.5
-"""Speed of the target above which its velocity tells its course."""
+"""Speed of the target above which its velocity shows its course."""
 _SMOOTHING_S = 10.0
 """Time constant of the target's smoothing at a responsiveness of 1."""
 _ABOVE_TERRAIN, _ABOVE_TARGET = 1, 2
@@ -25,7 +25,10 @@ _ABOVE_TERRAIN, _ABOVE_TARGET = 1, 2
 
 
 class Follow:
-    """Fly where the target's reports and the FLW_TGT parameters lead; hold while none come."""
+    """Fly where the target's reports and the FLW_TGT parameters lead; hold while none come.
+
+    The vehicle waits within the geofence if the place or the straight way to it is outside.
+    """
 
     is_landing = False
     may_rest = False
@@ -44,14 +47,17 @@ class Follow:
         return False
 
     def start(self) -> None:
-        """Hold until the target is known."""
+        """Hold where the vehicle can stop, until the target is known."""
         flight = self._flight
         self._goal_enu_m = flight.path.stopping_point(flight.limits.automatic)
         self._target_enu_m = self._bearing_rad = self._course_rad = None
         flight.heading.goal_yaw_rad = flight.heading.yaw_rad
 
     def update(self) -> Setpoint:
-        """Fly on towards the place from which the target is followed."""
+        """Fly on towards the place from which the target is followed.
+
+        Reports are smoothed by FLW_TGT_RS; without a report the last place stays the goal.
+        """
         flight = self._flight
         reported = flight.follow_target.at(flight.vehicle.time_us)
         if reported is not None:
@@ -65,23 +71,24 @@ class Follow:
         return flight.follow_path()
 
     def _is_allowed(self, place_enu_m: Vector3) -> bool:
-        """Whether the geofence allows straight flight to a place; else the vehicle waits within.
+        """Return true if the geofence allows straight flight to a place.
 
-        It counts unless GF_ACTION ignores it. What becomes of a vehicle that is outside already is
-        left to that parameter.
+        The fence counts unless GF_ACTION ignores it. If the vehicle is outside already, that
+        parameter decides what happens.
         """
         flight = self._flight
         here = flight.path.position_enu_m
         if flight.parameters["GF_ACTION"] == 0 or fence_breach(flight, here) is not None:
             return True
         breach = fence_breach(flight, place_enu_m) or leg_breach(flight, here, place_enu_m)
+        # Announced once, when the waiting begins.
         if breach is not None and not self._is_waiting:
             flight.events.say(Severity.WARNING, f"Follow: waiting within the geofence ({breach})")
         self._is_waiting = breach is not None
         return breach is None
 
     def _smooth(self, reported_enu_m: Vector3) -> None:
-        """Move the target's estimate towards what was reported."""
+        """Move the target's estimate towards the reported position."""
         if self._target_enu_m is None:
             self._target_enu_m = reported_enu_m
             return
@@ -94,7 +101,7 @@ class Follow:
         self._target_enu_m = (x, y, z)
 
     def _place(self) -> Vector3:
-        """Place beside the target, on the side that the angle asks for."""
+        """Return the place beside the target, on the side that the angle asks for."""
         flight, p = self._flight, self._flight.parameters
         assert self._target_enu_m is not None
         tx, ty, tz = self._target_enu_m
@@ -107,10 +114,13 @@ class Follow:
         distance_m = p["FLW_TGT_DST"]
         if self._course_rad is not None:
             # The angle counts clockwise from above, as headings do.
+            # The vehicle flies around the target at FLW_TGT_MAX_VEL at most, instead of cutting
+            # across it.
             wanted_rad = self._course_rad - radians(p["FLW_TGT_FA"])
             most_rad = p["FLW_TGT_MAX_VEL"] * TICK_S / distance_m
             off_rad = wrap_angle(wanted_rad - self._bearing_rad)
             self._bearing_rad += min(max(off_rad, -most_rad), most_rad)
+        # Right above the target the direction to it is noise.
         if hypot(tx - x, ty - y) > 0.5:
             flight.heading.goal_yaw_rad = atan2(ty - y, tx - x)
         return (
@@ -120,7 +130,7 @@ class Follow:
         )
 
     def _floor_m(self, target_up_m: float) -> float:
-        """ENU height above which FLW_TGT_HT counts."""
+        """ENU height above which FLW_TGT_HT counts, m."""
         flight = self._flight
         if flight.parameters["FLW_TGT_ALT_M"] == _ABOVE_TARGET:
             return target_up_m

@@ -13,7 +13,10 @@ _TAKEOFF_MARGIN_M = 0.5
 
 
 class Hold:
-    """Stop and stay, or fly straight to a target and stay, facing it unless told otherwise."""
+    """Stop and stay, or fly straight to a target and stay there.
+
+    On the way the vehicle faces the target, unless a heading is given or a client asks for one.
+    """
 
     is_landing = False
     may_rest = False
@@ -38,18 +41,25 @@ class Hold:
         self.next_mode: Mode | None = None
 
     def ready_to_lift(self) -> bool:
-        """Take off only for a target well above the vehicle."""
+        """Take off only for a target well above the vehicle.
+
+        A target at the vehicle's own height, such as a repeated request to hold, leaves it on the
+        ground.
+        """
         target = self._target_enu_m
         if target is None:
             return False
         return target[2] > self._flight.vehicle.position_enu_m[2] + _TAKEOFF_MARGIN_M
 
     def start_turn(self) -> None:
-        """Be ready to turn to a heading that a client asks for."""
+        """Stop facing the target, because a client asks for a heading."""
         self._faces_target = False
 
     def start(self) -> None:
-        """Set the goal of the flight."""
+        """Set the goal of the flight: the target, or the point where the vehicle can stop.
+
+        The heading stays, unless one was given.
+        """
         flight = self._flight
         here = flight.path.position_enu_m
         target = self._target_enu_m

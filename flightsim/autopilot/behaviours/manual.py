@@ -12,25 +12,40 @@ from flightsim.autopilot.streams import Sticks, with_dead_zone
 from flightsim.autopilot.trajectory import VelocityMotion
 from flightsim.autopilot.vehicle import TICK_S
 
+# Throttle beyond which stick-guided modes climb and sink. Between them the vehicle holds its
+# height.
 _RISE_THROTTLE = 0.6
 _SINK_THROTTLE = 0.4
-_RAISED_THROTTLE = 0.05
-_YAW_ACCELERATION_RADPS2 = 2.0 * pi
+_RAISED_THROTTLE = 0.05  # throttle that counts as up in modes that pass it on as thrust
+_YAW_ACCELERATION_RADPS2 = 2.0 * pi  # full yaw rate within a fraction of a second
 
 
 class Manual:
-    """Sticks command tilt, or rates in acro mode, and collective thrust."""
+    """Sticks command tilt, or rates in acro mode, and collective thrust.
+
+    Nothing is held: without sticks the vehicle drifts with the wind, and its height follows the
+    throttle. The middle of the throttle is the hover thrust.
+    """
 
     is_landing = False
     may_rest = False
 
     def __init__(self, flight: FlightContext, *, is_acro: bool) -> None:
+        """Prepare to fly by the sticks.
+
+        Args:
+            flight: Shared state, with the sticks.
+            is_acro: True lets pitch and roll command rates; else they command tilt.
+        """
         self._flight = flight
         self._is_acro = is_acro
         self.next_mode: Mode | None = None
 
     def ready_to_lift(self) -> bool:
-        """Whether the throttle is up."""
+        """Return true if the throttle is up.
+
+        5% is the least, so that a stick that is not quite at its end does not lift the vehicle.
+        """
         return _sticks(self._flight).throttle > _RAISED_THROTTLE
 
     def start(self) -> None:
@@ -38,7 +53,10 @@ class Manual:
         self._flight.heading.reset(self._flight.vehicle.yaw_rad)
 
     def update(self) -> Setpoint:
-        """Attitude or rates commanded by the sticks."""
+        """Return the attitude or the rates that the sticks command, with their thrust.
+
+        On the ground with the throttle down the rotors idle.
+        """
         flight = self._flight
         flight.target_enu_m = None
         sticks = _sticks(self._flight)
@@ -73,11 +91,21 @@ class Manual:
 
 
 class StickGuided:
-    """Altitude and position mode: the throttle commands climb, centred sticks hold."""
+    """Altitude and position mode: the throttle commands climb, centred sticks hold.
+
+    A reference point moves with the sticks within the vehicle's limits. In position mode the
+    vehicle follows it; in altitude mode it follows its height alone, and the sticks command tilt.
+    """
 
     is_landing = False
 
     def __init__(self, flight: FlightContext, *, holds_position: bool) -> None:
+        """Prepare to fly by the sticks.
+
+        Args:
+            flight: Shared state, with the sticks.
+            holds_position: True for position mode, false for altitude mode.
+        """
         self._flight = flight
         self._holds_position = holds_position
         self._motion = VelocityMotion()
@@ -85,21 +113,25 @@ class StickGuided:
 
     @property
     def may_rest(self) -> bool:
-        """Whether the throttle commands a descent."""
+        """True if the throttle commands a descent."""
         return _sticks(self._flight).throttle < _SINK_THROTTLE
 
     def ready_to_lift(self) -> bool:
-        """Whether the throttle commands a climb."""
+        """Return true if the throttle commands a climb."""
         return _sticks(self._flight).throttle > _RISE_THROTTLE
 
     def start(self) -> None:
-        """Continue from the present reference."""
+        """Continue from the present reference, so that a change of mode does not jerk."""
         path = self._flight.path
         self._motion.reset(path.position_enu_m, path.velocity_enu_mps, path.acceleration_enu_mps2)
         self._flight.heading.reset(self._flight.heading.yaw_rad)
 
     def update(self) -> Setpoint:
-        """Velocity, or tilt and climb, commanded by the sticks."""
+        """Return the velocity, or tilt and climb, that the sticks command.
+
+        In position mode reported obstacles slow it down (`CollisionPrevention`). A vehicle in
+        altitude mode whose sticks fall silent holds its position, if it knows one.
+        """
         flight = self._flight
         flight.target_enu_m = None
         sticks = _sticks(self._flight)
@@ -111,8 +143,10 @@ class StickGuided:
         limits = flight.limits.sticks
         climb = with_dead_zone(2.0 * sticks.throttle - 1.0, dead_zone)
         up_mps = climb * (limits.speed_up_mps if climb > 0.0 else limits.speed_down_mps)
+        # A pilot whose sticks fall silent in altitude mode holds the position if there is one.
         is_piloted = flight.sticks.is_alive(flight.vehicle.time_us)
         if self._holds_position or (not is_piloted and flight.vehicle.is_position_ok):
+            # Both sticks at full travel must not fly faster than one.
             speed = limits.speed_xy_mps / max(1.0, hypot(east, north))
             wished = (east * speed, north * speed)
             share = flight.collision_prevention.allowed_share(wished, flight.vehicle, limits)
@@ -123,20 +157,23 @@ class StickGuided:
         return self._tilt(east, north)
 
     def _advance(self, velocity_enu_mps: Vector3, *, drifts: bool) -> None:
-        """Move the reference; keep it near the vehicle, and horizontally at it if it drifts."""
+        """Move the reference and keep it near the vehicle, horizontally at it if that drifts."""
         vehicle, motion = self._flight.vehicle, self._motion
         motion.step(velocity_enu_mps, self._flight.limits.sticks, TICK_S)
         for i, axis in enumerate(motion.axes):
             here = vehicle.position_enu_m[i]
             if drifts and i < 2:
                 axis.x, axis.v, axis.a = here, vehicle.velocity_enu_mps[i], 0.0
+            # A reference that runs away from a blocked vehicle would make it dash off once it is
+            # free.
             axis.x = min(max(axis.x, here - 1.0), here + 1.0)
 
     def _tilt(self, east: float, north: float) -> Setpoint:
-        """Level the vehicle or tilt it; hold or change the height."""
+        """Return a setpoint that levels or tilts the vehicle and holds or changes the height."""
         flight = self._flight
         x, y, z = self._motion.axes
         flight.path.reset((x.x, y.x, z.x), (x.v, y.v, z.v), (x.a, y.a, z.a))
+        # A level acceleration of g tan(tilt) tilts the thrust by that angle.
         share = GRAVITY_MPS2 * tan(radians(flight.parameters["MPC_MAN_TILT_MAX"]))
         share /= max(1.0, hypot(east, north))
         return Setpoint(
@@ -150,9 +187,10 @@ class StickGuided:
 
 
 def tilted(pitch_rad: float, roll_rad: float, yaw_rad: float, tilt_max_rad: float) -> Quaternion:
-    """Attitude (FLU to ENU) with a heading and with tilts forward and to the right.
+    """Attitude (w, x, y, z; FLU to ENU) with a heading and with tilts forward and to the right.
 
-    The tilt is about one horizontal axis, `tilt_max_rad` at most.
+    The tilt is about one horizontal axis, `tilt_max_rad` at most. Two tilts one after the other
+    would exceed that limit with both sticks deflected.
     """
     angle = hypot(pitch_rad, roll_rad)
     half = 0.5 * min(angle, tilt_max_rad)
@@ -160,6 +198,7 @@ def tilted(pitch_rad: float, roll_rad: float, yaw_rad: float, tilt_max_rad: floa
     k = sin(half) / angle if angle > 1e-9 else 0.0
     w, x, y = cos(half), roll_rad * k, pitch_rad * k
     c, s = cos(0.5 * yaw_rad), sin(0.5 * yaw_rad)
+    # Product of the turn about z and the tilt.
     return (c * w, c * x - s * y, c * y + s * x, s * w)
 
 
@@ -173,7 +212,7 @@ def _yaw_rate(flight: FlightContext, sticks: Sticks) -> float:
 
 
 def _thrust(throttle: float, hover: float) -> float:
-    """Collective thrust with hover in the middle of the stick."""
+    """Collective thrust, 0 to 1, with hover in the middle of the stick."""
     if throttle <= 0.5:
         return 2.0 * throttle * hover
     return hover + (2.0 * throttle - 1.0) * (1.0 - hover)

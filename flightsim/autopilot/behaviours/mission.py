@@ -23,11 +23,16 @@ from flightsim.autopilot.vehicle import TICK_S
 
 _MAX_INSTANT_ITEMS = 50
 """Most consecutive items without duration; more can only be a ring of jumps."""
-_DEFAULT_SPEED = -2.0
+_DEFAULT_SPEED = -2.0  # value of DO_CHANGE_SPEED that restores the default; -1 changes nothing
 
 
 class MissionFlight:
-    """Executes `flight.mission` from its current item."""
+    """Executes `flight.mission` from its current item.
+
+    Some items are flown as legs, others take no time and are applied on the way. Clients may upload
+    or select items at any time, so each tick first compares the counters of the mission with those
+    seen last.
+    """
 
     def __init__(self, flight: FlightContext, *, last_index: int | None = None) -> None:
         """Prepare to fly the mission.
@@ -48,16 +53,16 @@ class MissionFlight:
 
     @property
     def is_landing(self) -> bool:
-        """Whether the present leg is a landing."""
+        """True if the present leg is a landing that descends."""
         return self._leg is not None and self._leg.behaviour.is_landing
 
     @property
     def may_rest(self) -> bool:
-        """Rest while it lands."""
+        """True while it lands, so that the rotors may idle at contact."""
         return self.is_landing
 
     def ready_to_lift(self) -> bool:
-        """Execute items that need no flight; return whether the present item flies."""
+        """Execute items that need no flight; return true if the present item flies."""
         self._synchronise()
         item = self._item()
         if item is None or self._flight.mission.is_finished:
@@ -67,6 +72,7 @@ class MissionFlight:
             if self._waited_s >= seconds(item.param1):
                 self._complete()
             return False
+        # On the ground a landing is over, and a vehicle cannot turn.
         if item.command in {Cmd.LAND, Cmd.CONDITION_YAW}:
             self._complete()
             return False
@@ -79,7 +85,10 @@ class MissionFlight:
         self._begin_leg()
 
     def update(self) -> Setpoint:
-        """Fly the present leg; continue with the next item at its end."""
+        """Fly the present leg; continue with the next item at its end.
+
+        The rotors idle if there is no item left to fly.
+        """
         if self._synchronise() or self._leg is None:
             self._begin_leg()
         leg = self._leg
@@ -87,6 +96,7 @@ class MissionFlight:
             return IDLE
         setpoint = leg.behaviour.update()
         if leg.is_done():
+            # The climb came first; the item itself is flown now.
             if self._is_climbing_first:
                 self._begin_leg()
             else:
@@ -98,7 +108,7 @@ class MissionFlight:
         return items[self._index] if self._index is not None and self._index < len(items) else None
 
     def _synchronise(self) -> bool:
-        """Follow changes that clients made to the mission; return whether there were any."""
+        """Follow changes that clients made to the mission; return true if there were any."""
         mission = self._flight.mission
         if (mission.revision, mission.n_selections) == self._followed:
             return False
@@ -132,6 +142,7 @@ class MissionFlight:
 
     def _complete(self) -> None:
         """Finish the present item and go to the next."""
+        # `_apply` may have finished the mission or chosen another mode.
         index, item = self._index, self._item()
         if index is None or item is None:
             return
@@ -140,6 +151,7 @@ class MissionFlight:
             self._finish()
         else:
             self._go_to(index + 1)
+        # An item without autocontinue stops the mission: hold follows until a client goes on.
         if not item.is_autocontinue and not self._flight.mission.is_finished:
             self.next_mode = Mode.HOLD
         if not self._flight.vehicle.is_landed:
@@ -168,6 +180,7 @@ class MissionFlight:
         self._is_climbing_first = False
         if index is None or item is None or flight.mission.is_finished:
             leg = loiter_leg(flight)
+        # A mission without a takeoff item climbs first: a leg from the ground would drag along it.
         elif flight.vehicle.is_landed and item.command != Cmd.TAKEOFF:
             self._is_climbing_first = True
             leg = climb_leg(flight, item)
@@ -185,6 +198,8 @@ class MissionFlight:
         flight = self._flight
         match item.command:
             case Cmd.JUMP:
+                # A negative count repeats for ever. A jump that is used up counts anew when it is
+                # met again.
                 n_jumps = flight.mission.n_jumps
                 if item.param2 < 0.0 or n_jumps.get(index, 0) < item.param2:
                     n_jumps[index] = n_jumps.get(index, 0) + 1

@@ -29,7 +29,7 @@ _LEAST_TURN_RADIUS_M = 1.0
 
 @dataclass(frozen=True, slots=True)
 class MissionLeg:
-    """A behaviour that flies an item."""
+    """A behaviour that flies an item, and the test that it is complete."""
 
     behaviour: Behaviour
     is_done: Callable[[], bool]
@@ -48,7 +48,12 @@ def loiter_leg(flight: FlightContext) -> MissionLeg:
 
 
 def climb_leg(flight: FlightContext, item: MissionItem) -> MissionLeg:
-    """Leg that climbs from the ground to an item's height, for missions without a takeoff."""
+    """Leg that climbs from the ground to an item's height, for missions without a takeoff.
+
+    Args:
+        flight: Shared state.
+        item: The item that is flown afterwards. The climb is by MIS_TAKEOFF_ALT at least.
+    """
     least_m = flight.path.position_enu_m[2] + flight.parameters["MIS_TAKEOFF_ALT"]
     return _takeoff_leg(Takeoff(flight, max(least_m, place_of(item, flight)[2])))
 
@@ -61,14 +66,14 @@ def leg_of(
     line_start_enu_m: Vector3 | None,
     may_pass: bool,
 ) -> MissionLeg:
-    """The leg that flies an item.
+    """Return the leg that flies an item.
 
     Args:
         index: Index of the item in the mission.
         item: An item of `LEG_COMMANDS`.
         flight: Shared state.
         line_start_enu_m: Previous waypoint, if it was passed without a stop.
-        may_pass: Whether the mission continues after this item, so that it need not stop.
+        may_pass: True if the mission continues after this item, so that it need not stop.
     """
     yaw_rad = yaw_of(item.param4) if item.command in PLACE_COMMANDS else None
     match item.command:
@@ -79,6 +84,7 @@ def leg_of(
             place = None if item.is_here else (x, y)
             if item.param2 in {Precision.OPPORTUNISTIC, Precision.REQUIRED}:
                 is_required = item.param2 == Precision.REQUIRED
+                # A landing never completes in the air: on the ground `ready_to_lift` completes it.
                 return MissionLeg(PrecisionLand(flight, place, is_required=is_required), _never)
             return MissionLeg(Land(flight, place, yaw_rad), _never)
         case Cmd.LOITER_TURNS:
@@ -91,6 +97,7 @@ def leg_of(
         case Cmd.WAYPOINT:
             hold_s = seconds(item.param1)
             radius_m = item.param2 if item.param2 > 0.0 else radius_m
+            # Without a hold time the vehicle rounds the corner towards the next place.
             if hold_s == 0.0 and may_pass:
                 next_goal = place_after(index, flight, goal[2])
         case Cmd.LOITER_TIME:
@@ -106,6 +113,7 @@ def leg_of(
         line_start_enu_m=line_start_enu_m,
         next_goal_enu_m=next_goal,
     )
+    # Only a waypoint that is passed leaves its line's end to the next leg.
     return MissionLeg(leg, lambda: leg.is_done, None if next_goal is None else goal)
 
 
@@ -124,6 +132,7 @@ def _circle_leg(item: MissionItem, flight: FlightContext) -> MissionLeg:
         place_of(item, flight),
         max(radius_m or flight.parameters["NAV_LOITER_RAD"], _LEAST_TURN_RADIUS_M),
         inf,
+        # The sign decides, so that -0.0 and negative radii turn counter-clockwise.
         is_clockwise=copysign(1.0, item.param3) > 0.0,
     )
     return MissionLeg(orbit, lambda: orbit.turns >= item.param1)
@@ -133,7 +142,7 @@ def _pause_leg(item: MissionItem, flight: FlightContext) -> MissionLeg:
     leg = WaypointLeg(
         flight,
         flight.path.stopping_point(flight.limits.automatic),
-        radius_m=inf,
+        radius_m=inf,  # it is reached wherever the vehicle stops
         hold_s=seconds(item.param1) if item.command in WAITS else 0.0,
         yaw_rad=_turn_of(item, flight),
     )
@@ -146,5 +155,6 @@ def _turn_of(item: MissionItem, flight: FlightContext) -> float | None:
         return None
     if item.param4 != 1.0:
         return yaw_of(item.param1)
+    # param3 is 1 clockwise, -1 counter-clockwise; ENU yaw counts counter-clockwise.
     side = -1.0 if item.param3 < 0.0 else 1.0
     return wrap_angle(flight.heading.yaw_rad - side * radians(item.param1))

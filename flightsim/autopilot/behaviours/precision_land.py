@@ -1,8 +1,8 @@
-"""Precision landing: onto a target whose place a companion reports, as a camera sees a marker.
+"""Precision landing onto a target whose place a companion reports, such as a marker in its images.
 
-While the target is seen, the vehicle goes above it before it goes down. One that is lost on the way
-is taken to stay where it was; one that is not seen at all is waited for, or the landing is an
-ordinary one.
+While the target is seen, the vehicle goes above it before it goes down. If the target is lost on
+the way, the vehicle assumes that it stays where it was. If it is not seen at all, the vehicle waits
+for it or lands in the ordinary way.
 """
 
 from __future__ import annotations
@@ -18,24 +18,29 @@ from flightsim.autopilot.modes import Mode
 from flightsim.autopilot.vehicle import TICK_S
 
 _AHEAD_M = 2.0
-"""Distance below at which the descent aims, so that it follows a target that moves."""
+"""Distance below the reference at which the descent aims, so that it follows a target that moves.
+"""
 _DESCENDING_FACTOR = 2.0
-"""Offset over that at which a descent begins, beyond which it is interrupted."""
+"""Factor on the offset at which a descent begins; beyond it the descent is interrupted. It is above
+1, so that the vehicle does not alternate between both at the edge."""
 
 
 @unique
 class Precision(IntEnum):
-    """Whether to land on the target, by the numbers of MAVLink's PRECISION_LAND_MODE."""
+    """Dependence of a landing on the target, by the numbers of MAVLink's PRECISION_LAND_MODE."""
 
     NONE = 0
     OPPORTUNISTIC = 1
-    """On the target if it is seen at the start."""
+    """Land on the target if it is seen at the start."""
     REQUIRED = 2
-    """On the target, which is waited for."""
+    """Land on the target, and wait for it."""
 
 
 class PrecisionLand:
-    """Land on the target of `flight.landing_target`."""
+    """Land on the target of `flight.landing_target`.
+
+    The descent begins within PLD_HACC_RAD of the target, and is interrupted beyond twice that.
+    """
 
     def __init__(
         self,
@@ -49,7 +54,7 @@ class PrecisionLand:
         Args:
             flight: Shared state.
             place_enu_m: East and north where the target is expected; None is here.
-            is_required: Whether to wait for a target that is not seen (PLD_SRCH_TOUT).
+            is_required: True waits for a target that is not seen, for PLD_SRCH_TOUT.
         """
         self._flight = flight
         self._expected_enu_m = place_enu_m
@@ -62,12 +67,12 @@ class PrecisionLand:
 
     @property
     def is_landing(self) -> bool:
-        """Whether it descends."""
+        """True while it descends."""
         return self._is_descending if self._blind is None else self._blind.is_landing
 
     @property
     def may_rest(self) -> bool:
-        """Rest once it descends."""
+        """True once it descends, so that the rotors may idle at contact."""
         return self.is_landing
 
     def ready_to_lift(self) -> bool:
@@ -75,7 +80,7 @@ class PrecisionLand:
         return False
 
     def start(self) -> None:
-        """Choose where to wait for the target."""
+        """Choose where to wait for the target: at this height, above its expected place."""
         flight = self._flight
         x, y, self._height_enu_m = flight.path.stopping_point(flight.limits.automatic)
         self._expected_enu_m = self._expected_enu_m or (x, y)
@@ -83,7 +88,11 @@ class PrecisionLand:
         flight.heading.goal_yaw_rad = flight.heading.yaw_rad
 
     def update(self) -> Setpoint:
-        """Fly above the target and down, or land where it is not seen."""
+        """Fly above the target and down, or land where it was expected if it is not seen.
+
+        Once it has given the target up, it lands as `Land` does and takes no notice of later
+        reports.
+        """
         if self._blind is not None:
             return self._blind.update()
         target = self._flight.landing_target.at(self._flight.vehicle.time_us)
@@ -100,6 +109,7 @@ class PrecisionLand:
         near_m *= _DESCENDING_FACTOR if self._is_descending else 1.0
         was_descending, self._is_descending = self._is_descending, hypot(px - x, py - y) < near_m
         z = flight.path.position_enu_m[2]
+        # Interrupted: wait at this height until the vehicle is above the target again.
         if was_descending and not self._is_descending:
             self._height_enu_m = z
         goal = (x, y, z - _AHEAD_M if self._is_descending else self._height_enu_m)
@@ -114,6 +124,7 @@ class PrecisionLand:
         flight, place = self._flight, self._expected_enu_m
         assert place is not None
         goal = (*place, self._height_enu_m)
+        # Lost on the way down: no search, because the descent has brought the vehicle above it.
         is_seen_before = self._is_descending
         if not is_seen_before and self._is_required:
             flight.target_enu_m = goal

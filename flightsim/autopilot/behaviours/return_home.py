@@ -16,11 +16,15 @@ from flightsim.autopilot.mission_places import fence_breach
 from flightsim.autopilot.modes import Mode
 from flightsim.autopilot.vehicle import TICK_S
 
-_FENCE_MARGIN_M = 1.0
+_FENCE_MARGIN_M = 1.0  # the return stays this far below a fence's ceiling
 
 
 class ReturnHome:
-    """Flies the legs of a return, one after the other."""
+    """Fly the legs of a return, one after the other.
+
+    The vehicle climbs, follows a route that the geofence allows, waits above the place for
+    RTL_LAND_DELAY, and lands there: at home, or at a rally point that is nearer.
+    """
 
     def __init__(self, flight: FlightContext) -> None:
         self._flight = flight
@@ -32,12 +36,12 @@ class ReturnHome:
 
     @property
     def is_landing(self) -> bool:
-        """Whether the return is in its last, vertical part."""
+        """True if the return is in its last, vertical part."""
         return self._land is not None and self._land.is_landing
 
     @property
     def may_rest(self) -> bool:
-        """Rest while it lands."""
+        """True while it lands, so that the rotors may idle at contact."""
         return self.is_landing
 
     def ready_to_lift(self) -> bool:
@@ -45,11 +49,16 @@ class ReturnHome:
         return False
 
     def start(self) -> None:
-        """Plan the legs from here."""
+        """Plan the legs from here: climb, route, descent above the place.
+
+        The vehicle lands where it can stop if there is no home, or if the fence allows no way to
+        any place.
+        """
         flight = self._flight
         self._land = None
         self._waited_s = 0.0
         x, y, z = flight.path.stopping_point(flight.limits.automatic)
+        # Without a home there is nothing to return to: land where the vehicle can stop.
         if flight.home is None:
             self._begin_landing((x, y))
             return
@@ -67,6 +76,7 @@ class ReturnHome:
         yaw_rad = flight.home.yaw_rad
         corners = [(east_m, north_m, height_m) for east_m, north_m in route]
         self._legs = [
+            # No turn during the climb, towards the place on the route, then as home was left.
             ((x, y, height_m), lambda: None),
             *((corner, partial(flight.face, corner)) for corner in corners),
             ((east_m, north_m, descend_m), lambda: setattr(heading, "goal_yaw_rad", yaw_rad)),
@@ -78,7 +88,7 @@ class ReturnHome:
         )
 
     def update(self) -> Setpoint:
-        """Fly the present leg."""
+        """Fly the present leg; at the end of the last one wait, then land."""
         flight = self._flight
         if self._land is not None:
             return self._land.update()
@@ -96,6 +106,7 @@ class ReturnHome:
             return
         delay_s = self._flight.parameters["RTL_LAND_DELAY"]
         self._waited_s += TICK_S
+        # A negative RTL_LAND_DELAY loiters above the place for ever.
         if 0.0 <= delay_s <= self._waited_s:
             self._begin_landing(self._place)
 
@@ -105,9 +116,9 @@ class ReturnHome:
         self._land.start()
 
     def _route(self, here_enu_m: Point2) -> list[Point2]:
-        """Points to fly over up to the place to land: home, or a rally point that is nearer.
+        """Return the points to fly over up to the place to land: home or a nearer rally point.
 
-        Neither place nor route is beyond a geofence that counts. The route is empty if the fence
+        Neither place nor route is outside a geofence that counts. The route is empty if the fence
         allows the vehicle's own place and no other.
         """
         flight = self._flight
@@ -123,15 +134,21 @@ class ReturnHome:
         reachable = [each for each in found if each is not None]
         if reachable:
             return min(reachable, key=lambda each: each[0])[1]
+        # A vehicle outside that finds no route flies straight home, across the fence if it must.
         is_inside = fence_breach(flight, flight.vehicle.position_enu_m) is None
         return [] if is_inside else [(home[0], home[1])]
 
 
 def return_height(flight: FlightContext, distance_m: float, height_enu_m: float) -> float:
-    """ENU height for a return from a distance; never below the present height.
+    """ENU height for a return from a distance, m; never below the present height.
 
     Near home (RTL_MIN_DIST) there is no climb; inside the cone RTL_CONE_ANG the climb is
     proportional to the distance; it stays below a fence's ceiling.
+
+    Args:
+        flight: Shared state with home and parameters.
+        distance_m: Horizontal distance of the place to land.
+        height_enu_m: Present height.
     """
     assert flight.home is not None
     p = flight.parameters

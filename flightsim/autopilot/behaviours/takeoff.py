@@ -7,11 +7,14 @@ from flightsim.autopilot.events import Severity
 from flightsim.autopilot.flight_context import FlightContext
 from flightsim.autopilot.modes import Mode
 
-_ARRIVED_M = 0.5
+_ARRIVED_M = 0.5  # the vehicle itself must be so near, not its reference alone
 
 
 class Takeoff:
-    """Climb to a height, then fly to a place at that height if one is given."""
+    """Climb to a height, then fly to a place at that height if one is given.
+
+    At the end the vehicle holds, or begins the mission if COM_TAKEOFF_ACT says so and there is one.
+    """
 
     is_landing = False
     may_rest = False
@@ -43,7 +46,7 @@ class Takeoff:
         return True
 
     def start(self) -> None:
-        """Set the goal above the present position."""
+        """Set the goal above the point where the vehicle can stop, never below it."""
         flight = self._flight
         x, y, _ = flight.path.stopping_point(flight.limits.takeoff)
         here_m = flight.path.position_enu_m[2]
@@ -58,7 +61,11 @@ class Takeoff:
         )
 
     def update(self) -> Setpoint:
-        """Climb to the goal."""
+        """Climb to the goal, fly to the place if there is one, and choose the next mode.
+
+        The goal is reached if the reference rests there and the vehicle itself is within 0.5 m of
+        its height.
+        """
         flight = self._flight
         target = self._target_enu_m
         assert target is not None

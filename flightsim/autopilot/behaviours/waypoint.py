@@ -11,11 +11,16 @@ from flightsim.autopilot.modes import Mode
 from flightsim.autopilot.trajectory import direction_between
 from flightsim.autopilot.vehicle import TICK_S
 
-_MAX_LAG_M = 0.5
+_MAX_LAG_M = 0.5  # the vehicle may be so far behind its reference when the next leg begins
 
 
 class WaypointLeg:
-    """One leg; `is_done` when the waypoint was accepted and the hold time has passed."""
+    """One leg of a mission, to a waypoint.
+
+    `is_done` once the waypoint was accepted and the hold time has passed. A waypoint to be passed
+    without a stop is done earlier: once the reference may turn onto the next line, with the vehicle
+    close behind.
+    """
 
     is_landing = False
     may_rest = False
@@ -63,14 +68,22 @@ class WaypointLeg:
         return True
 
     def start(self) -> None:
-        """Choose the speed at the waypoint, and the heading."""
+        """Choose the speed at the waypoint, and the heading.
+
+        The speed is 0 if the vehicle is to stop there, else the greatest for the turn
+        (`corner_speed`).
+        """
         heading = self._flight.heading
         heading.goal_yaw_rad = heading.yaw_rad if self._yaw_rad is None else self._yaw_rad
         self._plan_exit()
 
     def update(self) -> Setpoint:
-        """Fly the leg."""
+        """Fly the leg; sets `is_done` at its end.
+
+        A change of the limits, such as a new cruise speed, plans the rest of the leg anew.
+        """
         flight = self._flight
+        # Limits are the same object until one changes, so that a new speed replans the exit.
         if flight.limits.automatic is not self._limits:
             self._plan_exit()
         flight.target_enu_m = self._goal_enu_m
@@ -96,6 +109,7 @@ class WaypointLeg:
         leaving = direction_between(self._goal_enu_m, self._next_goal_enu_m)
         if arriving is None or leaving is None:
             return
+        # At most half of the line, so that two turns at its ends do not overlap.
         self._turn_radius_m = min(self._radius_m, 0.5 * _distance(start, self._goal_enu_m))
         next_m = _distance(self._goal_enu_m, self._next_goal_enu_m)
         self._exit_speed_mps = corner_speed(
@@ -103,17 +117,18 @@ class WaypointLeg:
         )
 
     def _passes(self) -> bool:
-        """Whether the reference may turn onto the next line, the vehicle being close behind."""
+        """Return true if the reference may turn onto the next line, the vehicle close behind."""
         flight = self._flight
         if not self._is_near(self._radius_m + _MAX_LAG_M):
             return False
         reference = flight.path.position_enu_m
         left_m = hypot(reference[0] - self._goal_enu_m[0], reference[1] - self._goal_enu_m[1])
+        # An exit speed of 0 stops at the waypoint first, then turns.
         is_in_turn = left_m <= self._turn_radius_m and self._exit_speed_mps > 0.0
         return is_in_turn or flight.path.is_at_rest
 
     def _waits(self) -> bool:
-        """Whether the waypoint is reached, the heading taken and the hold time over."""
+        """Return true if the waypoint is reached, the heading taken and the hold time over."""
         if not self._is_accepted:
             self._is_accepted = self._is_near(self._radius_m) and self._has_turned()
         if self._is_accepted:
@@ -126,6 +141,7 @@ class WaypointLeg:
         p = self._flight.parameters
         self._turned_s += TICK_S
         is_turned = self._flight.heading.remaining_rad <= radians(p["MIS_YAW_ERR"])
+        # A negative MIS_YAW_TMT waits for the heading without end.
         return is_turned or 0.0 <= p["MIS_YAW_TMT"] <= self._turned_s
 
     def _is_near(self, radius_m: float) -> bool:

@@ -1,1 +1,1 @@
-"""How external flight stacks are started, and with which parameters."""
+"""Command lines and parameters by which external flight stacks are started."""

@@ -12,6 +12,7 @@ from flightsim.bridges.launch.launch import Launch
 from flightsim.bridges.physics.bridge import BridgeError
 
 _PATIENCE_S = 0.5
+"""Time that the processes have to end by themselves after a signal."""
 _LOG = "output.txt"
 
 
@@ -20,6 +21,12 @@ class StackProcess:
 
     def __init__(self, title: str, binary: Path, launch: Launch, folder: Path) -> None:
         """Start a binary.
+
+        Args:
+            title: Name of the flight stack for messages.
+            binary: Its executable file.
+            launch: Arguments and variables to start it with.
+            folder: Existing folder, which becomes its working directory and keeps its output.
 
         Raises:
             BridgeError: If the file is not there, or cannot be run.
@@ -43,7 +50,7 @@ class StackProcess:
                     stdin=subprocess.DEVNULL,
                     stdout=log,
                     stderr=subprocess.STDOUT,
-                    start_new_session=True,
+                    start_new_session=True,  # so the children end with it
                 )
         except OSError as error:
             raise BridgeError(
@@ -51,7 +58,8 @@ class StackProcess:
             ) from error
 
     def fault(self) -> str:
-        """A line about the end of the process, with its last words; empty while it runs."""
+        """Return a line about how the process ended, with its last words; empty while it runs."""
+        # Popen reports death by a signal as the signal's number with a minus sign.
         status = self._process.poll()
         if status is None:
             return ""
@@ -65,7 +73,7 @@ class StackProcess:
         return f"{self._title}'s {how}" + (f"; its last line: {said[-1]}" if said else "")
 
     def close(self) -> None:
-        """End the process and those that it started."""
+        """End the process and those that it started, by force if it does not end when asked."""
         for number in (signal.SIGTERM, signal.SIGKILL):
             with contextlib.suppress(ProcessLookupError):
                 os.killpg(self._process.pid, number)

@@ -1,1 +1,1 @@
-"""Protocols by which external flight stacks meet our physics."""
+"""Protocols by which external flight stacks exchange motor outputs and sensor data with us."""

@@ -1,7 +1,9 @@
 """ArduPilot's JSON physics: a request by UDP for every step, a line of JSON for an answer.
 
-The flight stack counts the states that it has taken, and repeats its request if none comes. It
-makes its barometer, magnetometer and receiver from the truth; the IMU and the rangefinder are ours.
+ArduPilot leads: it sends pulse widths and a count of its steps, and waits for the state after the
+step. If no answer comes, it repeats the request with the same count, which must not make a step of
+its own. It makes its barometer, magnetometer and receiver from the true state; the IMU and the
+rangefinder are ours. The layouts are those of ArduPilot's SIM_JSON example.
 """
 
 from __future__ import annotations
@@ -16,7 +18,7 @@ from flightsim.bridges.physics.bridge import BridgeError, Exchanges, MotorOutput
 from flightsim.frames import swap_enu_ned, swap_flu_frd, swap_quat_enu_flu_ned_frd
 from flightsim.plant import Plant
 
-PORT = 9002
+PORT = 9002  # ArduPilot's own; instance i adds ten times i
 PORT_STEP = 10
 _REQUESTS = {
     layout.size: (magic, layout)
@@ -25,14 +27,18 @@ _REQUESTS = {
         (29569, struct.Struct("<HHI32H")),
     )
 }
-"""Magic number and layout (magic, rate, count, pulse widths) of a request, by its size."""
-_PULSE_LOW_US, _PULSE_SPAN_US = 1000.0, 1000.0
+"""Magic number and layout (magic, rate, count, pulse widths) of a request, by its size in bytes: 16
+channels or 32."""
+_PULSE_LOW_US, _PULSE_SPAN_US = 1000.0, 1000.0  # 1000 us is off, 2000 us full
 _DATAGRAM_BYTES = 2048
 _BEYOND_REACH_M = 1000.0
+"""Range that stands for none, far beyond what the rangefinder measures."""
 _CLOCK_S_PER_US = 1e-6 * (1.0 + 1e-9)
-"""ArduPilot cuts the difference of two times to whole microseconds: none may fall just short."""
+"""Seconds in a microsecond, a trace too many: ArduPilot cuts the difference of two times to whole
+microseconds, and rounding must not leave one just short."""
 _RESTART_FRAMES = 2
-"""A count below this after a greater one is that of a flight stack that has begun anew."""
+"""A count below this, after a greater one, means that the flight stack has begun anew."""
+# The reader searches for substrings, so no key may contain another one.
 _STATE = (
     '\n{"timestamp":%.15f,"imu":{"gyro":[%.9f,%.9f,%.9f],"accel_body":[%.9f,%.9f,%.9f]},'
     '"position":[%.6f,%.6f,%.6f],"velocity":[%.6f,%.6f,%.6f],"quaternion":[%.9f,%.9f,%.9f,%.9f],'
@@ -41,10 +47,13 @@ _STATE = (
 
 
 class ArduPilotBridge:
-    """Physics server for one ArduPilot; it answers whoever asked last."""
+    """Physics server for one ArduPilot; it answers the latest sender."""
 
     def __init__(self, instance: int) -> None:
         """Listen on the port of an instance.
+
+        Args:
+            instance: Number from 0; each has its own port, ten apart.
 
         Raises:
             BridgeError: If the port is taken.
@@ -67,23 +76,28 @@ class ArduPilotBridge:
         self._selector.register(self._socket, selectors.EVENT_READ)
         self._client: tuple[str, int] | None = None
         self._count = -1
-        """Count of the last request that was taken."""
+        """Count of the last request that was taken; -1 before the first."""
         self._outputs: MotorOutputs | None = None
-        """What the last request asks for, until it is taken."""
+        """Outputs of a request that has come but not yet been taken."""
         self._is_owed = False
-        """Whether the last request waits for the state after its step."""
+        """True if the last request waits for the state after its step."""
+        # Kept for a repeated request, which gets the same answer.
         self._answer = b""
         self._is_noise_told = False
-        self._origin_enu_m: Vector3 | None = None
+        self._origin_enu_m: Vector3 | None = None  # NED counts from here, the home
 
     def connect(self, timeout_s: float) -> bool:
-        """Whether a request has come; waits for the first at most this wall time."""
+        """Wait for the first request; return True if one has come.
+
+        Args:
+            timeout_s: Longest wait, of wall time.
+        """
         if self._client is None:
             self._outputs = self._outputs or self._await_request(timeout_s)
         return self._client is not None
 
     def tell(self, plant: Plant) -> None:
-        """Answer the last request, whose step has been made."""
+        """Answer the last request, now that its step has been made."""
         if self._origin_enu_m is None:
             self._origin_enu_m = plant.truth.position_enu_m
         if self._is_owed:
@@ -93,7 +107,7 @@ class ArduPilotBridge:
             self._is_owed = False
 
     def receive(self, timeout_s: float) -> MotorOutputs | None:
-        """Outputs of the next request, which is owed an answer from then on."""
+        """Return the outputs of the next request, which is owed an answer then; else None."""
         outputs = self._outputs or self._await_request(timeout_s)
         self._outputs = None
         self._is_owed = outputs is not None
@@ -106,7 +120,11 @@ class ArduPilotBridge:
         self._socket.close()
 
     def _await_request(self, timeout_s: float) -> MotorOutputs | None:
-        """Wait for a request for a step that has not been made."""
+        """Wait for a request for a step that has not been made, and return its outputs.
+
+        Repeated requests are answered from memory, and packets of other layouts are refused, both
+        of which return None.
+        """
         try:
             data, sender = self._socket.recvfrom(_DATAGRAM_BYTES)
         except OSError:  # nothing there, or an ICMP error left by a partner that is gone
@@ -129,6 +147,7 @@ class ArduPilotBridge:
         if count < _RESTART_FRAMES <= self._count:
             self.n_restarts += 1
             self.notices.append(f"ArduPilot has begun anew at {sender[0]}:{sender[1]}")
+        # Its clock never runs backwards but at a start, so a gap of either sign is a lost step.
         elif self._count >= 0:
             self.exchanges.left_out += abs(count - self._count - 1)
         self._count = count
@@ -154,7 +173,7 @@ class ArduPilotBridge:
 
 
 def _state(plant: Plant, origin_enu_m: Vector3) -> bytes:
-    """The present state as ArduPilot reads it: NED from where the vehicle was at first, FRD."""
+    """Return the present state as ArduPilot reads it: NED from its home, and FRD."""
     truth, imu, battery = plant.truth, plant.sensors.imu, plant.battery
     x, y, z = truth.position_enu_m
     ox, oy, oz = origin_enu_m

@@ -1,7 +1,9 @@
 """PX4's simulator MAVLink: sensors and truth by TCP, motor outputs back, a step at a time.
 
-PX4 connects to us. Its clock is the time in HIL_SENSOR, and it answers each with its outputs; until
-its outputs run, which takes a second or two, time passes at the pace of the wall clock.
+PX4 connects to us, and its clock is the time in HIL_SENSOR. It answers each HIL_SENSOR with its
+outputs, and the next one waits for them, which keeps both in step. Until its outputs run, a second
+or two after its start, no answer comes; time then passes at the pace of the wall clock, since PX4
+needs passing time to start.
 """
 
 from __future__ import annotations
@@ -21,19 +23,23 @@ from flightsim.mavlink.dialect import dialect as mavlink
 from flightsim.mavlink.dialect import layout
 from flightsim.plant import Plant
 
-PORT = 4560
+PORT = 4560  # PX4's own; instance i adds i
 _ANSWER = layout("HIL_ACTUATOR_CONTROLS", "time_usec", "flags", "controls", "mode")
 _CHUNK_BYTES = 1 << 16
 _LOCKSTEP_FLAG = 1
-_FREE_TICK_S = 0.004
+_FREE_TICK_S = 0.004  # a tick at 250 Hz, of wall time, while PX4 starts
 _OFF: MotorOutputs = (0.0, 0.0, 0.0, 0.0)
 
 
 class Px4Bridge:
-    """Simulator for one PX4: while it answers, nobody else who connects takes its place."""
+    """Simulator for one PX4; while it answers, a second connection is refused."""
 
     def __init__(self, instance: int, frame: LocalFrame) -> None:
         """Listen on the port of an instance.
+
+        Args:
+            instance: Number from 0; each has its own port.
+            frame: Local frame of the scene, by which positions become latitudes and longitudes.
 
         Raises:
             BridgeError: If the port is taken.
@@ -60,26 +66,33 @@ class Px4Bridge:
         self._messages = SensorMessages(frame)
         self._parser = mavlink.MAVLink(None)
         self._has_outputs = False
-        """Whether PX4 has answered a step since it connected."""
+        """True if PX4 has answered a step since it connected."""
         self._outputs: MotorOutputs | None = None
-        self._told_us = 0
-        self._told: set[str] = set()
+        self._told_us = 0  # time in the last HIL_SENSOR
+        self._told: set[str] = set()  # notices made so far
 
     def connect(self, timeout_s: float) -> bool:
-        """Whether PX4 is connected; waits for it at most this wall time."""
+        """Return True if PX4 is connected; wait for it at most this wall time."""
         if self._socket is None and self._selector.select(timeout_s):
             self._accept()
         return self._socket is not None
 
     def tell(self, plant: Plant) -> None:
-        """Send the sensors' samples and the truth."""
+        """Send the sensors' samples and the truth of this tick."""
         self._outputs = None
         data, self._told_us = self._messages.frames(plant)
         self._send(data)
         self.exchanges.told += 1
 
     def receive(self, timeout_s: float) -> MotorOutputs | None:
-        """Outputs that answer the last samples; off while PX4 starts."""
+        """Return the outputs that answer the last samples.
+
+        Args:
+            timeout_s: Longest wait of wall time, once PX4 answers; before that it is one tick.
+
+        Returns:
+            The outputs; all off while PX4 starts, and None if it is silent or gone.
+        """
         limit_s = timeout_s if self._has_outputs else _FREE_TICK_S
         deadline_s = time.monotonic() + limit_s
         while self._outputs is None:
@@ -90,6 +103,7 @@ class Px4Bridge:
                 return _OFF if is_starting else None
             for key, _ in self._selector.select(left_s):
                 if key.fileobj is self._listener:
+                    # A PX4 that was started anew connects again in the middle of a run.
                     self._accept()
                 else:
                     self._read()
@@ -120,6 +134,7 @@ class Px4Bridge:
             self.n_restarts += 1
             self.notices.append(f"PX4 has begun anew at {self.address}")
         self._drop()
+        # A small frame must not wait for the next one to fill a packet.
         client.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         client.setblocking(False)
         self._socket = client
@@ -128,7 +143,7 @@ class Px4Bridge:
         self._parser.robust_parsing = True
 
     def _drop(self) -> None:
-        """Forget a connection that has ended."""
+        """Forget the connection, which has ended or is replaced."""
         if self._socket is not None:
             self._selector.unregister(self._socket)
             self._socket.close()
@@ -174,17 +189,19 @@ class Px4Bridge:
                 "flights do not repeat; valid: a build for simulation with lockstep"
             )
         elif self._has_outputs and (time_us < self._told_us or self._outputs):
+            # An answer to an earlier step, or a second one, must not count for this step.
             self.exchanges.repeated += 1
             return  # It answers a step that has been made, or that is answered.
         elif time_us > self._told_us:
             self.exchanges.left_out += 1
         self._has_outputs = True
         is_armed = mode & mavlink.MAV_MODE_FLAG_SAFETY_ARMED
+        # Channels without a motor are NaN.
         a, b, c, d = (c if math.isfinite(c) else 0.0 for c in controls[:4])
         self._outputs = (a, b, c, d) if is_armed else _OFF
 
     def _say(self, line: str) -> None:
-        """Note a line once."""
+        """Add a notice, the first time that it occurs."""
         if line not in self._told:
             self._told.add(line)
             self.notices.append(line)

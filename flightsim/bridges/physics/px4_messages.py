@@ -1,4 +1,8 @@
-"""Messages of PX4's simulator link, from our sensors' samples and from the truth."""
+"""Messages of PX4's simulator link, from our sensors' samples and from the truth.
+
+PX4 takes a HIL_SENSOR at every tick, with flags for the sensors that have a new sample; the
+receiver, odometry, optical flow and the range have messages of their own, at their own rates.
+"""
 
 from __future__ import annotations
 
@@ -21,24 +25,25 @@ _HIL_STATE = layout("HIL_STATE_QUATERNION")
 _HIL_FLOW = layout("HIL_OPTICAL_FLOW")
 _ODOMETRY = layout("ODOMETRY")
 _DISTANCE_SENSOR = layout("DISTANCE_SENSOR")
+# Bits of HIL_SENSOR's fields_updated.
 _IMU_FIELDS, _MAG_FIELDS, _BARO_FIELDS = 0b111111, 0b111000000, 0b1101000000000
 _GAUSS_PER_UT, _HPA_PER_PA = 0.01, 0.01
 _FIRST_US = 1_000_000
-"""Time of the first sample: PX4 takes zero for none."""
+"""Time of the first sample: PX4 takes zero for no time."""
 _TRUTH_EVERY_US = _RANGE_EVERY_US = 20_000
 _MIN_RANGE_CM, _MAX_RANGE_CM = 10, 3000
 _UNKNOWN_CM = 65535
-_SYSTEM, _COMPONENT = 1, 200
-_FACING_DOWN = 25
+_SYSTEM, _COMPONENT = 1, 200  # any pair but PX4's own component
+_FACING_DOWN = 25  # MAV_SENSOR_ROTATION_PITCH_270
 _DIAGONAL = (0, 6, 11, 15, 18, 20)
-"""Where the upper triangle of a covariance of six numbers has their variances."""
+"""Indices of the variances in the upper triangle of a covariance of six numbers, row by row."""
 _NO_VELOCITY = dict.fromkeys(("vx", "vy", "vz", "rollspeed", "pitchspeed", "yawspeed"), math.nan)
 _FULL_QUALITY = 100
 _UNKNOWN_DISTANCE_M = -1.0
 
 
 class SensorMessages:
-    """Builds the frames of a tick: HIL_SENSOR last, since it lets PX4's time pass."""
+    """Builder of the frames of a tick; HIL_SENSOR comes last, since it lets PX4's time pass."""
 
     def __init__(self, frame: LocalFrame) -> None:
         self._frame = frame
@@ -48,7 +53,14 @@ class SensorMessages:
         self._flow_us = 0
 
     def frames(self, plant: Plant) -> tuple[bytes, int]:
-        """Frames of what has been measured, and the time that they tell, us."""
+        """Return the frames of a tick's samples, and the time in its HIL_SENSOR.
+
+        Args:
+            plant: Vehicle, after the tick.
+
+        Returns:
+            The frames one after the other, and PX4's time in microseconds.
+        """
         time_us = plant.time_us + _FIRST_US
         parts = []
         if plant.time_us % _TRUTH_EVERY_US == 0:
@@ -76,6 +88,7 @@ class SensorMessages:
         if mag.time_us != self._mag_us:
             self._mag_us = mag.time_us
             updated |= _MAG_FIELDS
+        # There is no pressure before the first sample.
         if baro.time_us != self._baro_us and baro.pressure_pa > 0.0:
             self._baro_us = baro.time_us
             updated |= _BARO_FIELDS
@@ -88,7 +101,7 @@ class SensorMessages:
             my * _GAUSS_PER_UT,
             mz * _GAUSS_PER_UT,
             baro.pressure_pa * _HPA_PER_PA,
-            0.0,
+            0.0,  # no airspeed sensor
             baro.altitude_m,
             baro.temperature_degc,
             updated,
@@ -112,7 +125,7 @@ class SensorMessages:
             vn=round(100 * vn),
             ve=round(100 * ve),
             vd=round(100 * vd),
-            cog=round(100 * course_deg) % 36_000,
+            cog=round(100 * course_deg) % 36_000,  # 36000 is no valid course
             satellites_visible=gnss.n_satellites,
         )
 
@@ -142,7 +155,7 @@ class SensorMessages:
 
 
 def _pose(plant: Plant, pose: OdometryPose) -> bytes:
-    """What odometry says: from the start, without velocity, with its white noise."""
+    """Encode odometry's pose: from the start, without velocity, with its white noise."""
     vio = plant.cfg.vio
     position_m2, yaw_rad2 = vio.position_noise_m**2, vio.yaw_noise_rad**2
     covariance = [0.0] * (_DIAGONAL[-1] + 1)
@@ -155,6 +168,7 @@ def _pose(plant: Plant, pose: OdometryPose) -> bytes:
         child_frame_id=mavlink.MAV_FRAME_BODY_FRD,
         x=x,
         y=y,
+        # Unknown velocities are NaN in MAVLink; zeros would be fused as a standstill.
         z=z,
         q=swap_quat_enu_flu_ned_frd(pose.quat_wxyz),
         **_NO_VELOCITY,

@@ -1,4 +1,8 @@
-"""Shelter that was solved before, in the folder `winds` of the user's cache."""
+"""Shelter that was solved before, kept in the folder `winds` of the user's cache.
+
+A solution takes some hundredths of a second, and a campaign meets the same scene and wind many
+times.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +24,14 @@ def kept_shelter(
     ground_below_m: Float[np.ndarray, "nx ny"],
     axis: tuple[float, float],
 ) -> Float[np.ndarray, "nx ny nz 3"]:
-    """`solve_shelter` of a scene and a direction, solved once."""
+    """Return `solve_shelter` of a scene and a direction, solved once.
+
+    Args:
+        grid: Grid over the scene.
+        blocks: Rows of `BLOCK_COLUMNS`.
+        ground_below_m: Height of the ground below each column.
+        axis: Horizontal unit vector along which the wind blows.
+    """
     folder = cache_folder("winds")
     if folder is None:
         return solve_shelter(grid, blocks, ground_below_m, axis)
@@ -30,10 +41,11 @@ def kept_shelter(
         if field.shape == (*grid.shape, 3):
             return field
     except (OSError, ValueError, EOFError):
-        pass  # not there, or not whole
+        pass  # not there, or incomplete
     field = solve_shelter(grid, blocks, ground_below_m, axis)
     try:
         folder.mkdir(parents=True, exist_ok=True)
+        # Written under another name and renamed: several processes may solve the same field.
         with replacing(path) as file:
             np.save(file, field, allow_pickle=False)
     except OSError:
@@ -44,6 +56,7 @@ def kept_shelter(
 def _key(
     grid: Grid, blocks: np.ndarray, ground_below_m: np.ndarray, axis: tuple[float, float]
 ) -> str:
+    # The code belongs to the key, so that a changed model never reads an old field.
     digest = hashlib.blake2b(_code(), digest_size=16)
     for numbers in (grid.origin_enu_m, grid.shape, (grid.cell_m, *axis), blocks, ground_below_m):
         digest.update(np.array(numbers, dtype=float).tobytes())
@@ -52,5 +65,5 @@ def _key(
 
 @functools.cache
 def _code() -> bytes:
-    """Source of what a field follows from."""
+    """Return the sources of the modules that a field follows from."""
     return b"".join(Path(str(m.__file__)).read_bytes() for m in (mass_consistent, shelter, wakes))

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float
 
-_TOLERANCE = 1e-5
+_TOLERANCE = 1e-5  # relative, of the residual's norm
 _MOST_ITERATIONS = 2000
 
 Faces = tuple[np.ndarray, np.ndarray, np.ndarray]
@@ -30,7 +30,15 @@ Faces = tuple[np.ndarray, np.ndarray, np.ndarray]
 def mass_consistent(
     guess: Float[np.ndarray, "nx ny nz 3"], is_solid: Bool[np.ndarray, "nx ny nz"]
 ) -> Float[np.ndarray, "nx ny nz 3"]:
-    """Adjust a field in the middle of cells over flat ground, its sides and top open."""
+    """Adjust a field in the middle of cells over flat ground, its sides and top open.
+
+    Args:
+        guess: First guess of the velocity.
+        is_solid: Cells that nothing flows through.
+
+    Returns:
+        Velocity in the middle of cells; the mean of both faces along each axis.
+    """
     faces = _faces(guess, is_solid)
     multiplier = _solve(is_solid, _divergence(faces))
     for axis in range(3):
@@ -47,7 +55,7 @@ def _cut(array: np.ndarray, axis: int, part: slice) -> np.ndarray:
 
 
 def _padded(array: np.ndarray, axis: int, value: float = 0.0) -> np.ndarray:
-    """The array with a cell of this value at both ends of an axis."""
+    """Return the array with a cell of this value at both ends of an axis."""
     width = [(1, 1) if i == axis else (0, 0) for i in range(3)]
     return np.pad(array, width, constant_values=value)
 
@@ -92,12 +100,14 @@ def _solve(is_solid: np.ndarray, divergence: np.ndarray) -> np.ndarray:
     rows, columns = [], []
     for axis in range(3):
         is_open = _is_open(is_solid, axis)
+        # A cell's own weight is the number of its open faces; neighbours beyond the border are 0.
         diagonal += _cut(is_open, axis, slice(1, None)).astype(float)
         diagonal += _cut(is_open, axis, slice(-1))
         inner = _cut(is_open, axis, slice(1, -1))
         rows.append(_cut(index, axis, slice(-1))[inner])
         columns.append(_cut(index, axis, slice(1, None))[inner])
     row, column = np.concatenate(rows), np.concatenate(columns)
+    # Enclosed cells, such as those of solids, have no equation: they stay 0.
     diagonal[diagonal == 0.0] = 1.0
     off = sparse.coo_array((-np.ones(len(row)), (row, column)), shape=(n, n)).tocsr()
     matrix = sparse.diags_array(diagonal.ravel()) + off + off.T
@@ -108,7 +118,7 @@ def _solve(is_solid: np.ndarray, divergence: np.ndarray) -> np.ndarray:
 def _conjugate_gradients(
     matrix: Any, right: Float[np.ndarray, " n"], inverse_diagonal: Float[np.ndarray, " n"]
 ) -> Float[np.ndarray, " n"]:
-    """Solution of a symmetric system, to the same bits however many threads BLAS has.
+    """Solve a symmetric system, to the same bits however many threads BLAS has.
 
     SciPy's `cg` takes dot products by BLAS, whose order of summation depends on the number of its
     threads: one seed would be several flights in wind.
@@ -119,6 +129,7 @@ def _conjugate_gradients(
     for _ in range(_MOST_ITERATIONS):
         if np.sum(residual * residual) <= least:
             break
+        # Jacobi preconditioner: the diagonal alone.
         preconditioned = inverse_diagonal * residual
         now = np.sum(residual * preconditioned)
         direction = preconditioned + (now / before) * direction

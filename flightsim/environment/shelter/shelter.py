@@ -1,4 +1,8 @@
-"""Local wind over the open wind, on a grid over a scene."""
+"""Local wind over the open wind, on a grid over a scene.
+
+Each cell holds the velocity for an open wind of 1 m/s. Speed and gusts then only scale the field,
+and it is solved once for each direction.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +22,7 @@ from flightsim.environment.shelter.wakes import BLOCK_COLUMNS, add_wakes
 
 _CELL_M = 2.0
 _MARGIN_M = 12.0
-"""Of the grid around the scene's extent and above its blocks."""
+"""Margin of the grid around the scene's extent and above its blocks."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +44,7 @@ class Grid:
 
 
 def blocks_of(scene: Scene) -> Float[np.ndarray, "n 8"]:
-    """Buildings and the like as upright blocks, a row of `BLOCK_COLUMNS` each.
+    """Return buildings and the like as upright blocks, a row of `BLOCK_COLUMNS` each.
 
     A block reaches down to the ground, also from a podium or over an arch. A building with an
     outline is several blocks, one about each of its convex pieces.
@@ -62,7 +66,10 @@ def blocks_of(scene: Scene) -> Float[np.ndarray, "n 8"]:
 
 
 def grid_for(scene: Scene, blocks: Float[np.ndarray, "n 8"]) -> Grid:
-    """Grid over a scene, up to above its blocks and its relief; a single cell if it has neither."""
+    """Return the grid over a scene, up to above its blocks and its relief.
+
+    It is a single cell if the scene has neither.
+    """
     west, south, _ = scene.extent_min_enu_m
     relief = scene.relief
     if len(blocks) == 0 and relief is None:
@@ -75,7 +82,7 @@ def grid_for(scene: Scene, blocks: Float[np.ndarray, "n 8"]) -> Grid:
 
 
 def ground_below(scene: Scene, grid: Grid) -> Float[np.ndarray, "nx ny"]:
-    """Height of the ground below the middles of a grid's columns."""
+    """Return the height of the ground below the middles of a grid's columns, m."""
     east, north, _ = grid.centres_m
     return ground_m(scene.relief, east[..., 0], north[..., 0])
 
@@ -86,7 +93,14 @@ def solve_shelter(
     ground_below_m: Float[np.ndarray, "nx ny"],
     axis: tuple[float, float],
 ) -> Float[np.ndarray, "nx ny nz 3"]:
-    """Velocity of the air in each cell for an open wind of 1 m/s along a horizontal axis."""
+    """Return the velocity of the air in each cell for an open wind of 1 m/s.
+
+    Args:
+        grid: Grid over the scene.
+        blocks: Rows of `BLOCK_COLUMNS`.
+        ground_below_m: Height of the ground below each column.
+        axis: Horizontal unit vector along which the wind blows.
+    """
     along = np.ones(grid.shape)
     add_wakes(along, grid.centres_m, blocks, axis)
     is_solid = _solid(grid, blocks) | (grid.centres_m[2] < ground_below_m[..., None])
@@ -114,11 +128,19 @@ def flow_at(
     position: np.ndarray,
     out: np.ndarray,
 ) -> bool:
-    """Interpolate a field (nx, ny, nz, 3) at a position (3,); False beyond the grid's middles.
+    """Interpolate a field at a position; false beyond the grid's outermost middles.
 
     Below the middle of the lowest cells it is theirs.
+
+    Args:
+        field: Velocities in the middle of cells (nx, ny, nz, 3).
+        origin_enu_m: Corner of the first cell (3,).
+        cell_m: Edge of a cell.
+        position: The position (3,).
+        out: Velocity there (3,), written.
     """
     nx, ny, nz = field.shape[0], field.shape[1], field.shape[2]
+    # Coordinates count from the middle of the first cell.
     a = (position[0] - origin_enu_m[0]) / cell_m - 0.5
     b = (position[1] - origin_enu_m[1]) / cell_m - 0.5
     c = max((position[2] - origin_enu_m[2]) / cell_m - 0.5, 0.0)

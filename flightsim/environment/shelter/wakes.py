@@ -20,7 +20,7 @@ import numpy as np
 from jaxtyping import Float
 
 BLOCK_COLUMNS = ("x", "y", "cos yaw", "sin yaw", "length", "width", "top", "foot")
-"""Top and foot are heights, ENU, m."""
+"""Columns of a block; top and foot are heights, ENU, m."""
 _WAKE_CAVITIES = 3.0
 
 
@@ -41,6 +41,7 @@ def add_wakes(
     east, north, up = centres_m
     for x, y, cosine, sine, length, width, top, foot in blocks:
         rise = top - foot
+        # Extents of the turned block along and across the wind.
         turn = abs(cosine * axis[0] + sine * axis[1]), abs(cosine * axis[1] - sine * axis[0])
         deep = length * turn[0] + width * turn[1]
         wide = length * turn[1] + width * turn[0]
@@ -54,6 +55,9 @@ def add_wakes(
         )
         is_lee = (behind > 0.0) & (end > 0.0) & (behind < _WAKE_CAVITIES * end)
         ratio = np.divide(behind, end, out=np.ones(is_lee.shape), where=is_lee)
+        # Within the cavity far is 1, so that its power stays finite; `where` picks the cavity's
+        # law.
         far = np.maximum(ratio, 1.0)
         wake = np.where(ratio < 1.0, -((1.0 - ratio) ** 2), 1.0 - far**-1.5)
+        # Wakes of several blocks do not add up: the slowest air counts.
         np.minimum(along, wake, out=along, where=is_lee)

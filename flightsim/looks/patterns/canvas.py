@@ -23,8 +23,8 @@ Mask = Bool[np.ndarray, "n n"]
 class Canvas:
     """A periodic square with a random stream of its own.
 
-    It remembers its random draws: after `rewind` the same calls return the same again, at no
-    cost, for painting a pattern in another colour.
+    It remembers its random draws: after `rewind` the same calls return the same again, at no cost,
+    for painting a pattern in another colour.
     """
 
     def __init__(self, n_pixels: int, seed: int) -> None:
@@ -39,15 +39,15 @@ class Canvas:
         self._next = 0
 
     def normal(self, *shape: int) -> np.ndarray:
-        """Standard normal numbers of a given shape."""
+        """Return standard normal numbers of a given shape."""
         return self._remembered(lambda: self._rng.standard_normal(shape).astype(np.float32))
 
     def uniform(self, *shape: int) -> np.ndarray:
-        """Uniform numbers from 0 to 1 of a given shape."""
+        """Return uniform numbers from 0 to 1 of a given shape."""
         return self._remembered(lambda: self._rng.random(shape).astype(np.float32))
 
     def noise(self, *cells: int | tuple[int, int]) -> Plane:
-        """Value noise of zero mean and about unit spread, summed over lattices.
+        """Return value noise of zero mean and about unit spread, summed over lattices.
 
         Args:
             cells: Lattice cells across the tile, or (across, up) for grain with a direction.
@@ -55,7 +55,7 @@ class Canvas:
         return self._remembered(lambda: self._noise(cells))
 
     def cells(self, n_across: int) -> tuple[Plane, Plane]:
-        """Pebbles, leaves, stones: one jittered point in each cell of a grid.
+        """Return pebbles, leaves, stones: one jittered point in each cell of a grid.
 
         Returns:
             Distance of each pixel from the border to the next cell (0 on it, about 0.5 in the
@@ -64,7 +64,7 @@ class Canvas:
         return self._remembered(lambda: self._cells(n_across))
 
     def courses(self, rows: int, columns: int, shift: float = 0.5) -> tuple[Plane, Plane, Plane]:
-        """Blocks in courses, every second one shifted, as in brickwork.
+        """Return blocks in courses, every second one shifted, as in brickwork.
 
         Returns:
             For each pixel its position across and up its block, 0 to 1, and a standard normal
@@ -73,7 +73,14 @@ class Canvas:
         return self._remembered(lambda: self._courses(rows, columns, shift))
 
     def rectangle(self, left: float, right: float, low: float, high: float) -> Mask:
-        """Mask of a rectangle, in tile coordinates."""
+        """Return the mask of a rectangle, whose left and low edges belong to it.
+
+        Args:
+            left: Left edge in tile coordinates, 0 to 1.
+            right: Right edge.
+            low: Low edge.
+            high: High edge.
+        """
         return (self.u >= left) & (self.u < right) & (self.v >= low) & (self.v < high)
 
     def _remembered(self, draw: Callable[[], Any]) -> Any:
@@ -88,6 +95,7 @@ class Canvas:
             across, up = count if isinstance(count, tuple) else (count, count)
             lattice = self._rng.standard_normal((up, across)).astype(np.float32)
             total += _stretch(_stretch(lattice, self.n).T, self.n).T
+        # The spread of a sum of independent lattices grows with the root of their number.
         return total / np.float32(math.sqrt(len(cells)))
 
     def _cells(self, n_across: int) -> tuple[Plane, Plane]:
@@ -98,6 +106,7 @@ class Canvas:
         nearest = np.full(x.shape, 9.0, dtype=np.float32)
         second = nearest.copy()
         of_cell = np.zeros_like(nearest)
+        # The nearest point may lie in any of the nine cells around a pixel.
         for dx, dy in itertools.product((-1, 0, 1), repeat=2):
             i, j = (row + dy) % n_across, (column + dx) % n_across
             away = np.hypot(column + dx + jitter[i, j, 0] - x, row + dy + jitter[i, j, 1] - y)
@@ -115,12 +124,18 @@ class Canvas:
 
 
 def shade(rgb: np.ndarray, brightness: Plane) -> Picture:
-    """Colour made lighter and darker."""
+    """Return a colour made lighter and darker."""
     return rgb * brightness[..., None].astype(np.float32)
 
 
 def mix(mask: np.ndarray, inside: np.ndarray, outside: np.ndarray) -> Picture:
-    """One picture within a mask, another outside; fractional masks blend."""
+    """Return one picture within a mask, and another outside.
+
+    Args:
+        mask: True inside; fractions from 0 to 1 blend the two.
+        inside: Picture or colour within the mask.
+        outside: Picture or colour outside.
+    """
     inside, outside = np.asarray(inside, np.float32), np.asarray(outside, np.float32)
     if mask.dtype == bool:
         return np.where(mask[..., None], inside, outside)
@@ -135,6 +150,7 @@ the pattern in black and in white gives it in every other colour."""
 @functools.cache
 def _axes(n_pixels: int) -> tuple[Plane, Plane]:
     axis = (np.arange(n_pixels, dtype=np.float32) + 0.5) / n_pixels
+    # The first row is the top one, so v is reversed.
     u, v = np.meshgrid(axis, axis[::-1])
     return u, v
 

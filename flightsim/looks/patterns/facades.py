@@ -24,6 +24,7 @@ Box = tuple[float, float, float, float]
 """Left, right, low and high within a bay of a storey, 0 to 1."""
 EVERY_BAY = ((0, 0), (1, 0), (0, 1), (1, 1))
 """Bay and storey of each window of a tile."""
+# Doors stand in every second bay.
 RIGHT_BAYS = ((1, 0), (1, 1))
 
 
@@ -59,11 +60,21 @@ class _Wall:
     def areas(
         self, box: Box, bays: tuple = EVERY_BAY
     ) -> Iterator[tuple[tuple[slice, slice], np.ndarray, np.ndarray]]:
-        """Pixels of a box in each bay, and their positions across and up the box, 0 to 1."""
+        """Yield the pixels of a box in each bay.
+
+        Args:
+            box: Left, right, low and high edge, as fractions of a bay.
+            bays: Bays to yield, as column and storey.
+
+        Yields:
+            Rows and columns of the picture, and two arrays with the pixels' places across and up
+            the box, 0 to 1.
+        """
         n, half = self.canvas.n, self.canvas.n / 2
         left, right, low, high = box
         for bay, storey in bays:
             columns = slice(round((bay + left) * half), round((bay + right) * half))
+            # Rows count from the top of the picture.
             rows = slice(n - round((storey + high) * half), n - round((storey + low) * half))
             width, height = columns.stop - columns.start, rows.stop - rows.start
             across = (np.arange(width, dtype=np.float32) + 0.5) / max(1, width)
@@ -163,7 +174,7 @@ def entrance(canvas: Canvas, rgb: np.ndarray) -> Picture:
 
 
 def _plastered(canvas: Canvas, rgb: np.ndarray) -> _Wall:
-    """Plaster with a string course at every floor."""
+    """Return plaster with a string course at every floor."""
     wall = _Wall(canvas, plaster(canvas, rgb))
     wall.fill((0.0, 1.0, 0.012, 0.045), 0.6 * rgb + 0.36)
     wall.fill((0.0, 1.0, 0.0, 0.012), 0.62 * rgb)
@@ -175,6 +186,7 @@ def _put_window(
 ) -> None:
     """Put the same opening into every bay, each with a different interior."""
     left, right, low, high = opening.box
+    # Lintel and jambs, sill, and the shadow below the sill.
     if trim_rgb is not None:
         wall.fill((left - 0.035, right + 0.035, low - 0.01, high + 0.05), trim_rgb)
         wall.fill((left - 0.06, right + 0.06, low - 0.045, low - 0.01), 1.08 * trim_rgb + 0.04)
@@ -182,9 +194,11 @@ def _put_window(
     wall.fill(opening.box, frame_rgb)
     edge = opening.frame
     pane = (left + edge, right - edge, low + edge, high - edge)
+    # A random order of the four interiors: each window of a tile differs.
     kinds = np.argsort(wall.canvas.uniform(4)).tolist()
     reflections = wall.canvas.noise(4, 9)
     for kind, (area, across, up) in zip(kinds, wall.areas(pane), strict=True):
+        # Bars between panes, of the frame's width whatever the number of panes.
         bar = np.abs((across * opening.casements) % 1 - 0.5) > 0.5 - 0.5 * edge * opening.casements
         if opening.transom:
             bar |= np.abs(up - opening.transom) < 0.8 * edge
@@ -212,6 +226,7 @@ def _behind_glass(kind: int, x: np.ndarray, y: np.ndarray, reflections: np.ndarr
 def _put_fascia(wall: _Wall, bays: tuple, hue: np.ndarray) -> None:
     """Put a shop's name over its awning."""
     wall.fill((0.03, 0.97, 0.83, 0.96), hue, bays)
+    # Random cells look like lettering from afar, and no word has to be written.
     ink = wall.canvas.uniform(9, 24)
     for area, across, up in wall.areas((0.22, 0.78, 0.865, 0.925), bays):
         letter = ink[(up * 9).astype(int), (across * 24).astype(int)] > 0.45

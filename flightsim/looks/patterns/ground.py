@@ -14,6 +14,7 @@ def asphalt(canvas: Canvas, rgb: np.ndarray) -> Picture:
     brightness = 1 + 0.10 * wear + 0.13 * grain
     patch = canvas.rectangle(0.55, 0.86, 0.12, 0.34)
     brightness = np.where(patch, 0.78 + 0.10 * grain, brightness)
+    # Where noise crosses zero, thin lines run: cracks.
     crack = np.abs(canvas.noise(3, 6)) < 0.028
     return shade(rgb, np.where(crack, 0.55, brightness))
 
@@ -50,6 +51,7 @@ def soil(canvas: Canvas, rgb: np.ndarray) -> Picture:
 
 def grass(canvas: Canvas, rgb: np.ndarray) -> Picture:
     """Blades, clumps, dry spots and a few daisies."""
+    # Many lattice cells across and few up give blades that stand upright.
     blades = canvas.noise((256, 110), (200, 80))
     clumps = canvas.noise(3, 7, 17)
     picture = shade(rgb, 0.99 + 0.17 * blades + 0.11 * clumps)
@@ -72,6 +74,7 @@ def crops(canvas: Canvas, rgb: np.ndarray) -> Picture:
     green = shade(rgb, 0.98 + 0.14 * canvas.noise(40, 90) + 0.10 * canvas.noise(4, 9))
     earth = shade(np.array([0.42, 0.34, 0.24]), 1 + 0.1 * canvas.noise(64))
     picture = mix(np.clip(0.78 + 0.5 * rows, 0, 1), green, earth)
+    # Two tracks at the spacing of a tractor's wheels.
     track = np.minimum(np.abs(canvas.u - 0.40), np.abs(canvas.u - 0.52)) < 0.018
     return mix(track, earth, picture)
 
@@ -80,6 +83,7 @@ def water(canvas: Canvas, rgb: np.ndarray) -> Picture:
     """Ripples that catch the sky."""
     swell = canvas.noise((5, 9), (9, 16))
     ripples = canvas.noise((16, 34), (30, 64))
+    # Only crests of the waves mirror the sky.
     crest = np.clip(0.6 * swell + 0.8 * ripples - 0.6, 0, 1.2)
     picture = shade(rgb, 0.95 + 0.12 * swell + 0.11 * ripples)
     return picture + 0.17 * crest[..., None] * np.array([0.75, 0.9, 1.0])

@@ -16,6 +16,7 @@ def wood(canvas: Canvas, rgb: np.ndarray) -> Picture:
     grain = 0.09 * canvas.noise((5, 64), (9, 128)) + 0.05 * np.sin(
         2 * np.pi * (24 * canvas.v + 0.9 * canvas.noise((3, 6)))
     )
+    # Each plank has one butt joint at a place of its own.
     seam = (up < 0.07) | (np.abs(canvas.u - canvas.uniform(planks)[plank]) < 0.006)
     edge, knot = canvas.cells(9)
     is_knot = (knot > 0.965) & (edge > 0.30)
@@ -26,6 +27,7 @@ def parquet(canvas: Canvas, rgb: np.ndarray) -> Picture:
     """Blocks of four staves, turned by a quarter from block to block."""
     n = 4
     column, row = (canvas.u * n).astype(int), (canvas.v * n).astype(int)
+    # Quarter turns alternate like a chessboard.
     is_turned = (column + row) % 2 == 1
     across, up = (canvas.u * n) % 1, (canvas.v * n) % 1
     stave = (np.where(is_turned, across, up) * 4).astype(int)
@@ -40,6 +42,7 @@ def tiles(canvas: Canvas, rgb: np.ndarray) -> Picture:
     """Glazed tiles in grout."""
     n = 4
     across, up = (canvas.u * n) % 1, (canvas.v * n) % 1
+    # One tone for each tile, looked up by its row and column.
     tone = canvas.normal(n, n)[(canvas.v * n).astype(int), (canvas.u * n).astype(int)]
     is_grout = (across < 0.045) | (up < 0.045)
     brightness = 0.97 + 0.05 * tone + 0.05 * (up - 0.5) + 0.025 * canvas.noise(8, 32)
@@ -70,6 +73,7 @@ def metal(canvas: Canvas, rgb: np.ndarray) -> Picture:
     seam = (canvas.v < 0.012) | (canvas.u < 0.012)
     near = np.minimum(np.abs(canvas.v - 0.045), np.abs(canvas.u - 0.045)) < 0.010
     rivet = near & (((canvas.u + canvas.v) * 10) % 1 < 0.16)
+    # Raised rivets catch the light, seams lie in shade.
     return shade(rgb, np.where(seam, 0.58, np.where(rivet, 1.22, 1 + streaks + sheen)))
 
 
@@ -79,6 +83,7 @@ def paint(canvas: Canvas, rgb: np.ndarray) -> Picture:
     sheen = 0.90 + 0.16 * np.clip(np.sin(np.pi * up), 0, 1) + 0.03 * canvas.noise(3, 6)
     seam = (np.abs(canvas.u - 0.5) < 0.007) | (up < 0.012)
     edge = (np.abs(canvas.u - 0.515) < 0.006) | (np.abs(up - 0.02) < 0.007)
+    # Gloss: the brightest part mirrors the sky.
     picture = shade(rgb, sheen) + 0.05 * np.clip(sheen - 0.96, 0, 1)[..., None]
     dust = (
         0.16 * np.clip(0.28 - up, 0, 1)[..., None] * np.clip(1 + canvas.noise(24), 0, 2)[..., None]
@@ -92,6 +97,7 @@ def paint(canvas: Canvas, rgb: np.ndarray) -> Picture:
 def container(canvas: Canvas, rgb: np.ndarray) -> Picture:
     """Painted container walls: upright folds, rust along the edges."""
     across = (canvas.u * 7) % 1
+    # Slopes of a trapezoidal fold differ in brightness, as if lit from one side.
     fold = np.select([across < 0.34, across < 0.48, across < 0.86], [1.04, 0.66, 0.90], 1.18)
     rust = np.clip(canvas.noise((24, 4), (40, 8)) - 1.05, 0, 0.7)
     picture = shade(rgb, fold * (1 + 0.05 * canvas.noise(6, 24)))
@@ -156,6 +162,7 @@ def screen(canvas: Canvas, rgb: np.ndarray) -> Picture:
         picture = mix(window, np.array([0.82, 0.87, 0.92]), picture)
         bar = canvas.rectangle(left, right, high - 0.06, high)
         picture = mix(bar, np.array([0.22, 0.46, 0.72]), picture)
+        # Noise of one cell a word cuts lines into words.
         words = ((canvas.v * 18) % 1 < 0.45) & (canvas.noise((24, 18)) > -0.3)
         text = canvas.rectangle(left + 0.04, right - 0.05, low + 0.05, high - 0.10) & words
         picture = mix(text, np.array([0.30, 0.34, 0.40]), picture)
@@ -188,6 +195,7 @@ def ceiling(canvas: Canvas, rgb: np.ndarray) -> Picture:
     column, row = (canvas.u * n).astype(int), (canvas.v * n).astype(int)
     across, up = (canvas.u * n) % 1, (canvas.v * n) % 1
     is_rail = (across < 0.045) | (up < 0.045)
+    # One panel of each second row.
     is_light = (row % 2 == 1) & (column == 2) & ~is_rail
     holes = canvas.noise(96) > 1.1
     picture = shade(rgb, np.where(holes, 0.80, 0.90 + 0.02 * canvas.noise(8)))
@@ -228,6 +236,7 @@ def papered(canvas: Canvas, rgb: np.ndarray) -> Picture:
 
 
 def _trimmed(canvas: Canvas, wall: Picture, rgb: np.ndarray) -> Picture:
+    # Skirting board, its shadow line, cornice and its shadow line.
     picture = mix(canvas.v < 0.045, 0.35 * rgb + 0.58, wall)
     picture = mix(np.abs(canvas.v - 0.047) < 0.005, 0.55 * rgb, picture)
     picture = mix(canvas.v > 0.965, 0.25 * rgb + 0.70, picture)

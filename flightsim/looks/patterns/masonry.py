@@ -12,6 +12,7 @@ def brick(canvas: Canvas, rgb: np.ndarray) -> Picture:
     across, up, tone = canvas.courses(12, 4)
     is_mortar = (up < 0.16) | (across < 0.05)
     noise = 1 + 0.07 * canvas.noise(64) + 0.05 * canvas.noise(5)
+    # About a tenth of the bricks is burnt darker.
     burnt = np.where(tone > 1.35, 0.72, 1.0)
     bricks = shade(rgb, (1 + 0.13 * tone) * burnt * noise)
     return mix(is_mortar, shade(0.35 * rgb + 0.46, noise), bricks)
@@ -29,6 +30,7 @@ def ashlar(canvas: Canvas, rgb: np.ndarray) -> Picture:
     """Large squared stones with fine joints."""
     across, up, tone = canvas.courses(4, 2)
     joint = (up < 0.035) | (across < 0.018)
+    # The upper and right edges of a stone catch the light.
     lip = (up > 0.975) | (across > 0.988)
     noise = canvas.noise(8, 32) * 0.05 + 0.05 * canvas.noise(96)
     brightness = (1 + 0.075 * tone) * (1 + noise)
@@ -40,6 +42,7 @@ def concrete(canvas: Canvas, rgb: np.ndarray) -> Picture:
     n = 2
     across, up = (canvas.u * n) % 1, (canvas.v * n) % 1
     joint = (across < 0.016) | (up < 0.016)
+    # Round tie holes: squared distance from the nearest of four places in a panel.
     tie = np.minimum(np.abs(across - 0.25), np.abs(across - 0.75)) ** 2
     tie = tie + np.minimum(np.abs(up - 0.25), np.abs(up - 0.75)) ** 2 < 0.02**2
     stains = np.clip(canvas.noise((24, 3)), 0, 2) * np.clip(canvas.noise(3), 0, 1)
@@ -96,6 +99,7 @@ def roof_tiles(canvas: Canvas, rgb: np.ndarray) -> Picture:
     """Rows of pantiles; each row shades the one below."""
     across, up, tone = canvas.courses(8, 8)
     curve = 0.74 + 0.40 * np.sin(np.pi * across)
+    # Each row lies over the one below, whose top is in shade.
     edge = np.where(up < 0.16, 0.52, 1.0 - 0.12 * up)
     moss = np.clip(canvas.noise(4, 12) - 0.9, 0, 1)
     picture = shade(rgb, (1 + 0.11 * tone) * curve * edge * (1 + 0.05 * canvas.noise(64)))

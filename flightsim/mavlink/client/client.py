@@ -1,8 +1,8 @@
 """MAVLink companion client in lockstep with the simulation, over any byte pipe.
 
-It speaks MAVLink 2 like any other onboard computer, with the server's dialect, as loading another
-takes a tenth of a second: it sends heartbeats, repeats commands until they are acknowledged, and
-streams setpoints. Its only clock is the simulated time passed to `update`.
+It speaks MAVLink 2 like any other onboard computer: it sends heartbeats, repeats commands until
+they are acknowledged, and streams setpoints. Its only clock is the simulated time passed to
+`update`. It uses the server's dialect, because loading another one takes a tenth of a second.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from flightsim.mavlink.client.telemetry import Telemetry, TelemetryReader
 from flightsim.mavlink.dialect import dialect as mavlink
 
 _HEARTBEAT_PERIOD_US = 1_000_000
+# Silence after which a command is sent again, also after the vehicle has reported progress.
 _ACK_TIMEOUT_US = 500_000
 _PROGRESS_TIMEOUT_US = 5_000_000
 _TRIES = 5
@@ -31,20 +32,21 @@ _VELOCITY_ALONE = (
     | mavlink.POSITION_TARGET_TYPEMASK_AZ_IGNORE
     | mavlink.POSITION_TARGET_TYPEMASK_YAW_IGNORE
 )
-_UNKNOWN_VARIANCE = 1e6
+_UNKNOWN_VARIANCE = 1e6  # so large that no filter uses the value
 _VARIANCES = dict.fromkeys((11, 15, 18, 20), _UNKNOWN_VARIANCE)
-"""Variances of height and attitude in the upper triangle of a 6 by 6 covariance."""
+"""Indexes of height and attitude in the upper triangle of a 6 by 6 covariance, with their
+variances."""
 
 
 class BytePipe(Protocol):
-    """Bidirectional pipe for MAVLink frames."""
+    """Bidirectional pipe for MAVLink frames; neither end blocks."""
 
     def send(self, data: bytes) -> None:
         """Send bytes to the vehicle."""
         ...
 
     def recv(self) -> bytes:
-        """All bytes received since the last call, possibly none."""
+        """Return all bytes received since the last call, possibly none."""
         ...
 
 
@@ -71,16 +73,16 @@ class Command:
 
     @property
     def is_done(self) -> bool:
-        """Whether the command has reached its final state."""
+        """True if the command has reached its final state."""
         return self.state is not CommandState.PENDING
 
     @property
     def is_accepted(self) -> bool:
-        """Whether the vehicle accepted the command."""
+        """True if the vehicle accepted the command."""
         return self.state is CommandState.ACCEPTED
 
     def outcome(self) -> str:
-        """The result in words."""
+        """Return the result in words: MAVLink's name of it, or the state without an answer."""
         if self.result is None:
             return self.state.value
         return mavlink.enums["MAV_RESULT"][self.result].name.removeprefix("MAV_RESULT_").lower()
@@ -91,7 +93,7 @@ class MavlinkClient:
 
     Attributes:
         telemetry: Latest state reported by the vehicle.
-        habits: What is particular to its flight stack.
+        habits: Numbers and customs of its flight stack.
     """
 
     def __init__(self, pipe: BytePipe, frame: LocalFrame, *, habits: Habits = PX4_HABITS) -> None:
@@ -100,7 +102,7 @@ class MavlinkClient:
         Args:
             pipe: Connection to the vehicle.
             frame: Local frame of the scene, used by `telemetry` and by setpoints.
-            habits: Which flight stack it is.
+            habits: Numbers and customs of the vehicle's flight stack.
         """
         self._pipe = pipe
         self.habits = habits
@@ -115,7 +117,11 @@ class MavlinkClient:
         self._commands: list[Command] = []
 
     def update(self, time_us: int) -> None:
-        """Read messages, send heartbeats and repeat unacknowledged commands."""
+        """Read messages, send heartbeats and repeat unacknowledged commands.
+
+        Args:
+            time_us: Simulated time.
+        """
         self._time_us = time_us
         for message in self._mav.parse_buffer(self._pipe.recv()) or ():
             if not self._reader.is_of_vehicle(message):
@@ -128,20 +134,29 @@ class MavlinkClient:
             self._heartbeat_due_us = time_us + _HEARTBEAT_PERIOD_US
             self._send_heartbeat()
         # Acknowledgements identify commands by number only: send one of each number at a time.
+        # Reversed, so that the oldest of each number stays in the dictionary.
         first_of_kind = {command.command: command for command in reversed(self._commands)}
         for command in first_of_kind.values():
             self._press(command)
         self._commands = [command for command in self._commands if not command.is_done]
 
     def command(self, command: int, *params: float) -> Command:
-        """Send a command, repeated until the vehicle answers; the outcome is in the result."""
+        """Send a command, repeated until the vehicle answers.
+
+        Args:
+            command: Number of the command.
+            params: Its parameters from the first on; the rest are unused.
+
+        Returns:
+            The command, whose state changes with later calls of `update`.
+        """
         padded = (*params, *[self.habits.unused] * (7 - len(params)))
         pending = Command(command=command, params=padded)
         self._commands.append(pending)
         return pending
 
     def request_streams(self) -> list[Command]:
-        """Request the local frame's origin and what a companion steers by, and stop all others."""
+        """Request the frame's origin and the messages a companion steers by; stop all others."""
         origin = self.command(
             mavlink.MAV_CMD_REQUEST_MESSAGE, mavlink.MAVLINK_MSG_ID_GPS_GLOBAL_ORIGIN
         )
@@ -163,12 +178,12 @@ class MavlinkClient:
         )
 
     def take_off(self, height_m: float) -> Command:
-        """Rise to a height above home, where the vehicle then waits."""
+        """Rise to a height above home (m), where the vehicle then waits."""
         unused = self.habits.unused
         return self.command(mavlink.MAV_CMD_NAV_TAKEOFF, 0, 0, 0, unused, unused, unused, height_m)
 
     def arm(self) -> Command:
-        """Start the rotors."""
+        """Start the rotors; the vehicle refuses while a check forbids it."""
         return self.command(mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 1)
 
     def disarm(self) -> Command:
@@ -176,7 +191,13 @@ class MavlinkClient:
         return self.command(mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 0)
 
     def send_setpoint(self, reference: FlatReference) -> None:
-        """Send one offboard setpoint: position, velocity, acceleration and heading."""
+        """Send one offboard setpoint: position, velocity, acceleration and heading.
+
+        Nothing is sent before the origin of MAVLink's local frame is known.
+
+        Args:
+            reference: The reference in the scene's frame.
+        """
         origin = self.telemetry.local_origin_enu_m
         if origin is None:
             return
@@ -197,7 +218,12 @@ class MavlinkClient:
         )
 
     def send_velocity(self, velocity_enu_mps: Vector3, yaw_rate_radps: float) -> None:
-        """Send one offboard setpoint of velocity and yaw rate alone."""
+        """Send one offboard setpoint of velocity and yaw rate alone.
+
+        Args:
+            velocity_enu_mps: Velocity, ENU.
+            yaw_rate_radps: Rate of the heading, counter-clockwise.
+        """
         self._send(
             mavlink.MAVLink_set_position_target_local_ned_message(
                 self._time_us // 1000,
@@ -214,7 +240,7 @@ class MavlinkClient:
         )
 
     def send_origin(self, place: Geodetic) -> None:
-        """Tell a vehicle without a receiver where on earth its local frame has its origin."""
+        """Send a vehicle without a receiver the place on earth of its local frame's origin."""
         self._send(
             mavlink.MAVLink_set_gps_global_origin_message(
                 self.telemetry.system_id,
@@ -226,7 +252,7 @@ class MavlinkClient:
         )
 
     def send_place(self, position_enu_m: Vector3, yaw_rad: float, sigma_m: float) -> None:
-        """Tell the autopilot its present horizontal position, as a companion's vision sees it.
+        """Send the autopilot its present horizontal position, as a companion's vision sees it.
 
         Args:
             position_enu_m: Position; its height is not to be used.
@@ -240,6 +266,7 @@ class MavlinkClient:
         covariance = [0.0] * 21
         for place, variance in _VARIANCES.items():
             covariance[place] = variance
+        # Places of east and north in the upper triangle.
         covariance[0] = covariance[6] = sigma_m * sigma_m
         self._send(
             mavlink.MAVLink_vision_position_estimate_message(
@@ -270,6 +297,7 @@ class MavlinkClient:
 
     def _press(self, command: Command) -> None:
         """Send a pending command if it is due."""
+        # Before the first heartbeat nobody can be addressed.
         if command.is_done or self._time_us < command.due_us or not self.telemetry.system_id:
             return
         if command.tries == _TRIES:
@@ -280,7 +308,7 @@ class MavlinkClient:
                 self.telemetry.system_id,
                 _AUTOPILOT_COMPONENT,
                 command.command,
-                command.tries,
+                command.tries,  # MAVLink's "confirmation" counts repetitions
                 *command.params,
             )
         )
@@ -289,6 +317,7 @@ class MavlinkClient:
 
     def _on_ack(self, ack: Any) -> None:
         for command in self._commands:
+            # Commands that were never sent cannot be meant.
             if command.command != ack.command or not command.tries or command.is_done:
                 continue
             if ack.result == mavlink.MAV_RESULT_IN_PROGRESS:

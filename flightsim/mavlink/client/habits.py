@@ -1,4 +1,4 @@
-"""What a companion must know of the flight stack that it talks to."""
+"""Numbers and customs in which flight stacks differ, as a companion must know them."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ PX4_OFFBOARD = 6 << 16
 PX4_LAND = 6 << 24 | 4 << 16
 PX4_RETURN = 5 << 24 | 4 << 16
 PX4_HOLD = 3 << 24 | 4 << 16
+# ArduCopter numbers its modes from 0.
 # ArduCopter's, which it counts.
 _GUIDED, _RTL, _LAND = 4, 6, 9
 
@@ -27,7 +28,7 @@ _STATE_HZ = {
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Habits:
-    """Numbers and customs in which flight stacks differ."""
+    """Numbers and customs of a flight stack."""
 
     offboard: int
     """Custom mode in which the vehicle follows a companion's setpoints."""
@@ -38,21 +39,22 @@ class Habits:
     streams_hz: Mapping[int, float]
     """Messages that a companion steers by, and how often it wants them."""
     unwanted: tuple[int, ...] = ()
-    """Messages that it stops, since the stack sends them unasked."""
+    """Messages that it stops, because the stack sends them unasked."""
     unused: float = math.nan
     """Value of parameters of commands that are not used. MAVLink says NaN, at which the real
     ArduPilot stops in simulation."""
     mode_shifts: tuple[int, int] = (16, 24)
     """Bits by which DO_SET_MODE's two numbers are shifted into the custom mode."""
     has_estimator_status: bool = True
-    """Whether it sends ESTIMATOR_STATUS; another sends its position only while it knows it, and
-    the accuracy of its receiver stands for that of its estimate."""
+    """True if it sends ESTIMATOR_STATUS. Another stack sends its position only while it knows it,
+    and the accuracy of its receiver stands for the accuracy of its estimate."""
     report_delay_s: float = 0.0
     """Longest time from the acknowledgement of a mode or of arming to the heartbeat that has it."""
     takes_off_by_itself: bool = False
-    """Whether it follows setpoints only once it has taken off by command."""
+    """True if it follows setpoints only once it has taken off by command."""
     land: int | None = None
-    """Custom mode for the last stretch, if it finds only there that it has landed; it disarms."""
+    """Custom mode for the last stretch, if the stack detects the landing in this mode only; it
+    disarms."""
 
 
 PX4_HABITS = Habits(
@@ -78,7 +80,7 @@ PX4_HABITS = Habits(
         mavlink.MAVLINK_MSG_ID_NAV_CONTROLLER_OUTPUT,
     ),
 )
-"""PX4's, and our own autopilot's."""
+"""Habits of PX4, as our own autopilot has them."""
 
 REAL_PX4_HABITS = replace(
     PX4_HABITS,
@@ -91,8 +93,8 @@ REAL_PX4_HABITS = replace(
     report_delay_s=1.5,
     land=PX4_LAND,
 )
-"""PX4's own, whose heartbeats come once a second whatever is asked for, and whose link for us sends
-nothing else unasked."""
+"""Habits of the real PX4. Its heartbeats come once a second whatever is asked for, and its link for
+us sends nothing else unasked."""
 
 ARDUPILOT_HABITS = Habits(
     offboard=_GUIDED,
@@ -110,4 +112,4 @@ ARDUPILOT_HABITS = Habits(
     takes_off_by_itself=True,
     land=_LAND,
 )
-"""ArduCopter's."""
+"""Habits of ArduCopter."""

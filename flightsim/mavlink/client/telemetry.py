@@ -32,7 +32,7 @@ _MAX_TEXTS = 200
 
 @dataclass(kw_only=True, slots=True)
 class Telemetry:
-    """Last reported state of the vehicle; NaN or 0 where nothing was received."""
+    """Last reported state of the vehicle; NaN or 0 for values that were not received."""
 
     system_id: int = 0
     """System id of the autopilot, 0 before its first heartbeat."""
@@ -40,11 +40,11 @@ class Telemetry:
     custom_mode: int = 0
     is_armable: bool = False
     is_navigating: bool = False
-    """Whether the estimator reports valid attitude, velocity and absolute position."""
+    """True if the estimator reports valid attitude, velocity and absolute position."""
     is_dead_reckoning: bool = False
-    """Whether the estimator reports that nothing external measures its position."""
+    """True if the estimator reports that nothing external measures its position."""
     has_fix: bool = False
-    """Whether the receiver reports a position in three dimensions."""
+    """True if the receiver reports a position in three dimensions."""
     horizontal_sigma_m: float = math.nan
     """Standard deviation that the estimator reports for the horizontal position."""
     landed_state: int = 0
@@ -59,7 +59,7 @@ class Telemetry:
     angular_rate_flu_radps: Vector3 = NAN3
     range_m: float = math.nan
     wind_mps: float = math.nan
-    """Speed of the wind that the autopilot estimates, over level ground."""
+    """Horizontal speed of the wind that the autopilot estimates."""
     home: Geodetic | None = None
     battery_remaining: float = math.nan
     texts: list[tuple[int, str]] = field(default_factory=list)
@@ -67,12 +67,12 @@ class Telemetry:
 
     @property
     def yaw_rad(self) -> float:
-        """Heading of the body's x axis, counter-clockwise from east."""
+        """Heading of the body's x axis, rad counter-clockwise from east."""
         return yaw_of(self.quat_wxyz)
 
     @property
     def has_state(self) -> bool:
-        """Whether position and attitude are known."""
+        """True if position and attitude are known."""
         return not (math.isnan(self.position_enu_m[0]) or math.isnan(self.quat_wxyz[0]))
 
 
@@ -84,7 +84,7 @@ class TelemetryReader:
 
         Args:
             frame: Local frame of the scene, in which positions are reported.
-            habits: Which flight stack it is.
+            habits: Numbers and customs of the flight stack.
         """
         self._frame, self._habits = frame, habits
         self.telemetry = Telemetry()
@@ -105,7 +105,7 @@ class TelemetryReader:
         }
 
     def is_of_vehicle(self, message: Any) -> bool:
-        """Whether the autopilot sent a message, and not another client by way of it."""
+        """Return true if the autopilot sent a message, and not another client by way of it."""
         known = self.telemetry.system_id
         return message.get_srcComponent() == _AUTOPILOT_COMPONENT and (
             not known or known == message.get_srcSystem()
@@ -126,6 +126,7 @@ class TelemetryReader:
         self.telemetry.is_armable = bool(
             m.onboard_control_sensors_health & mavlink.MAV_SYS_STATUS_PREARM_CHECK
         )
+        # -1 means unknown.
         if m.battery_remaining >= 0:
             self.telemetry.battery_remaining = m.battery_remaining / 100.0
 
@@ -148,12 +149,14 @@ class TelemetryReader:
 
     def _local_position(self, m: Any) -> None:
         self.telemetry.position_time_ms = m.time_boot_ms
+        # Without the origin the position cannot be placed in the scene.
         origin = self.telemetry.local_origin_enu_m
         if origin is None:
             return
         east, north, up = swap_enu_ned((m.x, m.y, m.z))
         self.telemetry.position_enu_m = (east + origin[0], north + origin[1], up + origin[2])
         self.telemetry.velocity_enu_mps = swap_enu_ned((m.vx, m.vy, m.vz))
+        # A stack without ESTIMATOR_STATUS sends its position only while it knows it.
         if not self._habits.has_estimator_status:
             self.telemetry.is_navigating = True
 
@@ -163,6 +166,7 @@ class TelemetryReader:
         self.telemetry.angular_rate_flu_radps = swap_flu_frd(rates)
 
     def _distance(self, m: Any) -> None:
+        # A distance outside the sensor's range means that it has met nothing.
         is_measured = m.min_distance <= m.current_distance <= m.max_distance
         self.telemetry.range_m = m.current_distance / 100.0 if is_measured else math.inf
 
@@ -176,7 +180,7 @@ class TelemetryReader:
         texts, text = self.telemetry.texts, m.text.rstrip("\0")
         is_continued = bool(m.id) and m.chunk_seq > 0 and m.id == self._text_id and bool(texts)
         self._text_id = m.id
-        if is_continued:  # A text of more than 50 bytes comes in pieces.
+        if is_continued:  # a text of more than 50 bytes comes in pieces
             _, before = texts.pop()
             text = before + text
         texts.append((m.severity, text))

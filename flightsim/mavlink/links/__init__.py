@@ -1,6 +1,7 @@
 """Transports for MAVLink bytes: UDP, TCP, serial and in-process.
 
-Links never block, and no partner can delay or stop the flight.
+Links never block, and no partner can delay or stop the flight. What a transport cannot take is
+dropped, as a radio would drop it; the protocols above repeat.
 """
 
 from flightsim.mavlink.links.in_process import InProcessClient, InProcessLink

@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from flightsim.mavlink.channel import Channel
 from flightsim.mavlink.streams import Profile
 
+# Frames beyond it are dropped: a client that never reads must not fill the memory.
 _BACKLOG_LIMIT_BYTES = 4 << 20
 
 
@@ -18,7 +19,7 @@ class InProcessClient:
         self._deliver = deliver
         self._incoming = incoming
         self.is_present = False
-        """Whether the pipe has been used; nothing is streamed before that."""
+        """True once the pipe has been used; nothing is streamed before that."""
 
     def send(self, data: bytes) -> None:
         """Send bytes to the vehicle, which reads them in its next tick."""
@@ -26,7 +27,7 @@ class InProcessClient:
         self._deliver(data)
 
     def recv(self) -> bytes:
-        """All bytes received since the last call, possibly none."""
+        """Return all bytes received since the last call, possibly none."""
         self.is_present = True
         data = bytes(self._incoming)
         self._incoming.clear()
@@ -60,7 +61,7 @@ class InProcessLink:
         return (self._channel,) if self.client.is_present else ()
 
     def open(self, _: selectors.BaseSelector, simulated_us: Callable[[], int]) -> None:
-        """Use the simulated time as clock."""
+        """Use the simulated time as the clock of protocol timeouts."""
         self._simulated_us = simulated_us
 
     def close(self) -> None:

@@ -12,7 +12,7 @@ from typing import Literal, Protocol
 from flightsim.mavlink.channel import Channel
 
 MAX_PARTNERS = 8
-"""Most partners of one link at a time; this bounds the cost of a tick."""
+"""Most partners of one link at a time, which bounds the cost of a tick."""
 
 
 class LinkError(OSError):
@@ -37,7 +37,15 @@ class Link(Protocol):
         ...
 
     def open(self, selector: selectors.BaseSelector, simulated_us: Callable[[], int], /) -> None:
-        """Open the port; register each socket with its reading function as data."""
+        """Open the port, and register each socket with its reading function as data.
+
+        Args:
+            selector: Selector that the server polls.
+            simulated_us: Simulated time, for links in lockstep.
+
+        Raises:
+            LinkError: If the port cannot be opened.
+        """
         ...
 
     def close(self) -> None:
@@ -46,12 +54,18 @@ class Link(Protocol):
 
 
 def is_loopback(address: str) -> bool:
-    """Whether an IP address is one of this machine's own that nobody else hears."""
+    """Return true if an IP address is a loopback one, which no other machine hears."""
     return ipaddress.ip_address(address).is_loopback
 
 
 def bind(transport: socket.socket, kind: Literal["UDP", "TCP"], address: str, port: int) -> None:
     """Bind a socket, or close it and raise an error that says why and what to do.
+
+    Args:
+        transport: The socket.
+        kind: Name of the protocol in messages.
+        address: Address of this machine.
+        port: Port number.
 
     Raises:
         PortInUseError: If the port is taken.

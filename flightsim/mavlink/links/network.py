@@ -24,7 +24,7 @@ class LocalPorts:
 
 
 def local_ports(instance: int) -> LocalPorts:
-    """Ports of the vehicle with a number, as PX4's and ArduPilot's simulators have them."""
+    """Return the ports of a vehicle by its number, as in PX4's and ArduPilot's simulators."""
     tcp = tuple(port + 10 * instance for port in (5760, 5762, 5763))
     return LocalPorts(18570 + instance, 14580 + instance, tcp)
 
@@ -39,10 +39,11 @@ def network_links(
     is_lockstep: bool = False,
     signing: Signing | None = None,
 ) -> list[Link]:
-    """MAVLink ports of both flight stacks' simulators, and a serial device if there is one.
+    """Return the links to clients: ports of both stacks' simulators, and a serial device if any.
 
-    UDP to 14550 and 14540 as PX4 has it, TCP servers on 5760, 5762 and 5763 as ArduPilot has them.
-    Vehicles of one world speak to one ground station, as PX4's do, that of the first.
+    UDP goes to 14550 and 14540 as with PX4; TCP servers are on 5760, 5762 and 5763 as with
+    ArduPilot. Vehicles of one world speak to one ground station, as PX4's do: that of the first
+    vehicle.
 
     Args:
         instance: Number of the vehicle, which shifts all ports.
@@ -50,7 +51,7 @@ def network_links(
         first_instance: Number of the first vehicle of the same world; None if it is this one.
         serial_line: Serial device; None for none.
         outs: Addresses elsewhere to which the vehicle speaks first.
-        is_lockstep: Whether protocol timeouts run in simulated time.
+        is_lockstep: True runs protocol timeouts in simulated time.
         signing: Key and timestamps that the links share; None never signs.
     """
     udp = partial(UdpLink, bind_address=bind, is_lockstep=is_lockstep, signing=signing)

@@ -16,13 +16,13 @@ from flightsim.mavlink.links.link import LinkError, is_loopback
 from flightsim.mavlink.signing import Signing
 from flightsim.mavlink.streams import Profile
 
-_DATAGRAMS_PER_TICK = 128
+_DATAGRAMS_PER_TICK = 128  # bounds the work of a tick
 _VALID = "udp:HOST:PORT, such as udp:192.168.1.20:14550"
 
 
 @dataclass(frozen=True, slots=True)
 class OutAddress:
-    """Where to speak first."""
+    """Address to which the vehicle speaks first."""
 
     host: str
     address: str
@@ -31,13 +31,14 @@ class OutAddress:
 
     @classmethod
     def parse(cls, text: str) -> Self:
-        """Address of udp:HOST:PORT.
+        """Return the address of udp:HOST:PORT.
 
         Raises:
-            LinkError: If it is none, or the host is unknown.
+            LinkError: If the text has another form, or the host is unknown.
         """
         kind, _, rest = text.partition(":")
         host, _, port = rest.rpartition(":")
+        # Cut before the conversion: a text of a million digits must not be turned into a number.
         is_port = port.isascii() and port.isdigit() and 1 <= int(port[:6]) <= 65535
         if kind != "udp" or not host or not is_port:
             raise LinkError(f"out {text!r} is no address; valid: {_VALID}")
@@ -49,7 +50,7 @@ class OutAddress:
 
 @functools.cache
 def _resolved(host: str) -> str | None:
-    """IPv4 address of a host; None if it has none."""
+    """Return the IPv4 address of a host; None if it has none."""
     try:
         found = socket.getaddrinfo(host, None, socket.AF_INET, socket.SOCK_DGRAM)
     except (OSError, UnicodeError):
@@ -60,8 +61,8 @@ def _resolved(host: str) -> str | None:
 class UdpOutLink:
     """A UDP socket whose only partner is the address that a user named.
 
-    The socket is connected: what others send to its port never reaches it, so that it may stand
-    outside of loopback. The system chooses its port.
+    The socket is connected: datagrams that others send to its port never reach it, so that it may
+    be open to other machines. The system chooses its port.
     """
 
     def __init__(
@@ -75,9 +76,9 @@ class UdpOutLink:
         """Prepare a link.
 
         Args:
-            out: Where to send.
+            out: Address of the partner.
             profile: Default stream rates.
-            is_lockstep: Whether protocol timeouts run in simulated time.
+            is_lockstep: True runs protocol timeouts in simulated time.
             signing: Key and timestamps that all links share; None never signs.
         """
         self.name = f"udp:{out.host}:{out.port}"
@@ -100,14 +101,14 @@ class UdpOutLink:
 
     @property
     def channels(self) -> Sequence[Channel]:
-        """The one partner, whether it answers or not."""
+        """The one partner, even before it answers."""
         return (self._channel,)
 
     def open(self, selector: selectors.BaseSelector, simulated_us: Callable[[], int]) -> None:
         """Open the socket.
 
         Raises:
-            LinkError: If there is no way to the address.
+            LinkError: If there is no route to the address.
         """
         if self._is_lockstep:
             self._clock = lambda: simulated_us() * 1e-6
@@ -139,11 +140,11 @@ class UdpOutLink:
             except (BlockingIOError, InterruptedError):
                 return
             except OSError:
-                continue  # Nobody listens there yet, which an ICMP error says.
+                continue  # an ICMP error: nobody listens there yet
             self._channel.receive(data)
 
     def _write(self, frames: Sequence[bytes]) -> None:
-        """Send frames as one datagram, as which a channel gives them."""
+        """Send frames as one datagram, in the groups that a channel makes."""
         if self._socket is None:
             return
         # A full buffer or an unreachable partner loses the datagram, as radio would.

@@ -25,15 +25,15 @@ _BAUDS = {
     for name in dir(termios)
     if name[0] == "B" and name[1:].isdigit() and int(name[1:]) >= 9600
 }
-"""Speeds that this machine knows, at which MAVLink makes sense."""
+"""Speeds that this machine knows and at which MAVLink makes sense, with their constants."""
 _BITS_PER_BYTE = 10
 _READ_BYTES = 16_384
 _BURST_S, _HELD_S, _DROPPED_S = 0.04, 0.1, 2.0
-"""Time's worth of bytes that is written at once, beyond which streams wait, and beyond which
-frames are dropped."""
+"""Times that are turned into bytes by the line's rate: what is written at once, beyond which
+streams wait, and beyond which frames are dropped."""
 _LEAST_BURST_BYTES = 300
 """The longest frame must fit."""
-_REOPEN_S = 1.0
+_REOPEN_S = 1.0  # pause between two attempts to open a device that is gone
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,12 +45,13 @@ class SerialLine:
 
     @classmethod
     def parse(cls, text: str) -> Self:
-        """Line of PATH or PATH:BAUD.
+        """Return the line of PATH or PATH:BAUD.
 
         Raises:
-            LinkError: If the speed is none that this machine knows.
+            LinkError: If this machine does not know the speed.
         """
         path, _, baud = text.rpartition(":")
+        # Paths may contain a colon themselves: only digits behind the last one are a speed.
         if not path or not baud.isdigit():
             return cls(path=text)
         if int(baud) not in _BAUDS:
@@ -60,16 +61,16 @@ class SerialLine:
 
     @property
     def bytes_per_s(self) -> float:
-        """What the line carries: a byte has a start and a stop bit."""
+        """Bytes that the line carries in a second: a byte has a start and a stop bit."""
         return self.baud / _BITS_PER_BYTE
 
 
 class SerialLink:
-    """A serial line, whose only partner is whoever is at its other end.
+    """A serial line, with the one partner at its other end.
 
-    What is sent never outruns the line, also where a driver would take more: telemetry waits while
-    too much is on its way, and comes as often as there is room for it. A device that goes away is
-    opened again when it is back.
+    Writing never outruns the line, even if a driver would take more: telemetry waits while too much
+    is on its way, and comes as often as there is room for it. A device that goes away is opened
+    again when it is back.
     """
 
     def __init__(
@@ -86,9 +87,9 @@ class SerialLink:
         Args:
             line: Device and speed.
             profile: Default stream rates.
-            is_lockstep: Whether protocol timeouts run in simulated time.
+            is_lockstep: True runs protocol timeouts in simulated time.
             signing: Key and timestamps that all links share; None never signs.
-            now_s: Clock of the line, in seconds, whatever simulated time does.
+            now_s: Clock of the line, in seconds of wall time.
         """
         self.name = f"serial:{line.path}"
         self._line = line
@@ -106,7 +107,7 @@ class SerialLink:
 
     @property
     def channels(self) -> Sequence[Channel]:
-        """The one partner, while the device is there; one that is back is opened first."""
+        """The one partner while the device is there; a device that is back is opened first."""
         if self._channel is None and self._now_s() - self._tried_s > _REOPEN_S:
             with contextlib.suppress(LinkError):
                 self._open_device()
@@ -116,7 +117,7 @@ class SerialLink:
         """Open the device.
 
         Raises:
-            LinkError: If it is not there, not to be used by us, or no serial line.
+            LinkError: If it does not exist, is not accessible, or is no serial line.
         """
         if self._is_lockstep:
             self._clock = lambda: simulated_us() * 1e-6
@@ -147,7 +148,7 @@ class SerialLink:
         self._selector.register(self._device, selectors.EVENT_READ, self._poll)
 
     def _leave(self) -> None:
-        """Let go of the device and of the partner behind it."""
+        """Close the device and leave the partner behind it."""
         if self._device is not None and self._selector is not None:
             self._selector.unregister(self._device)
             os.close(self._device)
@@ -160,7 +161,7 @@ class SerialLink:
         self._leave()
 
     def _poll(self) -> None:
-        """Read what came, unless the partner has exceeded its budget, and go on writing."""
+        """Read new bytes, unless the partner has exceeded its budget, and go on writing."""
         assert self._device is not None
         assert self._channel is not None
         if self._channel.has_room:
@@ -169,7 +170,7 @@ class SerialLink:
             except (BlockingIOError, InterruptedError):
                 data = None
             except OSError:
-                data = b""
+                data = b""  # as at the end of the file: the device is gone
             if data:
                 self._channel.receive(data)
             elif data is not None:
@@ -191,6 +192,7 @@ class SerialLink:
         assert self._selector is not None
         assert self._channel is not None
         rate, now_s = self._line.bytes_per_s, self._now_s()
+        # A token bucket: bytes may be written as time pays for them, up to one burst.
         burst_bytes = max(_LEAST_BURST_BYTES, _BURST_S * rate)
         credit_bytes = self._credit_bytes + (now_s - self._credited_s) * rate
         self._credit_bytes, self._credited_s = min(burst_bytes, credit_bytes), now_s
@@ -199,28 +201,32 @@ class SerialLink:
         except (BlockingIOError, InterruptedError):
             n_sent = 0
         except OSError:
-            return  # It is gone, which reading says too.
+            return  # the device is gone, which reading notices too
         self._credit_bytes -= n_sent
         del self._unsent[:n_sent]
         self._channel.is_crowded = len(self._unsent) > _HELD_S * rate
+        # Asked for only while bytes wait: a writable device would wake the selector all the time.
         wanted = selectors.EVENT_READ | (selectors.EVENT_WRITE if self._unsent else 0)
         if self._selector.get_key(self._device).events != wanted:
             self._selector.modify(self._device, wanted, self._poll)
 
 
 def open_raw(line: SerialLine) -> int:
-    """File descriptor of a device, non-blocking, raw, eight bits without parity.
+    """Return the file descriptor of a device: non-blocking, raw, eight bits without parity.
 
     Raises:
-        LinkError: If it is not there, not to be used by us, or no serial line.
+        LinkError: If it does not exist, is not accessible, or is no serial line.
     """
     try:
+        # Without NOCTTY a signal on the line could end this process; without NONBLOCK opening
+        # waits.
         device = os.open(line.path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
     except OSError as error:
         raise LinkError(f"cannot open serial device {line.path}: {error.strerror}") from error
     try:
         tty.setraw(device)
         settings = termios.tcgetattr(device)
+        # Ignore modem lines, read; one stop bit, no hardware flow control.
         settings[2] |= termios.CLOCAL | termios.CREAD
         settings[2] &= ~(termios.CSTOPB | termios.CRTSCTS)
         settings[4] = settings[5] = _BAUDS[line.baud]

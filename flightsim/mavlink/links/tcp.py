@@ -18,8 +18,8 @@ _LOG = logging.getLogger(__name__)
 
 _ACCEPTS_PER_TICK = 16
 _READ_BYTES = 16_384
-_BACKLOG_LIMIT_BYTES = 1 << 20
-_STUCK_LIMIT_S = 30.0
+_BACKLOG_LIMIT_BYTES = 1 << 20  # bytes beyond which frames are dropped
+_STUCK_LIMIT_S = 30.0  # a partner that has read nothing for so long is disconnected
 
 
 class _Connection:
@@ -41,7 +41,7 @@ class _Connection:
         except (BlockingIOError, InterruptedError):
             return
         except OSError:
-            data = b""
+            data = b""  # no bytes: the partner has closed the connection
         if data:
             self.channel.receive(data)
         else:
@@ -84,7 +84,7 @@ class TcpServerLink:
             port: Port to listen on; 0 takes any that is free.
             profile: Default stream rates.
             bind_address: Address to listen on.
-            is_lockstep: Whether protocol timeouts run in simulated time.
+            is_lockstep: True runs protocol timeouts in simulated time.
             signing: Key and timestamps that all links share; None never signs.
         """
         self._is_lockstep = is_lockstep
@@ -98,11 +98,11 @@ class TcpServerLink:
         self._selector: selectors.BaseSelector | None = None
         self._connections: list[_Connection] = []
         self._is_full_told = False
-        """Whether it was said, since the last who was welcome, that others are turned away."""
+        """True if a rejection was logged since the last accepted client."""
 
     @property
     def port(self) -> int:
-        """Port that it listens on, once open: the one that was free where 0 was asked for."""
+        """Port that it listens on, once open: the one that was free if 0 was asked for."""
         return self._local[1] if self._listener is None else self._listener.getsockname()[1]
 
     @property
@@ -141,7 +141,7 @@ class TcpServerLink:
         self._listener = None
 
     def _accept(self) -> None:
-        """Accept all who wait; those beyond the limit are disconnected, which is told once."""
+        """Accept waiting clients; disconnect those beyond the limit, which is logged once."""
         assert self._listener is not None
         for _ in range(_ACCEPTS_PER_TICK):
             try:
@@ -161,6 +161,7 @@ class TcpServerLink:
         assert self._selector is not None
         self._is_full_told = False
         tcp.setblocking(False)
+        # Small frames must leave at once, not when more bytes have gathered.
         with contextlib.suppress(OSError):
             tcp.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         connection = _Connection(
@@ -180,6 +181,7 @@ class TcpServerLink:
         self._selector.register(tcp, selectors.EVENT_READ, connection.read)
 
     def _clear_broken(self) -> None:
+        # Only here, never while frames are written: the server iterates over the channels then.
         for connection in [c for c in self._connections if c.is_broken]:
             self._connections.remove(connection)
             connection.channel.is_open = False

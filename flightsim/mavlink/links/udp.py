@@ -16,14 +16,14 @@ from flightsim.mavlink.streams import Profile
 
 _Address = tuple[str, int]
 
-_DATAGRAMS_PER_TICK = 128
-_SILENCE_LIMIT_S = 60.0
+_DATAGRAMS_PER_TICK = 128  # bounds the work of a tick
+_SILENCE_LIMIT_S = 60.0  # silence after which a learnt partner may lose its place
 
 
 class UdpLink:
     """A UDP port with a default partner, addressed first, and partners learnt from traffic.
 
-    Only a sender of MAVLink becomes a partner: others would take the places of clients.
+    Only a sender of MAVLink becomes a partner, because others would take the places of clients.
     """
 
     def __init__(
@@ -45,7 +45,7 @@ class UdpLink:
             profile: Default stream rates.
             bind_address: Address to bind.
             remote_address: Address of the partner that is addressed first.
-            is_lockstep: Whether protocol timeouts run in simulated time.
+            is_lockstep: True runs protocol timeouts in simulated time.
             signing: Key and timestamps that all links share; None never signs.
         """
         self._is_lockstep = is_lockstep
@@ -110,6 +110,7 @@ class UdpLink:
     def _learn(self, address: _Address) -> Channel | None:
         """Create a channel for a new partner, replacing a silent one if the link is full."""
         if len(self._partners) >= MAX_PARTNERS:
+            # The default partner keeps its place: it is addressed even if it is silent.
             learnt = [known for known in self._partners if known != self._default]
             silent = min(learnt, key=lambda known: self._last_heard_s.get(known, 0.0))
             if time.monotonic() - self._last_heard_s.get(silent, 0.0) < _SILENCE_LIMIT_S:
@@ -135,7 +136,7 @@ class UdpLink:
         )
 
     def _write(self, frames: Sequence[bytes], address: _Address) -> None:
-        """Send frames as one datagram, as which a channel gives them."""
+        """Send frames as one datagram, in the groups that a channel makes."""
         if self._socket is None:
             return
         # A full buffer or an unreachable partner loses the datagram, as radio would.

@@ -1,4 +1,8 @@
-"""Record of each flight from arming to disarming, as PX4's topics name what is in it."""
+"""Record of each flight from arming to disarming, with PX4's topics.
+
+Logs stay in memory: clients read them over MAVLink, and a simulation leaves no files behind that
+nobody asked for. The oldest ones are dropped.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +18,7 @@ from flightsim.mavlink.view import VehicleView
 
 MAX_LOGS = 4
 MAX_BYTES = 16 << 20
-"""Bytes of one log, a flight of some ten minutes; what comes after is not kept."""
+"""Most bytes of one log, a flight of some ten minutes; later samples are not kept."""
 
 _TOPICS = (*(logged.topic for logged in LOGGED), SENSOR_COMBINED)
 _INERTIAL_ID = len(LOGGED)
@@ -36,7 +40,7 @@ class FlightLog:
 
     @property
     def has_room(self) -> bool:
-        """Whether a sample of all topics may be added."""
+        """True if a sample of all topics may be added."""
         return len(self.data) + _LARGEST_SAMPLE_BYTES <= MAX_BYTES
 
     def append(self, more: bytes) -> None:
@@ -62,7 +66,7 @@ class FlightRecorder:
         statustext.listeners.append(self._note)
 
     def update(self) -> None:
-        """Begin, continue or end a log; call once a tick."""
+        """Begin, continue or end a log; call it once a tick."""
         is_armed = self._view.autopilot.is_armed
         if is_armed and not self._is_recording:
             self._begin()
@@ -71,17 +75,18 @@ class FlightRecorder:
             self.logs[-1].data += b"".join(self._due())
 
     def _due(self) -> Iterator[bytes]:
-        """Data messages of the topics whose time has come."""
+        """Yield data messages of the topics that are due."""
         view = self._view
         time_us = view.time_us
         for message_id, logged in enumerate(LOGGED):
             if time_us >= self._due_us[message_id]:
                 self._due_us[message_id] += 1000 * logged.interval_ms
                 yield logged.topic.pack(message_id, time_us, *logged.sample(view))
+        # Every sample of the inertial sensor belongs to the log, so it is packed in each tick.
         yield self._inertial.pack()
 
     def files(self) -> Mapping[str, bytearray]:
-        """The logs as files, by their paths; one that is being written grows."""
+        """Return the logs as files, by their paths; one that is being written grows."""
         return {f"log/{number}.ulg": log.data for number, log in enumerate(self.logs)}
 
     def erase(self) -> None:

@@ -11,13 +11,13 @@ from flightsim.mavlink.logs.recorder import FlightRecorder
 from flightsim.mavlink.parsing import Message
 from flightsim.mavlink.service import Handler, send
 
-_CHUNK_BYTES = 90
-_CHUNKS_PER_TICK = 20
+_CHUNK_BYTES = 90  # data field of LOG_DATA
+_CHUNKS_PER_TICK = 20  # 90 kB in a simulated second
 
 
 @dataclass
 class _Reading:
-    """What a partner still wants of a log."""
+    """The rest of a log that a partner still wants."""
 
     log_id: int
     data: bytearray
@@ -44,7 +44,7 @@ class LogService:
         return self._readings
 
     def update(self, channel: Channel) -> None:
-        """Go on sending what a partner reads."""
+        """Go on sending the log that a partner reads."""
         reading = self._readings.get(channel)
         if reading is None:
             return
@@ -80,10 +80,11 @@ class LogService:
 
     def _on_data(self, channel: Channel, message: Message) -> None:
         logs = self._recorder.logs
+        # A log that does not exist counts as empty: clients then stop asking.
         data = logs[message.id].data if message.id < len(logs) else bytearray()
         end = min(message.ofs + message.count, len(data))
         if message.ofs >= end:
-            self._send(channel, message.id, message.ofs, b"")  # No bytes: the log has ended.
+            self._send(channel, message.id, message.ofs, b"")  # no bytes: the log has ended
             return
         self._readings[channel] = _Reading(message.id, data, message.ofs, end)
 

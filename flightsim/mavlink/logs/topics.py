@@ -1,4 +1,4 @@
-"""What a flight log holds: PX4's topics with the names and intervals of its default profile.
+"""Content of a flight log: PX4's topics with the names and intervals of its default profile.
 
 Names of topics and fields are those of PX4 v1.15 (`msg/*.msg`), intervals those of
 `src/modules/logger/logged_topics.cpp`. Fields that say nothing about a simulated vehicle are left
@@ -32,7 +32,7 @@ from flightsim.sensors.sensor import numbers
 Values = Sequence[float]
 
 _demanded = numbers("rate_cmd_flu_radps", "thrust_fraction", "rotor_command_radps")
-"""Body rates, collective thrust and rotor speeds that the controller asks for now."""
+"""Reads body rates, collective thrust and rotor speeds that the controller demands now."""
 
 # PX4's vehicle_status.msg, v1.15.
 NAV_STATES = {
@@ -59,17 +59,17 @@ _WARNINGS = {
     BatteryWarning.CRITICAL: 2,
     BatteryWarning.EMERGENCY: 3,
 }
-_ARMED = 2
+_ARMED = 2  # arming_state of vehicle_status
 _N_OUTPUTS, _N_MOTORS = 16, 12
 _GAUSS_PER_UT = 0.01
-_AIR_J_PER_KG_K = 287.1
+_AIR_J_PER_KG_K = 287.1  # gas constant of dry air
 _ZERO_DEGC_K = 273.15
 _IDLE_PWM, _RANGE_PWM = 1000.0, 1000.0
 
 
 @dataclass(frozen=True, slots=True)
 class Logged:
-    """A topic of the log, how often it is sampled, and its values at a time."""
+    """A topic of the log, the interval between samples, and its values at a time."""
 
     topic: Topic
     interval_ms: int
@@ -88,6 +88,7 @@ def _position(v: VehicleView) -> Values:
     status, origin = v.plant.estimator, v.origin
     quat = v.quat_ned_frd
     ground_m = v.plant.terrain_height_est_m
+    # Height over the estimated terrain, as PX4's dist_bottom.
     above_m = v.plant.estimate.position_enu_m[2] - ground_m
     return (
         *(v.time_us, v.time_us, origin.latitude_deg, origin.longitude_deg),
@@ -102,6 +103,7 @@ def _position(v: VehicleView) -> Values:
 
 def _position_setpoint(v: VehicleView) -> Values:
     s = v.autopilot.setpoint
+    # Other levels have no position setpoint, which NaN marks.
     if s.level is not ControlLevel.TRAJECTORY:
         return (math.nan,) * 14
     position = NAN3 if math.isnan(s.position_enu_m[0]) else v.ned_from_enu(s.position_enu_m)
@@ -136,7 +138,7 @@ def _rates_setpoint(v: VehicleView) -> Values:
 
 
 def _shares(v: VehicleView) -> list[float]:
-    """Commanded speeds over the largest, in the order of the motors' numbers."""
+    """Commanded speeds over the greatest, in the order of the motors' numbers."""
     airframe, (_, _, speeds) = v.plant.world.airframe, _demanded(v.plant.controller)
     rotors = airframe.quadrotor.rotors
     return [speeds[k] / rotors[k].max_speed_radps for k in airframe.motors]
@@ -149,6 +151,7 @@ def _outputs(v: VehicleView) -> Values:
 
 
 def _motors(v: VehicleView) -> Values:
+    # A rotor's thrust grows with the square of its speed, and this topic holds thrusts.
     thrusts = [share * share for share in _shares(v)]
     return (v.time_us, *thrusts, *(math.nan,) * (_N_MOTORS - len(thrusts)), 0)
 
@@ -373,11 +376,15 @@ _COMBINED_DTYPE = np.dtype(
         *(("relative_us", "<i4"), ("clipping", "u1")),
     ]
 )
+# Body axes are mirrored: y to the right, z down.
 _FRD_FROM_FLU = np.array([1.0, -1.0, -1.0])
 
 
 class InertialPacker:
-    """Packs `sensor_combined` for the control ticks of each advance."""
+    """Packs `sensor_combined` for the control ticks of each advance.
+
+    All of them in one call of numpy: 250 samples a second would cost too much one by one.
+    """
 
     def __init__(self, message_id: int, history: np.ndarray, tick_us: int) -> None:
         """Prepare the messages.
@@ -388,14 +395,15 @@ class InertialPacker:
             tick_us: Time between two ticks.
         """
         self._rows = rows = np.zeros(len(history), _COMBINED_DTYPE)
+        # ULog does not count the three bytes of a message's header.
         rows["size"], rows["kind"], rows["id"] = SENSOR_COMBINED.size - 3, ord("D"), message_id
         rows["gyro_dt"] = rows["accel_dt"] = tick_us
-        # Views, since this is done fifty times a second.
+        # Views into both arrays, made once: this is done fifty times a second.
         self._to = (rows["time_us"], rows["gyro"], rows["accel"])
         self._from = tuple(history[f] for f in ("time_us", "gyro_flu_radps", "accel_flu_mps2"))
 
     def pack(self) -> bytes:
-        """Data messages of the last advance."""
+        """Return the data messages of the last advance."""
         (to_time, to_gyro, to_accel), (time_us, gyro, accel) = self._to, self._from
         to_time[:] = time_us
         np.multiply(gyro, _FRD_FROM_FLU, out=to_gyro, casting="same_kind")

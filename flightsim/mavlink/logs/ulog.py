@@ -26,7 +26,7 @@ _STRUCT_LETTERS = {
 
 
 class Topic:
-    """A message that is logged: its name and its fields, larger types first.
+    """A message type of the log: its name and its fields, larger types first.
 
     A field is written as in ULog, such as `float[4] q`; the first is always the time.
 
@@ -43,12 +43,23 @@ class Topic:
         self.size = self._struct.size
 
     def pack(self, message_id: int, time_us: int, *values: float) -> bytes:
-        """Data message of one sample; arrays are spread out."""
+        """Return the data message of one sample.
+
+        Args:
+            message_id: Number of the topic in this file.
+            time_us: Time of the sample.
+            values: Values of the fields behind the time; arrays are spread out.
+        """
         return self._struct.pack(self.size - _HEADER.size, _DATA, message_id, time_us, *values)
 
 
 def message(kind: bytes, payload: bytes) -> bytes:
-    """A message of the file: its size, its type, its bytes."""
+    """Return a message of the file: its size, its type, its bytes.
+
+    Args:
+        kind: One letter, such as b"D" for data.
+        payload: Content without the header.
+    """
     return _HEADER.pack(len(payload), ord(kind)) + payload
 
 
@@ -58,11 +69,11 @@ def start(
     info: Mapping[str, str],
     parameters: Mapping[str, float],
 ) -> bytes:
-    """Everything before the data: header, formats, information, parameters, subscriptions.
+    """Return everything before the data: header, formats, information, parameters, subscriptions.
 
     Args:
         time_us: Time at which the log begins.
-        topics: What is logged; the position is the message id.
+        topics: Topics that are logged; the position is the message id.
         info: Texts by their keys, such as `sys_name`.
         parameters: Values by name; an `int` is written as one.
     """
@@ -83,7 +94,8 @@ def start(
 
 
 def text(time_us: int, severity: int, line: str) -> bytes:
-    """A line that was said to people, with its syslog severity."""
+    """Return a line of text for people, with its syslog severity."""
+    # ULog stores severities as the digits of printk.
     level = ord("0") + severity
     return message(b"L", struct.pack("<BQ", level, time_us) + line.encode("ascii", "replace"))
 

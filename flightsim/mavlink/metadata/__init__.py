@@ -1,4 +1,4 @@
-"""What a ground station can read about the vehicle instead of having to know it."""
+"""Metadata: documents from which a ground station learns parameters and events of the vehicle."""
 
 from flightsim.mavlink.metadata.documents import MetadataService
 from flightsim.mavlink.metadata.packed_parameters import PACKED_PARAMETERS, PackedParameters

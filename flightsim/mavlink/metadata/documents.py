@@ -22,16 +22,16 @@ _GENERAL = "metadata/general.json"
 _OTHERS = {1: "metadata/parameters.json", 4: "metadata/events.json"}
 """Path of each further document, by its COMP_METADATA_TYPE."""
 _NO_BOUND = 2**31 - 1
-"""From here on a bound is the end of the parameter's type."""
+"""Bound that says nothing: it is the end of the parameter's type."""
 
 
 class MetadataService:
-    """The documents of a vehicle, the message that says where they are, and the events themselves.
+    """The documents of a vehicle, the message that announces them, and the events themselves.
 
     Attributes:
         files: Documents by path.
         handlers: Handler of each message.
-        producers: What packs each message of its own.
+        producers: Packing function of each message of its own.
     """
 
     def __init__(self, view: VehicleView, partners: Partners) -> None:
@@ -42,6 +42,7 @@ class MetadataService:
         self.files: dict[str, bytes] = {
             _OTHERS[kind]: _as_bytes(content) for kind, content in contents.items()
         }
+        # Last, because it holds the checksums of the others.
         self.files[_GENERAL] = _as_bytes(self._general_document())
         self.producers: Mapping[str, Callable[[], bytes]] = {
             "COMPONENT_METADATA": self._location,
@@ -49,7 +50,7 @@ class MetadataService:
         }
 
     def update(self) -> None:
-        """Tell of the events of a tick; call once in each."""
+        """Report the events of a tick; call it once in each."""
         self._events.update()
 
     def _general_document(self) -> Mapping[str, Any]:

@@ -1,7 +1,7 @@
-"""Events: what happens, as numbers that a ground station turns into words in its own language.
+"""Events as numbers that a ground station turns into words in its own language.
 
-https://mavlink.io/en/services/events.html. Each has a place in a sequence, so that a partner who
-missed some can ask for them again.
+https://mavlink.io/en/services/events.html. Each event has a place in a sequence, so that a partner
+that missed some can request them again. Texts (STATUSTEXT) cannot be requested again.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ _EVENT = layout("EVENT")
 _CURRENT_EVENT_SEQUENCE = layout("CURRENT_EVENT_SEQUENCE")
 
 _COMPONENT = 1
-"""The autopilot, in the highest byte of an event's number."""
-_MOST_KEPT = 64
+"""Component of the autopilot, in the highest byte of an event's number."""
+_MOST_KEPT = 64  # events that can be repeated
 _N_SEQUENCES = 1 << 16
 _REASON = "failsafe_reason_t"
 _REASONS = tuple(FailsafeReason)
@@ -32,7 +32,7 @@ _REASONS = tuple(FailsafeReason)
 
 @dataclass(frozen=True, kw_only=True)
 class _Kind:
-    """One kind of event."""
+    """One kind of event, as the document describes it."""
 
     name: str
     message: str
@@ -59,7 +59,7 @@ _KINDS = {
 
 
 def events_document() -> Mapping[str, Any]:
-    """What each event means: https://github.com/mavlink/libevents, version 2 of its schema."""
+    """Return the meaning of each event: https://github.com/mavlink/libevents, schema version 2."""
     return {
         "version": 2,
         "components": {
@@ -91,10 +91,10 @@ def _as_json(kind: _Kind) -> Mapping[str, Any]:
 
 
 class EventService:
-    """Tells all partners of events as they happen, and again on request.
+    """Sends all partners the events as they happen, and again on request.
 
     Attributes:
-        producers: What packs the number of the last event.
+        producers: Packing function of the last event's number.
     """
 
     def __init__(self, view: VehicleView, partners: Partners) -> None:
@@ -109,7 +109,7 @@ class EventService:
         }
 
     def update(self) -> None:
-        """Tell what has happened since the last tick."""
+        """Report the changes since the last tick."""
         now, before = self._state(), self._before
         if now == before:
             return
@@ -138,6 +138,7 @@ class EventService:
             id=_COMPONENT << 24 | number,
             event_time_boot_ms=self._view.time_boot_ms,
             sequence=sequence,
+            # Four bits each for the external and the internal level.
             log_levels=severity << 4 | severity,
             arguments=arguments,
         )
@@ -145,6 +146,7 @@ class EventService:
         self._partners.broadcast(_EVENT, payload)
 
     def _current_sequence(self) -> bytes:
+        # -1 becomes the last number before 0: nothing has happened yet.
         return _CURRENT_EVENT_SEQUENCE.encode(sequence=(self._n_told - 1) % _N_SEQUENCES)
 
     def _on_request(self, channel: Channel, message: Message) -> None:
@@ -154,6 +156,7 @@ class EventService:
         found = [
             payload
             for sequence, payload in self._kept
+            # Counted from the first asked for, so that a range may cross the end of the 16 bits.
             if (sequence - first) % _N_SEQUENCES < n_asked
         ]
         for payload in found:

@@ -1,7 +1,7 @@
 """All parameters as one file, `@PARAM/param.pck`, which ground stations of ArduPilot read at once.
 
-ArduPilot's AP_Filesystem_Param names what is in it: numbers little-endian, names without what they
-share with the one before.
+The format is that of ArduPilot's AP_Filesystem_Param: numbers are little-endian, and each name is
+written without the characters that it shares with the one before.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ class PackedParameters:
 
         Args:
             named: Parameters under the names that clients know.
-            changing: Those behind them, which tell of changes.
+            changing: Parameters behind them, which report changes.
         """
         self._parameters = named
         self._heads = tuple(_heads(named))
@@ -36,9 +36,10 @@ class PackedParameters:
         changing.add_listener(self._forget)
 
     def file(self) -> bytes:
-        """Bytes of the file as of now."""
+        """Return the bytes of the file as of now."""
         if self._packed is None:
             parameters = self._parameters
+            # Both counts are the same: the file always holds all parameters.
             parts = [_HEADER.pack(_MAGIC, len(parameters), len(parameters))]
             for name, head in self._heads:
                 value = parameters[name]
@@ -53,9 +54,11 @@ class PackedParameters:
 
 
 def _heads(parameters: NamedParameters) -> Iterator[tuple[str, bytes]]:
-    """Each name, and the bytes before its value: its type and what is new in the name."""
+    """Yield each name, and the bytes before its value: its type and the new part of the name."""
     before = ""
+    # Sorted names share the longest beginnings.
     for name in sorted(parameters):
+        # One character of a name is always written, and four bits hold the shared ones.
         n_shared = min(_n_shared(before, name), len(name) - 1, _MOST_SHARED)
         rest = name[n_shared:].encode()
         kind = _INT32 if parameters.is_integer(name) else _FLOAT
@@ -64,6 +67,6 @@ def _heads(parameters: NamedParameters) -> Iterator[tuple[str, bytes]]:
 
 
 def _n_shared(first: str, second: str) -> int:
-    """Number of characters with which both begin."""
+    """Return the number of characters with which both begin."""
     pairs = enumerate(zip(first, second, strict=False))
     return next((n for n, (a, b) in pairs if a != b), min(len(first), len(second)))

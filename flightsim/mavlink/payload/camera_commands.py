@@ -21,7 +21,7 @@ from flightsim.payload import Payload
 from flightsim.payload.camera import CameraMode
 
 OrderExecutor = Callable[[Order], Reply]
-"""Carries out what a command or a mission item orders."""
+"""Carries out the order of a command or a mission item."""
 
 _MODES = {mav.CAMERA_MODE_IMAGE: CameraMode.PHOTO, mav.CAMERA_MODE_VIDEO: CameraMode.VIDEO}
 _FIXED = denied("zoom and focus are fixed; valid is shot = 1 (param5), a picture")
@@ -29,11 +29,11 @@ _IMAGE_CAPTURED = LAYOUTS["CAMERA_IMAGE_CAPTURED"].message_id
 
 
 class CameraCommands:
-    """Executes what is ordered of the camera.
+    """Executes orders for the camera.
 
     Attributes:
-        orders: What clients and mission items may order.
-        requests: What only clients may ask, for they get the answer.
+        orders: Orders that clients and mission items may give.
+        requests: Requests that only clients may make, because they get the answer.
         handlers: Messages of older clients, which have no answer.
     """
 
@@ -78,7 +78,7 @@ class CameraCommands:
         }
 
     def request_message(self, c: Command) -> Reply:
-        """Send the message that parameter 1 names; of a photograph, the one of parameter 2."""
+        """Send the message of parameter 1; of a photograph, the one that parameter 2 names."""
         if choice(c.param1) == _IMAGE_CAPTURED:
             return self._send_captured(c, c.param2)
         return self._plain.request(c)
@@ -87,9 +87,10 @@ class CameraCommands:
 
     def _start_capture(self, c: Order) -> Reply:
         order = (c.sender, c.param2, c.param3, c.param4)
+        # param4 is a sequence number; clients that count their orders never repeat one on purpose.
         is_numbered = c.param4 > 0.0
         if order == self._last_capture and (is_numbered or self._shutter.is_in_series):
-            return ACCEPTED  # The same again, for its acknowledgement was lost.
+            return ACCEPTED  # the same again, because its acknowledgement was lost
         reply = self._shoot(c)
         if reply.is_accepted:
             self._last_capture = order
@@ -121,6 +122,7 @@ class CameraCommands:
         return self._shutter.each(c.param1, is_at_once=c.param3 == 1.0)
 
     def _trigger_by_time(self, c: Order) -> Reply:
+        # A new interval replaces the running one, and 0 ends it.
         self._shutter.stop()
         if not c.param1 > 0.0:
             return ACCEPTED
@@ -128,6 +130,7 @@ class CameraCommands:
 
     def _control_trigger(self, c: Order) -> Reply:
         if not {c.param1, c.param3} & {0.0, 1.0}:
+            # Both parameters: param1 turns the trigger on and off, param3 pauses it.
             return denied(f"param1 = {c.param1:g}, param3 = {c.param3:g}; valid are 0 and 1")
         if c.param1 in {0.0, 1.0}:
             self._shutter.is_paused = c.param1 == 0.0
@@ -152,6 +155,7 @@ class CameraCommands:
     def _stream(self, c: Order, *, is_on: bool) -> Reply:
         if self._video is None:
             return denied("there is no stream; aeroscene sitl --video makes one")
+        # 0 means all streams, and there is one.
         if choice(c.param1, default=0) not in {0, STREAM_ID}:
             return denied(f"stream {c.param1:g}; valid is {STREAM_ID}")
         self._video.is_running = is_on

@@ -1,4 +1,4 @@
-"""Messages of the camera: what it is, what it does, and what it has taken."""
+"""Messages of the camera: identity, settings, storage, and photographs."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ _IDLE, _IN_SERIES = 0, 2
 
 
 class CameraMessages:
-    """Packs the camera's messages; those of a stream only where there is one."""
+    """Packs the camera's messages; those of a stream only if there is one."""
 
     def __init__(self, view: VehicleView, payload: Payload, gimbal_device_id: int) -> None:
         self._view = view
@@ -61,7 +61,7 @@ class CameraMessages:
             self.producers["VIDEO_STREAM_STATUS"] = lambda: self._stream_status(video)
 
     def captured(self, p: Photograph) -> bytes:
-        """CAMERA_IMAGE_CAPTURED of a photograph."""
+        """Return CAMERA_IMAGE_CAPTURED of a photograph."""
         return _IMAGE_CAPTURED.encode(
             time_utc=EPOCH_US + p.time_us,
             time_boot_ms=p.time_us // 1000,
@@ -77,6 +77,7 @@ class CameraMessages:
 
     def _latest(self) -> bytes | None:
         latest = self._camera.photograph(self._camera.n_taken - 1)
+        # Sent again on request; nothing to send before the first photograph.
         return None if latest is None else self.captured(latest)
 
     def _information(self) -> bytes:
@@ -102,12 +103,14 @@ class CameraMessages:
         return _CAMERA_SETTINGS.encode(
             time_boot_ms=self._view.time_boot_ms,
             mode_id=mav.CAMERA_MODE_VIDEO if is_video else mav.CAMERA_MODE_IMAGE,
+            # NaN: zoom and focus are fixed.
             zoomLevel=math.nan,
             focusLevel=math.nan,
         )
 
     def _storage(self) -> bytes:
         card = self._camera.card
+        # Pictures that are only counted need no storage.
         if card.folder is None:
             return _STORAGE_INFORMATION.encode(
                 time_boot_ms=self._view.time_boot_ms,

@@ -21,10 +21,10 @@ _HEARTBEAT = layout("HEARTBEAT")
 
 
 class Component:
-    """Introduces itself to everybody, and streams to those who have addressed it.
+    """Introduces itself to all partners, and streams to those that have addressed it.
 
-    Its messages are all of MAVLink 2, and clients that do not tell components apart hear nothing of
-    it until they address it.
+    Its messages exist in MAVLink 2 only. Clients that do not tell components apart hear nothing of
+    it until they address it: they would take its heartbeat for the autopilot's.
 
     Attributes:
         telemetry: Its messages.
@@ -52,7 +52,7 @@ class Component:
             statustext: Texts for people.
             faults: Guards work for clients.
             producers: Its messages besides the heartbeat.
-            handlers: What it answers besides commands.
+            handlers: Handlers of messages besides commands.
         """
         self._id = component_id
         self._everybody = everybody
@@ -64,7 +64,7 @@ class Component:
             mavlink_version=3,
         )
         self._own: dict[Channel, Channel] = {}
-        self._partners = Partners()  # Those that have addressed it; the rest hear by `tell`.
+        self._partners = Partners()  # partners that have addressed it; the others hear by `tell`
         self.telemetry = TelemetryService(
             {"HEARTBEAT": lambda: self._heartbeat, **producers},
             self._partners,
@@ -75,14 +75,14 @@ class Component:
         self._handlers: dict[int, Handler] = {}
 
     def execute(self, executors: Mapping[int, Executor]) -> None:
-        """Answer commands from now on: for messages and intervals, and those given."""
+        """Answer commands from now on: those for messages and intervals, and the given ones."""
         messages = MessageCommands(self.telemetry)
         commands = CommandService({**messages.executors, **executors}, self._statustext)
         handlers = {**self._own_handlers, **commands.handlers}
         self._handlers = {LAYOUTS[name].message_id: handler for name, handler in handlers.items()}
 
     def of(self, channel: Channel) -> Channel:
-        """A partner's channel as this component's, which streams to it from now on."""
+        """Return a partner's channel as this component's, which streams to it from now on."""
         own = channel.as_component(self._id)
         if own is not channel and channel not in self._own:
             self._own[channel] = own
@@ -90,7 +90,11 @@ class Component:
         return own
 
     def hear(self, channel: Channel, message: Message) -> str | None:
-        """Handle a message that is addressed to this component; return why it changes nothing."""
+        """Handle a message that is addressed to this component.
+
+        Returns:
+            The reason why it changes nothing; None if it does, or if something else reports that.
+        """
         handler = self._handlers.get(message.get_msgId())
         if handler is None:
             reason = reason_for(message)
@@ -98,7 +102,7 @@ class Component:
         return handler(self.of(channel), message)
 
     def tell(self, name: str, payload: bytes) -> None:
-        """Send a message to everybody."""
+        """Send a message to all partners that speak MAVLink 2."""
         for channel in self._everybody.channels:
             if channel.speaks_version_2:
                 channel.as_component(self._id).send(LAYOUTS[name], payload)

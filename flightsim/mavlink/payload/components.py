@@ -1,4 +1,4 @@
-"""Camera and gimbal as components of the vehicle: who hears what, and what missions order."""
+"""Camera and gimbal as components of the vehicle: routing of messages, and orders of missions."""
 
 from __future__ import annotations
 
@@ -35,9 +35,9 @@ class PayloadComponents:
     """The camera, component 100, and the gimbal, component 154.
 
     Attributes:
-        executors: Their commands, for those who address the autopilot.
-        handlers: Their messages, for those who address the autopilot.
-        producers: What the autopilot itself tells of the gimbal, to older clients.
+        executors: Their commands, for clients that address the autopilot.
+        handlers: Their messages, for clients that address the autopilot.
+        producers: Reports of the autopilot itself on the gimbal, for older clients.
     """
 
     def __init__(
@@ -57,7 +57,7 @@ class PayloadComponents:
             everybody: All partners of the vehicle.
             statustext: Texts for people.
             faults: Guards work for clients.
-            autopilot_address: System and component id of who flies missions.
+            autopilot_address: System and component id of the autopilot that flies missions.
         """
         self._payload = payload
         self._statustext = statustext
@@ -71,6 +71,7 @@ class PayloadComponents:
             self._control,
             mount=mount,
             own_address=autopilot_address,
+            # Called later, when the component below exists.
             tell_status=lambda: self._gimbal.tell("GIMBAL_MANAGER_STATUS", gimbal.status()),
         )
         self._camera_messages = CameraMessages(view, payload, DEVICE_ID)
@@ -98,13 +99,13 @@ class PayloadComponents:
         """Handle a message that is addressed to one of the components; ignore any other.
 
         Returns:
-            Why a message to one of them changes nothing, where that is so.
+            The reason why a message to one of them changes nothing, if it does not.
         """
         component = self._components.get(component_id)
         return None if component is None else component.hear(channel, message)
 
     def perform(self, item: MissionItem) -> None:
-        """Do what a mission item orders; one for what is not aboard is skipped."""
+        """Carry out a mission item's order; one for equipment that is not aboard is skipped."""
         execute = self._orders.get(item.command)
         if execute is None:
             return
@@ -114,6 +115,7 @@ class PayloadComponents:
                 item.frame,
                 *(item.param1, item.param2, item.param3, item.param4),
                 *(item.x, item.y, item.z),
+                # The autopilot as sender: its mission items act whoever controls the gimbal.
                 self._address,
                 item.x * scale_of(item.frame),
             )
@@ -130,7 +132,7 @@ class PayloadComponents:
                 component.introduce()
 
     def update(self) -> None:
-        """Send those who have addressed a component what is due at this tick."""
+        """Send the due messages of this tick to those who have addressed a component."""
         for component in self._components.values():
             component.telemetry.update()
 

@@ -22,15 +22,16 @@ from flightsim.mavlink.service import Handler
 from flightsim.mavlink.view import VehicleView
 from flightsim.payload.gimbal import Gimbal, Pointing
 
+# MAVSDK names the component, others the device; 0 means all.
 _DEVICE_IDS = frozenset({0, DEVICE_ID, mav.MAV_COMP_ID_GIMBAL})
 _MAX_ID = 255
 
 
 class GimbalCommands:
-    """Turns the gimbal as it is told by whoever may.
+    """Turns the gimbal for the clients that may control it.
 
     Attributes:
-        orders: What clients and mission items may order.
+        orders: Orders that clients and mission items may give.
         handlers: Messages that turn it, which have no answer.
     """
 
@@ -49,7 +50,7 @@ class GimbalCommands:
         Args:
             view: State of the vehicle.
             gimbal: The gimbal.
-            control: Who controls it; changed here.
+            control: The clients in control; changed here.
             mount: The same gimbal, for older commands.
             own_address: The autopilot, whose mission items act whoever is in control.
             tell_status: Called when the control has changed.
@@ -79,7 +80,7 @@ class GimbalCommands:
         }
 
     def _guarded(self, turn: OrderExecutor) -> OrderExecutor:
-        """The same for those alone who are in control, while somebody is."""
+        """Return an executor that refuses clients that are not in control, while somebody is."""
 
         def execute(c: Order) -> Reply:
             if c.sender == self._own_address or self._control.allows(c.sender):
@@ -125,6 +126,7 @@ class GimbalCommands:
         if flags & (mav.GIMBAL_MANAGER_FLAGS_NEUTRAL | mav.GIMBAL_MANAGER_FLAGS_RETRACT):
             gimbal.point(STRAIGHT)
             return
+        # A locked yaw counts from north unless the frame's flags say otherwise.
         is_locked = bool(flags & mav.GIMBAL_MANAGER_FLAGS_YAW_LOCK)
         is_of_earth = is_locked
         if flags & mav.GIMBAL_MANAGER_FLAGS_YAW_IN_EARTH_FRAME:
@@ -134,6 +136,7 @@ class GimbalCommands:
         turn_rad = None
         if math.isfinite(yaw_rad):
             north_rad = yaw_rad + (0.0 if is_of_earth else self._view.rpy_rad[2])
+            # The gimbal's own angle counts from the nose, counter-clockwise.
             from_nose_rad = -(north_rad - self._view.rpy_rad[2])
             turn_rad = swap_yaw_enu_ned(north_rad) if is_locked else from_nose_rad
         gimbal.point(
@@ -155,6 +158,7 @@ class GimbalCommands:
         self._follow(c)
         return ACCEPTED
 
+    # Every coordinate must be given: a region of interest has no default.
     def _place_fault(self, c: Order) -> str | None:
         if c.is_here or math.isnan(c.z):
             return "no place; valid are latitude, longitude and altitude"
@@ -210,6 +214,7 @@ class GimbalCommands:
         w, x, y, z = m.q
         pitch_rad = yaw_rad = math.nan
         length = math.hypot(w, x, y, z)
+        # Far from unit length it is no attitude; NaN then leaves both angles alone.
         if 0.5 < length < 2.0:
             unit = (w / length, x / length, y / length, z / length)
             pitch_rad, yaw_rad = euler_rpy_rad(unit)[1:]
@@ -220,7 +225,7 @@ class GimbalCommands:
             self._turn(m.flags, m.pitch, m.yaw, m.pitch_rate, m.yaw_rate)
 
     def _on_manual_control(self, _: Channel, m: Message) -> None:
-        """Sticks, -1 to 1: of the way to either end for angles, of the greatest rate for rates."""
+        """Turn by sticks, -1 to 1: shares of the range (angles) or the greatest rate (rates)."""
         if not self._may_turn(m):
             return
         cfg = self._gimbal.cfg
@@ -234,12 +239,12 @@ class GimbalCommands:
 
 
 def _opposite(value: float) -> float | None:
-    """The value with its sign changed; None if it is not finite."""
+    """Return the value with its sign changed; None if it is not finite."""
     return -value if math.isfinite(value) else None
 
 
 def _device_fault(number: float) -> str | None:
-    """What is wrong with the number of a gimbal, if anything."""
+    """Return the fault of a gimbal's number, or None."""
     if choice(number, default=0) in _DEVICE_IDS:
         return None
     return f"gimbal {number:g}; valid are 0 (all) and {DEVICE_ID}"
@@ -248,7 +253,13 @@ def _device_fault(number: float) -> str | None:
 def _address(
     system: int | None, component: int | None, present: Address, sender: Address
 ) -> Address:
-    """Who is to have control, of what two parameters of CONFIGURE say."""
+    """Return the address that two parameters of CONFIGURE give control to.
+
+    -1 leaves control unchanged, -2 takes it, -3 releases it if the sender has it.
+
+    Raises:
+        ValueError: If the parameters name no address.
+    """
     if system is None or component is None:
         raise ValueError("an id is no whole number; valid are 0 to 255, -1, -2, -3")
     match system:

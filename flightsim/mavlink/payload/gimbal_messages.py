@@ -1,4 +1,4 @@
-"""Messages of the gimbal: who controls it, what it can do, and where it points."""
+"""Messages of the gimbal: control, capabilities, and direction."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _CAPABILITIES = (
     | mav.GIMBAL_MANAGER_CAP_FLAGS_SUPPORTS_YAW_IN_EARTH_FRAME
     | mav.GIMBAL_MANAGER_CAP_FLAGS_CAN_POINT_LOCATION_GLOBAL
 )
-_DEVICE_CAPABILITIES = _CAPABILITIES & 0xFFFF
+_DEVICE_CAPABILITIES = _CAPABILITIES & 0xFFFF  # the device's flags are the manager's lowest 16
 _LEVEL_FLAGS = mav.GIMBAL_DEVICE_FLAGS_ROLL_LOCK | mav.GIMBAL_DEVICE_FLAGS_PITCH_LOCK
 _LOCKED_FLAGS = mav.GIMBAL_DEVICE_FLAGS_YAW_LOCK | mav.GIMBAL_DEVICE_FLAGS_YAW_IN_EARTH_FRAME
 
@@ -41,13 +41,13 @@ NOBODY: Address = (0, 0)
 
 @dataclass(slots=True)
 class Control:
-    """Who controls the gimbal."""
+    """The clients that control the gimbal."""
 
     primary: Address = NOBODY
     secondary: Address = NOBODY
 
     def allows(self, sender: Address) -> bool:
-        """Whether somebody is heard: anybody while nobody is in control."""
+        """Return true if a sender may turn the gimbal: anybody while nobody is in control."""
         return self.primary == NOBODY or sender in {self.primary, self.secondary}
 
 
@@ -66,7 +66,7 @@ class GimbalMessages:
         }
 
     def status(self) -> bytes:
-        """GIMBAL_MANAGER_STATUS: who is in control."""
+        """Return GIMBAL_MANAGER_STATUS with the clients in control."""
         control = self._control
         return _MANAGER_STATUS.encode(
             time_boot_ms=self._view.time_boot_ms,
@@ -124,6 +124,7 @@ class GimbalMessages:
         return _ATTITUDE_STATUS.encode(
             time_boot_ms=self._view.time_boot_ms,
             flags=self._flags,
+            # Quaternion of a turn about z (yaw) and then about y (pitch).
             q=(cy * cp, -sy * sp, cy * sp, sy * cp),
             angular_velocity_x=0.0,
             angular_velocity_y=-gimbal.pitch_down_rate_radps,

@@ -1,4 +1,4 @@
-"""The gimbal as a mount: older messages and commands with a mode, and what it reports of itself.
+"""The gimbal as a mount: older messages and commands with a mode, and its own reports.
 
 DroneKit and scripts for ArduPilot turn it so. Angles on the wire count up and clockwise from the
 nose, in hundredths of a degree; the gimbal's own count down and counter-clockwise.
@@ -64,8 +64,9 @@ class Mount:
         return self._choose(choice(c.param1))
 
     def turn(self, c: Order) -> Reply:
-        """Take the mode that parameter 7 names, and its angles in degrees."""
+        """Take the mode that parameter 7 names, and its angles in degrees (parameters 1 and 3)."""
         mode = choice(c.z, default=_ANGLES)
+        # The command has no room for a place: only modes without one.
         if mode not in {_RETRACT, _NEUTRAL, _ANGLES}:
             return Reply(CommandResult.UNSUPPORTED)
         reply = self._choose(mode)
@@ -88,7 +89,7 @@ class Mount:
         return None if home is None else home.position_enu_m
 
     def _point(self, pitch_deg: float, yaw_deg: float) -> Reply:
-        """Turn to angles; one that is not a number is left alone."""
+        """Turn to angles; an angle that is not a number leaves its axis alone."""
         pitch_rad, yaw_rad = math.radians(pitch_deg), math.radians(yaw_deg)
         self._gimbal.point(
             Pointing(
@@ -105,7 +106,7 @@ class Mount:
         self._answer("MOUNT_CONTROL", m, lambda: self._obey(m))
 
     def _answer(self, name: str, message: Message, act: Callable[[], Reply]) -> None:
-        """Act for whoever may turn the gimbal; say why not, since nothing acknowledges it."""
+        """Act for a client that may turn the gimbal; a text says why not, as no answer exists."""
         sender = (message.get_srcSystem(), message.get_srcComponent())
         if self._control.allows(sender):
             reply = act()
@@ -116,7 +117,7 @@ class Mount:
             self._statustext.say(Severity.WARNING, explanation(name, reply))
 
     def _obey(self, m: Message) -> Reply:
-        """Do what MOUNT_CONTROL says in the present mode."""
+        """Do what MOUNT_CONTROL demands in the present mode."""
         if self._mode == _ANGLES:
             return self._point(_CENTI * m.input_a, _CENTI * m.input_c)
         if self._mode != _PLACE:
@@ -126,6 +127,7 @@ class Mount:
             return denied(
                 f"latitude {latitude_deg:g}, longitude {longitude_deg:g} is off the globe"
             )
+        # ArduPilot's altitude of a place counts from home, in centimetres.
         altitude_m = _CENTI * m.input_c + self._view.home_altitude_m
         place = Geodetic(latitude_deg, longitude_deg, altitude_m)
         target_enu_m = self._view.frame.enu_from_geodetic(place)
@@ -134,7 +136,7 @@ class Mount:
 
     @property
     def _angles_deg(self) -> tuple[float, float]:
-        """Pitch up and yaw clockwise from the nose."""
+        """Pitch up and yaw clockwise from the nose, degrees."""
         gimbal = self._gimbal
         return -math.degrees(gimbal.pitch_down_rad), -math.degrees(gimbal.yaw_rad)
 

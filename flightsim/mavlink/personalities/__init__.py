@@ -1,4 +1,8 @@
-"""Flight stacks to imitate: each is a file, and differs from the others in nothing but its data."""
+"""Flight stacks to imitate: each is a file, and differs from the others in its data alone.
+
+A new difference between stacks becomes a field of `Personality`, so that services never ask for a
+name.
+"""
 
 from __future__ import annotations
 

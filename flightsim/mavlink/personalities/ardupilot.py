@@ -29,6 +29,7 @@ _AUTOMATIC = _STICKS | mav.MAV_MODE_FLAG_GUIDED_ENABLED
 
 # EKF_STATUS_FLAGS
 _EKF_ATTITUDE, _EKF_VELOCITY, _EKF_POSITION_ABSOLUTE = 1, 2 | 4, 16
+# Bits of EKF_STATUS_REPORT; "unaided" is EKF_CONST_POS_MODE.
 _EKF_HEIGHT, _EKF_UNAIDED, _EKF_PREDICTS_POSITION = 32, 128, 256 | 512
 _EKF_NOT_READY = 1024
 
@@ -52,6 +53,7 @@ def _mode(
 def _extra_telemetry(view: VehicleView) -> Mapping[str, Callable[[], bytes | None]]:
     def ekf_status() -> bytes:
         health = view.autopilot.health
+        # Without an attitude the filter reports that it is not initialised.
         flags = (_EKF_ATTITUDE if health.is_attitude_ok else 0) or _EKF_NOT_READY
         if health.is_position_ok:
             flags |= _EKF_VELOCITY | _EKF_POSITION_ABSOLUTE | _EKF_HEIGHT | _EKF_PREDICTS_POSITION
@@ -86,7 +88,7 @@ def _extra_telemetry(view: VehicleView) -> Mapping[str, Callable[[], bytes | Non
     }
 
 
-# Our modes without a place in ArduCopter are reported as what the vehicle does in them.
+# Our modes without a counterpart in ArduCopter are reported by what the vehicle does in them.
 ARDUPILOT = Personality(
     name="ardupilot",
     autopilot=mav.MAV_AUTOPILOT_ARDUPILOTMEGA,
@@ -106,7 +108,7 @@ ARDUPILOT = Personality(
         _mode("FOLLOW", 23, Mode.FOLLOW),
     ),
     mode_shift={"main": 0, "sub": 8},
-    flight_sw_version=4 << 24 | 5 << 16 | 7 << 8 | 255,
+    flight_sw_version=4 << 24 | 5 << 16 | 7 << 8 | 255,  # 4.5.7, official release
     flight_custom_version=b"2a3dc4b7",
     capabilities=(
         mav.MAV_PROTOCOL_CAPABILITY_MISSION_FLOAT
@@ -128,9 +130,9 @@ ARDUPILOT = Personality(
     settings=SETTINGS,
     initial_parameters={
         **defaults_of(ALIASES),
-        "COM_OBL_RC_ACT": 5,  # Without setpoints it stops and holds, ...
+        "COM_OBL_RC_ACT": 5,  # Without setpoints it stops and holds.
         "COM_RC_OVERRIDE": 0,
-        "MPC_XY_VEL_MAX": 35.0,  # ... and speeds have no limit besides their own.
+        "MPC_XY_VEL_MAX": 35.0,  # Speeds have no limit besides their own.
     },
     pilot_speeds_limit_all=False,
     takes_off_above_home=True,

@@ -17,22 +17,23 @@ from flightsim.mavlink.view import VehicleView
 from flightsim.plant.outside import FixSource
 
 # Actions of failsafes in our table.
+# FS_THR_ENABLE and FS_GCS_ENABLE number actions differently, so each has its own codes.
 _NOTHING, _HOLD, _RETURN, _LAND = 0, 1, 2, 3
 _FAILSAFE = {
     0: _NOTHING,
     1: _RETURN,
     2: _RETURN,  # "continue the mission" was removed in 4.0, and returns since then
-    3: _RETURN,  # There is no SmartRTL: the choice after it is taken.
+    3: _RETURN,  # there is no SmartRTL: the choice after it is taken
     4: _LAND,
     5: _LAND,
     6: _RETURN,  # DO_LAND_START, or else a return
     7: _HOLD,  # brake
 }
-"""FS_GCS_ENABLE."""
+"""Codes of FS_GCS_ENABLE."""
 _THROTTLE_FAILSAFE = {**_FAILSAFE, 3: _LAND, 4: _RETURN}
-"""FS_THR_ENABLE, which counts 3 and 4 otherwise."""
+"""Codes of FS_THR_ENABLE, in which 3 and 4 have other meanings."""
 _FENCE = {0: 1, 1: 3, 2: 5, 3: 3, 4: 2, 5: 5}
-"""FENCE_ACTION: report, return, land, SmartRTL or return, brake, SmartRTL or land."""
+"""Codes of FENCE_ACTION: report, return, land, SmartRTL or return, brake, SmartRTL or land."""
 _CODES = {
     "FENCE_ACTION": _FENCE,
     "FS_GCS_ENABLE": _FAILSAFE,
@@ -63,15 +64,16 @@ def _alias_from_row(row: Mapping[str, str]) -> Alias:
 
 
 ALIASES = _read_table()
-"""The rows of `copter_parameters.csv`."""
+"""Rows of `copter_parameters.csv`."""
 
 
 def defaults_of(aliases: Iterable[Alias]) -> Mapping[str, float]:
-    """Our values of a flight stack's defaults."""
+    """Return our values for a flight stack's defaults, by our names."""
     named = {alias.name: alias for alias in aliases}
     told = ((alias, alias.default) for alias in named.values() if alias.default is not None)
     values: dict[str, float] = {}
     for alias, default in told:
+        # A default of 0 that stands for another parameter means that one's default.
         meant = named[alias.zero_means] if alias.zero_means and default == 0 else alias
         assert meant.default is not None, meant.name
         values[alias.ours] = meant.ours_of(meant.default)
@@ -85,7 +87,7 @@ _FIX_SOURCES = {
     14: FixSource.CLIENT,
     100: FixSource.OWN,  # the simulator's
 }
-"""GPS_TYPE."""
+"""Sources of fixes by GPS_TYPE."""
 
 
 def _fix_type(view: VehicleView) -> int:
@@ -102,8 +104,8 @@ def _turn_fence(view: VehicleView, value: int) -> None:
 
 
 SETTINGS = (
-    # Off in ArduCopter until it is set; here an uploaded fence turns it on, as long as nobody has
-    # set it.
+    # ArduCopter's is off until it is set. Here an uploaded fence turns it on until a client sets
+    # it.
     Setting(
         name="FENCE_ENABLE",
         choices={0: "off", 1: "on"},

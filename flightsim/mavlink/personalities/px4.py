@@ -12,7 +12,7 @@ from flightsim.mavlink.personalities.personality import ModeEntry, Personality
 _MANUAL, _ALTCTL, _POSCTL, _AUTO, _ACRO, _OFFBOARD, _STABILIZED = (n << 16 for n in range(1, 8))
 _TAKEOFF, _LOITER, _MISSION, _RTL, _LAND = (_AUTO | n << 24 for n in range(2, 7))
 _FOLLOW, _PRECLAND = (_AUTO | n << 24 for n in (8, 9))
-_POSCTL_ORBIT = _POSCTL | 1 << 24
+_POSCTL_ORBIT = _POSCTL | 1 << 24  # orbit is a sub-mode of position control
 
 # pymavlink infers from these flags whether a custom mode is one of sticks or automatic.
 _GUIDED = mav.MAV_MODE_FLAG_GUIDED_ENABLED
@@ -45,7 +45,7 @@ def _mode(
     )
 
 
-# Modes that clients have not selected are reported as the nearest one that every client knows.
+# Modes that clients cannot select are reported as the nearest one that every client knows.
 PX4 = Personality(
     name="px4",
     autopilot=mav.MAV_AUTOPILOT_PX4,
@@ -74,7 +74,7 @@ PX4 = Personality(
         _mode(Mode.TERMINATION, _MANUAL, _STICKS, is_selectable=False),
     ),
     mode_shift={"main": 16, "sub": 24},
-    flight_sw_version=1 << 24 | 15 << 16 | 4 << 8 | 255,
+    flight_sw_version=1 << 24 | 15 << 16 | 4 << 8 | 255,  # 1.15.4, official release
     flight_custom_version=hashlib.sha256(b"AeroScene").digest()[:8],
     capabilities=(
         mav.MAV_PROTOCOL_CAPABILITY_MISSION_FLOAT

@@ -11,22 +11,27 @@ _LONGEST_BYTES = 1024
 
 
 class SigningKeyError(ValueError):
-    """No key can be made of what was given."""
+    """A file holds no passphrase, or cannot be read."""
 
 
 def key_of_passphrase(passphrase: str) -> bytes:
-    """Key of 32 bytes that QGroundControl and MAVProxy make of a passphrase: its SHA-256."""
+    """Return the key of 32 bytes that QGroundControl and MAVProxy derive: the SHA-256."""
     return hashlib.sha256(passphrase.encode()).digest()
 
 
 def read_key(path: str | Path) -> bytes:
-    """Key of the passphrase in a file's only line.
+    """Return the key of the passphrase in a file's only line.
+
+    Args:
+        path: The file.
 
     Raises:
         SigningKeyError: If the file cannot be read, or does not hold one line of text.
     """
     try:
         with Path(path).open("rb") as file:
+            # One byte more than is allowed, so that a longer file is noticed without reading all of
+            # it.
             data = file.read(_LONGEST_BYTES + 1)
     except OSError as error:
         raise SigningKeyError(

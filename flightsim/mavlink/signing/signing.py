@@ -1,8 +1,8 @@
 """Signing of frames: https://mavlink.io/en/guide/message_signing.html.
 
 A signature is the link's number, a timestamp that only ever rises, and six bytes of a SHA-256 over
-the key and all before. Who has recorded a frame cannot send it again, and who has no key can send
-none but reports of radios.
+the key and everything before. A recorded frame cannot be sent again, and a sender without the key
+can send nothing but reports of radios.
 """
 
 from __future__ import annotations
@@ -20,13 +20,14 @@ _LOG = logging.getLogger(__name__)
 SIGNATURE_BYTES = 13
 _HASH_BYTES = 6
 _TICKS_PER_S = 100_000
-"""Timestamps count ten microseconds since 1 January 2015."""
+"""Ticks of timestamps: they count ten microseconds since 1 January 2015."""
 _EPOCH_S = 1_420_070_400
 _MOST_BEHIND = 60 * _TICKS_PER_S
-"""Greatest age of the first frame of a stream."""
+"""Greatest age of the first frame of a stream, a minute."""
 _MOST_AHEAD = 86_400 * _TICKS_PER_S
-"""A clock farther ahead of ours is wrong, and would make the frames of all others old."""
-_MOST_STREAMS = 64
+"""Greatest lead of a frame over our clock, a day. A clock farther ahead is wrong, and would make
+the frames of all others old."""
+_MOST_STREAMS = 64  # senders that are remembered; no client can make this grow
 _RADIO_STATUS = LAYOUTS["RADIO_STATUS"].message_id
 
 Stream = tuple[int, int, int]
@@ -34,12 +35,12 @@ Stream = tuple[int, int, int]
 
 
 class Signing:
-    """The vehicle's key, and the latest timestamp of everybody who has signed with it.
+    """The vehicle's key, and the latest timestamp of each sender that has signed with it.
 
-    One object serves all links, so that a frame recorded on one is not taken on another.
+    One object serves all links, so that a frame recorded on one is not accepted on another.
 
     Attributes:
-        key: Key of 32 bytes; None while nothing is signed and nothing need be.
+        key: Key of 32 bytes; None while nothing is signed and no signature is required.
         n_refused: Number of frames that were refused.
     """
 
@@ -59,19 +60,28 @@ class Signing:
         self._told: set[str] = set()
 
     def new_link_id(self) -> int:
-        """Number for one more link, 0 to 255."""
+        """Return a number for one more link, 0 to 255."""
         self._n_links += 1
         return self._n_links - 1 & 0xFF
 
     def sign(self, frame: bytes, link_id: int) -> bytes:
-        """Append the signature to a MAVLink 2 frame whose flags say that it is signed."""
+        """Append the signature to a MAVLink 2 frame whose flags announce it.
+
+        Args:
+            frame: The frame, with its checksum.
+            link_id: Number of the link that it leaves by.
+
+        Returns:
+            The frame with 13 bytes more.
+        """
         assert self.key is not None
+        # It rises even if the clock stands still or goes back.
         self._timestamp = max(self._timestamp + 1, self._now())
         signed = frame + bytes((link_id,)) + self._timestamp.to_bytes(6, "little")
         return signed + _hash(self.key, signed)
 
     def admits(self, frame: bytes | bytearray) -> bool:
-        """Whether an undamaged frame may be believed; if so, it never may be again."""
+        """Return true if an undamaged frame may be believed; the same frame never may be again."""
         if self.key is None:
             return True
         fault = self.fault(frame)
@@ -84,17 +94,20 @@ class Signing:
         if _is_signed(frame):
             stream, timestamp = _stamp(frame)
             self._latest[stream] = timestamp
+            # Our own timestamps must not fall behind those of partners with a faster clock.
             self._timestamp = max(self._timestamp, timestamp)
         return True
 
     def fault(self, frame: bytes | bytearray) -> str | None:
-        """Why a frame cannot be believed, in words that follow "a message"; None if it can."""
+        """Return why a frame is not believed, in words that follow "a message", or None."""
         key = self.key
         if key is None:
             return None
         if not _is_signed(frame):
+            # Radios cannot sign, and their reports change nothing.
             return None if _message_id(frame) == _RADIO_STATUS else "without a signature"
         signed = bytes(frame[:-_HASH_BYTES])
+        # In constant time, so that the comparison reveals nothing about the right bytes.
         if not hmac.compare_digest(_hash(key, signed), bytes(frame[-_HASH_BYTES:])):
             return "with a forged signature"
         stream, timestamp = _stamp(frame)
@@ -105,6 +118,7 @@ class Signing:
             return "more than a minute old"
         if timestamp > self._now() + _MOST_AHEAD:
             return "more than a day ahead of the clock"
+        # Only new senders are refused: the known ones go on.
         if latest is None and len(self._latest) >= _MOST_STREAMS:
             return f"of one sender more than {_MOST_STREAMS}"
         return None
@@ -122,7 +136,7 @@ def _message_id(frame: bytes | bytearray) -> int:
 
 
 def _stamp(frame: bytes | bytearray) -> tuple[Stream, int]:
-    """Stream and timestamp of a signed frame."""
+    """Return stream and timestamp of a signed frame."""
     link_id, timestamp = frame[-SIGNATURE_BYTES], frame[1 - SIGNATURE_BYTES : -_HASH_BYTES]
     return (link_id, frame[5], frame[6]), int.from_bytes(timestamp, "little")
 

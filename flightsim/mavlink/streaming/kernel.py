@@ -1,7 +1,7 @@
-"""One call a tick: what is due for each partner is filled from the plant's record and framed.
+"""One call a tick: the due messages of each partner are filled from the plant's record and framed.
 
 Messages that Python packs are asked for first: the call then returns how many are wanted, and is
-made again once they are there.
+made again once they are there. A kernel cannot call back into Python.
 """
 
 from __future__ import annotations
@@ -32,30 +32,31 @@ from flightsim.plant.record import PLANT_DTYPE
 TICK_US = 20_000
 """Period of the server, and so the shortest interval of a stream."""
 
-_NOT_DUE_US = 1 << 62
+_NOT_DUE_US = 1 << 62  # later than any simulated time
 _N_VALUES = VALUES_DTYPE.itemsize // 8
 _COMPILE_SECONDS = 8.0
 
 
 @kernel
 def stream(streamers: np.ndarray, now_us: int, asked: int) -> int:
-    """Frame what is due for all partners, or pack one message for nobody in particular.
+    """Frame the due messages for all partners, or pack one message for nobody in particular.
 
     Args:
         streamers: `STREAMER_DTYPE` (1,), changed with all that it points to.
         now_us: Simulated time.
-        asked: Index of the one message, which is packed; -1 to frame what is due.
+        asked: Index of the one message, which is packed; -1 to frame due messages.
 
     Returns:
-        Number of messages that Python must pack before this is called again; their indexes are
-        where `wanted_address` says. 0 if all is done; nothing is due again before `next_us` then.
+        Number of messages that Python must pack before this is called again; their indexes are at
+        `wanted_address`. 0 if all is done; nothing is due again before `next_us` then.
     """
     s = streamers[0]
     messages = rows(s.messages_address, s.n_messages, MESSAGE_DTYPE)
     if asked >= 0:
+        # Forgotten before and after: state may change within a tick, when a client asks.
         s.filled_us = -1
         _pack_filled(s, messages[asked], now_us)
-        s.filled_us = messages[asked].packed_us = -1  # More may happen before the tick's end.
+        s.filled_us = messages[asked].packed_us = -1  # more may happen before the tick's end
         return 0
     addresses = long_integers(s.partners_address, s.n_partners)
     n_wanted = 0
@@ -64,7 +65,7 @@ def stream(streamers: np.ndarray, now_us: int, asked: int) -> int:
         partner = rows(addresses[k], 1, PARTNER_DTYPE)
         partner[0].n_frames = partner[0].n_bytes = 0
         if partner[0].way == WAITS:
-            s.next_us = now_us  # It may take what is overdue at any tick.
+            s.next_us = now_us  # it may take overdue messages at any tick
             continue
         s.next_us = min(s.next_us, mark_due(partner, s.n_messages, now_us))
         n_wanted = _want(s, messages, partner[0], now_us, n_wanted)
@@ -79,7 +80,7 @@ def stream(streamers: np.ndarray, now_us: int, asked: int) -> int:
 
 @kernel
 def mark_due(partners: np.ndarray, n_messages: int, now_us: int) -> int:
-    """Mark what is due for a partner at a tick, and move its calendar on.
+    """Mark the due messages of a partner at a tick, and advance its calendar.
 
     Args:
         partners: `PARTNER_DTYPE` (1,), changed.
@@ -87,7 +88,7 @@ def mark_due(partners: np.ndarray, n_messages: int, now_us: int) -> int:
         now_us: Simulated time.
 
     Returns:
-        Time at which something is due again.
+        Time at which a message is due again.
     """
     p = partners[0]
     next_us = long_integers(p.next_address, n_messages)
@@ -101,7 +102,7 @@ def mark_due(partners: np.ndarray, n_messages: int, now_us: int) -> int:
         if next_us[i] <= now_us:
             is_due[i] = 1
             next_us[i] += interval_us[i]
-            if next_us[i] <= now_us:  # Of ticks that were left out, one message makes up for all.
+            if next_us[i] <= now_us:  # one message makes up for all ticks that were left out
                 next_us[i] = now_us + TICK_US
         earliest_us = min(earliest_us, next_us[i])
     return earliest_us
@@ -109,10 +110,11 @@ def mark_due(partners: np.ndarray, n_messages: int, now_us: int) -> int:
 
 @kernel
 def _want(s: np.record, messages: np.ndarray, p: np.record, now_us: int, n_wanted: int) -> int:
-    """Pack what is due for a partner, and collect what Python must; returns how many those are."""
+    """Pack due messages of a partner; collect those that Python must pack, return their number."""
     is_due = bytes_at(p.due_address, len(messages))
     wanted = long_integers(s.wanted_address, len(messages))
     for i in range(len(messages)):
+        # Packed in this tick already, for another partner.
         if is_due[i] == 0 or messages[i].packed_us == now_us:
             continue
         if messages[i].first_value >= 0:
@@ -141,6 +143,7 @@ def _pack_filled(s: np.record, message: np.record, now_us: int) -> None:
     first, end = message.first_value, message.first_value + message.n_values
     payload = bytes_at(s.payloads_address + message.payload_start, message.size)
     message.n_parts = 0
+    # The value before the fields is `is_known`; a message without data has no part.
     if values[first - 1] != 0.0 and pack(values[first:end], types[first:end], payload):
         message.n_parts = 1
     message.packed_us = now_us
@@ -174,7 +177,7 @@ def _view(s: np.record) -> np.record:
 
 @kernel
 def _frame(s: np.record, messages: np.ndarray, p: np.record) -> None:
-    """Frame what is due for a partner, one message after the other."""
+    """Frame the due messages of a partner, one after the other."""
     is_due = bytes_at(p.due_address, len(messages))
     for i in range(len(messages)):
         if is_due[i] == 0:
@@ -187,6 +190,7 @@ def _frame(s: np.record, messages: np.ndarray, p: np.record) -> None:
                 bytes_at(start, m.size),
                 m.message_id,
                 m.crc_seed,
+                # `write_frame` keeps the lowest eight bits.
                 p.sequence + p.n_frames,
                 p.system_id,
                 p.component_id,
@@ -196,6 +200,6 @@ def _frame(s: np.record, messages: np.ndarray, p: np.record) -> None:
 
 
 def compile_streaming() -> None:
-    """Compile the kernel now, or load it from the cache; says so if it takes long."""
+    """Compile the kernel now, or load it from the cache; a line is printed if it takes long."""
     example = (np.zeros(1, STREAMER_DTYPE), 0, 0)
     compile_ahead(stream, example, "telemetry kernel", _COMPILE_SECONDS)

@@ -1,6 +1,6 @@
 """Messages of the estimate, the setpoint and the truth, filled from the plant's record.
 
-What each field means is MAVLink's; `look` is `flightsim.frames` for kernels.
+The meaning of each field is MAVLink's; `look` is `flightsim.frames` for kernels.
 """
 
 from __future__ import annotations
@@ -14,19 +14,19 @@ from autonomy.types import ControlLevel
 from flightsim.mavlink.dialect import dialect as mav
 from flightsim.plant.mujoco_calls import doubles
 
-FULL_TURN_CENTIDEG = 36000.0
+FULL_TURN_CENTIDEG = 36000.0  # MAVLink's headings are 0 to 35,999 hundredths of a degree
 _TRAJECTORY, _ATTITUDE_LEVEL = float(ControlLevel.TRAJECTORY), float(ControlLevel.ATTITUDE)
 _STANDARD_GRAVITY_MPS2 = 9.80665  # unit of "mG" in HIL_STATE_QUATERNION
 _HALF_SQRT_2 = math.sqrt(0.5)
 _IGNORE_VELOCITY, _IGNORE_ACCELERATION = 7 << 3, 7 << 6
 _IGNORE_YAW = mav.POSITION_TARGET_TYPEMASK_YAW_IGNORE
 _IGNORE_YAW_RATE = mav.POSITION_TARGET_TYPEMASK_YAW_RATE_IGNORE
-_MOST_WAYPOINT_M = 65535.0
+_MOST_WAYPOINT_M = 65535.0  # wp_dist has 16 bits
 
 
 @kernel
 def look(v: np.record, p: np.record, now_us: int) -> None:
-    """Convert the estimate of the present tick.
+    """Convert the estimate of the present tick into MAVLink's frames.
 
     Args:
         v: `VIEW_DTYPE`, changed.
@@ -42,6 +42,7 @@ def look(v: np.record, p: np.record, now_us: int) -> None:
     _swap_attitude(f.quat_wxyz, v.quat_ned_frd)
     w, x, y, z = v.quat_ned_frd[0], v.quat_ned_frd[1], v.quat_ned_frd[2], v.quat_ned_frd[3]
     v.rpy_rad[0] = math.atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))
+    # Rounding may push the sine beyond 1, where asin is not defined.
     v.rpy_rad[1] = math.asin(max(-1.0, min(1.0, 2 * (w * y - z * x))))
     v.rpy_rad[2] = math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
     v.heading_deg = math.degrees(v.rpy_rad[2]) % 360.0
@@ -50,7 +51,7 @@ def look(v: np.record, p: np.record, now_us: int) -> None:
 
 @kernel
 def tell_pose(m: np.record, p: np.record, v: np.record) -> None:
-    """Fill the messages of where the vehicle is, and how it stands.
+    """Fill the messages of position and attitude.
 
     Args:
         m: `VALUES_DTYPE`, changed.
@@ -64,7 +65,7 @@ def tell_pose(m: np.record, p: np.record, v: np.record) -> None:
 
 @kernel
 def tell_course(m: np.record, p: np.record, v: np.record) -> None:
-    """Fill the messages of where the vehicle goes, of how it flies, and of the truth.
+    """Fill the messages of the setpoint, the flight instruments, and the truth.
 
     Args:
         m: `VALUES_DTYPE`, changed.
@@ -94,6 +95,7 @@ def _tell_attitude_target(m: np.record, p: np.record, v: np.record) -> None:
     s = p.setpoint
     m.is_known = p.filter.is_aligned
     m.time_boot_ms = v.time_boot_ms
+    # Without an attitude setpoint the present attitude is reported, with the demanded rates.
     if s.level == _ATTITUDE_LEVEL:
         _swap_attitude(s.quat_wxyz, m.q)
     else:
@@ -127,6 +129,7 @@ def _tell_odometry(m: np.record, p: np.record, v: np.record) -> None:
     for i in range(4):
         m.q[i] = v.quat_ned_frd[i]
     m.rollspeed, m.pitchspeed = v.rates_frd_radps[0], v.rates_frd_radps[1]
+    # ODOMETRY's velocity is in the body frame, unlike that of LOCAL_POSITION_NED.
     m.yawspeed = v.rates_frd_radps[2]
     w, x, y, z = v.quat_ned_frd[0], v.quat_ned_frd[1], v.quat_ned_frd[2], v.quat_ned_frd[3]
     a, b, c = v.velocity_ned_mps[0], v.velocity_ned_mps[1], v.velocity_ned_mps[2]
@@ -142,7 +145,7 @@ def _tell_flight(hud: np.record, height: np.record, p: np.record, v: np.record) 
     """Fill VFR_HUD and ALTITUDE."""
     hud.is_known = height.is_known = p.filter.is_aligned
     velocity, altitude_m = v.velocity_ned_mps, v.altitude_est_m
-    hud.airspeed = max(0.0, p.airspeed.indicated_mps)  # As PX4 has it: nothing flies backwards.
+    hud.airspeed = max(0.0, p.airspeed.indicated_mps)  # as with PX4, never negative
     hud.groundspeed = math.hypot(velocity[0], velocity[1])
     hud.alt, hud.climb = altitude_m, -velocity[2]
     hud.heading = np.rint(v.heading_deg) % 360.0
@@ -158,6 +161,7 @@ def _tell_flight(hud: np.record, height: np.record, p: np.record, v: np.record) 
 @kernel
 def _tell_local_target(m: np.record, p: np.record, v: np.record) -> None:
     s = p.setpoint
+    # Other levels have no position target.
     m.is_known = p.filter.is_aligned == 1 and s.level == _TRAJECTORY
     x, y, z = s.position_enu_m[0], s.position_enu_m[1], s.position_enu_m[2]
     m.time_boot_ms = v.time_boot_ms
@@ -166,6 +170,7 @@ def _tell_local_target(m: np.record, p: np.record, v: np.record) -> None:
     velocity, acceleration = s.velocity_enu_mps, s.acceleration_enu_mps2
     m.vx, m.vy, m.vz = velocity[1], velocity[0], -velocity[2]
     m.afx, m.afy, m.afz = acceleration[1], acceleration[0], -acceleration[2]
+    # Three bits each for position, velocity and acceleration that are free.
     mask = _ignored(m.x, m.y, m.z) | _ignored(m.vx, m.vy, m.vz) << 3
     mask |= _ignored(m.afx, m.afy, m.afz) << 6
     m.yaw, of_yaw = _yaw_and_mask(s.yaw_rad)
@@ -202,11 +207,13 @@ def _tell_truth(m: np.record, p: np.record, v: np.record) -> None:
     m.is_known = 1.0
     m.time_usec = v.time_us
     _swap_attitude(qpos[3:7], m.attitude_quaternion)
+    # qvel holds the velocity in the world and the rates in the body.
     m.rollspeed, m.pitchspeed, m.yawspeed = qvel[3], -qvel[4], -qvel[5]
     latitude_deg, longitude_deg, altitude_m = place_of(v, qpos[0:3])
     m.lat, m.lon = np.rint(latitude_deg * 1e7), np.rint(longitude_deg * 1e7)
     m.alt = np.rint(altitude_m * 1e3)
     m.vx, m.vy, m.vz = centi(qvel[1]), centi(qvel[0]), centi(-qvel[2])
+    # The true airspeed: velocity relative to the wind at the vehicle.
     squares = (qvel[0] - air[0]) ** 2 + (qvel[1] - air[1]) ** 2 + (qvel[2] - air[2]) ** 2
     m.ind_airspeed = m.true_airspeed = centi(math.sqrt(squares))
     m.xacc, m.yacc, m.zacc = _milli_g(accel[0]), _milli_g(-accel[1]), _milli_g(-accel[2])
@@ -231,7 +238,7 @@ def _swap_body(vector: np.ndarray, out: np.ndarray) -> None:
 
 @kernel
 def _swap_attitude(quat_wxyz: np.ndarray, out: np.ndarray) -> None:
-    """FLU-to-ENU into FRD-to-NED, or back; w >= 0."""
+    """Convert FLU-to-ENU into FRD-to-NED, or back; w >= 0."""
     w, x, y, z = quat_wxyz[0], quat_wxyz[1], quat_wxyz[2], quat_wxyz[3]
     sign = 1.0 if _HALF_SQRT_2 * (w + z) >= 0 else -1.0
     out[0], out[1] = sign * (_HALF_SQRT_2 * (w + z)), sign * (_HALF_SQRT_2 * (x + y))
@@ -240,7 +247,7 @@ def _swap_attitude(quat_wxyz: np.ndarray, out: np.ndarray) -> None:
 
 @kernel
 def place_of(v: np.record, position_enu_m: np.ndarray) -> tuple[float, float, float]:
-    """Latitude and longitude in degrees, and altitude in metres, of a position."""
+    """Return latitude and longitude in degrees, and altitude in metres, of a position."""
     return (
         v.latitude_deg + position_enu_m[1] / v.metres_per_degree_north,
         v.longitude_deg + position_enu_m[0] / v.metres_per_degree_east,
@@ -250,7 +257,7 @@ def place_of(v: np.record, position_enu_m: np.ndarray) -> tuple[float, float, fl
 
 @kernel
 def within(value: float, least: float, most: float) -> float:
-    """A number within a range; one that is not a number stays so."""
+    """Return a number moved into a range; NaN stays NaN."""
     if value < least:
         return least
     return min(value, most)
@@ -258,7 +265,7 @@ def within(value: float, least: float, most: float) -> float:
 
 @kernel
 def centi(value: float) -> float:
-    """Hundredths in 16 bits."""
+    """Return hundredths in 16 bits."""
     return within(np.rint(value * 100.0), -32768.0, 32767.0)
 
 
@@ -269,7 +276,7 @@ def _milli_g(accel_mps2: float) -> float:
 
 @kernel
 def _ignored(x: float, y: float, z: float) -> int:
-    """Type mask bits, one for each axis that is NaN."""
+    """Return type mask bits, one for each axis that is NaN."""
     return int(math.isnan(x)) | int(math.isnan(y)) << 1 | int(math.isnan(z)) << 2
 
 
@@ -277,5 +284,6 @@ def _ignored(x: float, y: float, z: float) -> int:
 def _yaw_and_mask(yaw_enu_rad: float) -> tuple[float, int]:
     if math.isnan(yaw_enu_rad):
         return 0.0, _IGNORE_YAW
+    # East is zero in ENU, north in NED; wrapped to (-pi, pi].
     swapped = math.pi / 2 - yaw_enu_rad
     return -((math.pi - swapped) % (2 * math.pi) - math.pi), 0

@@ -1,4 +1,4 @@
-"""Messages of what navigation knows: satellites, the estimator's health, air and time.
+"""Messages of navigation: satellites, the estimator's health, air and time.
 
 `flightsim.sensors.gnss_reading` and `flightsim.plant.readings` are the same for Python.
 """
@@ -22,9 +22,10 @@ _MOST_SATELLITES = 254.0
 _UNKNOWN_U16 = 65535.0
 _ATTITUDE = mav.ESTIMATOR_ATTITUDE
 _UNAIDED = mav.ESTIMATOR_CONST_POS_MODE
-"""No external measurements of the position are in use."""
+"""Flag: no external measurements of the position are in use."""
 _POSITION = 0b11_0111_1110
-"""Velocities, positions relative and absolute, height above ground, and their predictions."""
+"""Flags: velocities, positions relative and absolute, height above ground, and their predictions.
+"""
 
 
 @kernel
@@ -46,6 +47,7 @@ def tell_navigation(m: np.record, p: np.record, v: np.record) -> None:
 def _tell_fix(m: np.record, r: np.record, tick_us: int, v: np.record) -> None:
     m.is_known = 1.0
     is_on = r.is_enabled == 1 and r.failure[0] != _OFF
+    # After a gap of the sky the receiver needs some ticks until it has a fix again.
     is_fixed = is_on and r.under_sky_ticks >= r.reacquire_ticks and r.tick >= 0
     m.time_usec = max(0, r.tick) * tick_us
     latitude_deg, longitude_deg, altitude_m = place_of(v, r.position_enu_m)
@@ -55,6 +57,7 @@ def _tell_fix(m: np.record, r: np.record, tick_us: int, v: np.record) -> None:
     m.vel = _uint16(100.0 * math.hypot(north_mps, east_mps))
     course_deg = math.degrees(math.atan2(east_mps, north_mps)) % 360.0
     m.cog = np.rint(course_deg * 100.0) % FULL_TURN_CENTIDEG
+    # 65535 is "unknown"; without a fix nothing is claimed.
     m.eph = m.epv = _UNKNOWN_U16
     m.h_acc = m.v_acc = m.satellites_visible = 0.0
     m.fix_type = _NO_FIX
@@ -68,7 +71,7 @@ def _tell_fix(m: np.record, r: np.record, tick_us: int, v: np.record) -> None:
 
 @kernel
 def _accuracy_m(r: np.record, k: int) -> float:
-    """What the receiver claims, horizontally (0) or vertically (1)."""
+    """Return the accuracy that the receiver claims, horizontally (0) or vertically (1), m."""
     ambiguous_m = r.is_float * r.float_sigma_m
     white_m = math.hypot(r.reported_accuracy_m[k], ambiguous_m) * r.dilution[2 * k]
     return math.hypot(math.hypot(white_m, r.multipath_now_sigma_m[2 * k]), r.settling_sigma_m)
@@ -83,11 +86,13 @@ def _tell_estimator(m: np.record, f: np.record, v: np.record) -> None:
     m["flags"] = 0.0  # numpy's records have an attribute of that name
     m.pos_horiz_accuracy = m.pos_vert_accuracy = math.inf
     if f.is_aligned == 1:
+        # Root of both horizontal variances.
         m.pos_horiz_accuracy = math.sqrt(f.covariance[0, 0] + f.covariance[1, 1])
         m.pos_vert_accuracy = math.sqrt(f.covariance[2, 2])
         m["flags"] = _ATTITUDE
         if m.pos_horiz_accuracy < MAX_HORIZONTAL_SIGMA_M:
             m["flags"] = _ATTITUDE | _POSITION
+        # Dead reckoning: nothing has measured the position for this long.
         if (f.tick - f.last_position_tick) * f.dt_s > DEAD_RECKONING_S:
             m["flags"] += _UNAIDED
 
@@ -111,7 +116,7 @@ def _tell_time(m: np.record, v: np.record) -> None:
 
 @kernel
 def _uint16(value: float) -> float:
-    """A number in 16 bits, of which the greatest says that it is unknown."""
+    """Return a number in 16 bits, of which the greatest means unknown."""
     if not math.isfinite(value):
         return _UNKNOWN_U16
     return within(np.rint(value), 0.0, _UNKNOWN_U16 - 1.0)

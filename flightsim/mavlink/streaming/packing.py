@@ -14,19 +14,19 @@ from flightsim.mavlink.dialect import number_range
 
 HEADER_BYTES, CHECKSUM_BYTES = 10, 2
 OVERHEAD_BYTES = HEADER_BYTES + CHECKSUM_BYTES
-"""Header and checksum of a MAVLink 2 frame."""
+"""Bytes of header and checksum of a MAVLink 2 frame."""
 TYPES = "fbBhHiIqQ"
-"""Types on the wire, as letters of a struct format; the first is the one that is no integer."""
+"""Types on the wire, as letters of a struct format; only the first is no integer."""
 _SIZES = np.array([np.dtype(letter).itemsize for letter in TYPES], np.int64)
 _LEAST = np.array([number_range(letter)[0] for letter in TYPES], np.float64)
 _MOST = np.array([number_range(letter)[1] for letter in TYPES], np.float64)
 _MARKER = 0xFD
-_POLYNOMIAL = 0x8408
+_POLYNOMIAL = 0x8408  # of CRC-16/MCRF4XX, with its bits reversed
 
 
 def _crc_tables() -> tuple[np.ndarray, ...]:
-    """What a byte does to the checksum, as the last of the bytes, the one before it, and so on."""
-    last = np.arange(256, dtype=np.int32)  # Half of what integers of Python take in the cache.
+    """Return the effect of a byte on the checksum as the last one, the one before it, and so on."""
+    last = np.arange(256, dtype=np.int32)  # int32: half the size of Python's integers in the cache
     for _ in range(8):
         last = np.where(last & 1, last >> 1 ^ _POLYNOMIAL, last >> 1).astype(np.int32)
     tables = [last]
@@ -55,9 +55,11 @@ def pack(values: np.ndarray, types: np.ndarray, payload: np.ndarray) -> bool:
         value, kind = values[i], types[i]
         if kind == 0:
             single = np.float32(value)
+            # Infinity has a place in a float, a number beyond its range has none.
             if math.isinf(single) and not math.isinf(value):
                 return False
             bits = np.int64(single.view(np.uint32))
+        # NaN compares false and is refused too.
         elif _LEAST[kind] <= value <= _MOST[kind]:
             bits = np.int64(value)
         else:
@@ -81,12 +83,12 @@ def write_frame(
     """Write a MAVLink 2 frame, without the zeros at the payload's end as the protocol allows.
 
     Args:
-        payload: As packed.
+        payload: Payload as packed.
         message_id: Type of the message.
         crc_seed: Seed of its checksum.
         sequence: Number of the frame; the lowest eight bits are sent.
-        system_id: Sender.
-        component_id: Sender's component.
+        system_id: System id of the sender.
+        component_id: Component id of the sender.
         out: Bytes, changed.
 
     Returns:
@@ -101,7 +103,7 @@ def write_frame(
     for i in range(length):
         out[HEADER_BYTES + i] = payload[i]
     end = HEADER_BYTES + length
-    out[end] = crc_seed  # Checked as if it were the last byte; the checksum takes its place.
+    out[end] = crc_seed  # counted as the last byte; the checksum then takes its place
     crc = _crc_of(0xFFFF, out[1 : end + 1])
     out[end], out[end + 1] = crc & 0xFF, crc >> 8
     return end + CHECKSUM_BYTES
@@ -109,7 +111,10 @@ def write_frame(
 
 @kernel
 def _crc_of(crc: int, data: np.ndarray) -> int:
-    """CRC-16/MCRF4XX of more bytes, four at a time: a byte alone waits for the one before it."""
+    """Return the CRC-16/MCRF4XX of more bytes.
+
+    Four bytes at a time: byte by byte, each step would wait for the one before it.
+    """
     n = len(data)
     whole = n - n % 4
     for i in range(0, whole, 4):

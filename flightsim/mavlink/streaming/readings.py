@@ -10,12 +10,13 @@ from autonomy.jit import kernel
 from flightsim.mavlink.streaming.motion import centi
 
 MIN_RANGE_CM, MAX_RANGE_CM = 10, 3000
+# Pulse widths in us: stopped while disarmed, idle, and the range above it.
 _PWM_STOPPED, _PWM_IDLE, _PWM_SPAN = 900.0, 1000.0, 1000.0
 
 
 @kernel
 def tell_readings(m: np.record, p: np.record, v: np.record) -> None:
-    """Fill the messages of what is measured besides motion, and of what the motors are told.
+    """Fill the messages of pressure, range and motor commands.
 
     Args:
         m: `VALUES_DTYPE`, changed.
@@ -45,7 +46,7 @@ def tell_imu(m: np.record, p: np.record, v: np.record) -> None:
 def _tell_pressure(m: np.record, p: np.record, v: np.record) -> None:
     m.is_known = 1.0
     m.time_boot_ms = v.time_boot_ms
-    m.press_abs, m.press_diff = p.baro.pressure_pa * 0.01, p.airspeed.differential_pa * 0.01
+    m.press_abs, m.press_diff = p.baro.pressure_pa * 0.01, p.airspeed.differential_pa * 0.01  # hPa
     m.temperature = centi(p.baro.temperature_degc)
     m.temperature_press_diff = centi(p.airspeed.temperature_degc)
 
@@ -55,6 +56,7 @@ def _tell_range(m: np.record, range_m: float, v: np.record) -> None:
     m.is_known = 1.0
     m.time_boot_ms = v.time_boot_ms
     is_valid = math.isfinite(range_m)
+    # One centimetre beyond the range means that nothing was met.
     distance_cm = np.rint(100.0 * range_m) if is_valid else MAX_RANGE_CM + 1.0
     m.current_distance = max(0.0, min(MAX_RANGE_CM + 1.0, distance_cm))
     m.signal_quality = 100.0 if is_valid else 1.0
@@ -64,6 +66,7 @@ def _tell_range(m: np.record, range_m: float, v: np.record) -> None:
 def _tell_motors(m: np.record, command_radps: np.ndarray, v: np.record) -> None:
     m.is_known = 1.0
     m.time_usec = int(v.time_us) & 0xFFFFFFFF
+    # Field by field: kernels cannot reach a record's fields by a computed name.
     m.servo1_raw = _pulse(0, command_radps, v)
     m.servo2_raw = _pulse(1, command_radps, v)
     m.servo3_raw = _pulse(2, command_radps, v)
@@ -80,7 +83,7 @@ def _tell_motors(m: np.record, command_radps: np.ndarray, v: np.record) -> None:
 
 @kernel
 def _pulse(motor: int, command_radps: np.ndarray, v: np.record) -> float:
-    """Width of a motor's pulse in us, 0 where there is no motor."""
+    """Return the width of a motor's pulse in us, 0 if there is no such motor."""
     if motor >= v.n_motors:
         return 0.0
     speed_radps = command_radps[v.motors[motor]]

@@ -1,7 +1,8 @@
-"""Records of the kernel that streams: what it knows of messages, of partners and of the vehicle.
+"""Records of the streaming kernel: messages, partners and the vehicle.
 
-What a compiled message tells is written as doubles, by the names of its fields, into
-`VALUES_DTYPE`. Their order on the wire and their types are those of the dialect's message classes.
+Values of a compiled message are written as doubles, by the names of its fields, into
+`VALUES_DTYPE`. Their order on the wire and their types are those of the dialect's message classes,
+so that a filling function never deals with bytes.
 """
 
 from __future__ import annotations
@@ -35,14 +36,14 @@ MOST_MOTORS = 16
 
 
 def _values_dtype(message: Layout) -> np.dtype:
-    """Values of a message in wire order, after whether there is anything to tell."""
+    """Return the type of a message's values in wire order, behind a flag that there are any."""
     counts = message.counts.items()
     shaped = [(name, "f8", (n,)) if n > 1 else (name, "f8") for name, n in counts]
     return np.dtype([("is_known", "f8"), *shaped])
 
 
 VALUES_DTYPE = np.dtype([(name, _values_dtype(LAYOUTS[name])) for name in TOLD])
-"""What each of `TOLD` says now."""
+"""Present values of each of `TOLD`."""
 
 MESSAGE_DTYPE = np.dtype(
     [
@@ -65,7 +66,7 @@ PARTNER_DTYPE = np.dtype(
         kind="i8",
     )
 )
-"""A partner: how it is served, and where its calendar and its frames are."""
+"""A partner: how it is served, and the addresses of its calendar and its frames."""
 
 WAITS, FRAMED, ONE_BY_ONE = range(3)
 """Ways to serve a partner: not in this tick, with MAVLink 2 frames, or as Python does it."""
@@ -102,25 +103,25 @@ STREAMER_DTYPE = np.dtype(
         kind="i8",
     )
 )
-"""Where all that is. `partners_address` is of addresses, one for each partner, `filled` has a bit
-for each group that is filled as of `filled_us`, and `next_us` is the time at which something is due
-for one of the partners again."""
+"""Addresses of all these records. `partners_address` holds addresses, one for each partner,
+`filled` has a bit for each group that is filled as of `filled_us`, and `next_us` is the time at
+which a message is due for one of the partners again."""
 
 
 _FIRST_VALUES = {
     name: offset // 8 + 1 for name, (_, offset, *_) in (VALUES_DTYPE.fields or {}).items()
 }
-"""Index of the first value of each of `TOLD` among all doubles, behind whether it is known."""
+"""Index of the first value of each of `TOLD` among all doubles, behind its flag `is_known`."""
 
 
 def message_rows(layouts: list[Layout]) -> np.ndarray:
-    """`MESSAGE_DTYPE` of messages of these types, each with room for its parts."""
+    """Return `MESSAGE_DTYPE` rows of these types, each with room for its parts."""
     rows = np.zeros(len(layouts), MESSAGE_DTYPE)
     start = 0
     for row, layout in zip(rows, layouts, strict=True):
         row["message_id"], row["size"] = layout.message_id, layout.size
         row["crc_seed"] = layout.crc_seed[0]
-        row["payload_start"], row["packed_us"] = start, -1
+        row["payload_start"], row["packed_us"] = start, -1  # nothing is packed yet
         row["first_value"] = -1
         if layout.name in TOLD:
             row["first_value"] = _FIRST_VALUES[layout.name]
@@ -131,7 +132,7 @@ def message_rows(layouts: list[Layout]) -> np.ndarray:
 
 
 def value_types() -> np.ndarray:
-    """Index in `TYPES` of the type on the wire of each double in `VALUES_DTYPE`."""
+    """Return the index in `TYPES` of the type on the wire of each double in `VALUES_DTYPE`."""
     types = np.zeros(VALUES_DTYPE.itemsize // 8, np.uint8)
     for name, first in _FIRST_VALUES.items():
         for index, letter in enumerate(LAYOUTS[name].letters, start=first):

@@ -1,4 +1,4 @@
-"""Memory of the kernel that streams, and the call to it."""
+"""Memory of the streaming kernel, and the call to it."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ from flightsim.mavlink.streaming.record import (
 from flightsim.mavlink.streaming.told import Told
 
 _ANY = -1
+# The first fields of a partner are read and written as plain integers: numpy's records are slow.
 _WAY, _SEQUENCE, _N_FRAMES, _N_BYTES, _NOW_US = range(5)
 assert PARTNER_DTYPE.names is not None
 assert PARTNER_DTYPE.names[:5] == ("way", "sequence", "n_frames", "n_bytes", "now_us")
@@ -34,7 +35,13 @@ class Streamed:
     """
 
     def __init__(self, partner: np.ndarray, is_due: np.ndarray, room_bytes: int) -> None:
-        """Give a partner, `PARTNER_DTYPE` (1,), room for its frames."""
+        """Give a partner room for its frames.
+
+        Args:
+            partner: `PARTNER_DTYPE` (1,), changed.
+            is_due: For each message, 1 if it is due (n,), bytes.
+            room_bytes: Size of all frames of one tick at most.
+        """
         self.partner, self._is_due = partner, is_due
         self._frames = np.zeros(room_bytes, np.uint8)
         self._bytes = self._frames.data
@@ -42,7 +49,7 @@ class Streamed:
         partner["frames_address"] = self._frames.ctypes.data
 
     def serve(self, way: int, sequence: int) -> None:
-        """Say how it is served in this tick, and the number of its next frame."""
+        """Set how the partner is served in this tick, and the number of its next frame."""
         self._numbers[_WAY] = way
         self._numbers[_SEQUENCE] = sequence
 
@@ -52,7 +59,7 @@ class Streamed:
 
     @property
     def way(self) -> int:
-        """How it is served in this tick."""
+        """How the partner is served in this tick."""
         return self._numbers[_WAY]
 
     @property
@@ -66,25 +73,26 @@ class Streamed:
         return bytes(self._bytes[: self._numbers[_N_BYTES]])
 
     def take_due(self) -> Sequence[int]:
-        """Indexes of what is due, for who sends it otherwise; no longer due then."""
+        """Return the indexes of due messages for another sender; they are no longer due then."""
         indexes = np.flatnonzero(self._is_due).tolist()
         self._is_due[:] = 0
         return indexes
 
 
 class Streamer:
-    """Frames what is due for all partners, in one call a tick."""
+    """Frames the due messages for all partners, in one call a tick."""
 
     def __init__(self, layouts: Sequence[Layout], told: Told | None) -> None:
         """Prepare to stream messages of these types.
 
         Args:
             layouts: Types of messages; one is named by its index here.
-            told: What the kernel fills messages from; None if Python packs them all.
+            told: Source of the messages that the kernel fills; None if Python packs them all.
         """
         compile_streaming()
         self._told = told
         self._messages = message_rows(list(layouts))
+        # A negative index makes the kernel ask Python for every message.
         if told is None:
             self._messages["first_value"] = -1
         self._packed_us: np.ndarray = self._messages["packed_us"]
@@ -115,31 +123,42 @@ class Streamer:
             record[f"{name}_address"] = array.ctypes.data
 
     def is_filled(self, index: int) -> bool:
-        """Whether the kernel fills a message, and Python does not pack it."""
+        """Return true if the kernel fills a message, and Python does not pack it."""
         return bool(self._messages["first_value"][index] >= 0)
 
     def new_partner(
         self, partner: np.ndarray, is_due: np.ndarray, system_id: int, component_id: int
     ) -> Streamed:
-        """Prepare to stream to a partner under a sender's numbers."""
+        """Prepare to stream to a partner.
+
+        Args:
+            partner: Record of `PARTNER_DTYPE`, which is changed.
+            is_due: Flags of the messages that are due, one for each, which the caller sets.
+            system_id: System id of the sender.
+            component_id: Component id of the sender.
+
+        Returns:
+            The partner, for `serve`.
+        """
         partner["system_id"], partner["component_id"] = system_id, component_id
         return Streamed(partner, is_due, self._room_bytes)
 
     def serve(self, partners: Sequence[Streamed]) -> None:
         """Stream to these partners from now on."""
+        # Kept as an attribute: the kernel reads the addresses by its own address.
         self._addresses = np.array([p.partner.ctypes.data for p in partners], np.int64)
         self._streamer["partners_address"] = self._addresses.ctypes.data
         self._streamer["n_partners"] = len(partners)
 
     def stream(self, now_us: int, pack: Callable[[int], tuple[bytes, ...]]) -> int:
-        """Frame what is due at this tick.
+        """Frame the due messages of this tick.
 
         Args:
             now_us: Simulated time.
             pack: Packs the parts of a message that the kernel does not fill, by its index.
 
         Returns:
-            Time at which something is due again, if neither rates nor partners change.
+            Time at which a message is due again, if neither rates nor partners change.
         """
         if self._told is not None:
             self._told.listen()
@@ -151,14 +170,22 @@ class Streamer:
         return self._numbers[_NEXT_US]
 
     def fill(self, index: int, now_us: int) -> tuple[bytes, ...]:
-        """Payload of a message that the kernel fills, as it is now; nothing if it is unknown."""
+        """Return the present payloads of a message that the kernel fills.
+
+        Args:
+            index: Index of the message.
+            now_us: Simulated time.
+
+        Returns:
+            A payload for each instance of the message; none while its content is unknown.
+        """
         if self._told is not None:
             self._told.listen()
         stream(self._streamer, now_us, index)
         return tuple(self.payloads(index))
 
     def payloads(self, index: int) -> Iterator[bytes]:
-        """Parts of a message as packed last."""
+        """Yield the parts of a message as packed last."""
         start, size = self._starts[index], self._sizes[index]
         for part in range(self._n_parts[index]):
             yield bytes(self._bytes[start + part * size : start + (part + 1) * size])

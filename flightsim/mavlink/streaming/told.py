@@ -1,4 +1,4 @@
-"""What the kernel tells of the vehicle besides what is in the plant's record."""
+"""Values that the kernel needs besides the plant's record: the autopilot's, and constants."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from flightsim.mavlink.streaming.record import VALUES_DTYPE, VIEW_DTYPE
 from flightsim.mavlink.view import VehicleView
 
 _SAID = struct.Struct("=q4d")
-"""First fields of `VIEW_DTYPE`: what the autopilot says in each tick."""
+"""First fields of `VIEW_DTYPE`: the autopilot's values of each tick."""
 
-_UNKNOWN_COVARIANCE = (math.nan, *(0.0,) * 20)
+_UNKNOWN_COVARIANCE = (math.nan, *(0.0,) * 20)  # NaN in the first element: unknown
 _FIXED: Mapping[str, Mapping[str, float | Sequence[float]]] = {
     "ODOMETRY": {
         "pose_covariance": _UNKNOWN_COVARIANCE,
@@ -39,16 +39,16 @@ _FIXED: Mapping[str, Mapping[str, float | Sequence[float]]] = {
     },
     "WIND_COV": {"horiz_accuracy": math.nan, "vert_accuracy": math.nan},
 }
-"""Fields that never change; those that are named nowhere are 0."""
+"""Fields that never change; fields that are missing here are 0."""
 
 
 class Told:
-    """Memory of what the kernel fills messages from.
+    """Memory from which the kernel fills messages.
 
     Attributes:
         values: `VALUES_DTYPE` (1,).
         view: `VIEW_DTYPE` (1,).
-        plant_address: Where the plant's record is.
+        plant_address: Address of the plant's record.
     """
 
     def __init__(self, view: VehicleView) -> None:
@@ -72,6 +72,6 @@ class Told:
         record["most_radps"] = max(r.max_speed_radps for r in airframe.quadrotor.rotors)
 
     def listen(self) -> None:
-        """Write down what the autopilot says in this tick."""
+        """Write the autopilot's values of this tick into the record."""
         autopilot, target = self._view.autopilot, self._view.autopilot.target_enu_m or NAN3
         _SAID.pack_into(self._said, 0, autopilot.is_armed, self._view.home_altitude_m, *target)

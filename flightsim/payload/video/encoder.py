@@ -1,4 +1,7 @@
-"""H.264 by PyAV, which is imported where somebody films or streams."""
+"""H.264 by PyAV, which is imported only when somebody films or streams.
+
+PyAV is an optional extra; the rest of the package works without it.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +18,7 @@ FRAME_US = 1_000_000 // RATE_HZ
 BITRATE_BPS = 2_000_000
 CODEC: Final = "libx264"
 OPTIONS = {"preset": "ultrafast", "tune": "zerolatency", "profile": "baseline"}
-"""Each frame leaves as soon as it is encoded, and any player decodes it."""
+"""Options of the encoder: each frame leaves as soon as it is encoded, and any player decodes it."""
 
 
 class VideoError(ValueError):
@@ -23,7 +26,7 @@ class VideoError(ValueError):
 
 
 def has_encoder() -> bool:
-    """Whether PyAV is installed."""
+    """Return True if PyAV is installed; nothing is imported for it."""
     return importlib.util.find_spec("av") is not None
 
 
@@ -40,26 +43,31 @@ def require_encoder() -> None:
 
 
 class Encoder:
-    """Frames to H.264, one after the other, with a whole picture each second."""
+    """Encoder of frames to H.264, one after the other, with a whole picture each second."""
 
     def __init__(self, size_px: tuple[int, int]) -> None:
-        """Open an encoder for frames of a width and height; PyAV must be installed."""
+        """Open an encoder; PyAV must be installed.
+
+        Args:
+            size_px: Width and height of the frames.
+        """
         import av  # an extra, which is there now
 
         context = av.CodecContext.create(CODEC, "w")
         context.width, context.height = size_px
         context.pix_fmt = "yuv420p"
+        # Frames have simulated time, ten to a second, however long one takes to render.
         context.time_base = Fraction(1, RATE_HZ)
         context.framerate = Fraction(RATE_HZ)
         context.bit_rate = BITRATE_BPS
-        context.gop_size = RATE_HZ
-        context.thread_count = 1
+        context.gop_size = RATE_HZ  # a whole picture each second, for who joins late
+        context.thread_count = 1  # no threads besides ours
         context.options = OPTIONS
         self._context = context
         self._n_frames = 0
 
     def encode(self, rgb: np.ndarray) -> list[bytes]:
-        """NAL units of a frame, without start codes.
+        """Return the NAL units of a frame, without start codes.
 
         Args:
             rgb: Colours, uint8 (height, width, 3).
@@ -73,7 +81,10 @@ class Encoder:
 
 
 def nal_units(stream: bytes) -> Iterator[bytes]:
-    """NAL units of a byte stream with start codes of three or four bytes (H.264, annex B)."""
+    """Yield the NAL units of a byte stream with start codes of three or four bytes.
+
+    The layout is annex B of H.264.
+    """
     for part in stream.split(b"\0\0\1"):
         # A fourth byte of the next start code, and zeros that may trail, belong to no unit.
         unit = part.rstrip(b"\0")

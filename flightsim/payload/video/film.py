@@ -1,4 +1,4 @@
-"""A film: H.264 in an MP4 file, which takes its name when it is whole."""
+"""Film: H.264 in an MP4 file, which takes its name when it is whole."""
 
 from __future__ import annotations
 
@@ -14,7 +14,11 @@ class Film:
     """Frames that are written to a file as they come."""
 
     def __init__(self, path: Path, size_px: tuple[int, int]) -> None:
-        """Open a file of frames of a width and height; PyAV must be installed.
+        """Open a file for frames; PyAV must be installed.
+
+        Args:
+            path: Name of the file once it is closed; until then it is a hidden one beside it.
+            size_px: Width and height of the frames.
 
         Raises:
             OSError: If it cannot be written.
@@ -33,10 +37,17 @@ class Film:
         self._stream = stream
         self._n_frames = 0
         self.n_bytes = 0
-        """Bytes of the frames so far."""
+        """Bytes of the frames so far, without the index that closes the file."""
 
     def add(self, rgb: np.ndarray) -> None:
-        """Add a frame, uint8 (height, width, 3)."""
+        """Add a frame, 0.1 s after the one before it.
+
+        Args:
+            rgb: Colours, uint8 (height, width, 3).
+
+        Raises:
+            OSError: If the disk refuses it.
+        """
         import av
 
         frame = av.VideoFrame.from_ndarray(rgb, format="rgb24")
@@ -56,6 +67,7 @@ class Film:
             OSError: If the disk refuses it; no file is left.
         """
         try:
+            # Encoding nothing yields the packets that the encoder still holds.
             self._container.mux(self._stream.encode())
             self._container.close()
             return self._part.replace(self._path).stat().st_size

@@ -1,4 +1,4 @@
-"""A stream of H.264 by RTP to a UDP port of this machine, as ground stations read it."""
+"""Stream of H.264 by RTP to a UDP port of this machine, where ground stations read it."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from flightsim.payload.video.encoder import FRAME_US, Encoder, require_encoder
 from flightsim.payload.video.rtp import CLOCK_HZ, Packetiser
 
 _HOST = "127.0.0.1"
-_SOURCE = 0xAE5CE4E0
+_SOURCE = 0xAE5CE4E0  # any number; the port makes it differ by stream
 
 
 class VideoStream:
-    """Renders, encodes and sends ten frames in each simulated second while it runs.
+    """Stream that renders, encodes and sends ten frames per simulated second while it runs.
 
     Attributes:
         port: UDP port of this machine that it is sent to.
-        is_running: Whether frames are sent.
+        is_running: True while frames are sent.
         n_bytes: Bytes sent so far.
     """
 
@@ -48,11 +48,15 @@ class VideoStream:
 
     @property
     def uri(self) -> str:
-        """Where ground stations find it."""
+        """Address at which ground stations find the stream."""
         return f"udp://{_HOST}:{self.port}"
 
     def update(self, now_us: int) -> None:
-        """Send the frame that is due at this tick, if there is one."""
+        """Send the frame that is due at this tick, if there is one.
+
+        Args:
+            now_us: Simulated time; a frame is due at every tenth of a second of it.
+        """
         if not self.is_running or now_us % FRAME_US:
             return
         if self._open is None:
@@ -63,12 +67,12 @@ class VideoStream:
         units = encoder.encode(self._render())
         for packet in self._packetiser.packets(units, now_us * CLOCK_HZ // 1_000_000):
             self.n_bytes += len(packet)
-            # Nobody need listen, and a full buffer drops a packet as a network would.
+            # Nobody needs to listen, and a full buffer drops a packet as a network would.
             with contextlib.suppress(OSError):
                 transport.sendto(packet, (_HOST, self.port))
 
     def close(self) -> None:
-        """Release the socket."""
+        """Release the socket; nothing is sent afterwards."""
         self.is_running = False
         if self._open is not None:
             self._open[1].close()

@@ -24,11 +24,11 @@ _SHORT_BAR_DRAG_COEFFICIENT = 0.7
 
 
 def frame_drag(airframe: Airframe, *, has_arms: bool) -> Float[np.ndarray, " 3"]:
-    """Half the density times CdA along each body axis, kg/m.
+    """Return half the density times CdA along each body axis, kg/m.
 
     Args:
         airframe: The vehicle.
-        has_arms: Whether arms, legs and motors count besides the fuselage.
+        has_arms: True counts arms, legs and motors besides the fuselage.
     """
     x, y, z = airframe.body_size_m
     area_m2 = _BOX_DRAG_COEFFICIENT * np.array([y * z, x * z, x * y])
@@ -41,9 +41,10 @@ def frame_drag(airframe: Airframe, *, has_arms: bool) -> Float[np.ndarray, " 3"]
 
 
 def _arm(airframe: Airframe, hub_flu_m: np.ndarray) -> np.ndarray:
-    """CdA of an arm outside of the fuselage and of the motor at its end."""
+    """CdA of an arm outside of the fuselage and of the motor at its end, m^2."""
     half_m = 0.5 * np.array(airframe.body_size_m[:2])
     across_m = np.abs(hub_flu_m[:2])
+    # A hub on an axis never leaves the box sideways: infinity is right there.
     with np.errstate(divide="ignore"):
         inside = min(1.0, float(np.min(half_m / across_m)))
     arm_m = np.array([*hub_flu_m[:2], 0.0]) * (1.0 - inside)
@@ -53,9 +54,10 @@ def _arm(airframe: Airframe, hub_flu_m: np.ndarray) -> np.ndarray:
 
 
 def _bar(axis_m: np.ndarray, radius_m: float) -> np.ndarray:
-    """CdA along each axis of a round bar of this direction and length."""
+    """CdA along each axis of a round bar of this direction and length, m^2."""
     length_m = float(np.linalg.norm(axis_m))
     if length_m == 0.0:
         return np.zeros(3)
+    # Sine of the angle between bar and flow, for a flow along each axis.
     sine = np.sqrt(np.clip(1.0 - (axis_m / length_m) ** 2, 0.0, 1.0))
     return _BAR_DRAG_COEFFICIENT * 2.0 * radius_m * length_m * sine**3

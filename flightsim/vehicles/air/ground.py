@@ -29,7 +29,14 @@ _LEAST_HEIGHT = 0.5
 
 @kernel
 def ground_share(height_m: float, radius_m: float, neighbour_m: float, opposite_m: float) -> float:
-    """The sum s above, for a rotor at a height above a surface that lies across its axis."""
+    """Return the sum s above, for a rotor at a height above a surface that lies across its axis.
+
+    Args:
+        height_m: Height of the rotor above the surface.
+        radius_m: Radius of a rotor.
+        neighbour_m: Distance of neighbouring axes.
+        opposite_m: Distance of opposite axes.
+    """
     z = max(height_m, _LEAST_HEIGHT * radius_m)
     square = radius_m * radius_m
     own = square / (16.0 * z * z)

@@ -38,7 +38,12 @@ _NEWTON_STEPS = 4
 
 @kernel
 def induced_ratio(x: float, square_y: float) -> float:
-    """Induced velocity over that in hover, at x along the axis and y, squared, across it."""
+    """Return the induced velocity over that in hover.
+
+    Args:
+        x: Velocity along the axis over the induced velocity in hover, climb positive.
+        square_y: Velocity across the axis over the same, squared.
+    """
     f = _momentum_ratio(x, square_y)
     if x >= 0.0:
         return f
@@ -52,6 +57,7 @@ def _momentum_ratio(x: float, square_y: float) -> float:
     f = _climb_ratio(x)
     if square_y < 1e-6:
         return f
+    # Both are upper bounds: f falls with speed across, and f y <= 1.
     f = min(f, 1.0 / math.sqrt(square_y))
     for _ in range(_NEWTON_STEPS):
         through = x + f
@@ -62,13 +68,13 @@ def _momentum_ratio(x: float, square_y: float) -> float:
 
 @kernel
 def _climb_ratio(x: float) -> float:
-    """Momentum theory along the axis."""
+    """Induced velocity over that in hover by momentum theory along the axis."""
     return -0.5 * x + math.sqrt(0.25 * x * x + 1.0)
 
 
 @kernel
 def _descent_ratio(x: float) -> float:
-    """Vortex ring and windmill brake."""
+    """Induced velocity over that in hover in the vortex ring and as a windmill brake."""
     if x > -2.0:
         return 1.0 + x * (-1.125 + x * (-1.372 + x * (-1.718 - 0.655 * x)))
     return -0.5 * x - math.sqrt(0.25 * x * x - 1.0)
@@ -76,6 +82,11 @@ def _descent_ratio(x: float) -> float:
 
 @kernel
 def ceiling_ratio(gap_m: float, radius_m: float) -> float:
-    """Induced velocity over that without a ceiling at this distance above the rotor."""
+    """Return the induced velocity over that without a ceiling.
+
+    Args:
+        gap_m: Distance from the rotor up to the ceiling.
+        radius_m: Radius of the rotor.
+    """
     share = radius_m / gap_m
     return 1.0 / math.sqrt(1.0 + share * share / 32.0)

@@ -1,4 +1,4 @@
-"""What an airframe's file need not say: it follows from mass, rotors and geometry."""
+"""Values that an airframe's file may leave out: they follow from mass, rotors and geometry."""
 
 from __future__ import annotations
 
@@ -27,7 +27,13 @@ _SCATTER_M = 0.15
 
 
 def hover_power_w(quadrotor: QuadrotorParams, radius_m: float, efficiency: float) -> float:
-    """Electrical power of all motors in hover, by momentum theory: T sqrt(T / 2 rho A) a rotor."""
+    """Electrical power of all motors in hover, by momentum theory: T sqrt(T / 2 rho A) a rotor.
+
+    Args:
+        quadrotor: Mass and rotors.
+        radius_m: Radius of a rotor.
+        efficiency: Induced power over electrical power, 0 to 1.
+    """
     n = len(quadrotor.rotors)
     thrust_n = quadrotor.mass_kg * GRAVITY_MPS2 / n
     disc_m2 = math.pi * radius_m**2
@@ -36,24 +42,24 @@ def hover_power_w(quadrotor: QuadrotorParams, radius_m: float, efficiency: float
 
 
 def rotor_inertia_kgm2(quadrotor: QuadrotorParams, radius_m: float) -> float:
-    """Moment of inertia of a rotor."""
+    """Moment of inertia of a rotor about its axis, kg m^2."""
     return _PROPELLER_MASS * quadrotor.mass_kg * (2.0 * radius_m) ** 2 / 12.0
 
 
 def rotor_imbalance_kgm(quadrotor: QuadrotorParams) -> float:
-    """Imbalance of a rotor."""
+    """Imbalance of a rotor, kg m."""
     return _BALANCE_MPS / quadrotor.hover_speed_radps * _ROTOR_MASS * quadrotor.mass_kg
 
 
 def rotor_friction_nm(quadrotor: QuadrotorParams) -> float:
-    """Friction of a motor: a share of the least torque in hover."""
+    """Friction of a motor, N m: a share of the least torque in hover."""
     least_m = min(rotor.torque_per_thrust_m for rotor in quadrotor.rotors)
     thrust_n = quadrotor.mass_kg * GRAVITY_MPS2 / len(quadrotor.rotors)
     return _FRICTION * least_m * thrust_n
 
 
 def reach_m(quadrotor: QuadrotorParams) -> float:
-    """Greatest horizontal distance of a hub from the centre of mass."""
+    """Greatest horizontal distance of a hub from the centre of mass, m."""
     return max(math.hypot(*rotor.position_flu_m[:2]) for rotor in quadrotor.rotors)
 
 
@@ -66,5 +72,5 @@ def drone_class(collision_radius_m: float) -> DroneClass | None:
 
 
 def largest_radius_m() -> float:
-    """Greatest radius of a vehicle that has a class."""
+    """Greatest radius of a vehicle that has a class, m."""
     return NEEDS["large"].flight_radius_m - _SCATTER_M

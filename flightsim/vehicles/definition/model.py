@@ -1,4 +1,4 @@
-"""Body of an airframe in a file of its own: its shapes, and its mass where it states one."""
+"""Body of an airframe in a file of its own: its shapes, and its mass if it states one."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ from flightsim.vehicles.body_file import (
 _LEAST_KG, _MOST_KG = 0.005, 200.0
 _FARTHEST_M = 5.0
 _OFF_CENTRE_M = 0.005
-"""Most by which the file's centre of mass may lie beside the vehicle's."""
+"""Greatest distance of the file's centre of mass from the vehicle's."""
 _MISFIT = 0.02
-"""Most by which a mass or a moment of inertia may differ between the two files."""
+"""Greatest relative difference of a mass or a moment of inertia between the two files."""
 _PRODUCT = 0.05
 """Greatest product of inertia over the least moment."""
 
 
 class NamedBody(NamedTuple):
-    """A body in a file of its own."""
+    """A body in a file of its own: how the vehicle uses it, and its content."""
 
     model: BodyModel
     content: BodyFile
@@ -38,6 +38,13 @@ class NamedBody(NamedTuple):
 
 def read_model(body: Fields, folder: Path) -> NamedBody | None:
     """Read `[body.model]`, whose file is looked for beside the airframe's.
+
+    Args:
+        body: Table `[body]`.
+        folder: Folder of the airframe's file.
+
+    Returns:
+        None if there is no such table.
 
     Raises:
         AirframeError: Naming the first field that is wrong.
@@ -68,7 +75,7 @@ def read_model(body: Fields, folder: Path) -> NamedBody | None:
 
 
 def _position(table: Fields, mass: BodyMass | None) -> Vector3:
-    """Where the file's origin lies: by default so that its centre of mass is the vehicle's."""
+    """Place of the file's origin: by default its centre of mass becomes the vehicle's."""
     fitting_m = np.zeros(3) if mass is None else -mass.centre_m
     x, y, z = table.vector(
         "position_m", 3, -_FARTHEST_M, _FARTHEST_M, "m", default=tuple(fitting_m.tolist())
@@ -83,10 +90,14 @@ def _position(table: Fields, mass: BodyMass | None) -> Vector3:
 
 
 def read_mass(body: Fields, named: NamedBody | None) -> tuple[float, Vector3]:
-    """Mass in kg and moments of inertia in kg m^2 about x, y, z, of `[body]` or of its file.
+    """Return mass in kg and moments of inertia in kg m^2 about x, y, z, of `[body]` or of its file.
+
+    Args:
+        body: Table `[body]`.
+        named: The body of its file.
 
     Raises:
-        AirframeError: If neither says them, both do and differ, or they are no vehicle's.
+        AirframeError: If neither states them, both do and differ, or they are no vehicle's.
     """
     mass = None if named is None else named.content.mass
     if mass is None or body.has("mass_kg"):
@@ -110,6 +121,7 @@ def read_mass(body: Fields, named: NamedBody | None) -> tuple[float, Vector3]:
 def _moments(body: Fields, mass: BodyMass) -> list[float]:
     moments = np.diag(mass.inertia_kgm2)
     products = mass.inertia_kgm2 - np.diag(moments)
+    # The dynamics knows principal moments only: larger products would fly wrongly.
     if np.abs(products).max() > _PRODUCT * moments.min():
         body.fail(
             "model",
@@ -130,7 +142,10 @@ def _check_same(body: Fields, field: str, own: list[float], files: list[float]) 
 
 
 def check_extent(body: Fields, named: NamedBody | None, radius_m: float, height_m: float) -> None:
-    """Refuse a file whose solid parts reach beyond the vehicle that everybody else reckons with.
+    """Refuse a file whose solid parts reach beyond the vehicle's assumed extents.
+
+    Clearances, areas and planners use those extents, so a longer part would hit what they call
+    free.
 
     Args:
         body: Table `[body]`.

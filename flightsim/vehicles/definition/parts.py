@@ -16,17 +16,17 @@ from flightsim.vehicles.definition import derived
 from flightsim.vehicles.mesh_file import SUFFIXES, MeshFileError, check_mesh
 
 _SPARE_POWER = 1.3
-"""Least power of a battery over that of hovering."""
-_CELL_V = 3.7
+"""Least power of a battery over the power of hovering."""
+_CELL_V = 3.7  # nominal voltage of a cell
 _FARTHEST_M = 5.0
 _MAST_M = 0.04
-"""Height above the rotors of the cameras that look up, which they would cover."""
+"""Height above the rotors of the cameras that look up: rotors would cover the view."""
 _STEADY = 0.3
 """Least distance of the centre of mass from the edge of the feet, over its height."""
 
 
 class Gear(NamedTuple):
-    """Where the vehicle stands."""
+    """Landing gear: height and spread of the soles, and their places."""
 
     height_m: float
     spread_m: float
@@ -36,6 +36,10 @@ class Gear(NamedTuple):
 
 def read_gear(document: Fields, quadrotor: QuadrotorParams) -> Gear:
     """Read `[legs]` or `[skids]`.
+
+    Args:
+        document: The whole file.
+        quadrotor: Rotors, under whose arms legs stand by default.
 
     Raises:
         AirframeError: Naming the first field that is wrong.
@@ -78,11 +82,12 @@ def _check_steady(
     feet: tuple[tuple[float, float], ...] | list[tuple[float, float]],
     height_m: float,
 ) -> None:
-    """Refuse feet among which the centre of mass would tip over.
+    """Refuse feet over which the centre of mass would tip.
 
     Raises:
         AirframeError: If it would.
     """
+    # Feet in one line have no area, and their hull is no polygon.
     ground, centre = MultiPoint(feet).convex_hull, Point(0.0, 0.0)
     inside_m = ground.exterior.distance(centre) if isinstance(ground, Polygon) else 0.0
     if not ground.contains(centre) or inside_m < _STEADY * height_m:
@@ -95,7 +100,12 @@ def _check_steady(
 
 
 def read_battery(table: Fields, quadrotor: QuadrotorParams, radius_m: float) -> BatteryParams:
-    """Read `[battery]`.
+    """Read `[battery]`, and check that it can carry the vehicle.
+
+    Args:
+        table: Table `[battery]`.
+        quadrotor: Mass and rotors.
+        radius_m: Radius of a rotor.
 
     Raises:
         AirframeError: Naming the first field that is wrong.
@@ -114,6 +124,7 @@ def read_battery(table: Fields, quadrotor: QuadrotorParams, radius_m: float) -> 
     )
     needed_w = _SPARE_POWER * (params.hover_power_w + params.avionics_power_w)
     open_v = _CELL_V * params.cells
+    # E^2 / 4R is the greatest power that a source of voltage E and resistance R delivers.
     if open_v**2 / (4.0 * params.internal_resistance_ohm) < needed_w:
         table.fail(
             "internal_resistance_ohm",
@@ -128,7 +139,7 @@ def read_battery(table: Fields, quadrotor: QuadrotorParams, radius_m: float) -> 
 def read_cameras(
     table: Fields, size_m: Vector3, height_m: float, rotors_m: float
 ) -> tuple[CameraMount, ...]:
-    """Read the cameras, one a table; what is not given follows from the body.
+    """Read the cameras, one a table; defaults follow from the body.
 
     Args:
         table: Table with the tables `forward`, `down`, `up_left`, `up_right` and `up_rear`.
@@ -146,6 +157,7 @@ def read_cameras(
     mounts = (
         _camera(table.table("forward"), "forward", ahead_m, 15.0, height_m),
         _camera(table.table("down"), "down", below_m, 90.0, height_m),
+        # The pilot sees upwards by these three wide views; they have depth alone.
         *(
             _camera(table.table(name), name, above_m, pitch, height_m, fov_deg=107.0, yaw_deg=yaw)
             for name, pitch, yaw in (
@@ -189,6 +201,13 @@ def _camera(
 
 def read_mesh(body: Fields, folder: Path) -> BodyMesh | None:
     """Read `[body.mesh]`, whose file is looked for beside the airframe's.
+
+    Args:
+        body: Table `[body]`.
+        folder: Folder of the airframe's file.
+
+    Returns:
+        None if there is no such table.
 
     Raises:
         AirframeError: Naming the first field that is wrong.

@@ -1,4 +1,8 @@
-"""Airframe of a TOML file."""
+"""Reader of an airframe's TOML file.
+
+Every field is checked against a range and against physics (inertia, balance, power to hover),
+because a vehicle that cannot fly would otherwise only be noticed as a strange crash.
+"""
 
 from __future__ import annotations
 
@@ -27,6 +31,9 @@ _GYRATION = (0.05, 1.5)
 
 def read_airframe(path: Path) -> Airframe:
     """Read the airframe in a TOML file.
+
+    Args:
+        path: The file; meshes and models are looked for beside it.
 
     Raises:
         AirframeError: If it cannot be read, or describes nothing that flies; the line names file,
@@ -74,6 +81,7 @@ def _airframe(document: Fields, folder: Path) -> Airframe:
         **_rotor_details(rotor_set, quadrotor),
         **_thicknesses(body, quadrotor),
     )
+    # Last, when every reader has named the fields that it knows.
     body.check_all_known()
     document.check_all_known()
     return airframe
@@ -98,6 +106,7 @@ def _rigid_body(
                 f"is {[ixx, iyy, izz]}; valid for this mass and these arms: {least:.2g} to "
                 f"{most:.2g} kg m^2",
             )
+        # Triangle inequality of moments: no rigid body violates it.
         if 2.0 * moment > ixx + iyy + izz:
             body.fail(
                 "inertia_kgm2",
@@ -124,7 +133,7 @@ def _drone_class(document: Fields, quadrotor: QuadrotorParams, radius_m: float) 
 
 
 def _rotor_details(rotor_set: RotorSet, quadrotor: QuadrotorParams) -> dict[str, Any]:
-    """Radius and moving parts of the rotors; what is not given follows from the vehicle's mass."""
+    """Radius and moving parts of the rotors; defaults follow from the vehicle's mass."""
     return {
         "rotor_radius_m": rotor_set.radius_m,
         "rotor_inertia_kgm2": rotor_set.inertia_kgm2
@@ -137,7 +146,7 @@ def _rotor_details(rotor_set: RotorSet, quadrotor: QuadrotorParams) -> dict[str,
 
 
 def _thicknesses(body: Fields, quadrotor: QuadrotorParams) -> dict[str, Any]:
-    """Radii of arms, legs and motors; what is not given follows from the longest arm."""
+    """Radii of arms, legs and motors; defaults follow from the longest arm."""
     arm_m = derived.reach_m(quadrotor)
     return {
         name: body.number(name, 5e-4, 0.2, "m", default=share * arm_m)

@@ -1,4 +1,4 @@
-"""Rotors of an airframe's file: what all of them share, then where each is and how it turns."""
+"""Rotors of an airframe's file: common values first, then each rotor's place and spin."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ _LEAST_GAP = 0.94
 _LEAST_STACKING = 0.1
 """Least difference of height, over the radius, of rotors one above the other."""
 _MOST_MISFIT = 0.15
-"""Most by which a measured thrust or torque may miss the fitted one, over the greatest."""
+"""Greatest misfit of a measured thrust or torque, over the greatest one."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class RotorSet:
-    """All rotors, and what they have in common."""
+    """All rotors, and their common properties; None takes the default by the vehicle's mass."""
 
     rotors: tuple[RotorParams, ...]
     radius_m: float
@@ -37,6 +37,9 @@ class RotorSet:
 
 def read_rotors(document: Fields) -> RotorSet:
     """Read `[rotor]` and `[[rotors]]`.
+
+    Args:
+        document: The whole file.
 
     Raises:
         AirframeError: Naming the first field that is wrong.
@@ -80,6 +83,7 @@ def _rotor(own: Fields, shared: Fields) -> RotorParams:
     length = math.hypot(*axis)
     if length == 0.0 or axis[2] < 0.5 * length:
         own.fail("axis", f"is {list(axis)}; valid: [x, y, z] within 60 degrees of up")
+    # A rotor's own table may override any of the common values.
     both = own.merged_under(shared)
     thrust_constant, torque_per_thrust_m = _curve(both)
     params = RotorParams(
@@ -101,7 +105,7 @@ def _rotor(own: Fields, shared: Fields) -> RotorParams:
 
 
 def _curve(table: Fields) -> tuple[float, float]:
-    """Thrust constant and torque over thrust, given or fitted to a measured curve."""
+    """Return thrust constant and torque over thrust, given or fitted to a measured curve."""
     if not table.has("curve_rpm_n_nm"):
         return (
             table.number("thrust_constant", 1e-11, 1e-1, "N s^2/rad^2"),
@@ -112,6 +116,7 @@ def _curve(table: Fields) -> tuple[float, float]:
             table.fail("curve_rpm_n_nm", f"stands beside {field}; valid: one of the two")
     rows = np.array(table.rows("curve_rpm_n_nm", 3, (3, 1000), 1e-9, 1e6))
     squares = (rows[:, 0] / _RPM_PER_RADPS) ** 2
+    # Least squares of T = kf w^2 and M = km w^2 through the origin.
     constants = squares @ rows[:, 1:] / (squares @ squares)
     misfit = np.abs(np.outer(squares, constants) - rows[:, 1:]) / rows[:, 1:].max(axis=0)
     if misfit.max() > _MOST_MISFIT:
