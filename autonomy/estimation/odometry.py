@@ -149,12 +149,12 @@ def _let_drift(f: np.record, position_vio_m: np.ndarray) -> None:
 
 @kernel
 def _place_frame(
-    # Without a heading, such as with the nose straight up, the frame is placed by a later pose.
     f: np.record, position_vio_m: np.ndarray, yaw_vio_rad: float, age_ticks: int
 ) -> None:
     """Place the frame so that its pose agrees with the estimate, and correlate the two."""
     h = f.measurement_row
     h[:] = 0.0
+    # Without a heading, such as with the nose straight up, the frame is placed by a later pose.
     if not write_heading_row(f.quat_wxyz, h):
         return
     f.vio_yaw_rad = wrap_angle(past_yaw(f, age_ticks) - yaw_vio_rad)
