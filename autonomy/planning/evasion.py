@@ -154,7 +154,7 @@ class Rest:
         for side in (left, -left, up, -up):
             need = self._moving.reach_m(hit, side) + growth + keep_m - relative[worst] @ side
             shift = max(need, 0.0)
-            # A tenth more than needed, because the optimiser cuts the corner of the bend.
+            # A guess is bent a tenth further than needed.
             bent.append((shift, self._path + (1.1 * shift * bump)[:, None] * side))
         bent.sort(key=lambda pair: pair[0])
         slow = [

@@ -165,7 +165,7 @@ def _is_wider(
 ) -> bool:
     """Return whether space is wider and higher somewhere on a side of an opening.
 
-    Half of the excess is enough here, because cells have already demanded the whole.
+    Half of the excess that cells must show is enough here.
     """
     through = side * np.cross(level, _UP)
     points = center + np.outer(_STEPS_M, through)

@@ -98,7 +98,7 @@ def optimise(
         force, _ = excess(solve.nodes(log_times), np.exp(log_times))
         if np.all(force <= _TOLERANCE):
             break
-        # A little more than the excess, because the optimum shifts the load to other places.
+        # By more than the excess, because only a few rounds are made.
         solve.tighten(1 + 1.3 * force)
     return _within_limits(solve, log_times, excess)
 
