@@ -18,7 +18,7 @@ OUTLYING_SIGMAS = 3.0
 _FLOOR_M = 0.001
 """Least deviation of a cell's height by one frame."""
 _ALIKE_PIXELS = 4.0
-"""Number of neighbouring pixels that count as one, because stereo cameras give them equal errors."""
+"""Neighbouring pixels that count as one, because the errors of stereo cameras are alike in them."""
 _FEW_POINTS = 40
 """Number of points above which a wrong one hardly moves the mean of a cell."""
 
