@@ -1,4 +1,4 @@
-"""What a process that flies trials does before it flies: bound its memory, hush its pilot."""
+"""Preparation of a process that flies trials: its memory is bounded, its pilot's output hidden."""
 
 from __future__ import annotations
 
@@ -6,15 +6,16 @@ import os
 import resource
 import sys
 
+# No process gets less than this, however many cores share the memory.
 _LEAST_MEMORY_BYTES = 4 << 30
 
 
 def begin_work(pilot: str) -> None:
     """Prepare this process for the pilots of others.
 
-    A pilot that takes more memory than its share of the machine gets a `MemoryError`, where the
-    system can see to that (Linux). What a class of a user's prints is not shown: it could be
-    without end, or meet the JSON of the campaign; `aeroscene fly` shows it.
+    A pilot that takes more memory than its share of the machine gets a `MemoryError`, on systems
+    that support it (Linux). The output of a user's class is not shown, because it could be without
+    end, or mix with the JSON of the campaign; `aeroscene fly` shows it.
 
     Args:
         pilot: Name of the pilot.
