@@ -45,8 +45,8 @@ _Step = tuple[
 class AeroSceneSwarm(ParallelEnv[str, Observation, np.ndarray]):
     """Vehicles that share one world and meet in it; `parallel_env` makes one.
 
-    Agents are `vehicle_1`, `vehicle_2` and so on. One that touches anything has ended, its rotors
-    stop, and it falls; the others fly on around it.
+    Agents are `vehicle_1`, `vehicle_2` and so on. An agent that touches anything has ended: its
+    rotors stop, and it falls. The others fly on around it.
     """
 
     metadata = {  # noqa: RUF012 - PettingZoo's
@@ -93,11 +93,11 @@ class AeroSceneSwarm(ParallelEnv[str, Observation, np.ndarray]):
         self._is_seeded = False
 
     def observation_space(self, agent: str) -> spaces.Space[Any]:
-        """Space of an agent's observations: its own numbers, then the other vehicles in order."""
+        """The space of an agent's observations: its own numbers, then the others in order."""
         return self.observation_spaces[agent]
 
     def action_space(self, agent: str) -> spaces.Space[Any]:
-        """Space of an agent's actions, four numbers of -1 to 1."""
+        """Return the space of an agent's actions, four numbers of -1 to 1."""
         return self.action_spaces[agent]
 
     @property
@@ -124,7 +124,7 @@ class AeroSceneSwarm(ParallelEnv[str, Observation, np.ndarray]):
         return self._observe(self.agents), {agent: {} for agent in self.agents}
 
     def step(self, actions: Mapping[str, np.ndarray]) -> _Step:
-        """Fly on by a step; `info` has the distance from the target, at the end the verdict.
+        """Advance by a step; `info` has the distance from the target, at the end the verdict.
 
         Raises:
             EnvironmentInputError: If an agent that flies has no action, or not a valid one.
@@ -140,6 +140,7 @@ class AeroSceneSwarm(ParallelEnv[str, Observation, np.ndarray]):
             infos[agent] = {"distance_m": float(step.distance_m[i])}
             if i in step.outcomes:
                 infos[agent] |= step.outcomes[i].to_info()
+        # Ended agents are in this step's results, and in none after it.
         self.agents = [agent for agent in flying if self._index(agent) not in step.outcomes]
         return (
             self._observe(flying),
@@ -150,7 +151,7 @@ class AeroSceneSwarm(ParallelEnv[str, Observation, np.ndarray]):
         )
 
     def render(self) -> Picture | None:
-        """All vehicles in one picture, (480, 640, 3) uint8; None without a mode.
+        """Return all vehicles in one picture, (480, 640, 3) uint8; None without a mode.
 
         Raises:
             EnvironmentInputError: If no episode has begun.
@@ -158,7 +159,7 @@ class AeroSceneSwarm(ParallelEnv[str, Observation, np.ndarray]):
         return None if self.render_mode is None else self._batch.picture(0)
 
     def close(self) -> None:
-        """Free what the world holds."""
+        """Free the world's resources: threads and renderers."""
         self._batch.close()
 
     def _index(self, agent: str) -> int:
@@ -169,7 +170,7 @@ class AeroSceneSwarm(ParallelEnv[str, Observation, np.ndarray]):
         return {agent: take(observations, self._index(agent)) for agent in agents}
 
     def _checked(self, actions: Mapping[str, np.ndarray]) -> Float[np.ndarray, "n 4"]:
-        """Actions of those that fly; zero for the others."""
+        """Return the actions of the agents that fly; zero for the others."""
         given = np.zeros((len(self.possible_agents), N_ACTIONS))
         for agent in self.agents:
             if agent not in actions:
@@ -181,7 +182,7 @@ class AeroSceneSwarm(ParallelEnv[str, Observation, np.ndarray]):
 
 
 parallel_env = AeroSceneSwarm
-"""Makes `AeroScene/Swarm-v0`, by the name that PettingZoo's environments have for it."""
+"""Maker of `AeroScene/Swarm-v0`, under the name that PettingZoo's environments use for it."""
 
 
 def _airframes(vehicles: int | Sequence[str], cfg: EnvironmentCfg) -> list[Airframe]:

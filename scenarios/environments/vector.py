@@ -24,9 +24,9 @@ class AeroSceneVectorEnv(VectorEnv[Any, np.ndarray, np.ndarray]):
     """Vehicles in worlds of their own; `gymnasium.make_vec("AeroScene/Hover-v0", 64)` makes it.
 
     World i has the scene with the number i, beginning again after the last one, and after
-    `reset(seed=s)` it does the same as `AeroSceneEnv` in this scene after `reset(seed=s + i)`.
-    The step that ends an episode begins the next one: `final_obs` and `final_info` of its `info`
-    tell of the end.
+    `reset(seed=s)` it does the same as `AeroSceneEnv` in this scene after `reset(seed=s + i)`. The
+    step that ends an episode begins the next one. `final_obs` and `final_info` of its `info` hold
+    the end.
     """
 
     metadata = {  # noqa: RUF012 - Gymnasium declares it
@@ -86,7 +86,7 @@ class AeroSceneVectorEnv(VectorEnv[Any, np.ndarray, np.ndarray]):
 
         Args:
             seed: s for the seeds s, s + 1 and so on, or a list of seeds.
-            options: There are none.
+            options: None; there are no options.
 
         Raises:
             EnvironmentInputError: If there are options, too many or too few seeds, or a scene has
@@ -104,7 +104,7 @@ class AeroSceneVectorEnv(VectorEnv[Any, np.ndarray, np.ndarray]):
     def step(
         self, actions: np.ndarray
     ) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
-        """Fly on by a step in all worlds; `info` has the distances from the targets.
+        """Advance all worlds by a step; `info` has the distances from the targets.
 
         Raises:
             EnvironmentInputError: If the actions have another shape or are not finite.
@@ -112,6 +112,8 @@ class AeroSceneVectorEnv(VectorEnv[Any, np.ndarray, np.ndarray]):
         step = self._batch.step(checked_actions(actions, (self.num_envs, N_ACTIONS)))
         observations = self._batch.observe()
         info: dict[str, Any] = {"distance_m": step.distance_m}
+        # The last observations go into `info`; then the next episodes begin, and only their images
+        # are taken anew.
         if step.outcomes:
             info |= self._ends(observations, step.outcomes)
             ended = list(step.outcomes)
@@ -120,7 +122,7 @@ class AeroSceneVectorEnv(VectorEnv[Any, np.ndarray, np.ndarray]):
         return observations, step.reward, step.is_terminated, step.is_truncated, info
 
     def render(self) -> tuple[Picture, ...] | None:
-        """A picture of each world's vehicle, (480, 640, 3) uint8; None without a mode.
+        """Return a picture of each world's vehicle, (480, 640, 3) uint8; None without a mode.
 
         Raises:
             EnvironmentInputError: If no episode has begun.
@@ -132,11 +134,11 @@ class AeroSceneVectorEnv(VectorEnv[Any, np.ndarray, np.ndarray]):
         )
 
     def close_extras(self, **_kwargs: Any) -> None:
-        """End the threads."""
+        """End the threads and close the renderers."""
         self._batch.close()
 
     def _ends(self, observations: Observation, outcomes: Mapping[int, Outcome]) -> dict[str, Any]:
-        """What `info` says of all episodes that are over: what `_add_info` makes of one by one."""
+        """The part of `info` for episodes that are over, equal to repeated calls of `_add_info`."""
         ended, infos = list(outcomes), [outcome.to_info() for outcome in outcomes.values()]
         is_over = np.zeros(self.num_envs, dtype=bool)
         is_over[ended] = True

@@ -14,18 +14,18 @@ class RunResult:
     """Results of all vehicles of a run, the first one first."""
 
     first_system: int
-    """MAVLink system id of the first vehicle; those of the others follow."""
+    """MAVLink system id of the first vehicle; the ids of the others follow."""
     vehicles: tuple[TrialResult, ...]
 
     @property
     def success(self) -> bool | None:
-        """Whether all flights are done; None where nobody flew."""
+        """True if all flights are done; None if nobody flew."""
         said = [result.success for result in self.vehicles]
         return None if None in said else all(said)
 
     @property
     def reason(self) -> str:
-        """How each flight ended, in words."""
+        """End of each flight, in words."""
         return "; ".join(f"vehicle {i + 1}: {r.reason}" for i, r in enumerate(self.vehicles))
 
     @property

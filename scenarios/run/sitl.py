@@ -42,12 +42,12 @@ class Sitl:
     Attributes:
         bench: The simulated world with its vehicles and their autopilots.
         flights: Flight of each vehicle, with its pilot, its log and its cameras.
-        words: Goal in words of the flight; None where it is an area.
+        words: Goal in words of the flight; None if it is an area.
         recorder: Recorder of the run, if it is recorded or watched.
         viewer: Viewer that shows the run live, if it is watched.
         result: Results of all vehicles, once `run` has ended.
         pictures: Files that were drawn when the run ended.
-        missing: A line for each file that was asked for and could not be written whole.
+        missing: A line for each requested file that could not be written whole.
     """
 
     def __init__(
@@ -67,12 +67,12 @@ class Sitl:
         Args:
             cfg: Configuration of the run; an assigned area is the first vehicle's.
             scene: Scene to fly in, instead of the one that the configuration names.
-            airframes: Vehicles of one's own, instead of those that the configuration names.
-            pilot: Makes a pilot of one's own for each vehicle, which flies instead of ours.
-            has_network: Whether clients outside this process can connect.
-            links: MAVLink links of one's own besides, for the first vehicle, the second and so on.
-            hangar: Keeps what runs of this process share; None keeps it for this run alone.
-            movers: Traffic on paths of one's own instead of the configured one.
+            airframes: Vehicles of your own, instead of those that the configuration names.
+            pilot: Makes a pilot of your own for each vehicle, which flies instead of ours.
+            has_network: True if clients outside this process can connect.
+            links: Further MAVLink links of your own, for the first vehicle, the second and so on.
+            hangar: Resources that runs of this process share; None keeps them for this run alone.
+            movers: Traffic on paths of your own instead of the configured one.
 
         Raises:
             INPUT_ERRORS: If the run cannot be opened; one line says why, and what would be valid.
@@ -84,6 +84,7 @@ class Sitl:
         self.pictures: list[Path] = []
         self.missing: list[str] = []
         self._stack = stack = ExitStack()
+        # If any part fails to open, those opened before are closed again.
         with ExitStack() as opening:
             opening.push(stack)
             hangar = stack.enter_context(Hangar()) if hangar is None else hangar
@@ -153,7 +154,7 @@ class Sitl:
     def _words(
         self, scene: Scene, airframe: Airframe, area: InteractionArea | None
     ) -> WordGoal | None:
-        """Goal in words, if the run has one.
+        """Return the goal in words, if the run has one.
 
         Raises:
             WordsError: If no text fits one place alone.
@@ -171,11 +172,11 @@ class Sitl:
         return self.flights[0].pilot
 
     def run(self, should_stop: Callable[[], bool | str] = lambda: False) -> TrialResult:
-        """Simulate, judge what was flown, and write the verdict into and beside the recording.
+        """Simulate, judge the flights, and write the verdict into and beside the recording.
 
         Args:
-            should_stop: Called every tick; the run ends when every flight is over, the time is up,
-                or this is true or says by what the run is stopped, such as SIGTERM.
+            should_stop: Called every tick. The run ends when every flight is over, the time is up,
+                or this returns True or the cause that stops the run, such as SIGTERM.
 
         Returns:
             The verdict and the figures of the first vehicle; `result` has those of all. Without a
@@ -229,7 +230,7 @@ class Sitl:
         _LOG.warning("%s", line)
 
     def close(self) -> None:
-        """Finish the recording, end the viewer, give the ports back."""
+        """Finish the recording, end the viewer, release the ports."""
         self._stack.close()
 
     def __enter__(self) -> Self:

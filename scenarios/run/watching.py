@@ -1,6 +1,6 @@
-"""What is kept and shown of a run while it goes on: a recording, a viewer, cameras.
+"""Recording and display of a run while it goes on: a recording, a viewer, cameras.
 
-rerun takes half a second to import: only runs that are recorded or watched import this module.
+rerun takes half a second to import, so only runs that are recorded or watched import this module.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ def watch(
         stack: Closes recorder and viewer.
 
     Raises:
-        TestbenchError: If the file or the viewer cannot be had.
+        TestbenchError: If the file or the viewer cannot be opened.
     """
     viewer = None
     try:
@@ -68,7 +68,7 @@ def _follow(cfg: SitlCfg, bench: Testbench, flight: Flight, recorder: VehicleRec
 
 
 def _watch_cameras(cfg: SitlCfg, flight: Flight, recorder: VehicleRecorder) -> Callable[[], None]:
-    """Record what the cameras see: all the way, or depth alone from the area on."""
+    """Return an observer that records the cameras: all the time, or only depth from the area on."""
     look = shutter(flight.vehicle, flight.cameras, cfg.camera_hz)
     if cfg.record_level == "full":
         flight.cameras.listen(recorder.log_frame)
@@ -117,11 +117,12 @@ def _recorder(cfg: SitlCfg, flights: Sequence[Flight]) -> Recorder:
 
 
 def shutter(vehicle: Vehicle, cameras: Cameras, rate_hz: float) -> Callable[[], None]:
-    """Renders every camera of the vehicle at a rate; call it after each tick."""
+    """Return an observer that renders every camera at a rate; call it after each tick."""
     names = [mount.name for mount in vehicle.airframe.rgbd_cameras]
     period_us = round(1e6 / rate_hz)
 
     def on_tick() -> None:
+        # True for one tick in each period, whatever the rate.
         if vehicle.plant.time_us % period_us < TICK_US:
             for name in names:
                 cameras.render(name)

@@ -14,15 +14,18 @@ from scenarios.mission.goals import draw_goals
 from scenarios.trials.contacts import ContactFinder
 
 _ROOM_M = 0.3
-"""Distance from everything at which an episode may begin, and targets may lie."""
+"""Distance from all solids at which an episode may begin, and targets may lie."""
 
 
 class Place:
     """A world as episodes see it.
 
+    A copy of MuJoCo's model answers whether a position is free: the vehicle's hull has a margin
+    there, so that one collision check gives the room around it.
+
     Attributes:
         world: The world.
-        areas: Areas to land on that fit the vehicle and are not where it starts, by their number.
+        areas: Areas to land on that fit the vehicle and are not its start, by their number.
     """
 
     def __init__(self, world: World) -> None:
@@ -39,12 +42,12 @@ class Place:
 
     @cached_property
     def contacts(self) -> ContactFinder:
-        """Finds what a vehicle touched in this world."""
+        """Finder of objects that a vehicle touched in this world, made on first use."""
         return ContactFinder(self.world)
 
     @property
     def start_enu_m(self) -> Vector3:
-        """Where the scene starts its vehicle."""
+        """Position of the scene's start, ENU, m."""
         return self.world.scene.start_position_enu_m
 
     def is_free(self, position_enu_m: Vector3) -> bool:
