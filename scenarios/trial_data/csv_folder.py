@@ -23,7 +23,10 @@ def write_csv(trial: RecordedTrial, out: Path) -> Path:
 
     Args:
         trial: The trial.
-        out: Folder that is made.
+        out: Folder to create.
+
+    Returns:
+        The folder.
 
     Raises:
         OSError: If it cannot be written; nothing is left.
