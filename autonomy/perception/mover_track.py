@@ -155,7 +155,7 @@ class MoverTrack:
         )
 
     def is_seen_through(self, image: DepthImage) -> bool:
-        """Whether an image shows the background of the place where the obstacle should be."""
+        """True if an image shows the background of the place where the obstacle should be."""
         half = (min(self.size.along_m, self.size.across_m), self.size.up_m)
         doubt = _SIGMAS * image.inverse_depth_sigma_pm
         return share_seen_through(image.pixels, self.mean[:3], half, doubt) > _SURE_SHARE

@@ -265,7 +265,7 @@ def _solid_sums(is_free: np.ndarray, k: int) -> np.ndarray:
 
 @kernel
 def _has_room(sums: np.ndarray, i: int, j: int, reach: int) -> bool:
-    """Whether all cells of a layer about one exist and are free, so that nothing is narrow."""
+    """True if all cells of a layer about one exist and are free, so that nothing is narrow."""
     if i < reach or j < reach or i + reach + 2 > len(sums) or j + reach + 2 > sums.shape[1]:
         return False
     a, b, u, v = i - reach, j - reach, i + reach + 1, j + reach + 1

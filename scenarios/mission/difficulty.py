@@ -126,6 +126,7 @@ def measure_ways(scene: Scene, airframe: Airframe) -> list[Way]:
     """
     world = survey(scene, airframe)
     takeoff = takeoff_point(world)
+    # Always the areas of seed 0, so that a scene has one difficulty.
     ways: list[Way] = []
     for area in rank_areas(scene, airframe, seed=0)[:_MOST_TRIED]:
         trajectory = _way_to(world, takeoff, area)

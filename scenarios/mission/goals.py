@@ -65,6 +65,7 @@ def draw_goals(
     drawn: list[InteractionArea] = []
     while any(groups.values()):
         candidates = [group for group in groups.values() if group]
+        # First the side, then the area on it.
         group = candidates[rng.integers(len(candidates))]
         drawn.append(group.pop(rng.integers(len(group))))
     return drawn

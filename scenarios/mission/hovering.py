@@ -47,6 +47,7 @@ def slanting_lines(foot_enu_m: Vector3, lowest_m: float) -> Iterator[Float[np.nd
     low = np.add(foot_enu_m, (0.0, 0.0, lowest_m))
     for aside_m in _ASIDE_M:
         for height_m in HOVER_HEIGHTS_M:
+            # Flatter than 45 degrees.
             if height_m - lowest_m < aside_m:
                 continue
             for turn in range(_N_DIRECTIONS):

@@ -95,6 +95,7 @@ def plan_mission(
         MissionError: If no area suits the vehicle, or none can be flown to.
     """
     surroundings = survey(scene, airframe, limits, map_source=map_source, method=method)
+    # Before any area is tried: without a free column above the start, none can be flown to.
     takeoff = takeoff_point(surroundings)
     drawn = draw_goals(scene, airframe, seed, target) if area is None else []
     candidates = [each for each in drawn if is_free(each)] if area is None else [area]
@@ -113,6 +114,7 @@ def plan_mission(
             reason = f"area {candidate.id}: {error}"
             continue
         ranked = rank_areas(scene, airframe, seed, target)
+        # Alternates are ranked by appeal; only the assigned area is drawn.
         others = [each for each in ranked if each != candidate and is_free(each)]
         return Mission(
             surroundings=surroundings,

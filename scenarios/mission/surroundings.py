@@ -120,6 +120,7 @@ class Surroundings:
     def planner(self) -> PlannerCfg:
         """Planner settings for the vehicle, with the wider margin first if there is one."""
         usual = PlannerCfg(vehicle_radius_m=self.radius_m, method=self.method)
+        # Margins are tried in turn, so the wider one goes before the usual ones.
         if self.margin_m <= usual.margins_m[0]:
             return usual
         return replace(usual, margins_m=(self.margin_m, *usual.margins_m))
@@ -174,6 +175,7 @@ class Surroundings:
         """
         limits = self.limits
         if speed_mps is not None:
+            # Legs are mostly upright, so the vertical limit sets their speed.
             limits = replace(limits, speed_vertical_mps=speed_mps)
         return plan_leg(start_enu_m, goal_enu_m, yaw_rad, limits, self.airframe.quadrotor)
 
@@ -233,6 +235,7 @@ class Surroundings:
         It is above the area, or aslant if a roof or a wall leaves no room to hover there. In a
         growing map, unseen space counts as free: ask again when nearer.
         """
+        # Aslant only in a given map: unseen space of a growing one counts as free.
         above = self.hover_above(area)
         if above is not None or not self.is_known:
             return above
@@ -288,6 +291,7 @@ def survey(
             known: Map = unseen_map(scene, airframe, FIELD_RESOLUTION_M)
         else:
             known = given_map(scene, sphere_radius_m(airframe), FIELD_RESOLUTION_M)
+    # Callers know missions, not maps.
     except NoFreeSpaceError as error:
         raise MissionError(str(error)) from None
     return Surroundings(scene=scene, airframe=airframe, map=known, limits=limits, method=method)
@@ -295,5 +299,6 @@ def survey(
 
 def sphere_radius_m(airframe: Airframe) -> float:
     """Return the radius of the sphere around the centre of mass that contains rotors and soles."""
+    # Soles may be farther from the centre than the rotors' tips.
     legs_m = math.hypot(airframe.leg_spread_m, airframe.leg_length_m)
     return max(airframe.collision_radius_m, legs_m)

@@ -111,6 +111,7 @@ class Course:
         Without a previous trajectory, that time must be the present.
         """
         if self._begun_us is not None:
+            # Until the new one takes over, set points come from the old one.
             self._before = (self.trajectory, self._begun_us)
         self.trajectory = trajectory
         self._begun_us = begin_us

@@ -122,4 +122,5 @@ def may_show(
     beyond_m = np.maximum(
         (np.abs(x) - aside * z) / math.hypot(1.0, aside), (np.abs(y) - up * z) / math.hypot(1.0, up)
     )
+    # Behind the camera only by the radius: a large object may begin beside the lens.
     return bool(np.any((beyond_m < reach_m) & (z > -reach_m)))

@@ -95,7 +95,11 @@ class FlightState:
 
     @property
     def elapsed_s(self) -> float:
-        """Time since the present phase began, s."""
+        """Time since the present phase began, s.
+
+        The guard may shift the beginning, so that time in which a gust carries the vehicle off does
+        not count.
+        """
         return (self.time_us - self.since_us) * 1e-6
 
     @property
@@ -139,7 +143,10 @@ class FlightState:
         return world.scene.start_position_enu_m[2] + world.airframe.leg_length_m
 
     def last_words(self) -> str:
-        """The latest text of the autopilot, to be appended to a reason; empty if there is none."""
+        """The latest text of the autopilot, to be appended to a reason; empty if there is none.
+
+        A refused command often has its cause only in such a text.
+        """
         texts = self.telemetry.texts
         return f"; the autopilot said: {texts[-1][1]}" if texts else ""
 
@@ -155,7 +162,10 @@ class FlightState:
         self._go_carefully()
 
     def has_left_start(self) -> bool:
-        """Whether the vehicle is, or was, so high that nothing at the start holds it any more."""
+        """Return whether the vehicle is, or was, high enough to be clear of the start.
+
+        Once true it stays true, even when the vehicle comes down again.
+        """
         height_m = self.telemetry.position_enu_m[2] - self.home_resting_height_m
         self.is_clear = self.is_clear or height_m >= SET_OUT_M
         return self.is_clear
@@ -175,6 +185,8 @@ class FlightState:
         margin_m = self.following.margin_m
         if margin_m <= self.mission.surroundings.margin_m:
             return
+        # The mission is frozen, so a new margin makes a new one; plans already in flight keep
+        # theirs.
         surroundings = replace(self.mission.surroundings, margin_m=margin_m)
         self.mission = replace(self.mission, surroundings=surroundings)
         self._go_carefully()
@@ -200,6 +212,7 @@ class FlightState:
 
     def is_at_end(self, goal_enu_m: Vector3) -> bool:
         """Return whether the course ends at a place; in a growing map it may end before."""
+        # A growing map's plans may end at rest short of their goal.
         trajectory = self.course.trajectory
         end = trajectory.sample(trajectory.duration_s).position_enu_m
         return math.dist(end, goal_enu_m) < _ON_COURSE_M
@@ -210,6 +223,7 @@ class FlightState:
 
     def room_to_movers_m(self) -> float:
         """Least distance of the remaining course to the movers, m; infinite without any."""
+        # Predictions begin at the take-over, so the course must be read at the same time.
         since_s = self.course.elapsed_s(self.take_over_us)
         radius_m = self.mission.surroundings.radius_m
         return room_to_movers_m(self.course.trajectory, since_s, self.moving(), radius_m)
@@ -280,6 +294,8 @@ class FlightState:
         Raises:
             PlanningError: If there is no plan, or none that avoids the movers.
         """
+        # A trajectory that was planned before the flight fits only if the vehicle is still near its
+        # start.
         here = self.telemetry.position_enu_m
         is_here = prepared is not None and (
             math.dist(prepared.sample(0.0).position_enu_m, here) <= _ON_COURSE_M
@@ -348,5 +364,8 @@ class FlightState:
         return world.replan(plan, 0.0, moving=moving)
 
     def is_resting(self) -> bool:
-        """Return whether the course is at rest now."""
+        """Return whether the course is at rest now.
+
+        The set point decides, not the vehicle, which never hovers quite still.
+        """
         return math.hypot(*self.setpoint.velocity_enu_mps) < _AT_REST_MPS

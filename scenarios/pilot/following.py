@@ -56,6 +56,7 @@ class Following:
             self._rests_since_us = None
         elif self._rests_since_us is None:
             self._rests_since_us = time_us
+        # Ticks come five times as often; ten samples a second are enough for quantiles.
         if time_us < self._due_us:
             return
         self._due_us = time_us + _PERIOD_US
@@ -96,4 +97,5 @@ def _kept(values: deque[float]) -> float:
     """Return the value that the usual share of values does not exceed, 0 for too few values."""
     if len(values) < _LEAST_SAMPLES:
         return 0.0
+    # At most 80 values, so sorting them at each call is cheap.
     return sorted(values)[math.ceil(_SHARE * len(values)) - 1]

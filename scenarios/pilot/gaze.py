@@ -60,6 +60,7 @@ class Gaze:
         """
         if self._yaw_rad is None:
             self._yaw_rad, self._time_us = setpoint.yaw_rad, time_us
+        # After a pause in the calls, the heading must not leap.
         step_s = min((time_us - self._time_us) * 1e-6, _MOST_STEP_S)
         self._time_us = time_us
         if looks_around:

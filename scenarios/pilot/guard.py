@@ -135,6 +135,7 @@ class Guard:
 
     def _battery(self, phase: Phase) -> Step:
         flight = self._flight
+        # Going down already lands sooner than a return would.
         left = flight.telemetry.battery_remaining
         # The battery is NaN before the first report.
         if phase in _GOING_DOWN or flight.given_up is not None or not left < LEAST_BATTERY:
@@ -152,6 +153,7 @@ class Guard:
         if phase in _RISING and self._still_rises():
             # Nothing is won by a stop: the higher, the less stands around.
             return None
+        # Distance from the set point, not from the path: the plan's times are guarded too.
         here, should = flight.telemetry.position_enu_m, flight.setpoint.position_enu_m
         # The rotors spin up while the plan already rises: a vertical lag is harmless.
         n = 2 if phase is Phase.TAKEOFF else 3
@@ -176,7 +178,7 @@ class Guard:
         return None
 
     def _still_rises(self) -> bool:
-        """Whether the climb is not over, for the plan or for a vehicle that lifted off late."""
+        """Return whether the climb goes on, for the plan or for a vehicle that lifted off late."""
         flight = self._flight
         below_m = flight.setpoint.position_enu_m[2] - flight.telemetry.position_enu_m[2]
         return flight.course.is_under_way(flight.time_us) or below_m > LEAST_DEVIATION_M
@@ -184,6 +186,7 @@ class Guard:
     def _grant_time(self) -> None:
         """Do not count the present tick of a phase, because a gust carries the vehicle off."""
         flight = self._flight
+        # Limited, so that a storm without end does not keep the vehicle in the air for ever.
         if self._carried_us < 1e6 * CARRIED_S:
             tick_us = flight.time_us - self._checked_us
             self._carried_us += tick_us

@@ -76,7 +76,10 @@ class LandingPhases:
         return Phase.SEARCH, reason
 
     def give_up(self, reason: str) -> Step:
-        """Fly to the next reachable area, else home."""
+        """Fly to the next reachable area, else home.
+
+        At most `MAX_AREAS` are tried in a flight.
+        """
         flight = self._flight
         flight.n_looks, flight.watch = 0, None
         while flight.alternates and flight.n_areas < MAX_AREAS:
@@ -95,6 +98,7 @@ class LandingPhases:
         except PlanningError as error:
             _LOG.info("area %d: %s", area.id, error)
             return False
+        # Only now: the old area is kept if no path leads to the new one.
         flight.n_areas += 1
         flight.area, flight.hover_enu_m, flight.site = area, hover, None
         return True
@@ -107,6 +111,7 @@ class LandingPhases:
             watch.sway_m = max(watch.sway_m, flight.level_deviation_m)
         if not self._see(watch):
             return self._blind(watch)
+        # Gusts show only in the hover, so images on the way there do not count.
         watch.n_hovering += watch.is_hovering
         if watch.n_frames < SEARCH_FRAMES or watch.n_hovering < HOVERING_FRAMES:
             return None
@@ -195,7 +200,10 @@ class LandingPhases:
         return Phase.TOUCHDOWN, "still safe from here"
 
     def _sinks_steadily(self) -> bool:
-        """Whether the vehicle is above the place, and slows down at the end of the descent."""
+        """Return whether the vehicle is above the place, and slows at the descent's end.
+
+        Then the last stretch begins without a stop.
+        """
         flight = self._flight
         most_m, most_mps = steady_within(flight.following)
         return (

@@ -32,6 +32,7 @@ class Lookout:
     def check(self, phase: Phase) -> Step:
         """Return the action demanded by the latest images, None if the plan still holds."""
         flight = self._flight
+        # In the last stretch the vehicle goes down in any case.
         if not flight.senses.look_about() or phase is Phase.TOUCHDOWN:
             return None
         self._keep_in_view()

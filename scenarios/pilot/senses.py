@@ -89,6 +89,9 @@ class PlaceFix:
 class Senses:
     """Cameras and the processing of their images.
 
+    It decides which camera looks when, because each image costs time, and passes each image to the
+    place in the map, the movers and the growing map.
+
     Attributes:
         telemetry: Latest telemetry, in the map's frame.
         looks_ahead: True if it looks ahead for movers or for new parts of the map.
@@ -128,6 +131,7 @@ class Senses:
             self.telemetry = estimate
             return
         self._trust.hear(time_us, estimate.horizontal_sigma_m)
+        # As soon as the autopilot has satellites again, it needs no places from here.
         self._tells_place = self._tells_place and not estimate.has_fix
         anchor.claim(estimate.horizontal_sigma_m, is_adrift=self.is_adrift)
         # With a given map the images alone correct the offset, as long as the autopilot has a
@@ -263,6 +267,7 @@ class Senses:
     def _can_tell_movers(self) -> bool:
         """True if points off the map may belong to a mover."""
         foot_m = self._world.scene.start_position_enu_m[2]
+        # Near the ground the camera ahead has not yet seen the ground around the start.
         is_low = self.telemetry.position_enu_m[2] - foot_m < LEAST_HEIGHT_M
         return self._anchor.sigma_m < SURE_M and (self._world.is_known or not is_low)
 
@@ -331,6 +336,7 @@ def _anchor(world: Surroundings) -> MapAnchor:
     from autonomy.perception.surface_match import SurfaceMatcher
 
     scene = world.scene
+    # A growing map has no obstacles to match with, only surfaces that were seen.
     matcher = SurfaceMatcher(scene.extent_min_enu_m, scene.extent_max_enu_m)
     return MapAnchor(matcher, SEEN_SO_FAR)
 
@@ -338,5 +344,6 @@ def _anchor(world: Surroundings) -> MapAnchor:
 def _tracker(world: Surroundings) -> MoverTracker:
     from autonomy.perception.mover_tracker import MoverTracker, MoverTrackerCfg
 
+    # Distances change with each image of a growing map, so they are kept for one period only.
     growing = MoverTrackerCfg(remember_s=0.2, hits_to_confirm=HITS_WHILE_GROWING)
     return MoverTracker(MoverTrackerCfg() if world.is_known else growing)

@@ -103,8 +103,10 @@ class Reach:
         step_m = self.field.resolution_m
         rises_m = np.arange(self.radius_m, _MOST_ABOVE_M + step_m, step_m)
         column = np.stack([np.full_like(rises_m, x), np.full_like(rises_m, y), z + rises_m], axis=1)
+        # A surface near the top of the flight volume has no cells above it.
         column = column[self.field.contains(column)]
         if self.wide is not None:
+            # Cells of a large scene are computed before they are read.
             self.wide.build(column, 0.0)
         fits = self.field.distance_m[tuple(self.field.cells(column).T)] >= self.radius_m
         if not fits.any():
@@ -136,5 +138,6 @@ class Reach:
             )
         except PlanningError:
             return None
+        # Start and goal themselves instead of the centres of their cells.
         points = np.concatenate([ends[:1], self.field.centres(cells)[1:-1], ends[1:]])
         return straighten(points, self.obstacles, enough_m=self.radius_m + _COMFORTABLE_M)

@@ -111,6 +111,7 @@ class Recipe:
                 f"recipe: time_limit_s {self.time_limit_s} is out of range; "
                 f"valid: above 0, at most {LIMITS.trial_s:g}"
             )
+        # Texts are drawn for landing areas only.
         if set(self.goals) != {"area"} and self.target != "landing":
             raise RecipeError(
                 f"recipe: target {self.target!r} has no texts; valid: landing, or goals area"
@@ -127,6 +128,7 @@ class Recipe:
         """Refuse words that the testbench would refuse, before any trial is flown."""
         words: list[dict[str, Any]] = [{"turbulence": word} for word in self.turbulence]
         words += [{"traffic": word} for word in self.traffic]
+        # The largest values: if the testbench takes these, it takes all below.
         words.append({"wind": self.wind_mps[1], "gust": self.gust_mps[1]})
         for word in self.failures:
             try:

@@ -169,6 +169,7 @@ class Sampler:
         self, trial: int, rng: np.random.Generator, asked: _Asked | None
     ) -> tuple[_Start, InteractionArea, WayFigures]:
         """Draw start, area and path: of the grade whose turn it is, else the nearest to it."""
+        # Grades by turns, so that any first trials of a scene have all of them.
         wanted = self._recipe.difficulty[trial % len(self._recipe.difficulty)]
         found: list[tuple[_Start, InteractionArea, WayFigures]] = []
         for _ in range(_MOST_DRAWS):
@@ -212,6 +213,7 @@ class Sampler:
 
     def _draw_area(self, start: _Start, seed: int, asked: _Asked | None) -> InteractionArea | None:
         """Return the first area that a seed draws for a start and the recipe allows, else None."""
+        # From the drawn start, because the area under it is left out.
         scene = self._from(start.position_enu_m)
         drawn = draw_goals(scene, self._airframe, seed, self._recipe.target)
         goals = [goal for goal in drawn if self._may_end(start, goal)]
@@ -243,6 +245,7 @@ class Sampler:
         """Return the area with the shortest path among those on which a landing is a success."""
         goal = None if asked is None else self._goal(area, asked)
         areas = [area] if goal is None else goal.areas
+        # Only a few paths are searched; the straight distance selects them.
         near = sorted(areas, key=lambda each: math.dist(each.centroid, start.position_enu_m))
         ways = [(each, self._way(start.position_enu_m, each)) for each in near[:_MOST_WAYS]]
         found = [(each, way) for each, way in ways if way is not None]
@@ -276,6 +279,7 @@ class Sampler:
         if start not in self._places:
             self._places[start] = self._reach.place_above(start)
             try:
+                # The world refuses a start on which the vehicle cannot stand.
                 build_world(self._from(start), self._airframe)
             except WorldError:
                 self._places[start] = None

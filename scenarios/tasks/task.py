@@ -84,6 +84,7 @@ class Task:
                 depth_camera=self.depth_camera,
                 aiding=self.aiding,
                 fail=self.failures,
+                # As fast as possible: no client outside of the process waits for real time.
                 speed="max",
             ),
         )
@@ -94,12 +95,15 @@ class Task:
         Args:
             scene: The scene that the task names.
         """
+        # The areas stay: the goal's number must mean the same area from every start.
         return replace(scene, start_position_enu_m=self.start, start_yaw_rad=self.start_yaw_rad)
 
     def to_plain(self) -> dict[str, Any]:
         """Return the task as plain data, flat: the figures of the path stand beside the rest."""
+        # A column of a table holds a number or a word, so the way's figures move up a level.
         plain = asdict(self)
         way = plain.pop("way")
+        # It follows from path and vehicle, so the task need not hold it.
         least_s = least_navigation_s(self.way.way_m, airframe_by_name(self.vehicle))
         return {
             "trial_id": self.trial_id,

@@ -137,5 +137,6 @@ def _passed(points: Float[np.ndarray, "n 3"], openings: Sequence[Opening]) -> in
     centres = np.array([opening.center_enu_m for opening in openings])
     reach_m = np.array([max(opening.width_m, opening.height_m) / 2 for opening in openings])
     # Near the middle of an opening, by half its larger extent, counts as through it.
+    # Points are a quarter of a metre apart, close enough to meet any opening.
     away_m = np.linalg.norm(points[:, None] - centres, axis=2).min(axis=0)
     return int(np.count_nonzero(away_m <= reach_m))

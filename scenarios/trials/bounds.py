@@ -40,7 +40,7 @@ class Bounds:
     n_contacts: int
     """Number of contacts before the touchdown."""
     before: tuple[Contact, ...] = ()
-    """Those contacts; empty if it is unknown what was touched."""
+    """The contacts before the touchdown; empty if it is unknown what was touched."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -81,6 +81,7 @@ def bounds_of(
         return Bounds(lift_off=n_rows, touchdown=n_rows, n_contacts=0)
     (lift_off, _), (_, touchdown) = flights[0], flights[-1]
     landing = _Landing(history, airframe, assigned, others, touched)
+    # Otherwise the flight ended in the air.
     if touchdown < n_rows:
         on_area = landing.first_on_assigned(lift_off)
         touchdown = landing.on_something_else(touchdown) if on_area is None else on_area
@@ -140,6 +141,7 @@ class _Landing:
             if contact.until_s < self._time_s[ended]:
                 continue
             # A nanosecond of tolerance: times are rounded from microseconds.
+            # A contact that began before the last flight ended counts from that end on.
             row = max(ended, int(np.searchsorted(self._time_s, contact.time_s - 1e-9)))
             if self._bears(contact, row):
                 return row
@@ -172,6 +174,7 @@ class _Landing:
         touched, soles_enu_m = self._touched, self._soles_enu_m[row]
         assert touched is not None
         is_home = contact.object_id is not None and contact.object_id == touched.home_id
+        # A roof above the soles is a ceiling, not a surface to stand on.
         is_below = contact.position_enu_m[2] <= soles_enu_m[2] + LIMITS.surface_tolerance_m
         if contact.is_with_ground or (is_below and (is_home or contact.category in GROUNDS)):
             return True
@@ -217,6 +220,7 @@ def _footprint(corners_enu_m: tuple[Vector3, ...]) -> Any:
 
 def n_ticks(time_s: np.ndarray, seconds: float) -> int:
     """Return the number of rows in a time, from the times of the rows."""
+    # Rows are evenly spaced, so two of them give the rate.
     return round(seconds / (time_s[1] - time_s[0]))
 
 

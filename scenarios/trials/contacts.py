@@ -110,6 +110,7 @@ class ContactFinder:
             mates: The same rows of the other vehicles, in their order.
         """
         flights = list(mates)
+        # MuJoCo has the vehicles in the order of their numbers.
         flights.insert(self._world.number, history)
         poses = [
             (self._data.qpos[at : at + 7], flight["position_true_enu_m"], flight["quat_true_wxyz"])
@@ -124,6 +125,7 @@ class ContactFinder:
             for qpos, positions_enu_m, quats_wxyz in poses:
                 qpos[:3], qpos[3:] = positions_enu_m[row], quats_wxyz[row]
             for thing, point_enu_m in self._touched().items():
+                # One object may be touched again and again; gaps below the limit join contacts.
                 last = latest.get(thing)
                 if last is not None and time_s - found[last].until_s <= LIMITS.contact_gap_s:
                     found[last] = replace(found[last], until_s=time_s)

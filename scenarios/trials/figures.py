@@ -62,7 +62,10 @@ class Figures:
 
     @property
     def is_down(self) -> bool:
-        """True if the flight ended on the ground, or on something else."""
+        """True if the flight ended on the ground, or on something else.
+
+        It is False while the vehicle flies, however low.
+        """
         return self._landed is not None
 
     @property
@@ -97,9 +100,14 @@ class Figures:
 
     @cached_property
     def landed_area(self) -> int | None:
-        """Area that all soles ended on, the assigned one or another; None if there is none."""
+        """Area that all soles ended on, the assigned one or another; None if there is none.
+
+        One sole beside it is enough for None, because three legs carry a vehicle only until
+        something moves it.
+        """
         if self._landed is None:
             return None
+        # The assigned area first: where areas overlap, it is the one that counts.
         goal, soles_enu_m = self._goal, self._soles_enu_m
         candidates = goal.others if goal.area is None else (goal.area, *goal.others)
         landed = (area.id for area in candidates if is_over_area(soles_enu_m, area).all())
@@ -175,6 +183,7 @@ def _time_s(row: np.void) -> float:
 def _error_m(rest: np.void, goal: Goal) -> float | None:
     if goal.area is None:
         return None
+    # A chosen point beside the area must not make the error small.
     at_enu_m, chosen = goal.area.centroid, goal.chosen_enu_m
     if chosen is not None and is_in_footprint(goal.area, *np.array(chosen)[:2, None])[0]:
         at_enu_m = chosen
@@ -218,6 +227,7 @@ def rotors_turn(history: np.ndarray, airframe: Airframe) -> Bool[np.ndarray, " n
 
 
 def _stopped_after_s(landed: np.ndarray, airframe: Airframe) -> float | None:
+    # The last row with a turning rotor: before it they may have stopped and started again.
     turning = np.flatnonzero(rotors_turn(landed, airframe))
     if not turning.size:
         return 0.0
@@ -229,6 +239,7 @@ def _stopped_after_s(landed: np.ndarray, airframe: Airframe) -> float | None:
 def _spin_ups(landed: np.ndarray, airframe: Airframe) -> int:
     """Count the times that thrust rose above the upper share of the weight after the lower one."""
     constants = np.array([r.thrust_constant * r.axis_flu[2] for r in airframe.quadrotor.rotors])
+    # Thrust over weight, by the true speeds of the rotors.
     share = (landed["rotor_speed_radps"] ** 2 @ constants) / _weight_n(airframe)
     # Only rows beyond one of the shares matter: a low one followed by a high one is a spin-up.
     is_high = share[(share < LIMITS.unloaded_share) | (share > LIMITS.loaded_share)] > (
@@ -242,5 +253,6 @@ def _weight_n(airframe: Airframe) -> float:
 
 
 def _tilt_rad(quat_wxyz: np.ndarray) -> float:
+    # Third entry of the rotation matrix's third column; clipped, because rounding may exceed 1.
     _, x, y, _ = quat_wxyz
     return math.acos(max(-1.0, min(1.0, 1.0 - 2.0 * (x * x + y * y))))

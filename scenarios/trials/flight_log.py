@@ -112,6 +112,7 @@ class FlightLog:
             )
         if not self._ticks:
             return FlightScore()
+        # One copy of all rows; scoring then works on whole columns.
         history, airframe = self._rows(0), self._plant.world.airframe
         if goal is None:
             return score_flight(history, airframe, Goal())
@@ -133,6 +134,7 @@ class FlightLog:
 
     def positions_enu_m(self) -> Float[np.ndarray, "n 3"]:
         """Return the true position at the end of every tick of a flight that is judged, ENU, m."""
+        # The last row of each tick.
         rows = self._rows(0)["position_true_enu_m"]
         return rows[len(self._plant.history) - 1 :: len(self._plant.history)]
 
@@ -199,6 +201,7 @@ class FlightLog:
         """Return the least room in flight to movers and other vehicles; None if nothing moves."""
         if score.lift_off_s is None or not (self._room_to_movers_m or self._mates):
             return None
+        # A row a tick: the movers' distances were measured at the ends of ticks.
         n_rows = len(self._plant.history)
         rows = history[n_rows - 1 :: n_rows]
         time_s, way_enu_m = rows["time_us"] * 1e-6, rows["position_true_enu_m"]

@@ -34,8 +34,10 @@ def grade(row: Mapping[str, Any]) -> float | None:
         return None
     if row["success"]:
         took_s, least_s = row.get("navigation_s"), row.get("least_navigation_s")
+        # Without both times a success has no pace.
         pace = min(1.0, least_s / took_s) if took_s and least_s else 0.0
         return round(SUCCESS + PACE * pace, 4)
+    # Rows come from tables, where the fate is a word.
     is_safe = row.get("fate") == Fate.SAFE_DOWN.value
     return round(PROGRESS * (row.get("progress") or 0.0) + SAFE * is_safe, 4)
 

@@ -88,6 +88,7 @@ class TrialResult:
 
     def to_plain(self) -> dict[str, Any]:
         """Return the result as plain data."""
+        # Enumerations become their words.
         fate = None if self.fate is None else self.fate.value
         return asdict(self) | {"code": self.code.value, "fate": fate}
 
@@ -102,6 +103,7 @@ def figures(
         area: Assigned area; None if there was none.
         pilot: The pilot, with its `replans` if it counts them; None if nobody flew.
     """
+    # A pilot of a user's need not count its plans.
     replans: Sized | None = getattr(pilot, "replans", None)
     return {
         "area": None if area is None else area.id,
@@ -111,6 +113,7 @@ def figures(
         "touchdown_error_m": rounded(score.touchdown_error_m),
         "touchdown_speed_mps": rounded(score.touchdown_speed_mps),
         "slide_m": rounded(score.slide_m),
+        # Without an assigned area there is nothing for soles to be inside of.
         "soles_inside": None if area is None else score.n_soles_inside == score.n_soles,
         "tilt_at_rest_deg": rounded(score.tilt_at_rest_deg) if score.is_down else None,
         "stopped_after_s": rounded(score.stopped_after_s),
@@ -127,11 +130,13 @@ def figures(
 
 def _has_navigated(score: FlightScore) -> bool:
     reached_s = score.reached_s
+    # A contact on the way there is no clean navigation, even if the area was reached.
     return reached_s is not None and all(each.time_s >= reached_s for each in score.contacts)
 
 
 def rounded(figure: float | None) -> float | None:
     """Round to a millimetre or a thousandth of a degree; None if there is no figure."""
+    # JSON has no NaN, so that both become null.
     return None if figure is None or math.isnan(figure) else round(figure, 3)
 
 

@@ -95,6 +95,7 @@ def score_flight(
         goal: Place where it should have ended.
         touched: Contacts of the flight; None if only their times are known.
     """
+    # All figures at once: a result lists them all, while a verdict alone asks for few.
     figures = Figures(history, airframe, goal, touched)
     errors = EstimationErrors()
     errors.add(history)

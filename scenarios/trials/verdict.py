@@ -171,6 +171,7 @@ def fate_of(score: AnyScore, goal: Goal) -> Fate | None:
     if not score.has_flown:
         return None
     # A flight without an area may touch things on purpose.
+    # The fate is about the vehicle, so a collision counts before a soft landing after it.
     has_hit = goal.area is not None and score.contacts_before_touchdown > 0
     if has_hit:
         return Fate.COLLIDED
@@ -230,6 +231,7 @@ def _to_the_place(score: AnyScore, area: InteractionArea, ending: Ending) -> Ite
     is_there = score.landed_area == area.id
     # The order matters: time, then the pilot's reason, then where the soles stand.
     yield not is_there and not ending.is_done, Code.TIME_UP, f"the time was up: {word}"
+    # A pilot that is done in the air has given up, whatever it reports.
     gave_up = not score.is_down or not ending.word.success
     yield not is_there and gave_up, Code.GAVE_UP, word
     is_elsewhere = not is_there and score.landed_area is not None
@@ -272,5 +274,6 @@ def _to_the_touchdown(score: AnyScore) -> Iterator[_Objection]:
             "came to rest {:.2f} m from the chosen point",
         ),
     ):
+        # A figure that was not measured breaks no limit.
         value = figure or 0.0
         yield value > most, code, f"{says.format(value)}; at most {most} are allowed"

@@ -43,6 +43,7 @@ def score_words(
     """
     if not len(flown_enu_m) or not areas:
         return WordScores()
+    # The nearest point of the nearest area, at each time.
     away_m = np.min([_away_m(flown_enu_m, area) for area in areas], axis=0)
     path_m = np.linalg.norm(np.diff(flown_enu_m, axis=0), axis=1).sum()
     return WordScores(

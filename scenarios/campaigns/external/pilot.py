@@ -65,7 +65,7 @@ class ExternalPilot:
 
     @property
     def verdict(self) -> Verdict:
-        """What is known of the flight besides the truth: whether the program disarmed or left."""
+        """Statement on the flight besides the truth: whether the program disarmed or left."""
         reason = "the program has left" if self._has_left else "the program did not disarm"
         return Verdict(success=self.is_done, reason=reason)
 
@@ -81,6 +81,7 @@ class ExternalPilot:
         assert self._bench is not None
         lockstep = self._bench.server.lockstep
         assert lockstep is not None
+        # A flight is over only after it was armed: a program may take its time before.
         if self._bench.autopilot.is_armed:
             self._armed_us = time_us
         elif self._has_left:

@@ -36,7 +36,9 @@ class Place:
         is_hull = self._model.geom_bodyid == world.vehicle_body_id
         self._model.geom_margin[is_hull] = _ROOM_M
         self._data = mujoco.MjData(self._model)
+        # Bounds and masks of bodies follow from those of their geoms.
         mujoco.mj_setConst(self._model, self._data)
+        # Tested level, whatever attitude an episode then begins with.
         self._data.qpos[3:7] = LEVEL
         self._position_enu_m = self._data.qpos[:3]
 
@@ -51,7 +53,10 @@ class Place:
         return self.world.scene.start_position_enu_m
 
     def is_free(self, position_enu_m: Vector3) -> bool:
-        """Whether a vehicle has room around itself at a position within the flight volume."""
+        """Return whether a vehicle has room around itself at a position.
+
+        Positions outside of the flight volume are not free.
+        """
         (x, y, z), scene = position_enu_m, self.world.scene
         (x0, y0, z0), (x1, y1, z1) = scene.extent_min_enu_m, scene.extent_max_enu_m
         if not (x0 <= x <= x1 and y0 <= y <= y1 and z0 <= z <= z1):
