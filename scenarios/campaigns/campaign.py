@@ -131,6 +131,7 @@ def open_campaign(folder: Path, suite: Suite) -> Iterator[Campaign]:
         FlightStackError: If there is no such flight stack.
         OSError: If the folder cannot be written to.
     """
+    # Before anything is written.
     suite.require_pilot()
     _claim(folder, suite)
     with open_store(folder) as store:

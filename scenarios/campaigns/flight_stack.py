@@ -29,6 +29,7 @@ class FlightStack:
             FlightStackError: If the file does not exist or cannot be executed.
         """
         path = Path(self.binary)
+        # Before the campaign begins: otherwise every trial would fail alike.
         if not path.is_file() or not os.access(path, os.X_OK):
             raise FlightStackError(
                 f"autopilot-binary {self.binary!r} is no program; valid: that of {self.autopilot}, "

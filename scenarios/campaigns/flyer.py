@@ -301,6 +301,7 @@ class Flyer:
             make = self._pilot.make
             with Sitl(cfg, scene=scene, pilot=make, has_network=False, hangar=self._hangar) as sitl:
                 result = sitl.run()
+        # Pilots of others need not say what they plan.
         planned = getattr(sitl.flights[0].companion, "planned_enu_m", None)
         flown_enu_m = sitl.flights[0].log.track()
         goal = next(area for area in scene.interaction_areas if area.id == task.area)

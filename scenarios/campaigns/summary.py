@@ -32,6 +32,7 @@ def _named(name: str) -> Callable[[pa.Table], pa.Array]:
 
 
 def _kinds(table: pa.Table) -> pa.Array:
+    # A million rows have a few hundred scenes: each name is looked up once.
     scenes = table["scene"].combine_chunks().dictionary_encode()
     kinds = pa.array([scene_kind(name) for name in scenes.dictionary.to_pylist()], pa.string())
     return pa.DictionaryArray.from_arrays(scenes.indices, kinds).dictionary_decode()
@@ -39,6 +40,7 @@ def _kinds(table: pa.Table) -> pa.Array:
 
 def _winds(table: pa.Table) -> pa.Array:
     edges = (0.0, *_WINDS_MPS)
+    # Names in the order of the classes, the last one for trials whose wind is unknown.
     names = [f"{low:g} to {high:g} m/s" for low, high in pairwise(edges)]
     names += [f"{edges[-1]:g} m/s and more", _UNKNOWN]
     speeds_mps = table["wind_mps"].to_numpy()
@@ -116,8 +118,10 @@ def summarise_trials(table: pa.Table) -> dict[str, Any]:
         their counts, most frequent first.
     """
     judged = table.filter(pc.field("success").is_valid())
+    # A success counts as having come to the area, even if `navigated` is null.
     came = judged.filter(pc.field("navigated") | pc.field("success"))
     codes = table.group_by("code").aggregate([([], "count_all")]).to_pylist()
+    # By name among equals, so that the order does not depend on the rows.
     codes.sort(key=lambda row: (-row["count_all"], row["code"]))
     cpu_seconds = table["trial_cpu_seconds"].drop_null().to_numpy()
     return {
@@ -179,6 +183,7 @@ def mean_with_interval(values: Float[np.ndarray, " n"]) -> dict[str, Any]:
 def _group(judged: pa.Table, groups: pa.Array) -> dict[str, Any]:
     """Return the rate of each group, in the order of their names."""
     coded = groups.dictionary_encode()
+    # Groups as numbers, so that a comparison of arrays selects the rows of each.
     codes, names = coded.indices.to_numpy(), coded.dictionary.to_pylist()
     found = {name: _rate(judged.filter(pa.array(codes == i))) for i, name in enumerate(names)}
     return {name: found[name] for name in sorted(found, key=natural)}
@@ -196,6 +201,7 @@ def _grades(grades: Float[np.ndarray, " n"]) -> dict[str, Any]:
     mean = float(grades.mean())
     if len(grades) == 1:
         return {"grade": mean, "grade_interval_95": None}
+    # Sample deviation over the root of the number: the deviation of the mean.
     half = _Z_95 * float(grades.std(ddof=1)) / math.sqrt(len(grades))
     return {"grade": mean, "grade_interval_95": [max(0.0, mean - half), min(1.0, mean + half)]}
 

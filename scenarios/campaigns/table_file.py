@@ -53,6 +53,7 @@ def read_table_file(
             # From the metadata alone, before anything is unpacked.
             _require_bounds(facts, there, names[0])
             shared = [name for name in texts if name in there]
+            # Texts as dictionaries: a text that many rows share stays one text until it is counted.
             file = pq.ParquetFile(opened, metadata=facts, read_dictionary=shared, pre_buffer=False)
             # A condition may be of any column but the tracks.
             asked = {*names, *(() if where is None else _plain(schema))}

@@ -186,6 +186,7 @@ class Batch:
         self._flights.begin(index)
         self._photographer.begin(index)
         self._episodes[index], self._is_flying[index] = episode, True
+        # Alignment took simulated time, which does not count as part of the episode.
         self._begun_s[index] = self._fleet.time_s[index]
         self._now.begin(index, start.target_enu_m)
 

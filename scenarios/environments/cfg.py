@@ -184,6 +184,7 @@ class EnvironmentCfg:
         """Return the plant of an episode; its inner loops know the same state as the agent."""
         return PlantCfg(
             seed=seed,
+            # The inner loops know no more than the agent.
             state="estimate" if self.observation.state == "estimated" else "truth",
             has_sensors=self.observation.has_sensors,
             aiding="auto",

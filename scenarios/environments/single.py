@@ -45,6 +45,7 @@ class AeroSceneEnv(gymnasium.Env[Any, np.ndarray]):
             AirframeError: If there is no such vehicle.
         """
         self.render_mode = checked_render_mode(render_mode)
+        # One world needs no threads.
         self._batch = Batch(task_by_name(task), [scene], cfg, n_threads=1)
         # Films of the environment run as fast as it does.
         self.metadata = {**self.metadata, "render_fps": self._batch.action_hz}

@@ -116,6 +116,8 @@ class AeroSceneSwarm(ParallelEnv[str, Observation, np.ndarray]):
             EnvironmentInputError: If the scene has no place for it.
         """
         if seed is not None or not self._is_seeded:
+            # Without a seed the first episode is random; PettingZoo keeps no generator for
+            # environments.
             fresh = int(np.random.default_rng().integers(2**31)) if seed is None else seed
             self._batch.seed(0, fresh)
             self._is_seeded = True
@@ -171,6 +173,7 @@ class AeroSceneSwarm(ParallelEnv[str, Observation, np.ndarray]):
 
     def _checked(self, actions: Mapping[str, np.ndarray]) -> Float[np.ndarray, "n 4"]:
         """Return the actions of the agents that fly; zero for the others."""
+        # Vehicles that have ended still have rows in the batch; their actions do nothing.
         given = np.zeros((len(self.possible_agents), N_ACTIONS))
         for agent in self.agents:
             if agent not in actions:
@@ -187,11 +190,13 @@ parallel_env = AeroSceneSwarm
 
 def _airframes(vehicles: int | Sequence[str], cfg: EnvironmentCfg) -> list[Airframe]:
     names = [cfg.vehicle] * vehicles if isinstance(vehicles, int) else list(vehicles)
+    # A single name would be read as a list of letters.
     if isinstance(vehicles, str) or not 2 <= len(names) <= _MOST_VEHICLES:
         raise EnvironmentInputError(
             f"vehicles = {vehicles!r}: 2 to {_MOST_VEHICLES}, or as many airframes, are valid"
         )
     airframes = [airframe_by_name(name) for name in names]
+    # The arrays of a batch have one number of rotors.
     if len({len(airframe.quadrotor.rotors) for airframe in airframes}) > 1:
         raise EnvironmentInputError(
             f"vehicles = {vehicles!r}: airframes with the same number of rotors are valid"

@@ -66,6 +66,7 @@ class AeroSceneVectorEnv(VectorEnv[Any, np.ndarray, np.ndarray]):
             )
         self.num_envs = num_envs
         self.render_mode = checked_render_mode(render_mode)
+        # Scenes by turns, so that any number of worlds uses all of them.
         around = [scenes[i % len(scenes)] for i in range(num_envs)]
         self._batch = Batch(task_by_name(task), around, cfg, n_threads)
         # Films of the environments run as fast as these do.
@@ -148,6 +149,7 @@ class AeroSceneVectorEnv(VectorEnv[Any, np.ndarray, np.ndarray]):
         final_info: dict[str, np.ndarray] = {}
         for name, value in infos[0].items():
             is_text = isinstance(value, str)
+            # Worlds that go on have a placeholder; `_name` says which entries count.
             values = np.full(
                 self.num_envs, None if is_text else 0, object if is_text else type(value)
             )
@@ -163,6 +165,7 @@ class AeroSceneVectorEnv(VectorEnv[Any, np.ndarray, np.ndarray]):
     def _seeds(self, seed: int | list[int | None] | None) -> Sequence[int | None]:
         if isinstance(seed, int):
             return [seed + i for i in range(self.num_envs)]
+        # Gymnasium's rule: without a seed each world goes on with its own stream.
         if seed is None and self._is_seeded:
             return [None] * self.num_envs
         if seed is None:

@@ -145,6 +145,7 @@ class Failure:
 def failures(folder: Path) -> list[Failure]:
     """Return the first trials of a campaign that failed, by scene, vehicle and number."""
     table = read_results(folder, _FAILURE_COLUMNS, where=~pc.field("success"))
+    # Cut before rows become Python objects.
     rows = table.slice(0, MOST_FAILURES).to_pylist()
     rows.sort(key=lambda row: (natural(row["scene"]), row["vehicle"], row["trial"]))
     return [_failure(folder, row) for row in rows]
@@ -153,6 +154,7 @@ def failures(folder: Path) -> list[Failure]:
 def _failure(folder: Path, row: Mapping[str, Any]) -> Failure:
     recording = Recordings(folder=folder / RECORDINGS).path(row["trial_id"])
     if recording.is_file():
+        # Only a file that is there; the row's own word may be old.
         command = ["aeroscene", "replay", str(recording)]
     else:
         trial = ("--scene", row["scene"], "--vehicle", row["vehicle"], "--trial", str(row["trial"]))

@@ -52,6 +52,7 @@ def update_leaderboard(path: Path, folder: Path, stack: str | None = None) -> di
     """
     if path.suffix != ".json":
         raise LeaderboardError(f"leaderboard {str(path)!r} is no .json file; valid: NAME.json")
+    # Read before the campaign is summarised: a file that is no leaderboard fails at once.
     entries = _read(path)
     entry = _entry(folder, stack)
     others = [each for each in entries if any(each[name] != entry[name] for name in _KEY)]
@@ -67,6 +68,7 @@ def update_leaderboard(path: Path, folder: Path, stack: str | None = None) -> di
 def _entry(folder: Path, stack: str | None) -> dict[str, Any]:
     manifest = read_manifest(folder)
     suite = _suite_of(folder, manifest)
+    # Further trials in the folder do not count.
     wanted = pa.array([trial.id for trial in suite.all_trials()], pa.string())
     columns = ("trial_id", *PAGE_COLUMNS)
     table = read_results(folder, columns, where=pc.field("trial_id").isin(wanted))

@@ -146,6 +146,7 @@ def _pairs(folder_a: Path, folder_b: Path) -> tuple[pa.Table, pa.Table, tuple[in
 
 def _check_tasks(a: pa.Table, b: pa.Table) -> None:
     """Refuse pairs that are not the same task; a trial that died has no task to compare."""
+    # Rows of trials that ended without a flight have no conditions.
     is_known = pa.array(np.asarray(a["seed"].is_valid()) & np.asarray(b["seed"].is_valid()))
     a, b = a.filter(is_known), b.filter(is_known)
     for name in _TASK:

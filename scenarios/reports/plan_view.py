@@ -100,6 +100,7 @@ def plan_view(
     return PlanView(
         scene=name,
         title=f"{scene.domain}{f', {scene.theme}' if scene.theme else ''}".replace("_", " "),
+        # SVG's y points down, so every north coordinate is negated.
         view_box=f"{left:.2f} {-north:.2f} {right - left:.2f} {north - south:.2f}",
         size_m=(right - left, north - south),
         shapes=[(_look(each), _points(_outline(each))) for each in _from_below(scene.objects)],

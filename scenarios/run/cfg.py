@@ -144,6 +144,7 @@ class SitlCfg:
             TestbenchError: If the number of vehicles is not valid.
             AirframeError: If there is no such airframe.
         """
+        # A number means so many of the configured airframe, anything else is a list of airframes.
         names = self.vehicles.split(",") if self.vehicles else [self.bench.vehicle]
         if self.vehicles.lstrip("-").isdecimal():
             # Capped, so that a huge number makes no huge list before it is refused.
@@ -164,6 +165,7 @@ class SitlCfg:
 
 def _require_folder(name: str, folder: Path) -> None:
     """Refuse a folder that cannot be written to, nor be made in one that can."""
+    # A missing folder is created later, so its parent must exist.
     there = folder if folder.exists() else folder.parent
     if not there.is_dir():
         what = "is a file" if there.exists() else "is not there"

@@ -61,6 +61,7 @@ class Aboard:
     insight: Insight | None = None
     """None, except in a flight to a goal in words for a maker of pilots with a true attribute
     `has_insight`."""
+    # By default a vehicle without a lidar.
     scan: Callable[[], LidarScan | None] = lambda: None
     """Function that returns the lidar's last complete scan; None without a lidar."""
 

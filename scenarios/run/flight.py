@@ -102,6 +102,7 @@ class Flight:
         from scenarios.run.companion import Aboard, Insight
 
         vehicle, words, scene = self.vehicle, self.words, self.vehicle.scene
+        # Only makers that declare themselves as baselines of perfect perception get it.
         insight = None
         if words is not None and getattr(pilot, "has_insight", False):
             insight = Insight(scene=scene, description=words.description)

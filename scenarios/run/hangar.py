@@ -61,6 +61,7 @@ class Hangar:
         number, scene_id = plant.world.number, vehicle.scene.scene_id
         name = f"{scene_id}, vehicle {number + 1}" if number else scene_id
         noise = depth_noise(cfg.depth_camera, cfg.seed, name)
+        # Only then does a picture depend on nothing but scene, airframe and pose.
         is_alone = plant.world.n_vehicles == 1 and not plant.world.obstacles
         size_px = width_px, height_px = cfg.camera_size_px
         renderer = self._renderer(plant.world, size_px) if is_alone else None

@@ -49,6 +49,7 @@ def plan_missions(
     missions: list[Mission] = []
     for number, vehicle in enumerate(vehicles):
         others = [other for other in vehicles if other is not vehicle]
+        # Starts of all others, and areas of those before: later ones do not exist yet.
         taken = [other.scene.start_position_enu_m for other in others]
         taken += [mission.area.centroid for mission in missions]
         try:
@@ -68,6 +69,7 @@ def plan_missions(
             raise TestbenchError(f"{who}{error}") from error
         missions.append(mission)
     return [
+        # Alternates are filtered at the end, when all areas are known.
         replace(mission, alternates=_left_to(mission, [m for m in missions if m is not mission]))
         for mission in missions
     ]

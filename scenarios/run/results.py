@@ -20,6 +20,7 @@ class RunResult:
     @property
     def success(self) -> bool | None:
         """True if all flights are done; None if nobody flew."""
+        # A vehicle without a pilot leaves the run without a verdict.
         said = [result.success for result in self.vehicles]
         return None if None in said else all(said)
 
@@ -39,6 +40,7 @@ class RunResult:
         first = self.vehicles[0].to_plain()
         if len(self.vehicles) == 1:
             return first
+        # Fields that are the same for all vehicles stand once, beside the list of vehicles.
         of_run = ("scene", "seed", "sim_seconds", "wall_seconds", "cpu_seconds")
         return {
             "success": self.success,

@@ -77,6 +77,7 @@ class Schedule:
             yield LIMITS.longest_fall_s, lambda: not log.is_in_the_air()
             yield LIMITS.longest_settle_s, log.is_still
             return
+        # The first second always passes: nothing ends this part earlier.
         yield LIMITS.settle_s, lambda: False
         rest_s = LIMITS.longest_settle_s - LIMITS.settle_s
         yield rest_s, lambda: not self._wants_landing(companion) or log.is_still()

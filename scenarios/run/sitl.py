@@ -133,6 +133,8 @@ class Sitl:
             missions = plan_missions(cfg, vehicles, area)
         flights: list[Flight] = []
         for vehicle, mission in zip(vehicles, missions, strict=True):
+            # With a goal in words the pilot must not learn the area, and other vehicles have none
+            # assigned.
             own_area = None if flights or self.words is not None else area
             flights.append(
                 Flight(
@@ -148,6 +150,7 @@ class Sitl:
                 )
             )
         for flight in flights:
+            # After all flights are open: each log needs those of all others.
             flight.log.fly_with([mate.log for mate in flights if mate is not flight])
         return tuple(flights)
 
@@ -186,10 +189,12 @@ class Sitl:
         stopped_by = run_until_over(
             self.bench.simulator,
             [flight.schedule() for flight in self.flights],
+            # A fault of an external flight stack ends the run like a signal.
             lambda: should_stop() or self.bench.fault,
         )
         spent_s = clock.spent_s()
         names = [None if self.cfg.record is None else str(self.cfg.record)]
+        # One recording holds all vehicles; it is listed with the first.
         names += [None] * len(self.bench.plant.mates)
         first, *mates = (
             flight.conclude(stopped_by, spent_s, name)
@@ -204,6 +209,7 @@ class Sitl:
     def _write(self, first: TrialResult, mates: Sequence[TrialResult]) -> None:
         """Write all files; one that cannot be written costs neither the verdict nor the others."""
         if self.recorder is not None:
+            # The recording first, then the summary beside it, then the pictures.
             self.recorder.conclude(first.to_plain(), [mate.to_plain() for mate in mates])
             if (fault := self.recorder.fault) is not None:
                 self.recorder.discard()

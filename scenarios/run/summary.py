@@ -44,6 +44,7 @@ def write_summary(
         summary["mates"] = [mate.to_plain() for mate in mates]
     if pilot is not None:
         summary |= decisions(pilot)
+    # Beside the recording, under its name.
     path = recording.with_suffix(".json")
     try:
         with replacing(path) as file:

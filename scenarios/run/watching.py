@@ -36,6 +36,7 @@ def watch(
     Raises:
         TestbenchError: If the file or the viewer cannot be opened.
     """
+    # The recorder serves the viewer's data, so it is opened first.
     viewer = None
     try:
         recorder = stack.enter_context(_recorder(cfg, flights))
@@ -78,6 +79,7 @@ def _watch_cameras(cfg: SitlCfg, flight: Flight, recorder: VehicleRecorder) -> C
     def look_when_there() -> None:
         nonlocal is_there
         area = flight.companion.area if flight.companion is not None else None
+        # Once above the area, the images go on, even if the vehicle leaves it again.
         is_there = is_there or reached_s(plant.history, flight.area or area) is not None
         if is_there:
             look()

@@ -51,6 +51,7 @@ def left_out(trial: RecordedTrial, tables: Iterable[str] = TABLES) -> list[str]:
         if name not in kept and len(table)
     ]
     for entity in sorted(trial.others):
+        # Parts that follow from other tables are not lost.
         if not entity.startswith(_DERIVED):
             words = (said for start, said in _NOT_TABLES.items() if entity.startswith(start))
             found.append(next(words, entity))

@@ -50,6 +50,7 @@ class SensorTopics:
         for image, topic in _LABELS.items():
             names = {row["number"]: row["name"] for row in rows if row["image"] == image}
             if names:
+                # vision_msgs has one message for the meaning of all numbers of an image.
                 classes = [
                     self.ros.new("vision_msgs/VisionClass", class_id=number, class_name=name)
                     for number, name in names.items()
@@ -93,6 +94,7 @@ class SensorTopics:
         for row in self.trial.tables["gauges"].to_pylist():
             time_us = row["time_us"]
             yield time_us, "/battery", self._battery(row)
+            # NaN means that the vehicle lacks the sensor or that nothing was met.
             if not math.isnan(row["range_m"]):
                 yield time_us, "/rangefinder", self._range(row)
             for topic, column in (
@@ -109,6 +111,7 @@ class SensorTopics:
             self.ros.header(row["time_us"], BASE),
             row["battery_voltage_v"],
             row["battery_current_a"],
+            # ROS has a share.
             row["battery_remaining_percent"] / 100.0,
         )
 
@@ -124,6 +127,7 @@ class SensorTopics:
         )
 
     def _movers(self) -> Iterator[Message]:
+        # The table has one mover after the other, a bag's streams are in order of time.
         rows = sorted(self.trial.tables["movers"].to_pylist(), key=lambda row: row["time_us"])
         for row in rows:
             pose = self.ros.pose(

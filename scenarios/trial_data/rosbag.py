@@ -60,6 +60,7 @@ def write_bag(trial: RecordedTrial, out: Path) -> Path:
     with building(out) as folder:
         folder.rmdir()  # The writer makes it.
         bag = Writer(folder, version=8, storage_plugin=StoragePlugin.MCAP)
+        # Per chunk of the file, so that players can still seek.
         bag.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
         with bag:
             connections: dict[str, Any] = {}
@@ -69,6 +70,7 @@ def write_bag(trial: RecordedTrial, out: Path) -> Path:
                     connections[topic] = bag.add_connection(
                         topic, kind, typestore=ros.store, offered_qos_profiles=_qos(topic)
                     )
+                # Stamps of a bag are in nanoseconds.
                 data = ros.store.serialize_cdr(message, kind)
                 bag.write(connections[topic], 1000 * time_us, data)
     return out
@@ -107,6 +109,7 @@ class _Topics:
         wxyz = trial.array("states", f"attitude_{whose}", "", QUATERNION)
         velocity = trial.array("states", f"velocity_{whose}", "mps", AXES)
         rate = trial.array("states", f"angular_rate_{whose}", "radps", BODY_AXES)
+        # The estimate is NaN before the filter is aligned, which no message can hold usefully.
         is_known = np.isfinite(wxyz).all(axis=1) & np.isfinite(position).all(axis=1)
         for row in np.flatnonzero(is_known).tolist():
             time_us = trial.tables["states"]["time_us"][row].as_py()
@@ -119,6 +122,7 @@ class _Topics:
 
     def _static_transforms(self) -> Iterator[Message]:
         header = self._ros.header(0, BASE)
+        # `map` and `odom` coincide: the estimate is in the scene's frame already.
         same = (self._ros.header(0, MAP), ODOM, (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0))
         placed = [
             (header, optical(name), mount.position_flu_m, mount.quat_flu_from_optical_wxyz)
@@ -200,6 +204,7 @@ class _Topics:
             line = self._ros.new("std_msgs/String", data=event["value"])
             yield event["time_us"], f"/{event['what']}", line
         about = self._trial.tables["trials"].to_pylist()[0]
+        # The verdict has no time of its own.
         end_us = self._trial.tables["states"]["time_us"][-1].as_py()
         words = {name: about[name] for name in ("scene", "vehicle", "success", "code", "reason")}
         yield end_us, "/verdict", self._ros.new("std_msgs/String", data=json.dumps(words))

@@ -57,6 +57,7 @@ def _vector(prefix: str, parts: Iterable[str], unit: str, says: str) -> list[Col
 
 _TRIAL = Column("trial", pa.string(), "name of the recording's file, without .rrd")
 _TIME = Column("time_us", pa.int64(), "simulated time")
+# Estimates and references begin after the flight's first ticks.
 _KNOWN = "NaN until there is one"
 
 
@@ -88,6 +89,7 @@ GAUGES: Mapping[str, tuple[str, str]] = {
 }
 """Entity and meaning of each value that is sampled at 10 Hz, by the name of its column."""
 
+# `trials` must be the first: a dataset writes it last, as the sign that a trial is complete.
 TABLES: Mapping[str, tuple[Column, ...]] = {
     "trials": (
         _TRIAL,
@@ -123,6 +125,7 @@ TABLES: Mapping[str, tuple[Column, ...]] = {
         *_vector("acceleration", BODY_AXES, "mps2", "specific force as measured, FLU, 250 Hz"),
         *_vector("angular_rate", BODY_AXES, "radps", "as measured, FLU"),
     ),
+    # The usual number; a trial's own table has as many columns as its vehicle has rotors.
     "motors": motor_columns(4),
     "plans": (
         _TRIAL,
@@ -226,5 +229,6 @@ def schema_json(tables: Mapping[str, Iterable[Column]]) -> bytes:
         "FLU": "vehicle: x forward, y left, z up",
         "optical": "camera: x right, y down, z forward",
     }
+    # Beside the tables, because CSV files cannot hold units.
     document = {"tables": described, "frames": frames, "quaternions": "w, x, y, z; unit"}
     return json.dumps(document, indent=2).encode() + b"\n"

@@ -22,12 +22,14 @@ def begin_work(pilot: str) -> None:
     """
     if sys.platform == "linux":
         machine_bytes = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+        # An equal share for each core's worker.
         most = max(_LEAST_MEMORY_BYTES, machine_bytes // (os.cpu_count() or 1))
         _, hard = resource.getrlimit(resource.RLIMIT_DATA)
         if hard == resource.RLIM_INFINITY or most < hard:
             resource.setrlimit(resource.RLIMIT_DATA, (most, hard))
     if ":" in pilot:
         nowhere = os.open(os.devnull, os.O_WRONLY)
+        # The file descriptors, so that output of C libraries and child processes vanishes too.
         for output in (1, 2):
             os.dup2(nowhere, output)
         os.close(nowhere)

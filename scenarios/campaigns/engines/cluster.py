@@ -111,6 +111,7 @@ class RayEngine:
     def wait(self, timeout_s: float) -> Sequence[_Actor]:
         """Return the workers that have an answer; wait for the first at most that long."""
         self._hired = [actor for actor in self._hired if not actor.has_ended]
+        # Ray waits on answers, not on actors.
         by_answer = {actor.answer: actor for actor in self._hired}
         answers = list(by_answer)
         self._ray.wait(answers, num_returns=1, timeout=timeout_s)

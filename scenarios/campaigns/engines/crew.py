@@ -145,6 +145,7 @@ class Crew:
             if post.is_ready and (trial := schedule.next(post.last)) is not None:
                 post.trial, post.since_s = trial, self._clock()
                 worker.give(trial)
+            # A trial that is given back later gets a new worker.
             elif not schedule.n_left:
                 self._dismiss(worker)
         return bool(posts)
@@ -156,6 +157,7 @@ class Crew:
             row = worker.hear()
         except GoneError as error:
             return self._bury(worker, str(error))
+        # Any answer shows that workers can start at all.
         post.is_ready = self._has_begun = True
         self._n_stillborn = 0
         post.last, post.trial = post.trial, None
@@ -169,6 +171,7 @@ class Crew:
             if self._n_stillborn >= _MOST_STILLBORN:
                 raise WorkerError(f"{_MOST_STILLBORN} workers ended before they flew: {how}")
             return None
+        # The worker may have been the cause, so another one gets a try.
         if self._schedule.give_back(trial):
             return None
         return blank_row(trial) | failure(Mishap.DIED, f"{how}, twice")
@@ -186,6 +189,7 @@ class Crew:
                 self._schedule.abandon(post.trial)
                 reason = f"no end in {self._patience_s:g} s"
                 yield blank_row(post.trial) | failure(Mishap.HUNG, reason)
+            # Once one was ready, later ones may take longer without ending the campaign.
             elif not self._has_begun and waited_s > _READY_S:
                 raise WorkerError(f"no worker was ready to fly within {_READY_S:g} s")
 
@@ -203,5 +207,6 @@ class Crew:
         trace: TracebackType | None,
     ) -> None:
         """End all workers."""
+        # One by one: ending a worker waits until its process is gone.
         while self._posts:
             self._dismiss(next(iter(self._posts)))

@@ -62,6 +62,7 @@ def measured_costs(table: pa.Table) -> Costs | None:
     for scene, vehicle, cost_s in zip(*columns, strict=True):
         if cost_s is None:
             continue
+        # Only roughly: several workers may have opened the same scene.
         (others_s if (scene, vehicle) in seen else first_s).append(cost_s)
         seen.add((scene, vehicle))
     return Costs(first_s=first_s, others_s=others_s) if first_s and others_s else None

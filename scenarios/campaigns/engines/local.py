@@ -72,6 +72,7 @@ class _LocalWorker:
         return None if said == _READY else said
 
     def end(self) -> None:
+        # SIGTERM first, so that the worker can end its program; SIGKILL if it does not.
         self._process.terminate()
         self._process.join(_FAREWELL_S)
         self._process.kill()
@@ -108,6 +109,7 @@ class LocalEngine:
 
     def hire(self) -> _LocalWorker:
         """Start a worker, with the first number that is free."""
+        # Ports follow from the number, so that of a dead worker is used again.
         taken = {worker.number for worker in self._present()}
         number = next(n for n in range(len(taken) + 1) if n not in taken)
         port = None if self._first_port is None else self._first_port + 10 * number

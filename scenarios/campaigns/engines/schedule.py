@@ -87,11 +87,13 @@ class Schedule:
     def _renew(self, place: _Place) -> None:
         """Let the next worker that seeks a place begin with one that was abandoned."""
         if place in self._piles and not self._n_workers_at[place]:
+            # In front: it goes on before new places are begun.
             self._fresh = {place: None} | self._fresh
 
     def _choose(self, before: _Place | None) -> _Place:
         """Return the place for a worker that was at another one."""
         if self._fresh:
+            # Another vehicle in the same scene, which the worker has open.
             kindred = (place for place in self._fresh if before and place[0] == before[0])
             return next(kindred, next(iter(self._fresh)))
         return max(

@@ -72,6 +72,7 @@ class ExternalFlights:
             SilentError: If the pilot does not answer.
         """
         link = TcpServerLink(port=self._port, is_lockstep=True)
+        # Time stands still until the pilot grants a tick, so its speed does not matter.
         cfg = replace(cfg, demo=False, bench=replace(cfg.bench, lockstep=True))
         with Sitl(
             cfg, scene=scene, pilot=ExternalPilot, has_network=False, hangar=hangar, links=[[link]]
@@ -95,6 +96,7 @@ class ExternalFlights:
     def _brief(self, task: Task, bench: Testbench, port: int) -> dict[str, Any]:
         """Return the brief of a pilot: the same that ours gets, and nothing of the wind."""
         area = next(each for each in bench.scene.interaction_areas if each.id == task.area)
+        # A goal in words replaces the area; both would give the answer away.
         is_named = task.text is None
         keys = ("id", "kind", "centroid", "polygon", "radius", "surface")
         return {

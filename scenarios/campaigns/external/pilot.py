@@ -87,6 +87,7 @@ class ExternalPilot:
         elif self._has_left:
             self.is_done = True
         elif self._armed_us is not None and not lockstep.has_ticks:
+            # Only when no granted tick is left.
             self.is_done = time_us - self._armed_us >= _DISARMED_US
         if self.is_done:
             lockstep.release()
@@ -126,11 +127,13 @@ class ExternalPilot:
         assert self._bench is not None
         waited_s = time.monotonic() - self._began_s
         is_heard = any(channel.is_heard for channel in self._bench.server.channels)
+        # A client that connects by itself may come at any time; a program has just been started.
         limit_s = min(_HEARTBEAT_S, self._patience_s)
         if self._program is not None and not is_heard and waited_s > limit_s:
             raise SilentError(f"no heartbeat within {limit_s:g} s")
         if waited_s > self._patience_s:
             lockstep = self._bench.server.lockstep
             has_begun = lockstep is not None and lockstep.has_keeper
+            # A pilot that grants no time never moves the vehicle.
             why = "" if has_begun else ": it grants no time, see docs/lockstep.md"
             raise SilentError(f"no end in {self._patience_s:g} s{why}")

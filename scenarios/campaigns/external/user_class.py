@@ -80,6 +80,7 @@ def _point(given: Any) -> Vector3 | None:
 def _blaming(function: Callable[..., Any], *arguments: Any) -> Any:
     try:
         return function(*arguments)
+    # The machine's fault, not the pilot's.
     except CameraError:
         raise
     # A pilot that calls `sys.exit` must not end the campaign.

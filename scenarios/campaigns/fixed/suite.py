@@ -87,6 +87,7 @@ def named_recipe(name: str) -> Recipe:
     if name in known:
         return known[name]
     path = Path(name)
+    # A misspelt family should be answered with the list of families, not with a missing file.
     if path.suffix != _SUFFIX and not path.exists():
         raise RecipeError(
             f"recipe {name!r} is no family; valid: {', '.join(known)}, or a file NAME.toml"
@@ -126,6 +127,7 @@ def _tables(folder: Traversable) -> dict[str, dict[str, Any]]:
 
 
 def _suite(name: str, plain: dict[str, Any]) -> FixedSuite:
+    # A suite has a recipe of its own, families, or both.
     own = [_part("", plain, recipe_from(plain["recipe"]))] if "recipe" in plain else []
     known = families()
     others = [_part(each, table, known[each]) for each, table in plain.get("families", {}).items()]

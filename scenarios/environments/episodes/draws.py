@@ -38,6 +38,7 @@ def draw_conditions(
     speed_mps, from_deg = uniform(rng, 0.0, cfg.wind_mps), uniform(rng, 0.0, 360.0)
     wind = CALM
     if speed_mps > 0.0:
+        # Natural turbulence grows with the wind.
         sigma_mps = SIGMA_OVER_W20 * speed_mps
         wind = WindCfg(speed_mps=speed_mps, from_deg=from_deg, turbulence_mps=sigma_mps)
     return Draws(

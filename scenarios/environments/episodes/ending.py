@@ -57,6 +57,7 @@ def judge_episode(
         contacts: Finder of touched objects, so that only the area's own surface counts as the area;
             needed if the goal has an area.
     """
+    # Without an area any contact ends a flight, so the objects need not be known.
     touched = None
     if goal.area is not None and contacts is not None:
         touched = Touched(contacts=_touched(history, n_before, contacts))

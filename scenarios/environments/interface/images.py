@@ -73,6 +73,7 @@ class CameraImages:
         self._views["far_m"] = np.inf if segments else FAR_M
         self._views["scene_address"] = [each.rays.address for each in self._solids]
         self._views["own_body"] = [world.vehicle_body_id for world in worlds]
+        # The calling thread casts too.
         self._n_helpers = min(n_threads or os.cpu_count() or 1, n) - 1
         self._pool = ThreadPoolExecutor(self._n_helpers, "images") if self._n_helpers else None
         compile_ahead(cast_images, example_arguments(), "image kernels", _COMPILE_SECONDS)
@@ -122,6 +123,7 @@ class CameraImages:
         )
         cast_images(query, counter, *task)
         for helper in helpers:
+            # Raises what a helper has raised.
             helper.result()
 
 

@@ -70,6 +70,7 @@ class Observer:
         ]
         names = ("position_enu_m", "velocity_enu_mps", "quat_wxyz", "angular_rate_flu_radps")
         self._estimate = [fleet.records["filter"][name] for name in names]
+        # Without a state the vector to the target still needs a position: the true one.
         self._known = self._estimate if cfg.state == "estimated" else self._truth
         self._cameras = None
         if cfg.depth is not None:
@@ -111,6 +112,7 @@ class Observer:
         if self._has_numbers:
             parts = list(self._parts(target_enu_m, last_action, noise))
             numbers = np.concatenate(parts, axis=1, dtype=np.float32)
+            # A vehicle that flies off must not leave the declared space.
             np.clip(numbers, *self._bounds, out=numbers)
         if self._cameras is None:
             return numbers
@@ -142,6 +144,8 @@ class Observer:
             way_enu_m -= error[:, :3]
             # New arrays: the known state belongs to the fleet and must not be changed.
             velocity_enu_mps = velocity_enu_mps + error[:, 3:6]
+            # A small rotation about the body's axes, to first order: no longer exactly a rotation
+            # matrix.
             rotation += rotation @ _cross_matrices(error[:, 6:9])
             rate_flu_radps = rate_flu_radps + error[:, 9:]
         if cfg.target:
@@ -157,6 +161,7 @@ class Observer:
             yield records["imu"]["gyro_flu_radps"]
         if cfg.range:
             range_m = records["range"]["range_m"][:, None]
+            # A network cannot use infinity.
             yield np.where(np.isfinite(range_m), range_m, MOST_RANGE_M)
         if self._fleet.n_together > 1:
             position_true_enu_m, velocity_true_enu_mps, *_ = self._truth

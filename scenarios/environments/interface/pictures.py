@@ -63,6 +63,7 @@ class Photographer:
     def behind(self, index: int) -> Picture:
         """Return a view of a vehicle from behind and above, and never through a wall."""
         position_enu_m, quat_wxyz = self._pose(index)
+        # Each vehicle has its own eye, which follows smoothly from picture to picture.
         eye = self._eyes.get(index)
         if eye is None:
             eye = self._eyes[index] = ChaseEye(self._fleet.worlds[index], yaw_from_quat(quat_wxyz))
@@ -74,6 +75,7 @@ class Photographer:
         """Return a view of all vehicles of a world, from the south-west and above."""
         eye, target = frame_points(
             _with_room(np.array([self._pose(i)[0] for i in vehicles])),
+            # From the south-west.
             azimuth_rad=math.radians(-135.0),
             elevation_rad=_ELEVATION_RAD,
             vertical_fov_rad=FOV_RAD,
@@ -91,6 +93,7 @@ class Photographer:
         """Return position and attitude now; the history has those of the last step only."""
         first = self._fleet.worlds[index].qpos_address
         pose = self._fleet.data(index).qpos[first : first + 7]
+        # Copies: the arrays belong to MuJoCo and change with the next step.
         return pose[:3].copy(), pose[3:].copy()
 
     def _view(self, index: int, eye: Sequence[float], target: Sequence[float]) -> Picture:

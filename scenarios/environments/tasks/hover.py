@@ -28,6 +28,7 @@ class Hover(Task):
 
     def draw(self, place: Place, rng: np.random.Generator) -> list[Start]:
         """Draw a target about two metres over the scene's start, and a start within a metre."""
+        # The target first: the start is drawn relative to it.
         target = draw_free(
             place, rng, place.start_enu_m, (-1.0, -1.0, 1.5), (1.0, 1.0, 2.5), "a target to hover"
         )

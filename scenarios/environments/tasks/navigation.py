@@ -77,7 +77,9 @@ class Navigation(Task):
 
 def _draw_target(place: Place, rng: np.random.Generator, start_enu_m: Vector3) -> Vector3:
     """Draw a free point one to three metres over an area."""
+    # Near ones need no navigation.
     far = [area for area in place.areas if math.dist(area.centroid, start_enu_m) > _LEAST_WAY_M]
+    # Without a far area go straight to the error.
     for _ in range(MOST_DRAWS if far else 0):
         x, y, z = far[rng.integers(len(far))].centroid
         target = (x, y, z + uniform(rng, 1.0, 3.0))

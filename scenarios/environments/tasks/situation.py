@@ -109,6 +109,7 @@ def measure_situation(
         distance_m[i] = _length(target_enu_m[i] - position_enu_m[i])
         speed_mps[i] = _length(velocity_enu_mps[i])
         turning_radps[i] = _length(rate_flu_radps[i])
+        # Consecutive time: leaving the target starts it again.
         near_s[i] = near_s[i] + step_s if distance_m[i] <= near_m else 0.0
         touch_s[i] = touch_s[i] + step_s if is_touching[i].any() else 0.0
 

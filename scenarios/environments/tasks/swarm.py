@@ -98,12 +98,14 @@ class Swarm(Task):
 def nearest_mate_m(position_enu_m: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, " n"]:
     """The distance of each vehicle's centre from the nearest other one; infinite if alone."""
     apart_m = np.linalg.norm(position_enu_m[:, None] - position_enu_m, axis=2)
+    # A vehicle is no neighbour of itself.
     np.fill_diagonal(apart_m, math.inf)
     return apart_m.min(axis=1)
 
 
 def _draw_apart(place: Place, rng: np.random.Generator, n: int, what: str) -> list[Vector3]:
     """Free points apart from each other, in a box over the scene's start that fits n of them."""
+    # The area grows with n, so the density of vehicles stays the same.
     half_m = max(_LEAST_HALF_M, _APART_M * math.sqrt(n))
     low, high = (-half_m, -half_m, _LOW_M), (half_m, half_m, _HIGH_M)
     drawn: list[Vector3] = []

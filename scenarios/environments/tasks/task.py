@@ -139,6 +139,8 @@ def no_room(place: Place, what: str) -> EnvironmentInputError:
 def draw_attitude(rng: np.random.Generator) -> Quaternion:
     """Return any heading, tilted by up to 20 degrees to any side."""
     w, _, _, z = quat_about_up(uniform(rng, -math.pi, math.pi))
+    # Half of the tilt: the quaternion of a rotation by an angle has the sine of half of it.
     half, side = 0.5 * uniform(rng, 0.0, _MOST_TILT_RAD), uniform(rng, -math.pi, math.pi)
     c, a, b = math.cos(half), math.sin(half) * math.cos(side), math.sin(half) * math.sin(side)
+    # Heading times tilt, multiplied out: the heading has only w and z, the tilt no z.
     return (w * c, w * a - z * b, w * b + z * a, z * c)

@@ -118,6 +118,7 @@ class FrameDataset:
         values = np.column_stack([imu[name].to_numpy() for name in _IMU]).astype(np.float32)
         time_us = imu["time_us"].to_numpy()
         self._imu[trial] = time_us, values
+        # Enough IMU samples before the frame.
         is_wanted = np.searchsorted(time_us, frames["time_us"], side="right") >= self._imu_rows
         if camera is not None:
             is_wanted &= np.array(frames["camera"].to_pylist(), dtype=object) == camera

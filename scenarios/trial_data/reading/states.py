@@ -113,6 +113,7 @@ def measured(rows: RecordedRows, table: str) -> Columns:
     for prefix, entity, parts, unit in _FAST[table] if table in _FAST else _motors(rows):
         time_us, values = rows.vectors(entity, SCALARS, len(parts))
         found |= {"time_us": time_us, **spread(prefix, parts, unit, values)}
+    # Torn recordings may have more rows of one vector than of another.
     n = min(len(column) for column in found.values())
     return {name: column[:n] for name, column in found.items()}
 
@@ -137,6 +138,7 @@ def plans(rows: RecordedRows) -> Columns:
     points: list[np.ndarray] = [np.zeros((0, 3))]
     for plan, (since_us, strips) in enumerate(rows.rows(layout.PLANNED, "LineStrips3D:strips")):
         points.append(np.array(strips[0], dtype=float))
+        # Points of a plan are evenly spaced in time.
         lasts_us = 1e6 * durations_s.get(since_us, [0.0])[0]
         time_us = since_us + np.linspace(0.0, lasts_us, len(points[-1]))
         same = np.ones_like(time_us)

@@ -127,6 +127,7 @@ def read_trial(path: Path) -> RecordedTrial:
         UnreadableRecordingError: If the file is missing or no recording.
         TrialDataError: If it is a recording of something else.
     """
+    # Only the wanted entities are kept in memory; a recording may have gigabytes of images.
     with readable(path) as source:
         rows = RecordedRows(source, _WANTED)
     run = rows.properties.get(layout.RUN_PROPERTY)
@@ -135,6 +136,7 @@ def read_trial(path: Path) -> RecordedTrial:
             f"recording {str(path)!r} holds no flight; valid: one of aeroscene fly, campaign or "
             "sitl --record"
         )
+    # Missing if the run was killed.
     verdict = rows.properties.get(layout.VERDICT_PROPERTY, {})
     figures = facts_of(verdict, "figures", path)
     try:
@@ -172,6 +174,7 @@ def _trial_of(
         "contacts": contacts(figures.get("contacts", ())),
         "events": events(rows),
     }
+    # A hexacopter has more columns of motors than a quadrotor.
     known = {**TABLES, "motors": motor_columns(n_rotors(rows))}
     tables = {name: _table(known[name], path.stem, found) for name, found in columns.items()}
     return RecordedTrial(
@@ -187,6 +190,7 @@ def _trial_of(
 def _table(known: tuple[Column, ...], trial: str, columns: Columns) -> pa.Table:
     """Return columns as a table; missing columns are null."""
     schema = arrow_schema(known)
+    # All columns of a table have one length.
     n = len(next(iter(columns.values()), ()))
     arrays = [
         pa.array([trial] * n, pa.string())
