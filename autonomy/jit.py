@@ -244,8 +244,8 @@ def _bytes_of(path: Path) -> bytes:
     return path.read_bytes()
 
 
+# Names are found by a regular expression, because parsing every source is slow.
 @functools.cache
-# Only a regular expression: parsing every source would take longer than loading the kept code.
 def _imported(path: Path) -> tuple[Path | None, ...]:
     names = _names(_bytes_of(path).decode())
     return tuple(_path_of(_ROOT, name) for name in sorted(names))

@@ -55,8 +55,7 @@ def rotation_vector_from_quat(q: np.ndarray, vector: np.ndarray) -> None:
     sign = 1.0 if q[0] >= 0.0 else -1.0
     norm = math.sqrt(q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
     half = math.atan2(norm, sign * q[0])
-    # Near the identity half / norm tends to 1/2 of twice the norm, so the factor is 2 within
-    # rounding.
+    # Near the identity half / norm tends to 1, so the factor is 2 within rounding.
     scale = sign * (2.0 if norm < 1e-12 else 2.0 * half / norm)
     for i in range(3):
         vector[i] = scale * q[i + 1]

@@ -12,7 +12,7 @@ from autonomy.model.quadrotor import GRAVITY_MPS2, QuadrotorParams
 
 _STIFFNESS = 1.7
 """Square root of the torque for a radian, (N m)^(1/2): 10 rad/s of an Iris."""
-_LEAST_BANDWIDTH_RADPS = 7.0  # of the inertia's rule in `controller_cfg_for`
+_LEAST_BANDWIDTH_RADPS = 7.0  # floor of the inertia's rule in `controller_cfg_for`
 _LEAD = 0.5
 """Lag of a driven rotor over its own."""
 _LAG_SHARE = 0.2  # attitude bandwidth over that of a driven rotor

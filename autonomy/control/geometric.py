@@ -28,7 +28,7 @@ from autonomy.jit import kernel
 _MAX_INTEGRATED_VERTICAL_M = 0.3  # not while a vehicle on the ground lags behind its reference
 _LEAST_VERTICAL_FRACTION = 0.35  # of the weight; the tilt is limited further below twice this
 _LEAST_TILT_SHARE = 0.05  # of the greatest tilt, which remains at the least thrust
-_MAX_FEEDBACK_RATE_RADPS = 6.0  # of the body rates that position errors may demand
+_MAX_FEEDBACK_RATE_RADPS = 6.0  # limit of the body rates that position errors may demand
 _DISTURBANCE_RESPONSE_S = 0.1  # time constant of the low pass on the IMU's part
 _PRESSING_FRACTION = 0.7  # of the weight: the demand is below it on the ground
 _LEANING_M = 0.12  # leaning on the legs of one side it is up to 0.1 m higher than at rest

@@ -75,7 +75,7 @@ CONTROLLER_DTYPE = np.dtype(
         ("n_lost_ticks", "i8", MAX_ROTORS),
         ("given_speed_radps", "f8", MAX_ROTORS),  # of the rotors at the levels OFF and ROTORS
         ("acceleration_enu_mps2", "f8", 3),  # estimated
-        ("disturbance_mps2", "f8", 3),  # of it, what the rotors do not explain
+        ("disturbance_mps2", "f8", 3),  # part that the rotors do not explain
         ("room_below_m", "f8"),  # known to be free under the legs; 0 where that is unknown
         # Commands.
         ("force_enu_mps2", "f8", 3),  # demanded specific thrust

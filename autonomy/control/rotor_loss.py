@@ -56,7 +56,7 @@ _YAW_RADPS = 2.0
 """Rate at which a turn is braked where the yaw is held."""
 _TILT_RADPS, _NUTATION_RADPS = 4.0, 12.0
 """s_1 and s_2."""
-_MOST_LEAN = 0.3  # of the axis n: its sine, beyond which the linear model is poor
+_MOST_LEAN = 0.3  # greatest |n|: the sine of the lean of the spin axis
 # Gains and limits of the position loop, much softer than in whole flight: the thrust is aimed
 # slowly.
 _POSITION_RADPS = 0.8
@@ -135,7 +135,7 @@ def watch_rotors(c: np.record, x: np.record) -> None:
     if x.has_rotor_speeds == 0:
         return
     for i in range(c.n_rotors):
-        # Near idle speed a rotor's lag looks like a loss.
+        # Only rotors that are commanded well above idle speed are judged.
         is_commanded = c.rotor_model_radps[i] > 2.0 * c.idle_speed_radps[i]
         if is_commanded and x.rotor_speed_radps[i] < _LOST_SHARE * c.rotor_model_radps[i]:
             c.n_lost_ticks[i] += 1

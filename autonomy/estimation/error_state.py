@@ -105,7 +105,7 @@ FILTER_DTYPE = np.dtype(
         ("last_vio_tick", "i8"),
         # Alignment at rest.
         ("is_aligned", "i8"),
-        ("has_start", "i8"),  # whether it has been told where it starts
+        ("has_start", "i8"),  # 1 if a start position was given
         ("start_enu_m", "f8", 3),
         ("n_imu", "i8"),
         ("n_gnss", "i8"),

@@ -67,8 +67,7 @@ def fuse_gnss(
         variance = max(sigma_m[i] * sigma_m[i], _variance_of_a_small_step(f, i, innovation))
         ratio = scalar_update(f, _GNSS_POSITION, innovation, variance)
         f.ratio_gnss_position = max(f.ratio_gnss_position, ratio)
-        # The row of the velocity holds for the present state; the change of velocity within the age
-        # is noise of the IMU, which is small.
+        # A correction of the present velocity moves the past one by as much.
         h[:] = 0.0
         h[VELOCITY + i] = 1.0
         innovation = velocity_enu_mps[i] - past_velocity(f, age_ticks, i)

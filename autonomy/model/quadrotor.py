@@ -28,8 +28,8 @@ class RotorParams:
     """kf in N s^2/rad^2: thrust = kf w^2 along its axis."""
     torque_per_thrust_m: float
     """Reaction torque about its axis = -spin x thrust x this."""
-    time_constant_up_s: float
     # Lags of first order; a rotor spins down more slowly, because only the air brakes it.
+    time_constant_up_s: float
     time_constant_down_s: float
     max_speed_radps: float
     drag_coefficient: float

@@ -16,7 +16,7 @@ from jaxtyping import Bool, Float
 
 from autonomy.perception.needs import LandingNeeds
 
-_SLOPE_SIGMAS = 2.0  # of the slope's noise that a place must still be level with
+_SLOPE_SIGMAS = 2.0  # deviations of the slope that are added to it
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -23,7 +23,7 @@ LEAST_HALF_M = 0.15
 """Least half extent of an obstacle: nothing that matters is thinner."""
 _USUAL_HALF_M = 0.3
 """Greatest assumed half depth behind the near side, which is otherwise half the width."""
-# Percentiles instead of extremes, because a few pixels at the border of a blob are always wrong.
+# Percentiles instead of extremes, because a few pixels at the border of a blob may be wrong.
 _NEAR_PERCENT, _FAR_PERCENT = 10.0, 90.0
 _EDGE_PERCENT = 2.0
 # Share of a spread that lies between these percentiles, for points even over it.

@@ -46,7 +46,7 @@ def fit_planes(
     height_sum, east_sum, north_sum, variance_sum = window_sums(heights, variance, half_widths)
     count = window.sum()
     moment = moment_m2(window, resolution_m) / resolution_m
-    # A window of one cell has no slope to tell.
+    # A window of one cell has no slope.
     plane = np.stack([height_sum / count, east_sum / (moment or 1.0), north_sum / (moment or 1.0)])
     return WindowFit(plane=plane, variance_m2=np.maximum(variance_sum / count, 0.0))
 

@@ -119,7 +119,7 @@ def _measured_about(
     center: Float[np.ndarray, " 3"], across_rad: float, obstacles: Obstacles
 ) -> Opening | None:
     """Measure the opening near a point, given the approximate direction across it."""
-    # Walls are thinner than cells: look for the narrowest place along the way through.
+    # Walls are thinner than cells: look for the narrowest place along the passage.
     turns = across_rad + np.repeat(_TURNS_RAD, len(_OFFSETS_M))
     along = np.tile(np.outer(_OFFSETS_M, _level(across_rad + math.pi / 2)), (len(_TURNS_RAD), 1))
     best = _narrowest(center + along, turns, obstacles)

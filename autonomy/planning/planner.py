@@ -146,7 +146,7 @@ def _attempt(task: _Task, margin_m: float, doubt_m: float) -> Trajectory:
     ends = np.array([start.position_enu_m, task.goal_enu_m])
     start_cell, goal_cell = field.cells(ends)
     wanted_m = cfg.vehicle_radius_m + margin_m
-    # Start and goal may be closer to obstacles than the rest of the way.
+    # Start and goal may be closer to obstacles than the rest of the path.
     at_ends_m = min(float(field.distance_m[tuple(cell)]) for cell in (start_cell, goal_cell))
     required_m = min(wanted_m - doubt_m, max(at_ends_m, field.resolution_m / 4))
     search = functools.partial(

@@ -62,7 +62,7 @@ def replan(
     Raises:
         PlanningError: If the plan is over or has no corridor, or if the start has left it.
         LimitsError: If the start is beyond the limits.
-        EvasionError: If no way past the moving obstacles could be proved: hold, or plan anew.
+        EvasionError: If no path around the moving obstacles could be proved: hold, or plan anew.
         CertificateError: If nothing moves and the rest of the plan could not be proved.
     """
     if previous.corridor is None or not 0 <= at_time_s < previous.duration_s:

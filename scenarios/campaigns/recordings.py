@@ -11,7 +11,7 @@ from scenarios.run.levels import RecordLevel
 MANIFEST = "campaign.json"
 """File in the folder of a campaign that holds its suite and version."""
 RECORDINGS = "recordings"
-"""Folder of recordings in that of a campaign."""
+"""Folder of recordings within a campaign's folder."""
 
 
 @dataclass(frozen=True, kw_only=True)

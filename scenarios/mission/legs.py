@@ -55,7 +55,7 @@ def certified(
     whole = leg(start_enu_m, goal_enu_m)
     craft.prove(whole, NOTHING_STANDS, moving=moving, margin_m=0.0)
     begin_enu_m = _first_free(start_enu_m, goal_enu_m, exempt_m, obstacles, craft.cfg)
-    # Clearance from static obstacles depends on the way alone, not on its timing.
+    # Clearance from static obstacles depends on the path alone, not on its timing.
     proved = craft.prove(leg(begin_enu_m, goal_enu_m), obstacles)
     return replace(whole, min_clearance_m=proved.min_clearance_m)
 

@@ -94,7 +94,7 @@ class GroundPhases:
         flight.senses.stand_at((x, y, flight.home_resting_height_m))
 
     def _is_clear_above(self) -> bool:
-        """Return whether no mover would come into the climb; a growing map cannot tell yet."""
+        """Return whether no mover would come into the climb; a growing map cannot know yet."""
         flight = self._flight
         if flight.gaze is None or not flight.mission.surroundings.is_known:
             return True

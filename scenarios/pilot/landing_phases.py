@@ -116,7 +116,7 @@ class LandingPhases:
         if watch.n_frames < SEARCH_FRAMES or watch.n_hovering < HOVERING_FRAMES:
             return None
         if flight.level_deviation_m > CARRIED_OFF_M:
-            return None  # A way down begins at the hover point.
+            return None  # A path down begins at the hover point.
         flight.site = watch.choose()
         has_room = flight.site is not None and flight.site.clearance_m >= watch.sway_m
         if not has_room and watch.n_frames < MAX_SEARCH_FRAMES:

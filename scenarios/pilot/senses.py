@@ -155,7 +155,7 @@ class Senses:
         self._anchor.stand_at(self._time_us * 1e-6, here, position_enu_m, sigma_m)
         self.locate(self._time_us, self._estimate)
         if not self._world.is_known:
-            # From here on it is tied to what it sees from this place.
+            # The first image, from a known place, is the one that later images are matched to.
             self._glance("forward")
 
     def _static_distance_m(self, points_enu_m: Float[np.ndarray, "k 3"]) -> Float[np.ndarray, " k"]:

@@ -100,7 +100,7 @@ class Task:
 
     def to_plain(self) -> dict[str, Any]:
         """Return the task as plain data, flat: the figures of the path stand beside the rest."""
-        # A column of a table holds a number or a word, so the way's figures move up a level.
+        # A column of a table holds a number or a word, so the path's figures move up a level.
         plain = asdict(self)
         way = plain.pop("way")
         # It follows from path and vehicle, so the task need not hold it.

@@ -161,7 +161,7 @@ class ContactFinder:
             return {}
         # Beyond the hull only if nothing touches the hull itself.
         reach_m = max(min(own)[0], 0.0)
-        # The deepest contact of each thing comes last.
+        # The deepest contact of each object comes last, so it is the one that the dictionary keeps.
         own.sort(key=lambda each: -each[0])
         points_enu_m = contact.pos
         return {

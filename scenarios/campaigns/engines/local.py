@@ -109,7 +109,7 @@ class LocalEngine:
 
     def hire(self) -> _LocalWorker:
         """Start a worker, with the first number that is free."""
-        # Ports follow from the number, so that of a dead worker is used again.
+        # Ports follow from the number, so the number of a dead worker is used again.
         taken = {worker.number for worker in self._present()}
         number = next(n for n in range(len(taken) + 1) if n not in taken)
         port = None if self._first_port is None else self._first_port + 10 * number
