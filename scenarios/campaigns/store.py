@@ -260,7 +260,7 @@ def _journalled(folder: Path) -> list[Row]:
                 )
             try:
                 row = json.loads(line)
-                # The first row of a trial counts, as in the tables.
+                # The first row of a trial counts.
                 rows.setdefault(str(row["trial_id"]), row)
             except (ValueError, KeyError, TypeError, RecursionError):
                 continue

@@ -25,7 +25,7 @@ _SHAPES = {
     "ellipsoid": Shape.ELLIPSOID,
     "mesh": Shape.HULL,
 }
-_GROUND_DEPTH_M = 10.0  # thick enough that nothing slips through the ground
+_GROUND_DEPTH_M = 10.0  # thickness of the slab below the flight volume
 _GROUND_TOLERANCE_M = 0.03
 """Height up to which the obstacles of a relief reach above the ground, if they are few."""
 _MOST_PRISMS = 20_000

@@ -140,7 +140,7 @@ class EnRoutePhases:
         try:
             flight.plan_to(flight.mission.takeoff_enu_m)
         except PlanningError as error:
-            # A moving vehicle cannot be handed over on a plan that is about to fail: stop first.
+            # A moving vehicle stops first.
             if not flight.is_resting():
                 return self.hold(reason)
             return Phase.HAND_OVER, f"{reason}; no certified way home: {error}"

@@ -155,7 +155,7 @@ class FlightState:
 
         The present plan is flown to its end as it is.
         """
-        # Not greater, instead of at most: the wind is NaN before the first report.
+        # "Not above" instead of "at most", because the wind is NaN before the first report.
         if self.is_windy or not self.telemetry.wind_mps > WINDY_MPS:
             return
         self.is_windy = True

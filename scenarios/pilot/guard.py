@@ -39,7 +39,7 @@ CARRIED_S = 60.0
 """Total time of one flight in which gusts carry the vehicle off and no phase's clock runs."""
 _PULL_STEP_M = 0.1
 """Step of the check along the straight line back to the course."""
-# A hold would end the last stretch: so near to the ground, sinking on is safer.
+# A hold would end the last stretch, so the vehicle goes on sinking there.
 _NEVER_HOLD = frozenset({Phase.TOUCHDOWN, Phase.LAND_HOME})
 _AT_THE_GROUND = frozenset({Phase.TOUCHDOWN, Phase.LAND_HOME})
 """Phases whose last stretch an autopilot may fly by itself."""

@@ -36,7 +36,7 @@ PERCHING_SCATTER_M = 0.05
 """Greatest error that a perch allows: places of 22 cm for feet of 17 cm."""
 _BORDER_M = 0.8
 """Width of the map's border around the area."""
-_MAX_HALF_EXTENT_M = 4.0  # of the map: beyond it an image hardly shows the ground well enough
+_MAX_HALF_EXTENT_M = 4.0  # half the width of the map, at most
 # Grid of the check of the air above the cells, coarser than they are, and the room it needs.
 _COLUMN_STEP_M = 0.25
 _COLUMN_MARGIN_M = 0.05

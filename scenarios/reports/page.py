@@ -53,7 +53,7 @@ def write_report(folder: Path, on_part: Callable[[str, float], None]) -> dict[st
     summary = summarise_trials(table)
     on_part("figures", 0.3)
     found = distributions(table)
-    # A large campaign's table takes hundreds of megabytes, and the parts below read their own.
+    # A large campaign's table takes much memory, and the parts below read their own.
     del table
     on_part("failures", 0.4)
     failed = failures(folder)

@@ -116,7 +116,7 @@ class Recipe:
             raise RecipeError(
                 f"recipe: target {self.target!r} has no texts; valid: landing, or goals area"
             )
-        # Not greater or equal, instead of less: NaN is refused too.
+        # "Not at least" instead of "below", so that NaN is refused too.
         if self.navigation_within is not None and not self.navigation_within >= 1.0:
             raise RecipeError(
                 f"recipe: navigation_within {self.navigation_within} is out of range; "

@@ -60,7 +60,7 @@ def write_bag(trial: RecordedTrial, out: Path) -> Path:
     with building(out) as folder:
         folder.rmdir()  # The writer makes it.
         bag = Writer(folder, version=8, storage_plugin=StoragePlugin.MCAP)
-        # Per chunk of the file, so that players can still seek.
+        # Chunks of the file are compressed, not single messages.
         bag.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
         with bag:
             connections: dict[str, Any] = {}

@@ -83,7 +83,7 @@ class ContactFinder:
         self._model = model = copy.copy(world.model)
         model.geom_margin[_hull(world)] = _FELT_M
         is_mover = model.body_mocapid >= 0
-        # Movers pass through everything in flight; here they must be felt.
+        # The vehicle must feel movers in this copy.
         model.geom_conaffinity[is_mover[model.geom_bodyid]] = MOVER_CONTACT_BIT
         bodies = [model.body(vehicle_name(k)).id for k in range(world.n_vehicles)]
         self._poses = [model.jnt_qposadr[model.body_jntadr[body]] for body in bodies]

@@ -127,7 +127,7 @@ def read_trial(path: Path) -> RecordedTrial:
         UnreadableRecordingError: If the file is missing or no recording.
         TrialDataError: If it is a recording of something else.
     """
-    # Only the wanted entities are kept in memory; a recording may have gigabytes of images.
+    # Only the wanted entities are kept in memory.
     with readable(path) as source:
         rows = RecordedRows(source, _WANTED)
     run = rows.properties.get(layout.RUN_PROPERTY)
