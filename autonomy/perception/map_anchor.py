@@ -182,7 +182,7 @@ class MapAnchor:
         return self.fix
 
     def rely(self, time_s: float, image: DepthImage) -> None:
-        """Trust the estimate as much as at the start, and learn an image without matching it.
+        """Take the offset known at the start for still valid, and learn an image unmatched.
 
         Use it for an estimate that is better than the images of a map seen so far.
         """

@@ -1,5 +1,8 @@
 """The quadratic program of a corridor at fixed times, as CasADi functions for each size.
 
+The problem has one form for any corridor, so its code is generated once for each number of pieces
+and planes, and then solved for many corridors.
+
     unknowns     node states between start and goal, dimensionless; a slack s_k >= 0 each piece
     position     control points of piece k in polytope k, whose planes may move     (hard)
     velocity     control points within the speed limits, times 1 + s_k              (exact penalty)

@@ -28,7 +28,8 @@ from scenarios.trials.measures.track import TRACK_STEP_S, Track, track_of
 from scenarios.trials.score import FlightScore, score_flight
 
 _AWAY_M = 1.5
-"""Positions nearer than this to the start or the resting place do not count for the clearance."""
+"""Positions nearer to the start or the resting place do not count for the clearance, because
+take-off and landing must come near to a surface."""
 
 
 _TICKS_AT_ONCE = 50
