@@ -1,4 +1,9 @@
-"""Gains and limits of the controller, and how they follow from a vehicle's parameters."""
+"""Gains and limits of the controller, and how they follow from a vehicle's parameters.
+
+Airframes come from files, so no gains can be tuned by hand for each. Their bandwidth follows
+instead from three physical limits: inertia, the lag of the rotors and the torque that they have
+left in hover.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,9 @@
-"""Settings of the map anchor: the error of a vehicle's estimate, and how fast it changes."""
+"""Settings of the map anchor: the error of a vehicle's estimate, and how fast it changes.
+
+The anchor needs to know how wrong the estimate may be and how fast that changes. A receiver's class
+is not known to a companion, but the deviation that the autopilot claims is, so `for_accuracy`
+derives the settings from the claim.
+"""
 
 from __future__ import annotations
 

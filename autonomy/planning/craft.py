@@ -1,4 +1,7 @@
-"""The craft that flies: its limits, its mass and thrust, and the settings of its plans."""
+"""The craft that flies: its limits, its mass and thrust, and the settings of its plans.
+
+Planning, replanning and braking all need the same three things, so they travel as one `Craft`.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,9 @@
-"""Dynamic limits of a flight, and the bounds of velocity and acceleration that follow."""
+"""Dynamic limits of a flight, and the bounds of velocity and acceleration that follow.
+
+A vehicle is limited in thrust, tilt and body rate, which are not linear in a trajectory. The
+optimiser bounds speeds and accelerations instead. This module derives bounds that keep thrust and
+tilt in the worst case; the rest is checked and tightened afterwards (`demand`).
+"""
 
 from __future__ import annotations
 

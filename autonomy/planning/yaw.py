@@ -1,4 +1,9 @@
-"""Heading along a path: towards the coming positions, within limits of rate and acceleration."""
+"""Heading along a path: towards the coming positions, within limits of rate and acceleration.
+
+The forward camera must see the space ahead before the vehicle gets there. Pointing along the
+velocity would turn too late at corners and jump near rest, so the heading follows the direction to
+a position a little later on the path.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,8 @@
-"""Flight stack of another project, which flies the trials of a suite in place of our autopilot."""
+"""Flight stack of another project, which flies the trials of a suite in place of our autopilot.
+
+The pilot stays the same and commands PX4 or ArduPilot instead, so that a campaign compares
+autopilots.
+"""
 
 from __future__ import annotations
 

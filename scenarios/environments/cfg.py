@@ -1,4 +1,7 @@
-"""Configuration of an environment, checked before anything is built."""
+"""Configuration of an environment, checked before anything is built.
+
+A training may run for days, so a wrong value must fail at once and say what would be valid.
+"""
 
 from __future__ import annotations
 

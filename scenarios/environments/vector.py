@@ -1,4 +1,8 @@
-"""Many worlds as a Gymnasium vector environment, advanced in one compiled call."""
+"""Many worlds as a Gymnasium vector environment, advanced in one compiled call.
+
+Gymnasium's own vector environments step one world after the other, or run a process for each. Here
+all worlds are rows of one batch, and threads share the physics.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,8 @@
-"""Start and goal of a flight: as the user names them, or as the seed draws them."""
+"""Start and goal of a flight: as the user names them, or as the seed draws them.
+
+A name is checked against the vehicle's class before anything is simulated. A draw depends only on
+seed and scene, so that a flight can be repeated.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,8 @@
-"""Maps with which a flight may begin: the whole scene, or only the air above the start."""
+"""Maps with which a flight may begin: the whole scene, or only the air above the start.
+
+Both kinds answer the same questions (`autonomy.mapping`), so a pilot plans in either in the same
+way. A large scene gets a coarse map of everything and fine cells only along searched paths.
+"""
 
 from __future__ import annotations
 

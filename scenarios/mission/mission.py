@@ -1,4 +1,8 @@
-"""Task of a flight: the landing area, the hover point above it and the plan to get there."""
+"""Task of a flight: the landing area, the hover point above it and the plan to get there.
+
+An area is only a good goal if a path leads to it. Areas are therefore tried in drawn order until
+the planner finds a path to one, and the plan is kept for the flight.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,8 @@
-"""Predicted distances between a plan and movers."""
+"""Predicted distances between a plan and movers.
+
+Predictions are straight and short, so distances are sampled ten times a second instead of proved.
+They only decide when to replan; the new plan itself is certified.
+"""
 
 from __future__ import annotations
 

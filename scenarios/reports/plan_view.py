@@ -1,4 +1,8 @@
-"""Paths of trials over the plan of their scene, in metres: x is east, y is south, as SVG has it."""
+"""Paths of trials over the plan of their scene, in metres: x is east, y is south, as SVG has it.
+
+The plan consists of outlines and points only, which the page's template draws, so that a reader can
+zoom in without loss.
+"""
 
 from __future__ import annotations
 

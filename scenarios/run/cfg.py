@@ -1,4 +1,7 @@
-"""Configuration of a run of the testbench."""
+"""Configuration of a run of the testbench.
+
+The docstring of each field is its text in `--help`, so it holds unit, range and default.
+"""
 
 from __future__ import annotations
 

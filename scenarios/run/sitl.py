@@ -1,4 +1,9 @@
-"""One run of the testbench: simulate, let pilots fly if there are any, and judge the flights."""
+"""One run of the testbench: simulate, let pilots fly if there are any, and judge the flights.
+
+Everything that `aeroscene sitl`, `fly` and a campaign's trial have in common is here: one object
+that opens world, pilots and recorder, runs the loop, and writes the result. Libraries that only
+some runs need are imported when they are needed.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,8 @@
-"""Task of one trial: everything that determines its flight, besides the pilot and the code."""
+"""Task of one trial: everything that determines its flight, besides the pilot and the code.
+
+A task is plain numbers and words. Two campaigns are comparable trial by trial if their tasks are
+equal, and a row of results can be flown again.
+"""
 
 from __future__ import annotations
 

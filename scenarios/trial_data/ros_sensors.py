@@ -1,4 +1,8 @@
-"""Topics of a bag for lidar, optical flow, gauges, labels of segments, movers and contacts."""
+"""Topics of a bag for lidar, optical flow, gauges, labels of segments, movers and contacts.
+
+Each table of a trial becomes messages of the standard type that ROS tools already display, if there
+is one, else plain numbers or JSON.
+"""
 
 from __future__ import annotations
 

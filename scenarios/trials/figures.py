@@ -1,4 +1,8 @@
-"""Figures of a flight by the truth, each measured when it is asked for."""
+"""Figures of a flight by the truth, each measured when it is asked for.
+
+A verdict stops at the first objection and needs few figures. Environments end thousands of
+episodes, so that measuring each figure on demand saves them most of the work.
+"""
 
 from __future__ import annotations
 

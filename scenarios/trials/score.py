@@ -1,4 +1,7 @@
-"""Figures of a flight by the truth: errors, contacts, touchdown, resting place, rotors."""
+"""Figures of a flight by the truth: errors, contacts, touchdown, resting place, rotors.
+
+This is the complete set for a result or a row of a table; `figures` measures single ones on demand.
+"""
 
 from __future__ import annotations
 

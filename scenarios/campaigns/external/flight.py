@@ -1,4 +1,8 @@
-"""Flies trials by programs: opens a port for each, sends the task, starts and ends them."""
+"""Flies trials by programs: opens a port for each, sends the task, starts and ends them.
+
+Any MAVLink flight code can take part in a campaign, in any language. It gets the task as one line
+of JSON on its standard input, and keeps the time in lockstep.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Free air and areas of a world."""
+"""Free air and areas of a world, in which episodes begin and targets lie."""
 
 from __future__ import annotations
 

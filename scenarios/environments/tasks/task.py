@@ -1,4 +1,9 @@
-"""Interface of a task, which decides for all vehicles of a batch at once."""
+"""Interface of a task, which decides for all vehicles of a batch at once.
+
+A task draws how an episode begins, rewards steps, and says when it is over. The verdict is not its
+own: success is judged as in campaigns (`scenarios.trials.verdict`), from the history and the task's
+goal.
+"""
 
 from __future__ import annotations
 
