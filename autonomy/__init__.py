@@ -1,7 +1,8 @@
-"""Guidance, navigation and control, without simulator or MAVLink.
+"""Guidance, navigation and control of a multirotor, without any simulator or MAVLink.
 
-The names of `__all__` are the vocabulary that everything else speaks; planning, perception,
-mapping, control and estimation each say their own.
+`__all__` names the vocabulary that the rest of the code shares: states, references, setpoints and
+the parameters of a vehicle. The subpackages (planning, perception, mapping, control, estimation)
+list their own public names.
 """
 
 from autonomy.model import QuadrotorParams, RotorParams

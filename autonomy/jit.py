@@ -1,8 +1,8 @@
 """Compiled kernels: numba with a file cache that notices every change of a kernel's source.
 
-numba's own cache looks at the file of the compiled function only: after an edit of a function
-that lives in another file it serves the stale machine code. So the cache directory of a module is
-named by a hash of its source and of all our modules that it imports, directly or not.
+numba's own cache looks only at the file of the compiled function. After an edit of a function that
+lives in another file it would serve stale machine code. Here the cache directory of a module is
+therefore named by a hash of its source and of all our modules that it imports, directly or not.
 """
 
 from __future__ import annotations
@@ -29,9 +29,10 @@ from autonomy.kept_code import KernelCache, cache_root, report_unkept
 
 _LOG = logging.getLogger(__name__)
 _config: Any = config  # its names are created at run time
+# The folder that holds our packages; sources are found below it by the names of modules.
 _ROOT = Path(__file__).parents[1]
 _IMPORT = re.compile(r"^\s*(?:from\s+([\w.]+)\s+)?import\s+(\([^)]*\)|[^\n#]+)", re.MULTILINE)
-_KEPT_CACHES = 4
+_KEPT_CACHES = 4  # directories of a module that stay on disk, for example of several branches
 _ANNOUNCED = "announced"
 _F = TypeVar("_F", bound=Callable[..., Any])
 
@@ -46,7 +47,11 @@ def kernel(function: _F) -> _F:
 
 
 def kernel_without_lock(function: _F) -> _F:
-    """Compile like `kernel`; while it runs, other threads may hold the interpreter's lock."""
+    """Compile like `kernel`, but release the interpreter's lock while the kernel runs.
+
+    The plant uses it to step many worlds on several threads at once. Such a kernel must not share
+    records with another thread.
+    """
     return _compiled(function, nogil=True)
 
 
@@ -66,10 +71,11 @@ def _compiled(function: _F, *, nogil: bool) -> _F:
 
 
 class _KeptCode:
-    """numba's cache of a kernel, opened when the kernel's code is first looked for.
+    """Numba's cache of a kernel, opened when the kernel's code is first looked for.
 
-    To name its directory, all sources are read that the kernel may call: of the 125 kernels that a
-    flight imports it asks for three, which hold the code of the others.
+    Opening it late saves time at launch: to name its directory, all sources must be read that the
+    kernel may call. Of the 125 kernels that a flight imports it asks for three, which hold the code
+    of the others.
     """
 
     def __init__(self, function: Callable[..., Any]) -> None:
@@ -91,15 +97,17 @@ class _KeptCode:
 
 
 def fields(*names: str, kind: str = "f8", shape: tuple[int, ...] = ()) -> list[tuple[Any, ...]]:
-    """Fields of one type for the `np.dtype` of a kernel's record."""
+    """Return fields of one type for the `np.dtype` of a kernel's record."""
     return [(name, kind, shape) for name in names]
 
 
 @functools.cache
 def cache_directory(module: str) -> Path | None:
-    """Cache directory of a module's kernels, by the hash of all that they may call.
+    """Cache directory of a module's kernels, named by the hash of all sources that they may call.
 
-    It may not be there, or not be writable. None if nothing is kept.
+    Returns:
+        The directory, which may not exist and may not be writable. None if nothing is kept: the
+            cache is off, or the user has no home folder.
     """
     kept = cache_root()
     if kept is None:
@@ -122,7 +130,11 @@ def compile_ahead(
 ) -> None:
     """Compile a kernel for arguments of these types now, and announce it if it is not cached.
 
-    The message has the kernel's title and the expected time of a cold compilation.
+    Args:
+        compiled: The kernel, as `kernel` returns it.
+        arguments: Examples of its arguments; only their types count.
+        title: Name of the kernel in the message.
+        expected_seconds: Time of a cold compilation, for the message.
     """
     signature = tuple(numba.typeof(argument) for argument in arguments)
     if signature in compiled.overloads:
@@ -150,7 +162,7 @@ def _announce(title: str, expected_seconds: float, directory: Path | None) -> No
 
 
 def _is_writable(directory: Path) -> bool:
-    """Whether a folder, or the nearest one above it that is there, can be written to."""
+    """Return whether a folder, or the nearest existing one above it, can be written to."""
     there = directory
     while not os.access(there, os.F_OK) and there != there.parent:
         there = there.parent
@@ -158,10 +170,10 @@ def _is_writable(directory: Path) -> bool:
 
 
 def _spare_linear_algebra() -> None:
-    """Spare numba its look for SciPy's linear algebra, which we depend on, so that it is there.
+    """Keep numba from importing `scipy.linalg` merely to see that SciPy is installed.
 
-    It looks by importing `scipy.linalg`, a tenth of a launch. A kernel that uses linear algebra
-    still imports it.
+    We depend on SciPy, so it is there, and the import takes a tenth of a launch. A kernel that uses
+    linear algebra still imports it.
     """
     look = linalg.ensure_blas
     linalg.ensure_blas = _know
@@ -176,9 +188,15 @@ def _know() -> None:
 
 
 def announce_if_cold(modules: Sequence[str], title: str, expected_seconds: float) -> None:
-    """Announce that the kernels of modules will compile on their first use, unless cached.
+    """Announce that the kernels of modules will compile on their first use, unless they are cached.
 
-    Some stay uncompiled until a later flight uses them, so that each module is announced once.
+    Some kernels stay uncompiled until a later flight uses them. A mark in the cache directory
+    therefore keeps a module from being announced again.
+
+    Args:
+        modules: Names of the modules with the kernels.
+        title: Name of the kernels in the message.
+        expected_seconds: Time of a cold compilation, for the message.
     """
     directories = [cache_directory(module) for module in modules]
     cold = [d for d in directories if d is None or not _was_announced(d)]
@@ -192,7 +210,7 @@ def announce_if_cold(modules: Sequence[str], title: str, expected_seconds: float
 
 
 def _was_announced(directory: Path) -> bool:
-    """Whether a cache holds code already, or will once somebody uses it."""
+    """Return whether a cache holds code already, or will once somebody uses it."""
     if not os.access(directory, os.R_OK | os.X_OK):
         return False
     return any(directory.rglob("*.nbi")) or (directory / _ANNOUNCED).exists()
@@ -209,7 +227,7 @@ def _path_of(root: Path, module: str) -> Path | None:
 
 
 def _sources(first: Path | None) -> set[Path]:
-    """A source file and all of ours that it imports, directly or indirectly."""
+    """Return a source file and all of ours that it imports, directly or indirectly."""
     found: set[Path] = set()
     waiting = [first]
     while waiting:
@@ -226,6 +244,7 @@ def _bytes_of(path: Path) -> bytes:
     return path.read_bytes()
 
 
+# Names are found by a regular expression, because parsing every source is slow.
 @functools.cache
 def _imported(path: Path) -> tuple[Path | None, ...]:
     names = _names(_bytes_of(path).decode())
@@ -243,7 +262,7 @@ def _names(source: str) -> set[str]:
 
 
 def _forget_old_caches(root: Path) -> None:
-    """Keep the newest few directories: every edit of a kernel begins another one."""
+    """Keep the newest few directories, because every edit of a kernel begins another one."""
     if not root.exists():
         return
     caches = sorted(root.iterdir(), key=lambda path: path.stat().st_mtime)

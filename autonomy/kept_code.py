@@ -17,6 +17,7 @@ from typing import Any, Self
 import platformdirs
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, UserProvidedCacheLocator
 
+# A logger of its own: disabling it after the first report leaves other messages alone.
 _REPORT = logging.getLogger("aeroscene.cache")
 
 
@@ -35,11 +36,17 @@ def cache_root() -> Path | None:
         root = Path(platformdirs.user_cache_dir("aeroscene"))
     except RuntimeError:
         return None
+    # Without a home folder some systems yield a path such as "~/.cache", which is no place to write
+    # to.
     return root if root.is_absolute() else None
 
 
 def report_unkept(reason: str) -> None:
-    """Log once that kernels are compiled for this run alone."""
+    """Log, once per process, that kernels are compiled for this run alone.
+
+    Args:
+        reason: Cause in words, for the message.
+    """
     if not _REPORT.disabled:
         _REPORT.warning(
             "no cache, kernels compile anew in each run: %s; "
@@ -50,11 +57,11 @@ def report_unkept(reason: str) -> None:
 
 
 class _Folder(UserProvidedCacheLocator):
-    """The folder that numba's setting names, also if it can only be read."""
+    """Cache locator for the folder that numba's setting names, even if it can only be read."""
 
     @classmethod
     def from_function(cls, py_func: Any, py_file: str) -> Self:
-        """Take the folder without a look whether it can be written to; saving does that."""
+        """Accept the folder without testing that it can be written to; saving finds that out."""
         return cls(py_func, py_file)
 
 
@@ -63,10 +70,14 @@ class _Impl(CompileResultCacheImpl):
 
 
 class KernelCache(FunctionCache):
-    """numba's cache of one function, which an unusable folder makes useless, not fatal."""
+    """Numba's cache of one function, which survives a folder that cannot be used.
+
+    An error of reading or writing means a compilation in memory, not the end of the run.
+    """
 
     _impl_class = _Impl
 
+    # numba wraps each access to the folder in this method, so one override covers them all.
     @contextlib.contextmanager
     def _guard_against_spurious_io_errors(self) -> Iterator[None]:
         """Report an error of reading or writing, which numba does within this."""

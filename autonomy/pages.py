@@ -1,7 +1,7 @@
 """Large arrays of zeros of which only the pages that are touched take memory.
 
-NumPy asks Linux for pages of 2 MiB, and a search that touches a byte in each of them takes all of
-the memory.
+A map of a large site is mostly untouched. NumPy asks Linux for pages of 2 MiB, and a search that
+touches a byte in each of them takes all of the memory. These arrays therefore ask for small pages.
 """
 
 from __future__ import annotations
@@ -18,7 +18,10 @@ _LARGE_BYTES = 128 << 20
 
 
 def untouched_zeros(shape: tuple[int, ...], dtype: Any) -> np.ndarray:
-    """Zeros of a shape, in small pages if they are many."""
+    """Return an array of zeros; a large one takes memory only for the small pages that are touched.
+
+    Arrays below `_LARGE_BYTES` are NumPy's own.
+    """
     n_bytes = math.prod(shape) * np.dtype(dtype).itemsize
     if n_bytes < _LARGE_BYTES:
         return np.zeros(shape, dtype=dtype)
@@ -29,7 +32,10 @@ def untouched_zeros(shape: tuple[int, ...], dtype: Any) -> np.ndarray:
 
 
 def copy_touched(array: np.ndarray) -> np.ndarray:
-    """Copy of an array (n, m, ...) that takes no more memory for zeros than the array does."""
+    """Copy an array (n, m, ...) so that its zeros take no more memory than in the original.
+
+    Only the span of rows that hold other values is written, for each index of the first axis.
+    """
     if array.nbytes < _LARGE_BYTES:
         return array.copy()
     copy = untouched_zeros(array.shape, array.dtype)

@@ -17,7 +17,7 @@ from autonomy.jit import kernel
 
 @kernel
 def quat_multiply(a: np.ndarray, b: np.ndarray, product: np.ndarray) -> None:
-    """Write a * b to `product`, which may be one of the factors."""
+    """Write the product a * b of two quaternions to `product`, which may be one of the factors."""
     aw, ax, ay, az = a[0], a[1], a[2], a[3]
     bw, bx, by, bz = b[0], b[1], b[2], b[3]
     product[0] = aw * bw - ax * bx - ay * by - az * bz
@@ -28,7 +28,7 @@ def quat_multiply(a: np.ndarray, b: np.ndarray, product: np.ndarray) -> None:
 
 @kernel
 def quat_normalise(q: np.ndarray) -> None:
-    """Scale a quaternion to unit length in place."""
+    """Scale a quaternion to unit length in place; a zero quaternion has none and gives NaN."""
     scale = 1.0 / math.sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
     for i in range(4):
         q[i] *= scale
@@ -36,7 +36,7 @@ def quat_normalise(q: np.ndarray) -> None:
 
 @kernel
 def quat_from_rotation_vector(x: float, y: float, z: float, q: np.ndarray) -> None:
-    """Exponential map: the rotation by |(x, y, z)| rad about (x, y, z)."""
+    """Write the exponential map to `q`: the rotation by |(x, y, z)| rad about (x, y, z)."""
     angle = math.sqrt(x * x + y * y + z * z)
     # sin(a/2)/a to second order near zero
     scale = 0.5 - angle * angle / 48.0 if angle < 1e-4 else math.sin(0.5 * angle) / angle
@@ -48,10 +48,14 @@ def quat_from_rotation_vector(x: float, y: float, z: float, q: np.ndarray) -> No
 
 @kernel
 def rotation_vector_from_quat(q: np.ndarray, vector: np.ndarray) -> None:
-    """Logarithm map: the shortest rotation vector, |vector| <= pi."""
+    """Write the logarithm map to `vector`: the shortest rotation vector, |vector| <= pi.
+
+    q and -q are the same rotation; the sign of q[0] selects the shorter turn.
+    """
     sign = 1.0 if q[0] >= 0.0 else -1.0
     norm = math.sqrt(q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
     half = math.atan2(norm, sign * q[0])
+    # Near the identity half / norm tends to 1, so the factor is 2 within rounding.
     scale = sign * (2.0 if norm < 1e-12 else 2.0 * half / norm)
     for i in range(3):
         vector[i] = scale * q[i + 1]
@@ -59,7 +63,7 @@ def rotation_vector_from_quat(q: np.ndarray, vector: np.ndarray) -> None:
 
 @kernel
 def matrix_from_quat(q: np.ndarray, R: np.ndarray) -> None:
-    """Rotation matrix (3, 3) of a unit quaternion."""
+    """Write the rotation matrix (3, 3) of a unit quaternion to `R`, body to world."""
     w, x, y, z = q[0], q[1], q[2], q[3]
     R[0, 0] = 1.0 - 2.0 * (y * y + z * z)
     R[0, 1] = 2.0 * (x * y - w * z)
@@ -74,7 +78,10 @@ def matrix_from_quat(q: np.ndarray, R: np.ndarray) -> None:
 
 @kernel
 def yaw_from_quat(q: np.ndarray) -> float:
-    """Heading of body x in the horizontal plane, counter-clockwise from world x, rad."""
+    """Return the heading of body x in the horizontal plane, counter-clockwise from world x, rad.
+
+    It is in [-pi, pi] and meaningless if body x is vertical.
+    """
     return math.atan2(2.0 * (q[0] * q[3] + q[1] * q[2]), 1.0 - 2.0 * (q[2] * q[2] + q[3] * q[3]))
 
 

@@ -1,7 +1,8 @@
 """Types of guidance, navigation and control: states, references and setpoints.
 
 World frame ENU, body frame FLU, SI units, radians, quaternions `wxyz` body to world. Vectors are
-tuples of floats: the code that fills and reads them runs at 50 Hz or more in plain Python.
+tuples of floats and not arrays, because the code that fills and reads them runs at 50 Hz or more in
+plain Python, where small arrays are slow.
 """
 
 from __future__ import annotations
@@ -17,25 +18,25 @@ if TYPE_CHECKING:
 Vector3 = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
 
-NAN3: Vector3 = (math.nan, math.nan, math.nan)
+NAN3: Vector3 = (math.nan, math.nan, math.nan)  # "not given", axis by axis
 ZERO3: Vector3 = (0.0, 0.0, 0.0)
 LEVEL: Quaternion = (1.0, 0.0, 0.0, 0.0)
 """Attitude without rotation: level, heading east."""
 
 
 def vector3(values: np.ndarray) -> Vector3:
-    """Tuple of the components of an array (3,)."""
+    """Return the components of an array (3,) as a tuple of Python floats."""
     x, y, z = values.tolist()
     return (x, y, z)
 
 
 def quat_about_up(yaw_rad: float) -> Quaternion:
-    """Upright attitude with a heading."""
+    """Return the upright attitude whose heading is `yaw_rad`, counter-clockwise from east."""
     return (math.cos(0.5 * yaw_rad), 0.0, 0.0, math.sin(0.5 * yaw_rad))
 
 
 def yaw_of(quat_wxyz: Quaternion) -> float:
-    """Heading of an attitude: where body x points, counter-clockwise from east."""
+    """Return the heading of an attitude, counter-clockwise from east to body x, rad."""
     w, x, y, z = quat_wxyz
     return math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
 
@@ -53,7 +54,11 @@ class State:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class FlatReference:
-    """A point of a trajectory in the quadrotor's flat outputs, position and yaw."""
+    """A point of a trajectory in the quadrotor's flat outputs, position and yaw.
+
+    Position and yaw with their derivatives determine attitude, rates and thrust; see
+    `autonomy.model.flatness`.
+    """
 
     position_enu_m: Vector3
     velocity_enu_mps: Vector3 = ZERO3
@@ -64,7 +69,10 @@ class FlatReference:
 
 
 class ControlLevel(IntEnum):
-    """Level at which a setpoint enters the cascade of controllers."""
+    """Level at which a setpoint enters the cascade of controllers.
+
+    Levels above `IDLE` fly; the inner loops below a level always run.
+    """
 
     OFF = 0
     """Rotors stopped."""
@@ -84,10 +92,10 @@ class ControlLevel(IntEnum):
 class Setpoint:
     """Demand of the outer loops on the inner ones until the next setpoint.
 
-    At `TRAJECTORY` each axis follows position where it is finite, else velocity where it is
-    finite, else the acceleration alone; finite lower derivatives are feed-forward. A NaN yaw
-    leaves the heading to `yaw_rate_radps` (0 holds it). A jerk of zero means that it is unknown:
-    the controller then derives it from successive accelerations.
+    At `TRAJECTORY` each axis follows position where it is finite, else velocity where it is finite,
+    else the acceleration alone; finite lower derivatives are feed-forward. A NaN yaw leaves the
+    heading to `yaw_rate_radps` (0 holds it). A jerk of zero means that it is unknown: the
+    controller then derives it from successive accelerations.
     """
 
     level: ControlLevel

@@ -1,4 +1,4 @@
-"""Geometric tracking control of a multirotor, from setpoint to rotor speeds."""
+"""Geometric tracking control of a multirotor: from a setpoint and an estimate to rotor speeds."""
 
 from autonomy.control.cfg import ControllerCfg
 from autonomy.control.record import CONTROLLER_DTYPE, SETPOINT_DTYPE, STATE_DTYPE, new_controller

@@ -1,4 +1,9 @@
-"""Gains and limits of the controller."""
+"""Gains and limits of the controller, and how they follow from a vehicle's parameters.
+
+Airframes come from files, so no gains can be tuned by hand for each. Their bandwidth follows
+instead from three physical limits: inertia, the lag of the rotors and the torque that they have
+left in hover.
+"""
 
 from __future__ import annotations
 
@@ -12,16 +17,20 @@ from autonomy.model.quadrotor import GRAVITY_MPS2, QuadrotorParams
 
 _STIFFNESS = 1.7
 """Square root of the torque for a radian, (N m)^(1/2): 10 rad/s of an Iris."""
-_LEAST_BANDWIDTH_RADPS = 7.0
+_LEAST_BANDWIDTH_RADPS = 7.0  # floor of the inertia's rule in `controller_cfg_for`
 _LEAD = 0.5
 """Lag of a driven rotor over its own."""
-_LAG_SHARE = 0.2
-_SATURATING_RAD = 0.4
+_LAG_SHARE = 0.2  # attitude bandwidth over that of a driven rotor
+_SATURATING_RAD = 0.4  # attitude error at which rotors in hover may saturate
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ControllerCfg:
-    """Gains as natural frequency and damping, limits in SI units."""
+    """Gains as natural frequency and damping, limits in SI units.
+
+    A gain that is stated as a frequency holds for any mass and inertia, so that one set of numbers
+    suits vehicles of different size. `controller_cfg_for` adapts the numbers to a vehicle.
+    """
 
     position_bandwidth_radps: float = 4.0
     """wx: kx = m wx^2."""
@@ -72,7 +81,7 @@ class ControllerCfg:
 
 
 def controller_cfg_for(quadrotor: QuadrotorParams) -> ControllerCfg:
-    """Gains from a vehicle's inertia, the lag of its rotors and their torque.
+    """Derive the gains from a vehicle's inertia, the lag of its rotors and their torque.
 
     Roll and pitch are as fast as the slowest of these allows:
 
@@ -81,7 +90,8 @@ def controller_cfg_for(quadrotor: QuadrotorParams) -> ControllerCfg:
       fifth of that, so that they cost it 20 degrees of phase;
     - torque: an error of 0.4 rad takes no more than the rotors can add in hover.
 
-    Yaw is limited by its torque in hover. The position loop stays well below the attitude loop.
+    Yaw is limited by its torque in hover. The position loop stays well below the attitude loop,
+    because it takes the attitude for given.
     """
     response_s = _LEAD * max(
         max(rotor.time_constant_up_s, rotor.time_constant_down_s) for rotor in quadrotor.rotors
@@ -113,12 +123,14 @@ def _yaw_authority_radps2(quadrotor: QuadrotorParams) -> float:
     weight_share_n = _weight_share_n(quadrotor)
     torque_nm = 0.0
     for rotor, room_n in zip(quadrotor.rotors, _rooms_n(quadrotor), strict=True):
+        # A rotor can lose no more than its share of the weight, and gain no more than its room
+        # above it.
         torque_nm += rotor.torque_per_thrust_m * min(room_n, weight_share_n)
     return max(torque_nm / quadrotor.inertia_flu_kgm2[2], 0.1)
 
 
 def _rooms_n(quadrotor: QuadrotorParams) -> list[float]:
-    """Thrust of each rotor beyond its share of the weight."""
+    """Thrust that each rotor can add to its share of the weight, N; zero if it cannot hover."""
     weight_share_n = _weight_share_n(quadrotor)
     return [
         max(rotor.thrust_constant * rotor.max_speed_radps**2 - weight_share_n, 0.0)

@@ -1,4 +1,10 @@
-"""Controller: one tick from setpoint and estimate to rotor speed commands."""
+"""One tick of the controller, from setpoint and estimate to rotor speed commands.
+
+A setpoint enters the cascade at its level: a trajectory goes through reference, force and attitude,
+an attitude or body rates join further down, and rotor speeds pass unchanged. Two cases replace the
+usual cascade for a while: recovery from tumbling (`recovery`) and flight without a rotor
+(`rotor_loss`). All of it is one compiled call over records, because it runs at 250 Hz.
+"""
 
 from __future__ import annotations
 
@@ -20,6 +26,7 @@ from autonomy.control.setpoint_stream import accept_setpoint
 from autonomy.jit import kernel
 from autonomy.rotation import matrix_from_quat
 
+# Values of `ControlLevel` as floats: the setpoint's record keeps its level as a float.
 _OFF, _IDLE, _TRAJECTORY, _ATTITUDE, _RATE, _ROTORS = 0.0, 1.0, 2.0, 3.0, 4.0, 5.0
 
 
@@ -27,7 +34,11 @@ _OFF, _IDLE, _TRAJECTORY, _ATTITUDE, _RATE, _ROTORS = 0.0, 1.0, 2.0, 3.0, 4.0, 5
 def control(c: np.record, s: np.record, x: np.record, is_new: bool) -> None:
     """Run one control tick; the result is in `c.rotor_command_radps`.
 
-    A setpoint is new if it arrived since the last tick; x is the vehicle's state as it is known.
+    Args:
+        c: Record of the controller (`CONTROLLER_DTYPE`); changed.
+        s: Present setpoint (`SETPOINT_DTYPE`).
+        x: State of the vehicle as it is known (`STATE_DTYPE`).
+        is_new: True if the setpoint arrived since the last tick.
     """
     if s.level <= _IDLE or s.level == _ROTORS:
         _rest(c, s.level)
@@ -42,8 +53,9 @@ def control(c: np.record, s: np.record, x: np.record, is_new: bool) -> None:
 
 @kernel
 def _rest(c: np.record, level: float) -> None:
-    """Control nothing: idle speed, or the speeds that were given, none at rest."""
+    """Control nothing: command idle speed, or the speeds given for the levels OFF and ROTORS."""
     for i in range(c.n_rotors):
+        # `given_speed_radps` is zero at the level OFF unless something else wrote speeds there.
         c.rotor_command_radps[i] = (
             c.idle_speed_radps[i] if level == _IDLE else c.given_speed_radps[i]
         )
@@ -56,6 +68,7 @@ def _rest(c: np.record, level: float) -> None:
 
 @kernel
 def _fly(c: np.record, s: np.record, x: np.record, is_new: bool) -> None:
+    # A reference from another level is stale, so it restarts at the vehicle.
     if s.level != c.level or c.level != _TRAJECTORY:
         start_reference(c, x)
         c.is_recovering = 0
@@ -81,6 +94,7 @@ def _fly_whole(c: np.record, s: np.record, x: np.record) -> None:
             demand_force(c, x)
             command_attitude(c, x)
         force, R = c.force_enu_mps2, c.R
+        # Only the part of the demanded force along the present thrust axis can act now.
         along = force[0] * R[0, 2] + force[1] * R[1, 2] + force[2] * R[2, 2]
         c.collective_n = c.mass_kg * max(along, 0.0)
         attitude_torque(c, x.angular_rate_flu_radps)
@@ -106,7 +120,7 @@ def _fly_whole(c: np.record, s: np.record, x: np.record) -> None:
 
 @kernel
 def _fly_with_a_loss(c: np.record, s: np.record, x: np.record) -> None:
-    """Follow a trajectory or an attitude's tilt on the other rotors; be level for rates."""
+    """Fly without a rotor: follow a trajectory or an attitude's tilt; for body rates stay level."""
     if s.level == _TRAJECTORY:
         update_reference(c, s, x)
         demand_gently(c, x)
@@ -115,6 +129,7 @@ def _fly_with_a_loss(c: np.record, s: np.record, x: np.record) -> None:
         c.R_cmd[2, 2] = 1.0
         if s.level == _ATTITUDE:
             matrix_from_quat(s.quat_wxyz, c.R_cmd)
+        # A force of zero would have no direction to aim at.
         thrust_mps2 = max(min(max(s.thrust, 0.0), 1.0) * c.max_thrust_n / c.mass_kg, 1e-3)
         for i in range(3):
             c.force_enu_mps2[i] = thrust_mps2 * c.R_cmd[i, 2]
@@ -123,7 +138,7 @@ def _fly_with_a_loss(c: np.record, s: np.record, x: np.record) -> None:
 
 @kernel
 def _command_speeds(c: np.record) -> None:
-    """Command the speeds that make the thrusts of `c.rotor_thrust_n`."""
+    """Command the speeds that produce the thrusts of `c.rotor_thrust_n`."""
     total = 0.0
     for i in range(c.n_rotors):
         total += c.rotor_thrust_n[i]

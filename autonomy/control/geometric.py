@@ -1,4 +1,9 @@
-"""Geometric tracking control on SE(3).
+"""Geometric tracking control on SE(3): from a reference to thrust and torque.
+
+The law works on rotation matrices instead of Euler angles, so that it has no singularity at steep
+attitudes. The position loop demands a force, the force and the yaw give an attitude, and the
+attitude loop gives a torque. The error of the attitude differs from Lee's: it grows up to 180
+degrees, so that a vehicle upside down is turned over with full torque.
 
     symbol        name                           here
     e_x, e_v      position and velocity error    reference minus estimate (Lee: the opposite)
@@ -22,9 +27,9 @@ from autonomy.jit import kernel
 
 _MAX_INTEGRATED_VERTICAL_M = 0.3  # not while a vehicle on the ground lags behind its reference
 _LEAST_VERTICAL_FRACTION = 0.35  # of the weight; the tilt is limited further below twice this
-_LEAST_TILT_SHARE = 0.05
-_MAX_FEEDBACK_RATE_RADPS = 6.0
-_DISTURBANCE_RESPONSE_S = 0.1
+_LEAST_TILT_SHARE = 0.05  # of the greatest tilt, which remains at the least thrust
+_MAX_FEEDBACK_RATE_RADPS = 6.0  # limit of the body rates that position errors may demand
+_DISTURBANCE_RESPONSE_S = 0.1  # time constant of the low pass on the IMU's part
 _PRESSING_FRACTION = 0.7  # of the weight: the demand is below it on the ground
 _LEANING_M = 0.12  # leaning on the legs of one side it is up to 0.1 m higher than at rest
 _UPSIDE_DOWN_COSINE = 1e-4  # of half the tilt: nearer to 180 degrees its axis is rounding error
@@ -32,10 +37,11 @@ _UPSIDE_DOWN_COSINE = 1e-4  # of half the tilt: nearer to 180 degrees its axis i
 
 @kernel
 def demand_force(c: np.record, x: np.record) -> None:
-    """Specific thrust (m/s^2, world) that tracks the reference: the bracket of eq. (15) over mass.
+    """Demand the specific thrust that tracks the reference: the bracket of eq. (15) over mass.
 
-    Feedback, integral, tilt and thrust are limited; the vertical part has a floor, so that a fast
-    descent never demands a steep tilt. Where the thrust is not enough, it carries the weight first.
+    The result is `c.force_enu_mps2` in m/s^2, world axes. Feedback, integral, tilt and thrust are
+    limited. The vertical part has a floor, so that a fast descent never demands a steep tilt. If
+    the thrust is not enough, it carries the weight first.
     """
     force, e_x = c.force_enu_mps2, c.position_error_enu_m
     estimate_acceleration(c, x)
@@ -56,6 +62,8 @@ def demand_force(c: np.record, x: np.record) -> None:
         force[i] += c.reference_acceleration_enu_mps2[i] + drag * v_perp + held
     force[2] += c.gravity_mps2
     _limit_force(c, c.gravity_mps2 + c.integral_mps2[2] - c.disturbance_mps2[2])
+    # `_limit_force` has set both flags; the limited feedback is added to them, for the integral and
+    # the jerk of the next tick.
     if factor < 1.0:
         c.is_limited[0] = 1
     if is_vertical:
@@ -64,11 +72,12 @@ def demand_force(c: np.record, x: np.record) -> None:
 
 @kernel
 def estimate_acceleration(c: np.record, x: np.record) -> None:
-    """Estimate the acceleration by the modelled rotors and, beyond them, by the IMU (such as wind).
+    """Estimate the acceleration by the modelled rotors plus a part that only the IMU sees.
 
-    The first part has no delay and no noise, the second is low-passed and limited. Nothing is
-    compensated horizontally while the vehicle may press down: leaning against what holds its legs
-    would tip it over. In an updraught little thrust is no sign of that, where nothing is below.
+    The rotors' part has no delay and no noise. The rest, such as wind, is low-passed and limited.
+    While the vehicle may press down on its legs, nothing is compensated horizontally, because
+    leaning against whatever holds the legs would tip it over. Little thrust alone does not mean
+    that it stands: in an updraught it may have free space below, so the room below counts too.
     """
     thrust = 0.0
     for i in range(c.n_rotors):
@@ -100,7 +109,7 @@ def _along_thrust(c: np.record, vector: np.ndarray) -> float:
 
 @kernel
 def rotor_drag(c: np.record) -> float:
-    """Deceleration by the rotors' drag per speed across their axis at modelled speeds, 1/s."""
+    """Deceleration by rotor drag per speed across the rotors' axis, at modelled speeds, 1/s."""
     total = 0.0
     for i in range(c.n_rotors):
         total += c.drag_coefficient[i] * c.rotor_model_radps[i]
@@ -126,7 +135,10 @@ def _limit(vector: np.ndarray, horizontal: float, vertical: float) -> float:
 
 @kernel
 def _integrate(c: np.record, e_x: np.ndarray) -> None:
-    """Integrate the error left by model errors, while the last demand was met."""
+    """Integrate the position error that model errors leave, unless the last demand was limited.
+
+    Otherwise the integral would wind up while the vehicle cannot follow.
+    """
     if c.is_limited[0] + c.is_limited[1] > 0 or abs(e_x[2]) > _MAX_INTEGRATED_VERTICAL_M:
         return
     for i in range(3):
@@ -136,10 +148,10 @@ def _integrate(c: np.record, e_x: np.ndarray) -> None:
 
 @kernel
 def _limit_force(c: np.record, weight_mps2: float) -> None:
-    """Limit the vertical part, then the tilt and the thrust.
+    """Limit the vertical part of the force, then the tilt and the thrust.
 
-    With little thrust the tilt is limited to a few degrees: a vehicle that presses down on its legs
-    stays on them. `weight_mps2` is the thrust that neither climbs nor sinks.
+    With little thrust the tilt is limited to a few degrees, so that a vehicle that presses down on
+    its legs stays on them. `weight_mps2` is the thrust that neither climbs nor sinks.
     """
     force = c.force_enu_mps2
     least = _LEAST_VERTICAL_FRACTION * c.gravity_mps2
@@ -154,10 +166,10 @@ def _limit_force(c: np.record, weight_mps2: float) -> None:
 
 @kernel
 def _share_thrust(c: np.record, carried_mps2: float) -> float:
-    """Shrink what is demanded beyond the carried weight to the thrust there is; return the factor.
+    """Shrink the demand beyond the carried weight to the available thrust; return the factor.
 
-    Climbing and holding the place shrink alike: neither a climb in a downdraught nor a gust takes
-    all the thrust from the other.
+    Climbing and holding the place shrink alike, so that neither a climb in a downdraught nor a gust
+    takes all the thrust from the other.
     """
     force, most = c.force_enu_mps2, c.max_thrust_mps2
     square = force[0] * force[0] + force[1] * force[1]
@@ -169,6 +181,7 @@ def _share_thrust(c: np.record, carried_mps2: float) -> float:
     room = max(most * most - carried_mps2 * carried_mps2, 0.0)
     share = (math.sqrt(half_b * half_b + a * room) - half_b) / a
     force[2] = carried_mps2 + share * climb
+    # Up to 1 m/s^2 of the horizontal demand always stays, even if climbing takes all the thrust.
     least = min(1.0 / math.sqrt(square), 1.0) if square > 0.0 else 1.0
     share = max(share, least)
     force[0] *= share
@@ -178,7 +191,11 @@ def _share_thrust(c: np.record, carried_mps2: float) -> float:
 
 @kernel
 def command_attitude(c: np.record, x: np.record) -> None:
-    """Compute R_d and Omega_d from the demanded force, its derivative and the yaw: eq. (10)."""
+    """Compute R_d and Omega_d from the demanded force, its derivative and the yaw: eq. (10).
+
+    The results are `c.R_cmd` and `c.rate_cmd_flu_radps`. Rates come from the derivative of the
+    force and not from differences of attitudes, which would amplify noise.
+    """
     force, Rd = c.force_enu_mps2, c.R_cmd
     norm = math.sqrt(force[0] * force[0] + force[1] * force[1] + force[2] * force[2])
     for i in range(3):
@@ -209,10 +226,10 @@ def command_attitude(c: np.record, x: np.record) -> None:
 
 @kernel
 def _demand_jerk(c: np.record, x: np.record, max_feedback_mps3: float) -> None:
-    """Derivative of the demanded force, written to `c.demanded_jerk_enu_mps3`.
+    """Write the derivative of the demanded force to `c.demanded_jerk_enu_mps3`.
 
-    Without the feedback's part, the attitude lags behind it by 2 zeta / wR and the position loop
-    rings.
+    It includes the derivative of the feedback. Otherwise the attitude lags behind the feedback by 2
+    zeta / wR and the position loop rings.
     """
     drag = rotor_drag(c)
     for i in range(3):
@@ -228,7 +245,10 @@ def _demand_jerk(c: np.record, x: np.record, max_feedback_mps3: float) -> None:
 
 @kernel
 def attitude_torque(c: np.record, rate_flu_radps: np.ndarray) -> None:
-    """Torque that turns R to R_d: eq. (16) with another e_R, without the derivative of Omega_d."""
+    """Write the torque that turns R to R_d to `c.torque_flu_nm`, about the body axes.
+
+    This is eq. (16) with another e_R and without the derivative of Omega_d.
+    """
     R, Rd, J = c.R, c.R_cmd, c.inertia_flu_kgm2
     Q = c.R_error
     for i in range(3):
@@ -247,7 +267,7 @@ def attitude_torque(c: np.record, rate_flu_radps: np.ndarray) -> None:
 
 @kernel
 def _attitude_error(Q: np.ndarray, rate_flu_radps: np.ndarray, e_R: np.ndarray) -> None:
-    """Error of the attitude Q = R^T R_d: the tilt about body x and y, the yaw about body z.
+    """Write the error of the attitude Q = R^T R_d: tilt about body x and y, yaw about body z.
 
     R^T R_d is a turn by theta about an axis in the body's x-y plane after one by psi about z. The
     tilt error is 2 sin(theta / 2) along that axis: it grows up to 180 degrees, where Lee's
@@ -267,7 +287,7 @@ def _attitude_error(Q: np.ndarray, rate_flu_radps: np.ndarray, e_R: np.ndarray) 
 
 @kernel
 def rate_torque(c: np.record, rate_flu_radps: np.ndarray) -> None:
-    """Torque that brings the body rates to `c.rate_cmd_flu_radps`."""
+    """Write to `c.torque_flu_nm` what brings the body rates to `c.rate_cmd_flu_radps`."""
     J = c.inertia_flu_kgm2
     for i in range(3):
         j, k = (i + 1) % 3, (i + 2) % 3

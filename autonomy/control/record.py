@@ -1,4 +1,8 @@
-"""Records of the control kernels: vehicle state, setpoint and the controller's memory."""
+"""Records of the control kernels: vehicle state, setpoint and the controller's memory.
+
+A kernel takes one record instead of dozens of arguments. Several controllers are then rows of one
+array, and the plant can hold a controller's record within its own.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +29,8 @@ STATE_DTYPE = np.dtype(
     ],
     align=True,
 )
-"""State of the vehicle as the controller knows it."""
+"""State of the vehicle as the controller knows it: the estimate, or the truth if no estimator runs.
+"""
 
 SETPOINT_DTYPE = np.dtype(
     [
@@ -41,7 +46,7 @@ SETPOINT_DTYPE = np.dtype(
         ("thrust", "f8"),
     ]
 )
-"""Fields of `autonomy.types.Setpoint` in their order."""
+"""Fields of `autonomy.types.Setpoint` in their order; `setpoint_row` depends on it."""
 
 CONTROLLER_DTYPE = np.dtype(
     [
@@ -70,7 +75,7 @@ CONTROLLER_DTYPE = np.dtype(
         ("n_lost_ticks", "i8", MAX_ROTORS),
         ("given_speed_radps", "f8", MAX_ROTORS),  # of the rotors at the levels OFF and ROTORS
         ("acceleration_enu_mps2", "f8", 3),  # estimated
-        ("disturbance_mps2", "f8", 3),  # of it, what the rotors do not explain
+        ("disturbance_mps2", "f8", 3),  # part that the rotors do not explain
         ("room_below_m", "f8"),  # known to be free under the legs; 0 where that is unknown
         # Commands.
         ("force_enu_mps2", "f8", 3),  # demanded specific thrust
@@ -136,11 +141,17 @@ CONTROLLER_DTYPE = np.dtype(
 )
 
 _SAME_NAME = {field.name for field in fields(ControllerCfg)} & set(CONTROLLER_DTYPE.names or ())
-"""Gains and limits that the kernels take as they are configured."""
+"""Gains and limits that the kernels use exactly as they are configured."""
 
 
 def new_controller(quadrotor: QuadrotorParams, cfg: ControllerCfg, *, dt_s: float) -> np.ndarray:
-    """Create a controller with its rotors off, as one record in an array of shape (1,)."""
+    """Create a controller with its rotors off, as one record in an array of shape (1,).
+
+    Args:
+        quadrotor: Vehicle to control; at most `MAX_ROTORS` rotors.
+        cfg: Gains and limits, as of `controller_cfg_for`.
+        dt_s: Period of the control ticks.
+    """
     controllers = np.zeros(1, CONTROLLER_DTYPE)
     c = controllers[0]
     c["dt_s"] = dt_s
@@ -162,7 +173,7 @@ def new_controller(quadrotor: QuadrotorParams, cfg: ControllerCfg, *, dt_s: floa
 
 
 def setpoint_row(setpoint: Setpoint) -> tuple[float, ...]:
-    """Numbers of a setpoint in the order of `SETPOINT_DTYPE`."""
+    """Return the numbers of a setpoint in the order of `SETPOINT_DTYPE`."""
     return (
         float(setpoint.level),
         *setpoint.position_enu_m,

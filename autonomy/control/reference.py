@@ -1,10 +1,12 @@
 """Reference for a quadrotor, derived from setpoints so that it can be followed.
 
-Points of a trajectory (position and velocity given, near the reference) are used directly and
-extrapolated between setpoints by their derivatives. Bare positions and velocities are targets of a
-model of limited jerk, acceleration and speed whose state is the reference, so that a step never
-tilts the vehicle beyond its limits. An axis without position and velocity follows its acceleration
-alone; one without anything brakes.
+Companions send anything from smooth trajectories to a point far away, and a controller that tracked
+a far point directly would tilt to its limits. Points of a trajectory (position and velocity given,
+near the reference) are used directly and extrapolated between setpoints by their derivatives. Bare
+positions and velocities are targets of a model of limited jerk, acceleration and speed. The state
+of that model is the reference, so that a step never tilts the vehicle beyond its limits. An axis
+without position and velocity follows its acceleration alone. An axis without any finite value
+brakes.
 """
 
 from __future__ import annotations
@@ -17,17 +19,20 @@ from autonomy.jit import kernel
 from autonomy.rotation import wrap_angle, yaw_from_quat
 
 MAX_EXTRAPOLATION_S = 0.25
-"""Time for which a trajectory's point is extrapolated, enough for a 4 Hz stream; then it stops."""
+"""Time for which a trajectory's point is extrapolated, enough for a 4 Hz stream. After that the
+reference stops."""
 
+# Entering needs closeness to the reference, leaving a great distance to the vehicle: the gap
+# between the two limits prevents flicker.
 _ENTER_DIRECT_M = 0.2
 _ENTER_DIRECT_MPS = 0.5
 _LEAVE_DIRECT_M = 4.0
-_MAX_YAW_LEAD_RAD = 0.6
+_MAX_YAW_LEAD_RAD = 0.6  # beyond the vehicle's yaw, so that a blocked turn does not wind up
 
 
 @kernel
 def start_reference(c: np.record, x: np.record) -> None:
-    """Reset the reference to the vehicle's state."""
+    """Reset the reference to the vehicle's state, at rest of acceleration and jerk."""
     for i in range(3):
         c.reference_position_enu_m[i] = x.position_enu_m[i]
         c.reference_velocity_enu_mps[i] = x.velocity_enu_mps[i]
@@ -45,7 +50,13 @@ def start_reference(c: np.record, x: np.record) -> None:
 
 @kernel
 def update_reference(c: np.record, s: np.record, x: np.record) -> None:
-    """Advance the reference by one control tick."""
+    """Advance the reference by one control tick.
+
+    Args:
+        c: Record of the controller; its `reference_...` fields change.
+        s: Present setpoint, of the level `TRAJECTORY`.
+        x: State of the vehicle as it is known.
+    """
     was_direct = c.is_direct == 1
     _choose_direct(c, s, x)
     if c.is_direct == 1:
@@ -78,6 +89,8 @@ def _choose_direct(c: np.record, s: np.record, x: np.record) -> None:
         to_reference += (p - c.reference_position_enu_m[i]) ** 2
         to_vehicle += (p - x.position_enu_m[i]) ** 2
         difference += (v - c.reference_velocity_enu_mps[i]) ** 2
+    # A NaN or infinity in any axis ends up in these sums: such a setpoint is no point of a
+    # trajectory.
     if not math.isfinite(to_reference + difference):
         c.is_direct = 0
     elif c.is_direct == 1:
@@ -102,7 +115,11 @@ def _follow_directly(c: np.record, s: np.record) -> None:
 
 @kernel
 def _approach_speed(distance_m: float, gain: float, deceleration: float) -> float:
-    """Speed towards a target that allows stopping there within a deceleration."""
+    """Speed towards a target that allows stopping there within a deceleration.
+
+    Near the target the speed is proportional to the distance, farther away it follows the square
+    root; both pieces meet with equal slope.
+    """
     linear_m = deceleration / (gain * gain)
     if distance_m <= linear_m:
         return gain * distance_m
@@ -111,7 +128,10 @@ def _approach_speed(distance_m: float, gain: float, deceleration: float) -> floa
 
 @kernel
 def _aim(c: np.record, s: np.record) -> None:
-    """Target velocity of the model: towards positions, or from the setpoint."""
+    """Compute the target velocity of the model: towards positions, plus the setpoint's own.
+
+    Horizontal axes share one speed limit, so that the vehicle flies straight at the target.
+    """
     target, gain = c.target_velocity_enu_mps, c.approach_gain_radps
     square = 0.0
     for i in range(2):
@@ -138,8 +158,8 @@ def _aim(c: np.record, s: np.record) -> None:
 def _add_velocity(c: np.record, s: np.record) -> None:
     """Add the setpoint's velocity to the target, horizontally as far as the speed limit allows.
 
-    The way to a far setpoint has priority: otherwise a vehicle left behind by a fast setpoint would
-    fly beside it for ever.
+    The path to a far setpoint has priority. Otherwise a vehicle left behind by a fast setpoint
+    would fly beside it for ever.
     """
     target, limit = c.target_velocity_enu_mps, c.max_speed_mps
     vx, vy = _finite(s.velocity_enu_mps[0]), _finite(s.velocity_enu_mps[1])
@@ -179,7 +199,7 @@ def _follow_by_model(c: np.record, s: np.record, x: np.record) -> None:
 
 @kernel
 def _aim_jerk(c: np.record, s: np.record) -> None:
-    """Jerk towards the acceleration that the target velocity demands, both limited.
+    """Compute the jerk towards the acceleration that the target velocity demands, both limited.
 
     The limits apply to horizontal vectors: the acceleration then moves straight from one point of
     its disc to another and never leaves it.
@@ -225,7 +245,10 @@ def _model_acceleration(c: np.record, s: np.record, i: int) -> float:
 
 @kernel
 def _keep_on_leash(c: np.record, x: np.record) -> None:
-    """Keep the reference near a vehicle that cannot follow, such as a landed one."""
+    """Keep the reference near a vehicle that cannot follow, such as a landed one.
+
+    Otherwise the reference would run away and the vehicle would leap when it is free again.
+    """
     ex = c.reference_position_enu_m[0] - x.position_enu_m[0]
     ey = c.reference_position_enu_m[1] - x.position_enu_m[1]
     factor = _shortening(ex, ey, c.leash_m)
@@ -238,7 +261,10 @@ def _keep_on_leash(c: np.record, x: np.record) -> None:
 
 @kernel
 def _turn(c: np.record, s: np.record, x: np.record) -> None:
-    """Advance the yaw by a model of limited rate and angular acceleration."""
+    """Advance the yaw by a model of limited rate and angular acceleration.
+
+    The reference leads the vehicle's own yaw by at most `_MAX_YAW_LEAD_RAD`.
+    """
     dt = c.dt_s
     wanted = s.yaw_rate_radps if math.isfinite(s.yaw_rate_radps) else 0.0
     if math.isfinite(s.yaw_rad):

@@ -1,8 +1,8 @@
-"""Flight without a rotor: the vehicle goes on aiming its thrust, on three rotors while it spins.
+"""Flight without a rotor: the vehicle aims its thrust while it spins on the others.
 
 With one of four lost, three thrusts make a collective and the torques of roll and pitch, and the
-torque of yaw is what it is: the vehicle spins up until air resistance holds it. Its axis of spin is
-aimed instead of its body z.
+torque of yaw is what remains: the vehicle spins up until air resistance holds it. A controller that
+fought the spin would use up the thrust. This one aims the axis of spin instead of body z.
 
     symbol  name                                                       here
     J, J_z  moments of inertia across and along body z
@@ -45,9 +45,9 @@ from autonomy.model.layout import LEAST_ROTORS
 from autonomy.model.quadrotor import QuadrotorParams
 
 _LOST_SHARE = 0.7
-"""Speed over its model's below which a rotor does not turn as commanded."""
-_LOST_TICKS = 8
-_OPPOSITE_SHARE = 0.5
+"""A rotor whose measured speed is below this share of its model's does not turn as commanded."""
+_LOST_TICKS = 8  # on end, so that one wrong reading loses no rotor
+_OPPOSITE_SHARE = 0.5  # thrust of the rotor opposite the lost one, over that of the others
 _FIRST = 1e3
 """Weight of collective, roll and pitch over that of yaw."""
 _HELD_SHARE = 0.25
@@ -56,7 +56,9 @@ _YAW_RADPS = 2.0
 """Rate at which a turn is braked where the yaw is held."""
 _TILT_RADPS, _NUTATION_RADPS = 4.0, 12.0
 """s_1 and s_2."""
-_MOST_LEAN = 0.3
+_MOST_LEAN = 0.3  # greatest |n|: the sine of the lean of the spin axis
+# Gains and limits of the position loop, much softer than in whole flight: the thrust is aimed
+# slowly.
 _POSITION_RADPS = 0.8
 _POSITION_DAMPING = 1.0
 _CLIMB_RADPS = 1.6
@@ -66,15 +68,16 @@ _INTEGRAL_GAIN = 0.15
 """Position error to acceleration a second, 1/s^3: a seventh of what would make it oscillate."""
 _MOST_HELD_MPS2, _MOST_HELD_UP_MPS2 = 3.0, 1.5
 """Greatest steady force of the air that is leant against, and that is carried."""
-_LEAST_SPIN_RADPS = 1e-3
+_LEAST_SPIN_RADPS = 1e-3  # below it there is no axis of spin to speak of
 
 
 def spare_allocations(quadrotor: QuadrotorParams) -> tuple[np.ndarray, np.ndarray]:
-    """Thrusts that remain without each of n rotors.
+    """Compute the allocation that remains without each of n rotors.
 
     Returns:
-        Thrusts (n, n, 4) by lost rotor, rotor, and collective and torques, that of yaw zero where
-        the rest cannot hold it; the torque (n, 2) of balanced thrusts over their sum, in metres.
+        Thrusts (n, n, 4) by lost rotor, rotor, and collective and torques; the yaw column is zero
+        where the other rotors cannot hold the yaw. Then the torque (n, 2) of roll and pitch that
+        balanced thrusts make, over their sum, in metres.
     """
     matrix = thrust_torque_matrix(quadrotor)
     n = matrix.shape[1]
@@ -93,8 +96,9 @@ def spare_allocations(quadrotor: QuadrotorParams) -> tuple[np.ndarray, np.ndarra
 
 
 def _among_three(rest: np.ndarray, apart_m: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Allocation (3, 4) and balanced shares (3,) of three rotors at distances from the lost one."""
+    """Return allocation (3, 4) and balanced shares (3,) of three rotors, given their distances."""
     allocation = np.zeros((3, 4))
+    # Rotors that lie on one line leave a matrix without an inverse.
     is_whole = np.linalg.matrix_rank(rest[:3]) == 3
     allocation[:, :3] = np.linalg.inv(rest[:3]) if is_whole else np.linalg.pinv(rest[:3])
     shares = np.where(apart_m == apart_m.max(), _OPPOSITE_SHARE, 1.0)
@@ -102,10 +106,10 @@ def _among_three(rest: np.ndarray, apart_m: np.ndarray) -> tuple[np.ndarray, np.
 
 
 def _among_many(rest: np.ndarray, _apart_m: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Allocation (m, 4) and balanced shares (m,) of four rotors or more.
+    """Return allocation (m, 4) and balanced shares (m,) of four rotors or more.
 
-    Balanced thrusts have no torque of roll and pitch, and of yaw as little as no rotor below zero
-    allows.
+    Balanced thrusts have no torque of roll and pitch, and as little of yaw as is possible without a
+    thrust below zero.
     """
     from scipy.optimize import nnls
 
@@ -115,16 +119,23 @@ def _among_many(rest: np.ndarray, _apart_m: np.ndarray) -> tuple[np.ndarray, np.
     unit = np.array([1.0, 0.0, 0.0, 0.0])
     weights = np.array([_FIRST, _FIRST, _FIRST, 1.0]) / np.abs(rest).max(axis=1)
     shares, _ = nnls(weights[:, None] * rest, weights * unit)
+    # The least squares leave a small torque of roll and pitch, because weights are finite; take it
+    # out.
     shares += tilt @ (unit - rest @ shares)[:3]
     return np.column_stack([shares, tilt[:, 1:], np.zeros(len(shares))]), shares
 
 
 @kernel
 def watch_rotors(c: np.record, x: np.record) -> None:
-    """Find rotors that do not turn as they are commanded, by the telemetry of their speeds."""
+    """Find rotors that do not turn as commanded, by the telemetry of their speeds.
+
+    A loss is final until `forget_losses`: after one the reference restarts at the vehicle. Without
+    telemetry nothing is found.
+    """
     if x.has_rotor_speeds == 0:
         return
     for i in range(c.n_rotors):
+        # Only rotors that are commanded well above idle speed are judged.
         is_commanded = c.rotor_model_radps[i] > 2.0 * c.idle_speed_radps[i]
         if is_commanded and x.rotor_speed_radps[i] < _LOST_SHARE * c.rotor_model_radps[i]:
             c.n_lost_ticks[i] += 1
@@ -139,7 +150,7 @@ def watch_rotors(c: np.record, x: np.record) -> None:
 
 @kernel
 def forget_losses(c: np.record) -> None:
-    """Trust every rotor again."""
+    """Trust every rotor again; the controller calls it at the level OFF."""
     c.n_lost = 0
     c.is_lost[:] = 0
     c.n_lost_ticks[:] = 0
@@ -149,7 +160,8 @@ def forget_losses(c: np.record) -> None:
 def demand_gently(c: np.record, x: np.record) -> None:
     """Demand a specific thrust (m/s^2, world) that gently follows the reference.
 
-    An integral leans against wind: its force on a spinning vehicle is not modelled.
+    An integral leans against wind, because the wind's force on a spinning vehicle is not modelled.
+    The result is `c.force_enu_mps2`.
     """
     force, lag = c.force_enu_mps2, c.position_error_enu_m
     for i in range(3):
@@ -180,7 +192,8 @@ def demand_gently(c: np.record, x: np.record) -> None:
 def fly_without(c: np.record, x: np.record) -> None:
     """Aim the demanded thrust without a rotor; the thrusts are written to `c.rotor_thrust_n`.
 
-    `c.R` is the vehicle's attitude; of several lost rotors the first counts.
+    `c.R` must be the vehicle's attitude, and at least one rotor must be lost. If several are lost,
+    the first one counts.
     """
     lost = 0
     while c.is_lost[lost] == 0:

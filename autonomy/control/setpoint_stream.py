@@ -1,7 +1,7 @@
-"""Setpoint stream: derives what a setpoint omits from the one before.
+"""Setpoint stream: the controller derives what a setpoint omits from the one before.
 
-Companions send positions and velocities at some 10 to 50 Hz, seldom accelerations, never jerks;
-the feed-forward of body rates needs all of them.
+Companions send positions and velocities at some 10 to 50 Hz, seldom accelerations, never jerks. The
+feed-forward of body rates needs all of them.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import numpy as np
 
 from autonomy.jit import kernel
 
+# A longer pause begins a new stream. The limits keep a jump of the setpoint from becoming a kick.
 _MAX_STREAM_PERIOD_S = 0.25
 _MAX_DERIVED_ACCELERATION_MPS2 = 8.0
 _MAX_DERIVED_JERK_MPS3 = 60.0
@@ -22,7 +23,8 @@ def accept_setpoint(c: np.record, s: np.record) -> None:
     """Accept a newly arrived setpoint; an identical one does not count as new.
 
     Missing derivatives follow from this setpoint and the one before: an acceleration that is NaN
-    from the velocities, a jerk that is NaN or zero from the accelerations.
+    from the velocities, a jerk that is NaN or zero from the accelerations. A client that repeats
+    its last message must not restart the extrapolation, so repetitions are ignored.
     """
     if _is_repeated(c, s):
         return

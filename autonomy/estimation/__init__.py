@@ -1,4 +1,4 @@
-"""Error-state Kalman filter: the vehicle's state from noisy sensors alone."""
+"""Error-state Kalman filter that estimates the vehicle's state from noisy sensors alone."""
 
 from autonomy.estimation.cfg import DragModel, EstimatorCfg
 from autonomy.estimation.error_state import FILTER_DTYPE, new_filter

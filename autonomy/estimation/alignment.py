@@ -1,4 +1,10 @@
-"""Initial alignment of the filter at rest: tilt by gravity, heading by the magnetic field."""
+"""Initial alignment of the filter at rest: tilt by gravity, heading by the magnetic field.
+
+A Kalman filter needs a first estimate near the truth, because it linearises about it. At rest the
+mean specific force shows which way is up and the mean field where north is, so no motion is needed.
+The covariance starts with the correlations that this method implies; without them the filter would
+trust its tilt too much.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +24,10 @@ _MIN_SAMPLES = 10
 
 @kernel
 def collect_imu(f: np.record, accel_flu_mps2: np.ndarray, gyro_flu_radps: np.ndarray) -> None:
-    """Add a sample to the means; restart if the vehicle is not at rest."""
+    """Add a sample of the IMU to the means; restart if the vehicle is not at rest.
+
+    Every 50 samples the mean square of the angular rate is compared with its limit.
+    """
     f.tick += 1
     f.n_imu += 1
     for i in range(3):
@@ -32,7 +41,7 @@ def collect_imu(f: np.record, accel_flu_mps2: np.ndarray, gyro_flu_radps: np.nda
 
 @kernel
 def restart_alignment(f: np.record) -> None:
-    """Discard the collected samples."""
+    """Discard the collected samples, so that alignment begins anew."""
     f.n_imu = f.n_gnss = f.n_mag = f.n_baro = 0
     f.gyro_square_sum = 0.0
     f.baro_sum = 0.0
@@ -49,7 +58,13 @@ def collect_vector(total: np.ndarray, sample: np.ndarray) -> None:
 
 @kernel
 def collect_fix(f: np.record, position_enu_m: np.ndarray, sigma_m: np.ndarray) -> None:
-    """Add a fix (3,) with the standard deviation (3,) of its noise, without wander, to the mean."""
+    """Add a fix of the receiver to the mean.
+
+    Args:
+        f: The filter.
+        position_enu_m: Position (3,).
+        sigma_m: Standard deviation of its noise (3,), without the slow wander.
+    """
     collect_vector(f.gnss_sum, position_enu_m)
     for i in range(3):
         f.gnss_sigma_m[i] = sigma_m[i]
@@ -58,7 +73,7 @@ def collect_fix(f: np.record, position_enu_m: np.ndarray, sigma_m: np.ndarray) -
 
 @kernel
 def align_when_ready(f: np.record) -> None:
-    """Start the filter when every sensor has been heard long enough.
+    """Start the filter when every sensor has delivered enough samples.
 
     Without satellites it starts at the given position, if there is one.
     """
@@ -73,6 +88,7 @@ def align_when_ready(f: np.record) -> None:
         f.position_enu_m[i] = f.gnss_sum[i] / f.n_gnss if has_fixes else f.start_enu_m[i]
         f.velocity_enu_mps[i] = 0.0
     restart_past(f)
+    # After `position_enu_m`: the barometer's offset is relative to that height.
     f.baro_offset_m = f.baro_sum / f.n_baro - f.position_enu_m[2]
     _start_covariance(f)
     _start_position_covariance(f, has_fixes)
@@ -90,6 +106,8 @@ def _start_position_covariance(f: np.record, has_fixes: bool) -> None:
         else:
             P[i, i] = f.start_sigma_m * f.start_sigma_m
             P[GNSS_WANDER + i, GNSS_WANDER + i] = f.wander_variance_m2[i]
+    # The offset is the pressure altitude minus the height: it errs by as much as the height,
+    # reversed.
     for j in range(N_STATES):
         P[BARO_OFFSET, j] = P[j, BARO_OFFSET] = -P[2, j]
     P[BARO_OFFSET, BARO_OFFSET] = P[2, 2] + f.baro_variance_m2 / f.n_baro
@@ -97,10 +115,11 @@ def _start_position_covariance(f: np.record, has_fixes: bool) -> None:
 
 @kernel
 def _start_covariance(f: np.record) -> None:
-    """Diagonal except for the attitude: levelling mistakes an accelerometer bias b for a tilt b/g.
+    """Set the covariance, diagonal except for the attitude.
 
-    The tilt error theta hides the bias: g [e3]x theta = -R b, as long as the vehicle rests. The
-    heading is that of the levelled field: a tilt error leaks the field's vertical part into it.
+    Levelling mistakes an accelerometer bias b for a tilt b/g. The tilt error theta hides the bias:
+    g [e3]x theta = -R b, as long as the vehicle rests. The heading comes from the levelled field,
+    so that a tilt error leaks the field's vertical part into it.
     """
     P, R, g = f.covariance, f.work_R, f.gravity_mps2
     P[:] = 0.0
@@ -137,6 +156,7 @@ def _align_attitude(f: np.record) -> None:
     mx, my, mz = f.mag_sum[0], f.mag_sum[1], f.mag_sum[2]
     roll = math.atan2(ay, az)
     pitch = math.atan2(-ax, math.sqrt(ay * ay + az * az))
+    # Roll and pitch from gravity first: the field must be levelled before its azimuth is read.
     sr, cr, sp, cp = math.sin(roll), math.cos(roll), math.sin(pitch), math.cos(pitch)
     level_x = cp * mx + sp * sr * my + sp * cr * mz
     level_y = cr * my - sr * mz

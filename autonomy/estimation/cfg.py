@@ -1,4 +1,9 @@
-"""Tuning of the filter: its assumptions about sensors and vehicle."""
+"""Tuning of the filter: its assumptions about sensors and vehicle.
+
+Noise densities and walks must match the sensors; `estimator_cfg_for` derives them from a plant's.
+Values that are too small make the filter overconfident, and its gates then reject good
+measurements.
+"""
 
 from __future__ import annotations
 
@@ -39,10 +44,10 @@ class EstimatorCfg:
     heading_sigma_rad: float = 0.03
     """Standard deviation of the noise of one magnetometer sample."""
     heading_disturbance_rad: float = 0.0
-    """Standard deviation of what steel and currents add to the heading; a field of another strength
-    than the Earth's adds to it."""
+    """Standard deviation of the heading error by steel and currents. A field whose strength differs
+    from the Earth's adds to it."""
     heading_disturbance_samples: float = 0.0
-    """Number of samples that share a disturbance, which their mean does not lessen."""
+    """Number of samples that share one disturbance; their mean does not lessen it."""
     gate_sigma: float = 5.0
     """Innovations beyond this many standard deviations are rejected."""
     max_gnss_rejections: int = 20

@@ -1,7 +1,9 @@
 """State of the filter, and the record that holds it.
 
-The nominal state is integrated from the IMU; the Kalman filter estimates its small error. The
-attitude error is a rotation vector in the world frame: R_true = exp([theta]x) R.
+The nominal state is integrated from the IMU; the Kalman filter estimates its small error. An error
+stays near zero, so that linear equations suffice, and an attitude error of three numbers has no
+constraint as a quaternion has. The attitude error is a rotation vector in the world frame: R_true =
+exp([theta]x) R.
 
     index   error         unit
     0-2     position      m        ENU
@@ -15,9 +17,9 @@ attitude error is a rotation vector in the world frame: R_true = exp([theta]x) R
     22      VIO heading   rad      of the odometry's frame
     23-24   wind          m/s      east and north
 
-The barometer smooths the height but does not define it: GNSS does. The wander keeps
-GNSS honest: its slow error does not average out. The VIO frame makes odometry a relative
-measurement: its drift goes into its frame, and losing or regaining GNSS resets nothing.
+The barometer smooths the height but does not define it: GNSS does. The wander keeps GNSS honest,
+because its slow error does not average out. The VIO frame makes odometry a relative measurement:
+its drift goes into its frame, and losing or regaining GNSS resets nothing.
 
 Source: Sola 2017, "Quaternion kinematics for the error-state Kalman filter", chapter 7.
 """
@@ -36,7 +38,7 @@ N_STATES = 25
 POSITION, VELOCITY, ATTITUDE, GYRO_BIAS, ACCEL_BIAS, BARO_OFFSET = 0, 3, 6, 9, 12, 15
 GNSS_WANDER, VIO_ORIGIN, VIO_YAW, WIND = 16, 19, 22, 23
 N_PAST = 64
-"""Number of remembered IMU ticks, and so the greatest age of a measurement."""
+"""Number of remembered IMU ticks, and so the limit of a measurement's age."""
 
 MEASUREMENTS = (
     "GNSS position",
@@ -50,7 +52,8 @@ MEASUREMENTS = (
     "drag",
     "velocity",
 )
-"""Kinds of measurement, by their row in `innovation_square_sum`."""
+"""Kinds of measurement, by their row in `innovation_square_sum`. The order is fixed: modules keep
+their row as a number."""
 
 FILTER_DTYPE = np.dtype(
     [
@@ -102,7 +105,7 @@ FILTER_DTYPE = np.dtype(
         ("last_vio_tick", "i8"),
         # Alignment at rest.
         ("is_aligned", "i8"),
-        ("has_start", "i8"),  # whether it has been told where it starts
+        ("has_start", "i8"),  # 1 if a start position was given
         ("start_enu_m", "f8", 3),
         ("n_imu", "i8"),
         ("n_gnss", "i8"),
@@ -166,7 +169,7 @@ FILTER_DTYPE = np.dtype(
 
 
 _SAME_NAME = {field.name for field in fields(EstimatorCfg)} & set(FILTER_DTYPE.names or ())
-"""Settings that the kernels take as they are configured."""
+"""Settings that the kernels use exactly as they are configured."""
 
 
 def new_filter(
@@ -190,10 +193,12 @@ def new_filter(
     """
     filters = np.zeros(1, FILTER_DTYPE)
     f = filters[0]
+    # The identity; zeros are no rotation.
     f["quat_wxyz"][0] = 1.0
     f["dt_s"] = dt_s
     f["gravity_mps2"] = gravity_mps2
     f["field_enu_ut"] = field_enu_ut
+    # NaN means that nothing below has been measured yet.
     f["terrain_height_m"] = np.nan
     f["n_align"] = round(cfg.align_s / dt_s)
     f["aligned_sigma"] = _aligned_sigma(cfg)
@@ -209,7 +214,7 @@ def new_filter(
 
 
 def _configure(f: np.void, cfg: EstimatorCfg) -> None:
-    """Copy variances and limits."""
+    """Copy variances and limits; the kernels work with squares, so deviations are squared here."""
     for name in _SAME_NAME:
         f[name] = getattr(cfg, name)
     f["gyro_variance_rate"] = cfg.gyro_noise_density**2
@@ -238,7 +243,7 @@ def _axes_squared(pair: tuple[float, float]) -> tuple[float, float, float]:
 
 
 def _aligned_sigma(cfg: EstimatorCfg) -> np.ndarray:
-    """Standard deviations after alignment of the states that it does not measure."""
+    """Standard deviations after alignment of the states that alignment does not measure."""
     sigma = np.zeros(N_STATES)
     sigma[VELOCITY : VELOCITY + 3] = cfg.initial_velocity_sigma_mps
     sigma[ATTITUDE : ATTITUDE + 2] = cfg.initial_tilt_sigma_rad

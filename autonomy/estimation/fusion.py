@@ -1,4 +1,10 @@
-"""Fusion of GNSS position and velocity (late), barometric height and magnetic heading."""
+"""Fusion of GNSS position and velocity (late), barometric height and magnetic heading.
+
+A fix is compared with the estimate of the time at which it was valid, because it arrives a tenth of
+a second late. Three errors are treated as more than white noise: the receiver's slow wander is a
+state, gross errors of one axis discredit the whole fix, and a fix that contradicts good odometry
+may move the estimate only in small steps.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +32,9 @@ from autonomy.rotation import matrix_from_quat, wrap_angle
 
 _GNSS_POSITION, _GNSS_VELOCITY, _BARO, _HEADING = 0, 1, 2, 3  # rows of MEASUREMENTS
 _MOST_REJECTED_STEP_M = 10.0  # from fix to fix: 50 m/s at 5 Hz
+# Above this speed the vehicle counts as having moved since its alignment.
 _MOVES_MPS = 0.5
+# Greatest step of a fix before the vehicle has moved; the setting holds if it is greater.
 _STEP_AT_REST_M = 0.03
 _FIELD_SMOOTHING = 0.04  # of a sample of the field's strength: half a second at 50 Hz
 
@@ -42,7 +50,8 @@ def fuse_gnss(
 ) -> None:
     """Fuse a fix that was valid `age_ticks` < `N_PAST` ago, against the estimate of that time.
 
-    Vectors are (3,); the standard deviations of position do not include the slow wander.
+    Vectors have shape (3,). `sigma_m` does not include the slow wander. After `max_gnss_rejections`
+    rejected fixes that agree with each other, position and velocity restart from the fix.
     """
     _let_wander(f)
     h = f.measurement_row
@@ -58,6 +67,7 @@ def fuse_gnss(
         variance = max(sigma_m[i] * sigma_m[i], _variance_of_a_small_step(f, i, innovation))
         ratio = scalar_update(f, _GNSS_POSITION, innovation, variance)
         f.ratio_gnss_position = max(f.ratio_gnss_position, ratio)
+        # A correction of the present velocity moves the past one by as much.
         h[:] = 0.0
         h[VELOCITY + i] = 1.0
         innovation = velocity_enu_mps[i] - past_velocity(f, age_ticks, i)
@@ -80,7 +90,7 @@ def _worst_ratio(
 ) -> float:
     """Greatest ratio of a fix's three positions to their gates, before any of them is fused.
 
-    A fix that is grossly wrong along one axis is not right along another by more than chance.
+    If a fix is grossly wrong along one axis, it is right along another only by chance.
     """
     h, worst = f.measurement_row, 0.0
     for i in range(3):
@@ -93,9 +103,10 @@ def _worst_ratio(
 
 @kernel
 def _agrees_with_rejected(f: np.record, position_enu_m: np.ndarray) -> bool:
-    """Whether a rejected fix lies where the rejected one before it does, and so may be right.
+    """Return whether a rejected fix lies near the rejected one before it, so that it may be right.
 
-    Fixes that agree with nothing, not even with each other, are no reason to restart.
+    Fixes that do not even agree with each other are no reason to restart. The fix is remembered for
+    the next call.
     """
     square = 0.0
     for i in range(3):
@@ -125,9 +136,9 @@ def _let_wander(f: np.record) -> None:
 def _variance_of_a_small_step(f: np.record, i: int, innovation: float) -> float:
     """Least variance with which a measurement moves position i by at most `max_gnss_step_m`.
 
-    Only while odometry carries the position: after a flight indoors GNSS then takes over in steps
-    that a controller does not notice. Before the vehicle first moves, steps may be larger: nobody
-    steers by them. The weight of Huber 1964, bounded on the correction.
+    It applies only while odometry carries the position: after a flight indoors GNSS then takes over
+    in steps that a controller does not notice. Before the vehicle first moves, steps may be larger,
+    because nobody steers by them. The weight is that of Huber 1964, bounded on the correction.
     """
     if f.has_vio == 0:
         return 0.0
@@ -142,6 +153,8 @@ def _variance_of_a_small_step(f: np.record, i: int, innovation: float) -> float:
             step += P[i, j] * h[j]
             for k in range(N_STATES):
                 s += h[j] * P[j, k] * h[k]
+    # The step is gain times innovation, P h / (h P h + variance); solved for the variance. Negative
+    # if the step is small anyway.
     return step * abs(innovation) / most - s
 
 
@@ -182,6 +195,7 @@ def correlate_with_wander(f: np.record, i: int, variance_m2: float) -> None:
     P, k, wander = f.covariance, GNSS_WANDER + i, f.wander_variance_m2[i]
     P[i, i] = variance_m2 + wander
     P[k, k] = wander
+    # Negative: a fix is position plus wander, so what the wander has too much the position lacks.
     P[i, k] = P[k, i] = -wander
 
 
@@ -198,12 +212,12 @@ def fuse_barometer(f: np.record, altitude_m: float) -> None:
 
 @kernel
 def heading_innovation(f: np.record, field_flu_ut: np.ndarray) -> float:
-    """Heading by the magnetometer minus the estimated one, rad; fills the Jacobian row.
+    """Return the magnetometer's heading minus the estimated one, rad; fill the Jacobian row.
 
     The measured field, turned into the world by the estimate, is compared in azimuth with the
-    geomagnetic model's field. A tilt error leaks the vertical field into it: the row uses the
-    model's field, because a measured one would correlate the row with the innovation, and
-    noise alone would then tilt the estimate (40 mrad/s with an accelerometer off by 0.2 m/s^2).
+    geomagnetic model's field. A tilt error leaks the vertical field into it. The row uses the
+    model's field, because a measured one would correlate the row with the innovation, and noise
+    alone would then tilt the estimate (40 mrad/s with an accelerometer off by 0.2 m/s^2).
     """
     R, h, field = f.work_R, f.measurement_row, f.field_enu_ut
     matrix_from_quat(f.quat_wxyz, R)
@@ -221,11 +235,14 @@ def heading_innovation(f: np.record, field_flu_ut: np.ndarray) -> float:
 def fuse_magnetometer(f: np.record, field_flu_ut: np.ndarray) -> None:
     """Fuse the heading of a measured field; the tilt stays with gravity and GNSS.
 
-    The less its strength is the Earth's, the less it is believed: steel or currents disturb it.
+    A field whose strength differs from the Earth's is believed less, because steel or currents
+    disturb it.
     """
     excess = relative_field_excess(f, field_flu_ut)
     f.field_excess += _FIELD_SMOOTHING * (excess - f.field_excess)
     slow = f.heading_disturbance_rad * f.heading_disturbance_rad + f.field_excess * f.field_excess
+    # Slow disturbances do not average out over their samples, so each sample gets their whole
+    # variance.
     variance = f.heading_variance_rad2 + f.heading_disturbance_samples * slow
     innovation = heading_innovation(f, field_flu_ut)
     f.ratio_heading = scalar_update(f, _HEADING, innovation, variance)
@@ -233,7 +250,10 @@ def fuse_magnetometer(f: np.record, field_flu_ut: np.ndarray) -> None:
 
 @kernel
 def relative_field_excess(f: np.record, field_flu_ut: np.ndarray) -> float:
-    """Strength of a field (3,) beyond the model's, over the model's horizontal part."""
+    """Strength of a field (3,) beyond the model's, over the model's horizontal part.
+
+    This is the greatest heading error, in rad, that a disturbance of that strength suggests.
+    """
     square = model = 0.0
     for i in range(3):
         square += field_flu_ut[i] * field_flu_ut[i]

@@ -1,4 +1,8 @@
-"""Position and heading in the world by motion capture, or by whoever else knows them."""
+"""Position and heading in the world by motion capture, or by another source that knows them.
+
+Such a source measures in the world's own frame. Its poses are therefore fused directly, without the
+drifting frame that odometry needs (`odometry`).
+"""
 
 from __future__ import annotations
 
@@ -23,7 +27,10 @@ _MOCAP_POSITION, _MOCAP_YAW, _VELOCITY = 6, 7, 9  # rows of MEASUREMENTS
 
 @kernel
 def fuse_mocap(f: np.record, position_enu_m: np.ndarray, yaw_rad: float, age_ticks: int) -> None:
-    """Fuse a pose (position (3,), heading) that was valid `age_ticks` ago, below `N_PAST`."""
+    """Fuse a pose (position (3,), heading) that was valid `age_ticks` < `N_PAST` ago.
+
+    Variances are those of the configuration; `fuse_pose` takes others.
+    """
     variance, yaw_variance = f.mocap_variance_m2, f.mocap_yaw_variance_rad2
     fuse_pose(f, position_enu_m, yaw_rad, age_ticks, variance, variance, yaw_variance)
 
@@ -57,6 +64,7 @@ def fuse_pose(
     worst = yaw_ratio = 0.0
     for i in range(3):
         variance = level_variance_m2 if i < 2 else height_variance_m2
+        # An infinite variance would give a gain of NaN, so the axis is skipped.
         if variance < math.inf:
             write_past_position_row(f, h, age_ticks, i)
             innovation = position_enu_m[i] - past_position(f, age_ticks, i)
@@ -93,8 +101,8 @@ def restart_position(
 ) -> None:
     """Restart the position from one (3,) that was valid `age_ticks` ago.
 
-    An infinite variance leaves its axes as they are. The barometer goes on from the new height, and
-    the frame of odometry is to be placed anew.
+    An axis of infinite variance stays as it is. The barometer goes on from the new height, and the
+    frame of odometry must be placed anew.
     """
     age_s = age_ticks * f.dt_s
     P = f.covariance
@@ -102,6 +110,7 @@ def restart_position(
         variance = level_variance_m2 if i < 2 else height_variance_m2
         if not variance < math.inf:
             continue
+        # Correlations with other states belong to the old position.
         for j in range(N_STATES):
             P[i, j] = P[j, i] = 0.0
         P[i, i] = variance

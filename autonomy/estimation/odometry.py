@@ -1,5 +1,8 @@
 """Visual-inertial odometry: position and heading in its own, drifting frame.
 
+Odometry knows how far the vehicle went, not where it is. The filter therefore estimates where the
+odometry's frame lies in the world.
+
     symbol   name                                     unit
     p        position of the vehicle, ENU             m
     o, a     origin and heading of the VIO frame      m, rad
@@ -7,9 +10,9 @@
 
     p = o + Rz(a) m + noise,   heading(q) = a + b + noise
 
-Both drift per metre flown: o by a random walk, a by another about the vehicle's position, so that
-a turn of the frame moves its origin and not the vehicle. GNSS and magnetometer tie the frame to the
-world; without them its drift becomes uncertainty of position and heading.
+Both o and a drift per metre flown: o by a random walk, a by another about the vehicle's position,
+so that a turn of the frame moves its origin and not the vehicle. GNSS and magnetometer tie the
+frame to the world; without them its drift becomes uncertainty of position and heading.
 
 Source: Lynen et al. 2013, "A robust and modular multi-sensor fusion approach applied to MAV
 navigation", section IV-C (drift states of relative measurements).
@@ -29,12 +32,16 @@ from autonomy.rotation import wrap_angle
 
 _VIO_POSITION, _VIO_YAW = 4, 5  # rows of MEASUREMENTS
 _MAX_REJECTIONS = 30
-"""Consecutive rejected poses after which the odometry counts as restarted elsewhere."""
+"""Consecutive rejected poses after which the odometry counts as restarted elsewhere, so that its
+frame is placed anew."""
 
 
 @kernel
 def fuse_vio(f: np.record, position_vio_m: np.ndarray, yaw_vio_rad: float, age_ticks: int) -> None:
-    """Fuse a pose, m (3,) and b of the module, that was valid `age_ticks` < `N_PAST` ago."""
+    """Fuse a pose, m (3,) and b of the module's table, that was valid `age_ticks` < `N_PAST` ago.
+
+    The first pose places the odometry's frame and corrects nothing.
+    """
     variance, yaw_variance = f.vio_variance_m2, f.vio_yaw_variance_rad2
     fuse_odometry(f, position_vio_m, yaw_vio_rad, age_ticks, variance, variance, yaw_variance)
 
@@ -65,6 +72,7 @@ def fuse_odometry(
         return
     _let_drift(f, position_vio_m)
     h = f.measurement_row
+    # Gates of all axes first: if one is grossly wrong, none is fused.
     worst = 0.0
     for i in range(3):
         variance = level_variance_m2 if i < 2 else height_variance_m2
@@ -88,7 +96,7 @@ def fuse_odometry(
 
 @kernel
 def _innovation(f: np.record, position_vio_m: np.ndarray, age_ticks: int, i: int) -> float:
-    """Along an axis, what a pose says more than the estimate; its row is written."""
+    """Write the row of one axis; return how far the pose lies beyond the estimate along it, m."""
     h = f.measurement_row
     east, north = _turned(f, position_vio_m)
     turned = east if i == 0 else (north if i == 1 else position_vio_m[2])
@@ -120,7 +128,7 @@ def _turned(f: np.record, position_vio_m: np.ndarray) -> tuple[float, float]:
 
 @kernel
 def _let_drift(f: np.record, position_vio_m: np.ndarray) -> None:
-    """Add process noise to the frame for the way flown since the last pose.
+    """Add process noise to the frame for the distance flown since the last pose.
 
     A turn w of the frame about the vehicle moves its origin by -w ez x Rz(a) m.
     """
@@ -146,10 +154,12 @@ def _place_frame(
     """Place the frame so that its pose agrees with the estimate, and correlate the two."""
     h = f.measurement_row
     h[:] = 0.0
+    # Without a heading, such as with the nose straight up, the frame is placed by a later pose.
     if not write_heading_row(f.quat_wxyz, h):
         return
     f.vio_yaw_rad = wrap_angle(past_yaw(f, age_ticks) - yaw_vio_rad)
     east, north = _turned(f, position_vio_m)
+    # The heading first: the rows of the origin refer to it.
     _clone(f, VIO_YAW, f.vio_yaw_variance_rad2)
     for i in range(3):
         turned = east if i == 0 else (north if i == 1 else position_vio_m[2])

@@ -1,5 +1,8 @@
 """Propagation of the nominal state and its error covariance by one IMU sample.
 
+The covariance is propagated by hand-written sums instead of F P F^T, because F is nearly the
+identity and the full product of 25 x 25 matrices would dominate the tick.
+
 Source: Sola 2017, section 7.2 (global angular error), with the rotation taken at mid-interval.
 """
 
@@ -20,12 +23,19 @@ from autonomy.rotation import (
 
 @kernel
 def predict(f: np.record, accel_flu_mps2: np.ndarray, gyro_flu_radps: np.ndarray) -> None:
-    """Advance the filter by one IMU sample: means over `f.dt_s` of specific force and rate."""
+    """Advance the filter by one IMU sample: means over `f.dt_s` of specific force and rate.
+
+    Args:
+        f: The filter, aligned.
+        accel_flu_mps2: Specific force (3,), bias included.
+        gyro_flu_radps: Angular rate (3,), bias included.
+    """
     dt = f.dt_s
     rate = f.angular_rate_flu_radps
     R = f.work_R
     for i in range(3):
         rate[i] = gyro_flu_radps[i] - f.gyro_bias_flu_radps[i]
+    # The force acts at the attitude of mid-interval: turn by half, use it, turn by the other half.
     _rotate_half(f, rate, dt)
     matrix_from_quat(f.quat_wxyz, R)
     a0 = accel_flu_mps2[0] - f.accel_bias_flu_mps2[0]
@@ -58,9 +68,9 @@ def _rotate_half(f: np.record, rate: np.ndarray, dt: float) -> None:
 def propagate_covariance(P: np.ndarray, R: np.ndarray, force: np.ndarray, dt: float) -> None:
     """P <- F P F^T in place, for the F of the module's source, which is nearly the identity.
 
-    F adds dt velocity to position; -dt ([force]x attitude + R accel bias) to velocity; and
-    -dt R gyro bias to attitude. Each row needs only rows below it, so the order p, v, theta works
-    in place; columns likewise. All other states are unchanged.
+    F adds dt velocity to position; -dt ([force]x attitude + R accel bias) to velocity; and -dt R
+    gyro bias to attitude. Each row needs only rows below it, so the order p, v, theta works in
+    place; columns likewise. All other states are unchanged.
     """
     fx, fy, fz = dt * force[0], dt * force[1], dt * force[2]
     r00, r01, r02 = dt * R[0, 0], dt * R[0, 1], dt * R[0, 2]

@@ -1,7 +1,8 @@
 """Terrain filter: height of the surface below, separate from the altitude.
 
-A scalar Kalman filter: the surface may rise by `terrain_slope` per metre flown. A lasting jump
-(a roof's edge) restarts it at the new height; the altitude is not affected.
+A rangefinder sees roofs and containers, so its reading must not move the altitude. A scalar Kalman
+filter tracks the surface instead: the surface may rise by `terrain_slope` per metre flown. A
+lasting jump (a roof's edge) restarts it at the new height; the altitude is not affected.
 """
 
 from __future__ import annotations
@@ -12,13 +13,16 @@ import numpy as np
 
 from autonomy.jit import kernel
 
-_MAX_REJECTIONS = 3
-_MIN_COSINE = 0.5
+_MAX_REJECTIONS = 3  # on end, before a jump counts as lasting
+_MIN_COSINE = 0.5  # of the tilt: beyond 60 degrees the ray looks aside
 
 
 @kernel
 def fuse_range(f: np.record, range_m: float, interval_s: float) -> None:
-    """Fuse a distance along body -z, measured `interval_s` after the previous one."""
+    """Fuse a distance along body -z, measured `interval_s` after the previous one.
+
+    An infinite or NaN distance only lets the uncertainty grow.
+    """
     q = f.quat_wxyz
     cosine = 1.0 - 2.0 * (q[1] * q[1] + q[2] * q[2])
     vx, vy = f.velocity_enu_mps[0], f.velocity_enu_mps[1]

@@ -1,7 +1,7 @@
 """Scalar measurement update of the filter: gate, gain, covariance and injection of the error.
 
 Vectors with independent components are fused component by component, each against the state
-corrected by the one before.
+corrected by the one before. This is exact and needs no matrix inverse.
 """
 
 from __future__ import annotations
@@ -30,8 +30,7 @@ _LEAST_LEVEL = 0.01
 
 GROSS_RATIO = 100.0
 """Squared innovation over its squared gate from which a place is grossly wrong: ten times the gate.
-
-What is so along one axis is not right along another by more than chance."""
+A measurement that is so wrong along one axis is right along another only by chance."""
 
 
 @kernel
@@ -45,7 +44,8 @@ def scalar_update(f: np.record, kind: int, innovation: float, variance: float) -
         variance: Variance of the measurement's noise.
 
     Returns:
-        Squared innovation over its squared gate: rejected unless at most 1.
+        Squared innovation over its squared gate. A value above 1, or NaN, means that the
+        measurement was rejected.
     """
     P, h, gain = f.covariance, f.measurement_row, f.gain
     gain[:] = 0.0
@@ -76,7 +76,7 @@ def scalar_update(f: np.record, kind: int, innovation: float, variance: float) -
 
 @kernel
 def gate_ratio(f: np.record, innovation: float, variance: float) -> float:
-    """Squared innovation over its squared gate, as `scalar_update` has it, and nothing fused."""
+    """Squared innovation over its squared gate, as of `scalar_update`, without fusing anything."""
     P, h = f.covariance, f.measurement_row
     for j in range(N_STATES):
         if h[j] != 0.0:
@@ -104,10 +104,12 @@ def inject(f: np.record, error: np.ndarray) -> None:
     f.vio_yaw_rad += error[VIO_YAW]
     f.wind_enu_mps[0] += error[WIND]
     f.wind_enu_mps[1] += error[WIND + 1]
+    # Before the attitude changes: the heading's derivative belongs to the old attitude.
     f.moved_yaw_rad += _turn_of_heading(f.quat_wxyz, error)
     quat_from_rotation_vector(
         error[ATTITUDE], error[ATTITUDE + 1], error[ATTITUDE + 2], f.work_quat
     )
+    # From the left, because the attitude error is a rotation in the world frame.
     quat_multiply(f.work_quat, f.quat_wxyz, f.quat_wxyz)
     quat_normalise(f.quat_wxyz)
 
@@ -138,7 +140,7 @@ def _turn_of_heading(q: np.ndarray, error: np.ndarray) -> float:
 
 @kernel
 def _nose(q: np.ndarray) -> tuple[float, float, float]:
-    """Body x in the world."""
+    """Components of body x in the world."""
     x = 1.0 - 2.0 * (q[2] * q[2] + q[3] * q[3])
     y = 2.0 * (q[1] * q[2] + q[0] * q[3])
     z = 2.0 * (q[1] * q[3] - q[0] * q[2])

@@ -1,5 +1,9 @@
 """Wind estimate from the drag of the rotors, which depends on the air speed across their axes.
 
+A multirotor without an airspeed sensor still feels the air: its accelerometer measures the drag
+across the rotor axes. With known drag coefficients this gives the air speed, and the ground
+velocity is known, so the difference is the wind.
+
     a_i = -(sum_k d_k w_k + c_i |u_i|) u_i + b_i + noise,   i = body x, y
     u = R^T (velocity - wind)
 
@@ -20,14 +24,16 @@ from autonomy.rotation import matrix_from_quat
 
 _DRAG = 8  # row of MEASUREMENTS
 _LEAST_LOAD = 0.5
-"""Share of the weight below which the legs may carry, whose friction looks like drag."""
+"""Share of the weight that the rotors must carry. Below it the legs may carry the rest, and their
+friction looks like drag."""
 
 
 @kernel
 def fuse_drag(f: np.record, accel_flu_mps2: np.ndarray, rotor_speed_radps: np.ndarray) -> None:
     """Add the specific force (3,) of the present tick; fuse its mean when a use is due.
 
-    The mean since the last use takes out most of the vibration by rotors at these speeds (n,).
+    The mean since the last use takes out most of the vibration that rotors at these speeds (n,)
+    cause. Without a model of drag nothing happens.
     """
     if f.drag_ticks == 0:
         return
@@ -48,6 +54,7 @@ def _fuse_mean(f: np.record, rotor_speed_radps: np.ndarray) -> None:
         linear += f.drag_rotor_mps_per_rad[k] * rotor_speed_radps[k]
     if thrust < _LEAST_LOAD * f.gravity_mps2:
         return
+    # The wind's random walk advances here and not in `predict`, once for each use.
     for i in range(2):
         f.covariance[WIND + i, WIND + i] += f.wind_variance_rate * f.drag_ticks * f.dt_s
     for i in range(2):
@@ -75,6 +82,7 @@ def _fuse_axis(f: np.record, i: int, accel_mps2: float, linear: float) -> None:
     h[ATTITUDE + 1] = -slope * (R[2, i] * air[0] - R[0, i] * air[2])
     h[ATTITUDE + 2] = -slope * (R[0, i] * air[1] - R[1, i] * air[0])
     h[ACCEL_BIAS + i] = 1.0
+    # The coefficients are known to a few percent, so a strong drag force is a poorer measurement.
     relative = f.drag_relative_sigma * drag
     innovation = accel_mps2 + drag - f.accel_bias_flu_mps2[i]
     scalar_update(f, _DRAG, innovation, f.drag_variance + relative * relative)

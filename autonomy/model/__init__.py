@@ -1,4 +1,4 @@
-"""Quadrotor model shared by controller, planner and simulator."""
+"""Multirotor model that controller, planner and simulator share."""
 
 from autonomy.model.quadrotor import QuadrotorParams, RotorParams
 

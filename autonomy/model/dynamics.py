@@ -9,9 +9,9 @@ from autonomy.types import Vector3
 
 
 def thrust_torque_matrix(quadrotor: QuadrotorParams) -> np.ndarray:
-    """Matrix (4, n) that maps rotor thrusts to collective thrust and torque about FLU axes.
+    """Return the matrix (4, n) from rotor thrusts to collective thrust and torque about FLU axes.
 
-    A thrust f along an axis a at r lifts by a_z f and makes the torque (r x a) f; the reaction to
+    A thrust f along an axis a at r lifts by a_z f and makes the torque (r x a) f. The reaction to
     its drag makes -spin c f about the axis.
     """
     columns = [(rotor.axis_flu[2], *_torque_per_thrust_m(rotor)) for rotor in quadrotor.rotors]

@@ -1,7 +1,9 @@
-"""Which layouts of rotors can be flown, and how they share a demand of thrust and torque.
+"""Layouts of rotors that can be flown, and how they share a demand of thrust and torque.
 
-A vehicle whose rotors do not tilt by themselves needs at least four of them: each adds one thrust,
-and collective thrust, roll, pitch and yaw are four demands.
+A vehicle whose rotors do not tilt by themselves needs at least four of them, because each adds one
+thrust, and collective thrust, roll, pitch and yaw are four demands. A file of an airframe may
+describe anything, so a layout is checked before a world is built. The checks reject what could
+hover on paper only.
 """
 
 from __future__ import annotations
@@ -15,13 +17,13 @@ from autonomy.model.quadrotor import GRAVITY_MPS2, MAX_ROTORS, QuadrotorParams
 LEAST_ROTORS = 4
 _DEMANDS = ("collective thrust", "roll", "pitch", "yaw")
 _LEAST_GAIN = 1e-3
-"""Least singular value, over the greatest, with which a demand counts as met."""
+"""A demand counts as met if its singular value is at least this share of the greatest."""
 _LEAST_SHARE = 0.2
-"""Least thrust of a rotor in hover over the mean of all."""
+"""Least thrust of a rotor in hover, over the mean of all: it must be able to lose some."""
 _MOST_HOVER_SHARE = 0.8
-"""Most of its thrust that a rotor may spend on hovering."""
+"""Greatest share of its thrust that a rotor may spend on hovering; the rest is for control."""
 _MOST_SIDEWAYS = 0.02
-"""Most force across, over the weight, of rotors that hover level."""
+"""Greatest sideways force of rotors that hover level, over the weight."""
 
 
 class LayoutError(ValueError):
@@ -29,10 +31,10 @@ class LayoutError(ValueError):
 
 
 def inverse_allocation(quadrotor: QuadrotorParams) -> Float[np.ndarray, "n 4"]:
-    """Rotor thrusts from collective thrust and torques.
+    """Return rotor thrusts (n, 4) from collective thrust and torques.
 
-    The inverse of `thrust_torque_matrix`; for more than four rotors the pseudo-inverse, whose
-    thrusts have the least sum of squares.
+    This is the inverse of `thrust_torque_matrix`. For more than four rotors it is the
+    pseudo-inverse, whose thrusts have the least sum of squares.
     """
     matrix = thrust_torque_matrix(quadrotor)
     return np.linalg.inv(matrix) if matrix.shape[1] == LEAST_ROTORS else np.linalg.pinv(matrix)
@@ -42,7 +44,7 @@ def check_layout(quadrotor: QuadrotorParams) -> None:
     """Check that the rotors can hover and be controlled about every axis.
 
     Raises:
-        LayoutError: If they cannot.
+        LayoutError: If they cannot; the message names the rotor or the demand, and a valid range.
     """
     n = len(quadrotor.rotors)
     if not LEAST_ROTORS <= n <= MAX_ROTORS:
@@ -76,12 +78,15 @@ def check_layout(quadrotor: QuadrotorParams) -> None:
 def _check_rank(matrix: Float[np.ndarray, "4 n"]) -> None:
     """Check that each demand can be met alone; lengths count by the greatest lever about an axis.
 
+    The diagonal of M M^+ is the share of each demand that the rotors can meet without the others.
+
     Raises:
-        LayoutError: Naming the first demand that cannot.
+        LayoutError: Naming the first demand that cannot be met.
     """
     levers_m = np.abs(matrix).max(axis=1)
     scaled = matrix / np.where(levers_m > 0.0, levers_m, 1.0)[:, None]
     met = scaled @ np.linalg.pinv(scaled, rcond=_LEAST_GAIN)
+    # From the last demand to the first: if several are missing, the message names yaw before roll.
     for name, share in reversed(list(zip(_DEMANDS, np.diag(met), strict=True))):
         if share < 1.0 - 1e-6:
             raise LayoutError(

@@ -1,4 +1,8 @@
-"""Perception: from depth images to landing sites, moving obstacles and the place in a map."""
+"""Perception: from depth images to landing sites, moving obstacles and the place in a map.
+
+Three uses share `DepthImage`: `assess` and `choose_site` judge ground to land on, `MoverTracker`
+follows moving obstacles, and `MapAnchor` ties the estimate to a map.
+"""
 
 from autonomy.perception.anchor_fix import AnchorFix
 from autonomy.perception.camera_pose import camera_pose

@@ -1,4 +1,4 @@
-"""What one depth image told of the offset between estimate and map."""
+"""Result of one depth image for the offset between estimate and map."""
 
 from __future__ import annotations
 
@@ -10,12 +10,13 @@ from autonomy.types import Vector3
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class AnchorFix:
-    """Result of one depth image."""
+    """Result of one depth image that `MapAnchor.update` has registered."""
 
     accepted: bool
-    """Whether the image was fused."""
+    """True if the image was fused."""
     reason: str
-    """Reason in a few words."""
+    """Reason for the refusal, or the number of directions that the image determined, in a few
+    words."""
     offset_enu_m: Vector3
     """Offset from the estimate to the map, by this image and all earlier ones."""
     yaw_rad: float

@@ -29,6 +29,9 @@ def camera_pose(
         mount_pitch_down_rad: Pitch of the camera: 0 looks along body x, pi/2 straight down with the
             image's top towards body x.
         mount_yaw_rad: Turn of the pitched camera about body z, positive to the left.
+
+    Returns:
+        Position in m, and a matrix whose columns are the optical axes.
     """
     rotation_enu_from_flu = np.empty((3, 3))
     matrix_from_quat(np.array(quat_wxyz, dtype=float), rotation_enu_from_flu)

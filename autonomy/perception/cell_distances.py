@@ -1,6 +1,8 @@
-"""Distances to static surfaces, cached by cells of space: an exact one costs microseconds a point.
+"""Distances to static surfaces, cached by cells of space.
 
-A hash table with open addressing; its hash is Teschner's for cells of space.
+An exact distance costs microseconds a point, and an image has tens of thousands of points, many of
+them where earlier images had some. A hash table with open addressing finds the cells; its hash is
+Teschner's for cells of space.
 
 Source: Teschner et al. 2003, "Optimized spatial hashing for collision detection of deformable
 objects".
@@ -17,20 +19,25 @@ from jaxtyping import Float, Int
 from autonomy.jit import kernel
 
 StaticDistance = Callable[[Float[np.ndarray, "n 3"]], Float[np.ndarray, " n"]]
-"""Signed distance from points, ENU, to the nearest surface that is known to stand, m."""
+"""Function from points, ENU (n, 3), to the signed distance to the nearest surface known to stand,
+m."""
 
+# A power of two, so that a mask replaces the remainder. At half full, chains stay short.
 _N_SLOTS = 1 << 18
 _MOST_FILLED = _N_SLOTS // 2
-_BITS = 21
+_BITS = 21  # of each coordinate in a key: a million cells either way
 _LOW_BITS = (1 << _BITS) - 1
 _EMPTY = -1
 
 
 class CellDistances:
-    """Distances at the middles of cells, computed once and kept for a while."""
+    """Distances at the middles of cells, computed once and kept for a while.
+
+    The error is at most half the diagonal of a cell.
+    """
 
     def __init__(self, cell_m: float, remember_s: float) -> None:
-        """Create an empty cache; entries are dropped after `remember_s`, since a map may grow."""
+        """Create an empty cache; entries are dropped after `remember_s`, because a map may grow."""
         self._cell_m = cell_m
         self._remember_s = remember_s
         self._keys = np.full(_N_SLOTS, _EMPTY, dtype=np.int64)
@@ -48,7 +55,14 @@ class CellDistances:
     def at(
         self, points_enu_m: Float[np.ndarray, "n 3"], static_distance_m: StaticDistance
     ) -> Float[np.ndarray, " n"]:
-        """Distance at the middle of the cell that holds each point."""
+        """Distance at the middle of the cell that holds each point, m.
+
+        Args:
+            points_enu_m: Points.
+            static_distance_m: Function for the cells that are not cached yet.
+        """
+        # A full table would make the search for a free slot endless; points beyond it are computed
+        # exactly.
         points = points_enu_m[: _N_SLOTS - 1 - self._n_filled]
         slot, new_slot, new_middles = find_cells(points, self._cell_m, self._keys)
         if len(new_slot):
@@ -64,9 +78,9 @@ class CellDistances:
 def find_cells(
     points: Float[np.ndarray, "n 3"], cell: float, keys: Int[np.ndarray, " s"]
 ) -> tuple[Int[np.ndarray, " n"], Int[np.ndarray, " k"], Float[np.ndarray, "k 3"]]:
-    """Slots of the cells of points, the new slots among them, and the middles of their cells.
+    """Slots of the cells of points, the new slots among them, and the middles of the new cells.
 
-    The new cells are added to the table of keys, one for each slot; it must not become full.
+    The new cells are added to the table of keys, one for each slot. The table must not become full.
     """
     n = len(points)
     slots = np.empty(n, dtype=np.int64)

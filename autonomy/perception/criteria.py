@@ -1,4 +1,8 @@
-"""Criteria of a landing site: each is defined once, for all cells of a map and in words."""
+"""Criteria of a landing site: each is defined once, for all cells of a map and in words.
+
+The same definition judges a whole map at once and explains one refused place to a reader, so that
+the two can never disagree.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +16,7 @@ from jaxtyping import Bool, Float
 
 from autonomy.perception.needs import LandingNeeds
 
-_SLOPE_SIGMAS = 2.0
+_SLOPE_SIGMAS = 2.0  # deviations of the slope that are added to it
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -40,9 +44,10 @@ class Criterion:
     """One requirement of a landing site."""
 
     is_met: Callable[[Ground, LandingNeeds], Any]
-    """Whether each cell meets the criterion; False where that is unknown."""
+    """Function that returns True for each cell that meets the criterion; False if that is unknown.
+    """
     lack: Callable[[Ground, LandingNeeds], str]
-    """Describes, in words, how a cell fails the criterion."""
+    """Function that describes, in words, how a cell fails the criterion."""
 
 
 def _slope(ground: Ground, needs: LandingNeeds) -> str:
@@ -79,11 +84,11 @@ CRITERIA = (
 
 
 def is_safe(ground: Ground, needs: LandingNeeds) -> Bool[np.ndarray, "*b"]:
-    """Whether a vehicle may stand on each cell."""
+    """Return True for each cell on which the vehicle may stand."""
     return np.logical_and.reduce([criterion.is_met(ground, needs) for criterion in CRITERIA])
 
 
 def first_lack(ground: Ground, needs: LandingNeeds) -> str | None:
-    """First criterion that a cell fails, in words; None if the cell is safe."""
+    """Describe the first criterion that a cell fails; None if the cell is safe."""
     lacks = (each.lack(ground, needs) for each in CRITERIA if not each.is_met(ground, needs))
     return next(lacks, None)

@@ -1,4 +1,9 @@
-"""Depth images as points and as lines of sight."""
+"""Depth images as points and as lines of sight.
+
+A pixel says two things: a surface is at its end, and nothing stands before that.
+`DepthImage.points_enu_m` uses the first, `steepest_sight` and `bound_hidden` the second. The noise
+of depth is estimated from each image, so that no camera needs to be configured.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +24,7 @@ _EVERY_ROW = 20
 # Median of |x| of a normal variable is 0.6745 sigma; a half second difference has sigma sqrt(1.5).
 _SIGMA_PER_MEDIAN = 1.0 / (0.6745 * math.sqrt(1.5))
 _TINY_M = 0.02
-"""Width of a pixel below which what shows in a single one is no thing but a wrong match."""
+"""Width of a pixel below which a lone pixel is a wrong match and no object."""
 _ALIKE_SHARE = 0.05
 _ALIKE_SIGMAS = 6.0
 """Difference of two inverse depths, over the larger and over the noise, within which they agree."""
@@ -41,14 +46,14 @@ class Pixels(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class DepthImage:
-    """A depth image and where the vehicle believes it was taken.
+    """A depth image and the pose at which the vehicle believes it was taken.
 
-    Pixel (column u, row v) looks along ((u - cx) / fx, (v - cy) / fy, 1), optical frame: x right,
-    y down, z forward; whole numbers are pixel centres.
+    Pixel (column u, row v) looks along ((u - cx) / fx, (v - cy) / fy, 1), optical frame: x right, y
+    down, z forward; whole numbers are pixel centres.
     """
 
     depth_m: Float[np.ndarray, "height width"]
-    """Depth along the optical axis; inf, NaN or 0 where nothing was measured."""
+    """Depth along the optical axis; inf, NaN or 0 if nothing was measured."""
     fx: float
     fy: float
     cx: float
@@ -61,7 +66,8 @@ class DepthImage:
         """Standard deviation of the inverse depth of a pixel, 1/m, estimated from the image itself.
 
         Inverse depth, or disparity, is linear over the image of a plane, so its second differences
-        are noise. The median ignores borders. The error of depth is its square times this.
+        are noise. The median ignores borders. The error of depth is the square of the depth times
+        this.
         """
         with np.errstate(divide="ignore", invalid="ignore"):
             inverse = 1.0 / self.depth_m[::_EVERY_ROW]
@@ -90,10 +96,10 @@ class DepthImage:
         return moved
 
     def without_lone_pixels(self) -> DepthImage:
-        """The image without single pixels that no neighbour agrees with, where things are near.
+        """The image without near single pixels that disagree with all their neighbours.
 
         A stereo camera matches a few pixels with something else altogether. From far away a thin
-        pole may show in a single pixel, so that only near pixels, of less than 2 cm, are dropped.
+        pole may show in a single pixel, so only near pixels, less than 2 cm wide, are dropped.
         """
         lone = lone_pixels(self.pixels, self.inverse_depth_sigma_pm)
         if not lone.any():
@@ -101,7 +107,7 @@ class DepthImage:
         return replace(self, depth_m=np.where(lone, np.float32(np.inf), self.depth_m))
 
     def halved(self) -> DepthImage:
-        """Image of every second pixel of every second row."""
+        """Image of every second pixel of every second row, for uses that need no detail."""
         return replace(
             self,
             depth_m=self.depth_m[::2, ::2],
@@ -122,7 +128,10 @@ class DepthImage:
         )
 
     def corners_enu_m(self, depth_m: float) -> Float[np.ndarray, "4 3"]:
-        """Points at a depth that the corners of the image show."""
+        """Points at a depth that the corners of the image show.
+
+        They bound the view, so that a search can skip everything outside of it.
+        """
         height, width = self.depth_m.shape
         u, v = np.array([0, 0, width, width]), np.array([0, height, 0, height])
         rays = np.stack([(u - self.cx) / self.fx, (v - self.cy) / self.fy, np.ones(4)], axis=1)
@@ -166,7 +175,7 @@ def sample(
 
 @kernel
 def lone_pixels(pixels: Pixels, inverse_sigma: float) -> Bool[np.ndarray, "h w"]:
-    """Pixels with near neighbours of which none has about the same depth."""
+    """Mark pixels with near neighbours of which none has about the same depth."""
     depth, farthest = pixels.depth, _TINY_M * pixels.fx
     rows, columns = depth.shape
     lone = np.zeros(depth.shape, dtype=np.bool_)
@@ -175,6 +184,7 @@ def lone_pixels(pixels: Pixels, inverse_sigma: float) -> Bool[np.ndarray, "h w"]
             d = depth[v, u]
             if not 0.0 < d < np.inf:
                 continue
+            # The nearest neighbour decides on "near": a wrong match itself may claim any depth.
             nearest, is_lone = np.inf, True
             for row in range(max(v - 1, 0), min(v + 2, rows)):
                 for column in range(max(u - 1, 0), min(u + 2, columns)):
@@ -202,8 +212,8 @@ def steepest_sight(
     """The steepest line of sight that reaches beyond each horizontal distance, per bearing.
 
     Entry (b, s) is the largest fall per metre of the lines in bearing b that end `s * step` or
-    farther from the eye; -inf where none does. Nothing stands above such a line before its end,
-    which is moved nearer by two standard deviations of its depth.
+    farther from the eye; -inf if none does. Nothing stands above such a line before its end, which
+    is moved nearer by two standard deviations of its depth.
 
     Args:
         points: Ends of the lines.
@@ -233,6 +243,7 @@ def steepest_sight(
             # Half a turn beyond either end at most.
             around = b + n_bearings if b < 0 else b - n_bearings if b >= n_bearings else b
             fall[around, s] = max(fall[around, s], steepness)
+    # From far to near: a line that reaches far also passes over everything nearer.
     for b in range(n_bearings):
         for s in range(n_steps - 2, -1, -1):
             fall[b, s] = max(fall[b, s], fall[b, s + 1])
@@ -247,9 +258,10 @@ def bound_hidden(
     east: Float[np.ndarray, " n"],
     north: Float[np.ndarray, " n"],
 ) -> Float[np.ndarray, "n n"]:
-    """Greatest height of anything in each cell of a grid that blocks no line of sight.
+    """Upper bound of the height of anything in each cell that blocks no line of sight, m.
 
-    Cells are as wide as `step`; the bound is the height of the line over their far side.
+    Cells are as wide as `step`; the bound is the height of the line over their far side. It is
+    infinite beyond the lines.
     """
     bound = np.full((len(north), len(east)), np.inf)
     n_bearings, n_steps = fall.shape

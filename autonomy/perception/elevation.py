@@ -1,21 +1,23 @@
 """Elevation map: depth images, levelled by the estimated attitude, fused on a grid in ENU.
 
-A cell keeps the mean height of the surface seen in it, each frame weighted by the accuracy at its
-range, with a bounded memory, and the variance of that mean: by the noise of depth, estimated from
-each image, or by the disagreement of the frames, whichever is worse. So frames from nearby, on the
-way down, soon outweigh those from above.
+A landing needs heights to a centimetre, and one image from 4 m is not that good. A cell keeps the
+mean height of the surface seen in it, each frame weighted by the accuracy at its range, with a
+bounded memory. It also keeps the variance of that mean: by the noise of depth, estimated from each
+image, or by the disagreement of the frames, whichever is worse. So frames from nearby, on the way
+down, soon outweigh those from above.
 
-Its highest and lowest points count as far as noise cannot have made them, and where three points of
-a frame agree: then they move outwards at once and inwards slowly. A thin pole seen in one frame of
-several is not averaged away; a pixel matched with something else altogether moves nothing.
+The highest and lowest points of a cell count as far as noise cannot have made them, and only if
+three points of a frame agree. Then they move outwards at once and inwards slowly. A thin pole seen
+in one frame of several is therefore not averaged away, and a pixel matched with something else
+altogether moves nothing.
 
-Before it is fused, a frame is shifted vertically by the median difference to the map: the
+Before it is fused, a frame is shifted vertically by the median difference to the map, because the
 estimate's height wanders more between frames than the ground does. The map as a whole follows the
 mean of the frames.
 
-A cell that no frame has seen still has a bound, once two frames agree: whatever hides there does
+A cell that no frame has seen still has a bound once two frames agree: anything hidden there does
 not break a line of sight that passed over it. So the ground behind the edge of a table is known not
-to reach above the table, while what stands behind a wall may be as high as the wall.
+to reach above the table, while an object behind a wall may be as high as the wall.
 """
 
 from __future__ import annotations
@@ -32,8 +34,9 @@ from autonomy.perception.rasterise import OUTLYING_SIGMAS, rasterise
 from autonomy.types import Vector3
 
 MEMORY_FRAMES = 12
-"""Length of the memory: a new frame of the same quality weighs at least one in so many."""
-_MIN_COMMON_CELLS = 50
+"""Length of the memory: a new frame of the same quality has a weight of at least one in this
+number."""
+_MIN_COMMON_CELLS = 50  # fewer give no trustworthy median
 _N_BEARINGS = 512
 # Lines of sight that end farther away than this many map widths count as endless.
 _SIGHT_WIDTHS = 2
@@ -42,15 +45,20 @@ _SIGHT_WIDTHS = 2
 class ElevationMap:
     """A square patch of ground.
 
+    Args:
+        center_enu_m: Middle of the patch; heights near it lose least to rounding.
+        half_extent_m: Half the width of the patch.
+        resolution_m: Width of a cell.
+
     Attributes:
-        height_m: Mean height of each cell, ENU; rows along north, columns along east, as OpenCV
-            and images have it. Without meaning where nothing was seen.
+        height_m: Mean height of each cell, ENU; rows along north, columns along east, as OpenCV and
+            images have it. Meaningless if nothing was seen.
         top_m: Highest point of each cell.
         bottom_m: Lowest point of each cell.
         hidden_m: Upper bound of the height of each cell by lines of sight over it in two frames;
             inf without.
         n_frames: Number of frames in which each cell was seen.
-        variance_m2: Variance of the mean height of each cell; inf where nothing was seen.
+        variance_m2: Variance of the mean height of each cell; inf if nothing was seen.
     """
 
     def __init__(
@@ -72,12 +80,12 @@ class ElevationMap:
 
     @property
     def is_observed(self) -> Bool[np.ndarray, "n n"]:
-        """Whether each cell was seen at least once."""
+        """True for each cell that was seen at least once."""
         return self.n_frames > 0
 
     @property
     def ceiling_m(self) -> Float[np.ndarray, "n n"]:
-        """Upper bound of the height of each cell: its top where it was seen, else `hidden_m`."""
+        """Upper bound of the height of each cell: its top if it was seen, else `hidden_m`."""
         return np.where(self.is_observed, self.top_m, self.hidden_m)
 
     def cell_centres(self) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, " n"]]:
@@ -94,14 +102,17 @@ class ElevationMap:
         return row, column
 
     def cells_within(self, polygon_enu_m: Sequence[Vector3]) -> Bool[np.ndarray, "n n"]:
-        """Whether the centre of each cell lies inside a polygon, seen from above."""
+        """Return True for each cell whose centre lies inside a polygon, seen from above."""
         import shapely
 
         outline = shapely.Polygon([vertex[:2] for vertex in polygon_enu_m])
         return shapely.contains_xy(outline, *np.meshgrid(*self.cell_centres()))
 
     def add(self, image: DepthImage) -> None:
-        """Fuse one depth image."""
+        """Fuse one depth image, posed by the estimate.
+
+        Lone pixels are dropped first; the image itself stays as it is.
+        """
         image = image.without_lone_pixels()
         points, eye = image.points_enu_m(), image.pixels.eye
         inverse_sigma = image.inverse_depth_sigma_pm
@@ -116,6 +127,7 @@ class ElevationMap:
             *(self._weight, self._scatter, self.variance_m2),
             frame,
         )
+        # The second lowest bound of all frames: two of them must agree on it.
         second = np.maximum(self._hidden_in_one_m, hidden)
         np.minimum(self.hidden_m, second, out=self.hidden_m)
         np.minimum(self._hidden_in_one_m, hidden, out=self._hidden_in_one_m)
@@ -156,9 +168,9 @@ def fuse(
 ) -> None:
     """Add a frame made by `rasterise` to the layers of a map.
 
-    Top and bottom take a new extreme at once and forget an old one slowly. `weight` is the sum
-    of the frames' inverse variances, `scatter` that of their squared differences from the mean over
-    their variances; both fade.
+    Top and bottom take a new extreme at once and forget an old one slowly. `weight` is the sum of
+    the frames' inverse variances. `scatter` is the sum of their squared differences from the mean
+    over their variances. Both fade.
     """
     n = len(height)
     keep = 1.0 - 1.0 / MEMORY_FRAMES
@@ -177,6 +189,7 @@ def fuse(
             before = mean - height[row, column]
             total = keep * weight[row, column] + 1.0 / spread
             after = height[row, column] + before / (spread * total)
+            # Welford's update of the sum of squares: the difference before times the one after.
             scattered = keep * scatter[row, column] + before * (mean - after) / spread
             # Extremes follow the surface only as far as noise explains its movement.
             noise = OUTLYING_SIGMAS * math.sqrt(spread)

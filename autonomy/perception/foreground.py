@@ -1,7 +1,8 @@
 """Foreground: the pixels of a depth image that the map does not explain, and their blobs.
 
-A pixel is explained if the map has a surface near its point, or near a point on its line of sight
-within the error of depth, which grows with its square.
+Anything that moves shows as pixels off the map. A fixed distance would not do: far pixels err by
+metres. A pixel is explained if the map has a surface near its point, or near a point on its line of
+sight within the error of depth, which grows with its square.
 """
 
 from __future__ import annotations
@@ -16,11 +17,12 @@ from autonomy.perception.cell_distances import CellDistances, StaticDistance
 from autonomy.perception.depth_image import DepthImage, sample
 
 _STRIDE_PX, _FINE_PX = 2, 150.0
-"""Step between the sampled pixels and rows; focal length from which on pixels are small enough to
-pass some over. At 10 m a small drone has five pixels in a view of 107 degrees."""
+"""Step between the sampled pixels and rows, and focal length in pixels from which they are small
+enough for such a step. At 10 m a small drone has five pixels in a view of 107 degrees."""
 _SIGMAS = 4.0
+# Places along the error of depth at which a surface is sought, as shares of it; near ones first.
 _ALONG_SIGHT = (-0.5, 0.5, -1.0, 1.0)
-_BRIDGED = 2
+_BRIDGED = 2  # samples apart that still belong together
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -47,7 +49,13 @@ def find_foreground(
 ) -> Foreground:
     """Find the samples of an image, up to a range, that the map does not explain.
 
-    A surface explains points within `within_m`, the error of map, pose and cells.
+    Args:
+        image: Image, posed in the frame of the map.
+        cells: Cache of distances to the map.
+        static_distance_m: Function that fills the cache.
+        within_m: Distance within which a surface explains a point: the error of map, pose and
+            cells.
+        range_m: Greatest depth.
     """
     stride_px = _STRIDE_PX if image.fx >= _FINE_PX else 1
     points, pixels, depth_m = sample(image.pixels, stride_px, range_m)
@@ -80,8 +88,8 @@ def find_blobs(
 ) -> list[Int[np.ndarray, " k"]]:
     """Group samples that belong together, as indices, the largest blob first.
 
-    Neighbours whose depths differ by less than `gap_m` plus noise are of one blob. A blob counts if
-    at least `least_samples` of its samples are farther than `beyond_m` from the map.
+    Neighbours whose depths differ by less than `gap_m` plus noise belong to one blob. A blob counts
+    if at least `least_samples` of its samples are farther than `beyond_m` from the map.
     """
     stride_px, error = foreground.stride_px, _SIGMAS * image.inverse_depth_sigma_pm
     n_rows, n_columns = (-(-n // stride_px) for n in image.depth_m.shape)
@@ -110,7 +118,8 @@ def connect(
     """Label each sample, row by row, with the number of the first sample of its blob.
 
     Samples up to two apart, because thin parts have holes, belong together if their depths differ
-    by less than `gap` plus `inverse_error` times the square of depth.
+    by less than `gap` plus `inverse_error` times the square of depth. The labels come from a
+    union-find, so that one pass over the samples is enough.
     """
     at = np.full((n_rows, n_columns), -1, dtype=np.int64)
     parent = np.arange(len(places))
@@ -133,6 +142,7 @@ def connect(
 @kernel
 def _root(parent: Int[np.ndarray, " n"], i: int) -> int:
     while parent[i] != i:
+        # Halving the path keeps later searches short.
         parent[i] = parent[parent[i]]
         i = parent[i]
     return i

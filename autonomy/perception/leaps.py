@@ -1,8 +1,8 @@
-"""Leaps of the offset between estimate and map: one doubtful image alone brings none about.
+"""Leaps of the offset between estimate and map: one doubtful image alone causes none.
 
-An image that the map explains badly is matched again with a wider search. What is found then may be
+An image that the map explains badly is matched again with a wider search. The match may then be
 another place that looks alike, such as the next of several shelves. If it is farther off than the
-offset is known to, only a second image that finds the same is believed.
+offset's uncertainty, it is believed only when a second image finds the same place.
 """
 
 from __future__ import annotations
@@ -15,23 +15,23 @@ from jaxtyping import Float
 from autonomy.perception.match import Match
 
 _FAR = 3.0
-"""Distance in standard deviations from which it is a leap."""
+"""Distance in standard deviations from which a match is a leap."""
 _ALIKE_M = 0.15
-"""Greatest difference of two leaps to the same place."""
+"""Greatest difference of two leaps that lead to the same place."""
 _TELLS_OF_PLACE = 3
-"""Directions that an image determines at least if it tells of the place, not only of the height."""
+"""Number of directions that an image must determine to locate the vehicle, not only its height."""
 _LASTS_S = 2.0
 """Time for which a leap waits for another one."""
 
 
 class Leaps:
-    """Remembers the leap that waits to be confirmed."""
+    """Memory of the leap that waits to be confirmed."""
 
     def __init__(self) -> None:
         self._waiting: tuple[float, Float[np.ndarray, " 3"]] | None = None
 
     def see(self, match: Match) -> None:
-        """Forget a leap by an image of the place that the map explains without it."""
+        """Forget a waiting leap if the map explains an image of the place without it."""
         if len(match.measured) >= _TELLS_OF_PLACE:
             self._waiting = None
 
@@ -42,7 +42,9 @@ class Leaps:
         x: Float[np.ndarray, " 4"],
         covariance: Float[np.ndarray, "4 4"],
     ) -> bool:
-        """Whether a match found after a doubt is a leap that no image before has told of.
+        """Return whether a match found after a doubt is a leap that no image before has found.
+
+        The leap then waits for another image.
 
         Args:
             time_s: Time of the image.

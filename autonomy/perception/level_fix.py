@@ -1,13 +1,13 @@
-"""Where one depth image alone places the vehicle on the level, whatever the estimate believes.
+"""Horizontal offset by one depth image alone, whatever the estimate believes.
 
     symbol   name                                              unit
     D        directions of offset and yaw that it determines   m, rad
     R        their variances
     L        information on the offset, D R^-1 D^T             1/m^2
 
-An estimate that is to be corrected must not be told what it believes itself. The offset of the
-anchor mixes images and estimate, so only the image counts here. Height and heading are taken from
-the anchor, because other sensors know them.
+An estimator must not be corrected by its own belief. The offset of the anchor mixes images and
+estimate, so only the image counts here. Height and heading are taken from the anchor, because other
+sensors know them.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from jaxtyping import Float
 from autonomy.perception.match import Match
 
 _LEAST_INFORMATION = 1e-3
-"""Information in 1/m^2 below which a horizontal direction is left open: 30 m."""
+"""Information in 1/m^2 below which a horizontal direction counts as open: 30 m."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -43,7 +43,7 @@ def level_fix(
 
     Args:
         match: Accepted match of the image.
-        variances: Variances of what it measured.
+        variances: Variances of its measured values.
         prior: Offset and yaw before the image; of these, height and yaw are used.
         covariance: Covariance of the prior.
     """
@@ -52,6 +52,7 @@ def level_fix(
     for k in (2, 3):
         information[k, k] += 1.0 / covariance[k, k]
         pull[k] += prior[k] / covariance[k, k]
+    # Schur complement: height and yaw are eliminated, with their uncertainty.
     across = np.linalg.solve(information[2:, 2:], information[2:, :2])
     level = information[:2, :2] - information[:2, 2:] @ across
     least = float(np.linalg.eigvalsh(level)[0])

@@ -7,10 +7,11 @@
 
     in the map: q + o, and every direction turned by a about the vertical
 
-A receiver of metre grade wanders and odometry drifts; the view of a known map does not.
-x is a random walk; each depth image is registered with the map (`registration.py`) and fused as a
+A receiver of metre grade wanders and odometry drifts; the view of a known map does not. The
+autopilot's filter is not ours to change, so the companion keeps the difference itself. x is a
+random walk. Each depth image is registered with the map (`registration.py`) and fused as a
 measurement of only those directions that it determines: over a level roof that is the height, along
-a wall all but the way along it.
+a wall everything but the position along it.
 
 Source: Bar-Shalom, Li and Kirubarajan 2001, "Estimation with applications to tracking and
 navigation", section 5.2 (Kalman filter); Zhang, Kaess and Singh 2016, "On degeneracy of
@@ -35,23 +36,23 @@ from autonomy.rotation import wrap_angle
 from autonomy.types import FlatReference, Quaternion, Vector3
 
 _BARE_RECEIVER = MapAnchorCfg()
-_LONGEST_PAUSE_S = 60.0
+_LONGEST_PAUSE_S = 60.0  # beyond it the walk's variance grows no further
 _LONGEST_STEP_S = 0.5
-"""Longest time over which a velocity tells a way."""
+"""Longest time over which two velocities give the distance flown."""
 _HEIGHT_TO_ACROSS = 1.5
-"""Ratio of a receiver's vertical deviation to the horizontal one: ionosphere, no satellites
-below."""
+"""Ratio of a receiver's vertical deviation to the horizontal one. Height is worse because of the
+ionosphere and because no satellites are below."""
 
 
 class MapAnchor:
-    """Keeps the estimate of a vehicle tied to a map, given or seen so far.
+    """Ties the estimate of a vehicle to a map, given or seen so far.
 
     Attributes:
         fix: Result of the latest image, None before the first.
     """
 
     def __init__(self, matcher: Matcher, cfg: MapAnchorCfg = _BARE_RECEIVER) -> None:
-        """Start from the deviations that the estimate claims, without an image.
+        """Start without an image, from the deviations that the estimate claims.
 
         Args:
             matcher: Matches images with the map.
@@ -73,12 +74,12 @@ class MapAnchor:
 
     @property
     def sigma_m(self) -> float:
-        """Standard deviation of the offset, the worst horizontal direction."""
+        """Standard deviation of the offset, in the worst horizontal direction, m."""
         return math.sqrt(float(np.linalg.eigvalsh(self._covariance[:2, :2])[-1]))
 
     @property
     def offset_enu_m(self) -> Vector3:
-        """Offset that is added at present to a position of the estimate."""
+        """Offset that is added at present to a position of the estimate, m."""
         east, north, up, _ = self._in_use.tolist()
         return east, north, up
 
@@ -87,9 +88,13 @@ class MapAnchor:
     ) -> None:
         """Adopt the standard deviations that the autopilot claims for each axis of its estimate.
 
-        A better estimate drifts less between images and needs a smaller search. An infinite
-        vertical deviation stands for half as much again as the horizontal one. While nothing
-        measures the position (`is_adrift`), the offset is off by as much more as the claim rises.
+        A better estimate drifts less between images and needs a smaller search.
+
+        Args:
+            horizontal_m: Deviation of each horizontal axis; infinity counts as a bare receiver's.
+            vertical_m: Deviation of the height; infinity stands for 1.5 times the horizontal one.
+            is_adrift: True while nothing measures the position; the offset's deviation then grows
+                by as much as the claim does.
         """
         if (horizontal_m, vertical_m) == self._claimed_m:
             return
@@ -111,7 +116,7 @@ class MapAnchor:
     ) -> None:
         """Fuse the known position of the vehicle in the map, such as the pad that it starts from.
 
-        The offset in use jumps there: nothing flies yet. `sigma_m` holds for each axis.
+        The offset in use jumps there, because nothing flies yet. `sigma_m` holds for each axis.
         """
         self._let_drift(time_s)
         there = np.subtract(position_map_m, position_est_m)
@@ -121,7 +126,7 @@ class MapAnchor:
         self._used_at_s = time_s
 
     def follow(self, time_s: float, position_est_m: Vector3, velocity_est_mps: Vector3) -> None:
-        """Take up into the offset what the estimate's position moves beyond its velocity.
+        """Add to the offset the part of the position's motion that goes beyond the velocity.
 
         Fixes of a poor receiver draw the position along, while the velocity is that of odometry.
         """
@@ -135,9 +140,14 @@ class MapAnchor:
         self._in_use[:3] += beyond
 
     def update(self, time_s: float, image: DepthImage) -> AnchorFix:
-        """Register a depth image, posed by the estimate, with the map, and fuse the result."""
+        """Register a depth image, posed by the estimate, with the map, and fuse the result.
+
+        An image that the map explains badly is matched again with a wider search. If that finds a
+        far place, a second image must confirm it.
+        """
         self._let_drift(time_s)
         match = self._matcher.match(image, self._x, self._covariance)
+        # The wider search is undone if its result is refused.
         before, is_leap = self._covariance, False
         if match.is_doubtful:
             self._doubt()
@@ -154,6 +164,8 @@ class MapAnchor:
             variances = self._variances(match)
             level = level_fix(match, variances, self._x, before)
             self._fuse(match.measured, match.directions, variances)
+        # Learn an image that fits, or that no known surface can judge; not one that contradicts the
+        # map.
         if match.objection is not None or reason is None:
             self._matcher.learn(image, self._x)
         east, north, up, yaw = self._x.tolist()
@@ -170,9 +182,9 @@ class MapAnchor:
         return self.fix
 
     def rely(self, time_s: float, image: DepthImage) -> None:
-        """Take the estimate for as far off as it was where the vehicle stood, and learn an image.
+        """Take the offset known at the start for still valid, and learn an image unmatched.
 
-        This is for an estimate that is better than what images of a map seen so far would tell.
+        Use it for an estimate that is better than the images of a map seen so far.
         """
         self._let_drift(time_s)
         h, v = self._cfg.horizontal_sigma_m**2, self._cfg.vertical_sigma_m**2
@@ -180,7 +192,7 @@ class MapAnchor:
         self._matcher.learn(image, self._x)
 
     def advance(self, time_s: float) -> None:
-        """Slew the offset in use towards the fused one: setpoints must not jump."""
+        """Slew the offset in use towards the fused one, because set points must not jump."""
         elapsed_s = 0.0 if self._used_at_s is None else max(time_s - self._used_at_s, 0.0)
         self._used_at_s = time_s
         if elapsed_s == 0.0:
@@ -210,7 +222,7 @@ class MapAnchor:
         return _turned(vector_est, float(self._in_use[3]))
 
     def image_to_map(self, image: DepthImage) -> DepthImage:
-        """An image posed by the estimate, posed in the map."""
+        """An image posed in the map, from one posed by the estimate."""
         yaw_rad = float(self._in_use[3])
         c, s = math.cos(yaw_rad), math.sin(yaw_rad)
         turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
@@ -219,7 +231,11 @@ class MapAnchor:
         )
 
     def to_estimate(self, reference: FlatReference) -> FlatReference:
-        """A setpoint in the frame of the estimate, from one in the map."""
+        """A set point in the frame of the estimate, from one in the map.
+
+        Its velocity includes that of the slewing offset, so that the vehicle follows it without
+        lag.
+        """
         back_rad = -float(self._in_use[3])
         x, y, z = reference.position_enu_m
         east, north, up = self.offset_enu_m
@@ -265,7 +281,7 @@ class MapAnchor:
     def _doubt(self) -> None:
         """Widen the search, because the map explains an image less well than it should.
 
-        It may be that something moves there: no more is doubted than the estimate claims.
+        Perhaps something merely moves there, so no more is doubted than the estimate claims.
         """
         doubt_m = min(self._cfg.doubt_m, self._cfg.horizontal_sigma_m)
         h, v = doubt_m**2, (0.5 * doubt_m) ** 2
@@ -276,7 +292,7 @@ class MapAnchor:
         self._covariance *= np.outer(shrink, shrink)
 
     def _variances(self, match: Match) -> Float[np.ndarray, " k"]:
-        """Variance of each measured direction, including the floor below which no image gets."""
+        """Variance of each measured direction, with a floor that no image can beat."""
         floor = np.where(match.is_angle, self._cfg.fix_yaw_sigma_rad**2, self._cfg.fix_sigma_m**2)
         return match.variances + floor
 
@@ -291,6 +307,7 @@ class MapAnchor:
             return
         spread = self._covariance @ directions
         gain = spread @ np.linalg.inv(directions.T @ spread + np.diag(variances))
+        # Rounding makes the two triangles differ; their mean stays symmetric.
         self._x = self._x + gain @ (measured - directions.T @ self._x)
         covariance = self._covariance - gain @ spread.T
         self._covariance = 0.5 * (covariance + covariance.T)

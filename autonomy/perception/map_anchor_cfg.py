@@ -1,16 +1,24 @@
-"""Settings of the map anchor: the error of a vehicle's estimate, and how fast it changes."""
+"""Settings of the map anchor: the error of a vehicle's estimate, and how fast it changes.
+
+The anchor needs to know how wrong the estimate may be and how fast that changes. A receiver's class
+is not known to a companion, but the deviation that the autopilot claims is, so `for_accuracy`
+derives the settings from the claim.
+"""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
 
-_LEAST_SIGMA_M = 0.08
+_LEAST_SIGMA_M = 0.08  # no claim is believed to be better than this
 
 
 @dataclass(frozen=True, kw_only=True)
 class MapAnchorCfg:
-    """Error of the estimate, and how fast it changes."""
+    """Error of the estimate, and how fast it changes.
+
+    The defaults are those of a bare receiver of metre grade.
+    """
 
     horizontal_sigma_m: float = 1.8
     """Standard deviation of the estimate at the start, each axis."""
@@ -23,8 +31,8 @@ class MapAnchorCfg:
     vertical_walk: float = 0.15
     """Random walk of the estimate's height error, m/sqrt(s)."""
     walk_of_sigma: float = 0.05
-    """Random walk per claimed deviation, 1/sqrt(s): what a receiver wanders once odometry has
-    smoothed it; 0 where only the velocity is followed."""
+    """Random walk per claimed deviation, 1/sqrt(s): how far a receiver wanders once odometry has
+    smoothed it; 0 if only the velocity is followed."""
     least_walk: float = 0.02
     """Random walk of the best estimate, m/sqrt(s): odometry at 1 m/s."""
     yaw_walk: float = math.radians(0.05)
@@ -38,7 +46,7 @@ class MapAnchorCfg:
     doubt_m: float = 0.4
     """Greatest deviation added by an image that the map does not wholly explain."""
     alike_s: float = 10.0
-    """Time for which the error of the estimate's position stays alike."""
+    """Time for which the error of the estimate's position stays nearly the same."""
     slew_s: float = 0.5
     """Time constant with which offset and yaw in use approach the fused ones."""
     slew_mps: float = 0.5
@@ -46,9 +54,10 @@ class MapAnchorCfg:
 
     @property
     def share_beyond(self) -> float:
-        """Share of a position's departure from the velocity that is the position's error.
+        """Share of a position's departure from the velocity that is the position's error, 0 to 1.
 
-        The rest is the velocity's: departures are shared as the variances of the two walks.
+        The rest is the velocity's: departures are shared in the ratio of the variances of the two
+        walks.
         """
         position = 2.0 * self.horizontal_sigma_m**2 / self.alike_s
         return position / (position + self.least_walk**2)
@@ -80,6 +89,6 @@ SEEN_SO_FAR = MapAnchorCfg(
     least_walk=0.05,
     doubt_m=0.0,
 )
-"""For a map that the same camera makes, with the velocity followed. It errs as the images do, and
-what a fix lags behind would be learned: so images are believed more than the velocity. An image
-that does not fit is no reason to doubt that."""
+"""Settings for a map that the same camera makes, with the velocity followed. Such a map errs as the
+images do, and a lag of the fixes would be learned into it. Images are therefore believed more than
+the velocity, and an image that does not fit is no reason to doubt the offset."""

@@ -1,8 +1,9 @@
 """Matches a depth image to a map, near the expected offset or in a search about it.
 
-Where the offset is known to a third of a metre, one registration from there is enough. Otherwise a
-lattice of offsets is scanned with a few points and the best nodes are registered; an image that two
-places explain equally well is refused.
+A registration converges only from nearby, and a search over all offsets would be slow. If the
+offset is known to a third of a metre, one registration from there is enough. Otherwise a lattice of
+offsets is scanned with a few points and the best nodes are registered. An image that two places
+explain equally well is refused.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from autonomy.planning.obstacles import Obstacles
 
 _REACH_M = 1.0
 """Distance from which a surface pulls a point."""
+# Independent measurements that an image is worth; points that the scan uses.
 _N_INDEPENDENT = 25.0
 _N_SCANNED = 70
 _KNOWN_M = 0.35
@@ -27,21 +29,27 @@ _KNOWN_M = 0.35
 _SCAN_SIGMAS = 2.5
 _MAX_SCAN_REACH_M = 5.0
 _NODES_PER_REACH = 4
-"""Most nodes of the lattice from its middle to its edge."""
+"""Greatest number of nodes of the lattice from its middle to its edge."""
 _SCAN_STEP_M = np.array([0.5, 0.5, 0.4])
 """Least distance between nodes."""
+# Nodes that are registered with few points, and results that are registered with all.
 _N_STARTS = 8
 _N_PLACES = 3
 _THINNING = 5
+# Widths of the biweight, step by step, m: wide from a node of the lattice, narrow at the end.
 _WIDE_M = np.array([1.0, 1.0, 0.8, 0.6, 0.4])
 _NARROW_M = np.array([0.6, 0.4, 0.3, 0.2, 0.2])
 _SAME_M = 0.35
 _RIVAL_COST = 2.0
-"""Cost above the best within which a second place makes the match ambiguous."""
+"""A second place whose cost is within this of the best makes the match ambiguous."""
 
 
 class MapMatcher:
-    """Matches depth images to one map."""
+    """Matches depth images to one given map.
+
+    Args:
+        obstacles: Solids of the map.
+    """
 
     def __init__(self, obstacles: Obstacles) -> None:
         self._grid = index_solids(obstacles, reach_m=_REACH_M)
@@ -64,7 +72,7 @@ class MapMatcher:
         return determined(view, best)
 
     def learn(self, image: DepthImage, x: Float[np.ndarray, " 4"]) -> None:
-        """Learn nothing: the map was given."""
+        """Learn nothing, because the map was given."""
 
     def _likely_places(self, view: View, deviations: np.ndarray) -> list[np.ndarray]:
         """Best nodes of a lattice about the prior, registered with a few points."""
@@ -76,6 +84,7 @@ class MapMatcher:
         for k in np.argsort(costs, kind="stable"):
             if len(starts) > _N_STARTS or not np.isfinite(costs[k]):
                 break
+            # Neighbours of a chosen node would lead to the same place.
             if all(np.any(np.abs(offsets[k] - s[:3]) > 1.01 * step) for s in starts[1:]):
                 starts.append(np.append(offsets[k], view.prior[3]))
         places: list[np.ndarray] = []
@@ -95,6 +104,7 @@ class MapMatcher:
         away = x - view.prior
         return Found(
             x=x,
+            # Half the prior's Mahalanobis distance: the same unit as the points' cost.
             cost=cost + 0.5 * float(away @ view.information @ away),
             inlier_share=share,
             residual_m=residual_m,

@@ -1,4 +1,8 @@
-"""Match of a depth image with surfaces: the directions of offset and yaw that it determines."""
+"""Match of a depth image with surfaces: the directions of offset and yaw that it determines.
+
+A level floor says nothing about east and north. Fusing such an image in all directions would make
+the anchor sure of a guess, so a match carries only the directions that the image supports.
+"""
 
 from __future__ import annotations
 
@@ -14,11 +18,13 @@ from autonomy.perception.point_spread import spread_points
 from autonomy.perception.registration import View
 
 N_POINTS = 700
+# Fewer points, of `N_POINTS` sampled, make no match.
 _LEAST_POINTS = 80
 _LEAST_SUPPORT = 12.0
 """Number of points, of `N_POINTS`, that must lie across a direction to determine it."""
+# Keeps the matrix invertible in a direction that the image does not determine.
 _LEAST_INFORMATION = 1e-6
-_DOUBTFUL_SHARE = 0.93
+_DOUBTFUL_SHARE = 0.93  # inlier share below which a match is doubted; a right offset explains more
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -28,7 +34,7 @@ class Match:
     objection: str | None
     """Reason not to use the match; None if it is good."""
     is_doubtful: bool
-    """Whether the map explains less of the image than it does at a right offset."""
+    """True if the map explains less of the image than it does at a right offset."""
     measured: Float[np.ndarray, " k"]
     """Measured values along `directions`."""
     directions: Float[np.ndarray, "4 k"]
@@ -36,13 +42,13 @@ class Match:
     variances: Float[np.ndarray, " k"]
     """Variances of the measured values."""
     is_angle: Bool[np.ndarray, " k"]
-    """Whether each direction is that of yaw."""
+    """True for the direction that is the yaw."""
     residual_m: float
     inlier_share: float
 
 
 class Matcher(Protocol):
-    """Interface of what an anchor matches depth images with."""
+    """Interface of the matchers that an anchor can use: `MapMatcher` and `SurfaceMatcher`."""
 
     def match(
         self, image: DepthImage, x: Float[np.ndarray, " 4"], covariance: Float[np.ndarray, "4 4"]
@@ -51,7 +57,7 @@ class Matcher(Protocol):
         ...
 
     def learn(self, image: DepthImage, x: Float[np.ndarray, " 4"]) -> None:
-        """Take in an image, posed by the estimate, whose offset and yaw are known by now."""
+        """Add an image, posed by the estimate, whose offset and yaw are known by now."""
         ...
 
 
@@ -73,14 +79,14 @@ def viewed(
     covariance: Float[np.ndarray, "4 4"],
     n_independent: float,
 ) -> View | Match:
-    """Points of an image with the prior of offset and yaw; no match where there are too few.
+    """Points of an image with the prior of offset and yaw; no match if there are too few.
 
     Args:
         image: The image, posed by the estimate.
         x: Prior of offset and yaw.
         covariance: Covariance of these.
         n_independent: Number of independent measurements that the image is worth, whatever its
-            number of points: neighbours err alike.
+            number of points, because neighbours err alike.
     """
     points, sigmas = spread_points(image, N_POINTS)
     if len(points) < _LEAST_POINTS:
@@ -96,7 +102,7 @@ def viewed(
 
 
 def determined(view: View, best: Found) -> Match:
-    """Match with the directions that enough points lie across: measured values and variances."""
+    """Match with the directions that enough points support: measured values and variances."""
     counts, axes = np.linalg.eigh(best.support * N_POINTS / len(view.points))
     columns = [np.append(axes[:, k], 0.0) for k in range(3) if counts[k] >= _LEAST_SUPPORT]
     level_support = np.linalg.eigvalsh(best.support[:2, :2])[-1] * N_POINTS / len(view.points)

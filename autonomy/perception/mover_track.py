@@ -1,9 +1,10 @@
 """One moving obstacle over time: whether it stands, goes straight or turns, and its size.
 
-An interacting multiple-model filter weighs four linear Kalman filters of position and velocity by
-how well each foretells the sightings: one that stands, one of constant velocity and two that turn,
-left and right. An obstacle that stops is soon known to stand, and a fast car's velocity is smoothed
-less than one mode for everything would smooth it.
+A single filter of constant velocity is either slow to notice a stop or noisy on a straight line. An
+interacting multiple-model filter weighs four linear Kalman filters of position and velocity by how
+well each predicts the sightings: one that stands, one of constant velocity and two that turn, left
+and right. An obstacle that stops is soon known to stand, and a fast car's velocity is smoothed less
+than one mode for everything would smooth it.
 
 Source: Blom and Bar-Shalom 1988, as in filterpy.kalman.IMMEstimator.
 """
@@ -28,9 +29,10 @@ if TYPE_CHECKING:
 _MODES = ((0.0, 0.01), (0.0, 2.0), (0.6, 1.4), (-0.6, 1.4))
 """Modes standing, straight, left and right: rate of turn in rad/s and power spectral density of
 white acceleration in m^2/s^3 (people turn within a second); for standing, of white velocity."""
-_FIRST_SHARES = (0.3, 0.5, 0.1, 0.1)
+_FIRST_SHARES = (0.3, 0.5, 0.1, 0.1)  # of the modes, at the first sighting
 _STAYS = 0.9
 """Probability that a mode lasts from one sighting to the next."""
+# Row: mode before, column: mode after; each row adds up to 1. Standing turns into a turn rarely.
 _CHANGES = np.array(
     [
         [_STAYS, 0.08, 0.01, 0.01],
@@ -41,11 +43,16 @@ _CHANGES = np.array(
 )
 _LONGEST_TURN_S = 1.0
 """Longest time for which an unseen obstacle is predicted to go on turning."""
+# Variance of a standing obstacle's velocity; deviation of an unknown one's.
 _STANDING_VARIANCE = 0.05**2
 _FIRST_SPEED_SIGMA_MPS = 2.5
-_SHRINK = 0.1
+_SHRINK = 0.1  # of the excess, by which a known size shrinks at each smaller sighting
+# Above this speed the obstacle's heading is its direction of motion; beyond this turn of the
+# heading the size is measured anew.
 _HEADING_SPEED_MPS = 0.6
 _TURN_RAD = math.radians(20.0)
+# Points looked at, across the obstacle, as shares of its size; and how to tell that they show what
+# is behind it.
 _LOOKED_AT = (-0.5, -0.25, 0.0, 0.25, 0.5)
 _SEEN_THROUGH_M = 0.4
 _SURE_SHARE = 0.6
@@ -65,7 +72,7 @@ class MoverTrack:
     """
 
     def __init__(self, time_s: float, sighting: Sighting) -> None:
-        """Start at the first sighting, at rest since nothing else is known."""
+        """Start at the first sighting, at rest because nothing else is known."""
         forward = sighting.forward
         self.size: Footprint = sighting.footprint(math.atan2(forward[1], forward[0]))
         position, covariance = sighting.centre(self.size)
@@ -92,15 +99,16 @@ class MoverTrack:
         means, spreads = (np.array(values) for values in zip(*ahead, strict=True))
         mean = shares @ means
         apart = means - mean
+        # Spread of the mixture: within the modes, plus between their means.
         return mean, np.tensordot(shares, spreads, 1) + (shares * apart.T) @ apart
 
     def predict(self, time_s: float) -> None:
-        """Advance the filter to a later time."""
+        """Advance the mean to a later time; the filter itself waits for a sighting."""
         self.mean, self.covariance = self.predicted(time_s)
         self._time_s = max(time_s, self._time_s)
 
     def surprise(self, sighting: Sighting) -> float:
-        """Squared Mahalanobis distance of a sighting, 3 degrees of freedom."""
+        """Squared Mahalanobis distance of a sighting from the track, 3 degrees of freedom."""
         position, covariance = sighting.centre(self.size)
         off = position - self.mean[:3]
         return float(off @ np.linalg.solve(self.covariance[:3, :3] + covariance, off))
@@ -108,7 +116,8 @@ class MoverTrack:
     def see(self, sighting: Sighting) -> None:
         """Update the track with a sighting.
 
-        A newly learned size shifts the centre although nothing has moved.
+        A newly learned size shifts the centre although nothing has moved; the filter's states are
+        shifted along, so that this is not taken for motion.
         """
         before, _ = sighting.centre(self.size)
         self._learn_size(sighting)
@@ -126,10 +135,11 @@ class MoverTrack:
         self.last_seen_s = self._time_s
 
     def _learn_size(self, sighting: Sighting) -> None:
-        """Grow at once to the seen size; shrink slowly, and only where no border cuts it off."""
+        """Grow at once to the seen size; shrink slowly, and only if no border cuts it off."""
         vx, vy = self.mean[3:5].tolist()
         yaw, size = self.size.yaw_rad, self.size
         if math.hypot(vx, vy) > _HEADING_SPEED_MPS:
+            # Modulo a quarter turn: a box looks the same along its length and its width.
             turn = (math.atan2(vy, vx) - yaw + math.pi / 4) % (math.pi / 2) - math.pi / 4
             if abs(turn) > _TURN_RAD:
                 size = sighting.footprint(yaw + turn)
@@ -145,7 +155,7 @@ class MoverTrack:
         )
 
     def is_seen_through(self, image: DepthImage) -> bool:
-        """Whether an image shows what is behind the place where the obstacle should be."""
+        """True if an image shows the background of the place where the obstacle should be."""
         half = (min(self.size.along_m, self.size.across_m), self.size.up_m)
         doubt = _SIGMAS * image.inverse_depth_sigma_pm
         return share_seen_through(image.pixels, self.mean[:3], half, doubt) > _SURE_SHARE
@@ -159,7 +169,7 @@ def share_seen_through(
 
     Args:
         pixels: The image.
-        position: Where the obstacle should be, ENU, m.
+        position: Expected position of the obstacle, ENU, m.
         half: Half its width and height, m.
         doubt: Error of inverse depth to allow for, 1/m.
     """
@@ -168,6 +178,7 @@ def share_seen_through(
     for axis in range(3):
         for n in range(3):
             sight[axis] += (position[n] - eye[n]) * rotation[n, axis]
+    # Behind the camera, or too near to look past.
     if sight[2] < LEAST_HALF_M:
         return 0.0
     behind = sight[2] + half[0] + _SEEN_THROUGH_M + doubt * sight[2] ** 2
@@ -206,7 +217,10 @@ def _new_filter(
 
 @lru_cache(maxsize=16)
 def _motions(dt: float) -> list[tuple[Float[np.ndarray, "6 6"], Float[np.ndarray, "6 6"]]]:
-    """Transition matrix of position and velocity over a time, and its noise, for each mode."""
+    """Transition matrix of position and velocity over a time, and its noise, for each mode.
+
+    The noise of a moving mode is that of white acceleration, integrated over the time.
+    """
     wander = np.kron([[dt**3 / 3, dt**2 / 2], [dt**2 / 2, dt]], np.eye(3))
     (_, drift), *moving = _MODES
     still = np.diag([1.0] * 3 + [0.0] * 3), np.diag([drift * dt] * 3 + [_STANDING_VARIANCE] * 3)

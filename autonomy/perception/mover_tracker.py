@@ -1,12 +1,12 @@
 """Moving obstacles from onboard depth: blobs that the map does not explain, tracked over images.
 
-Each image's foreground falls into blobs, and blobs close together are one sighting. A sighting
-goes to the track that expected it, the best pairs first; an unexpected one begins a track,
-which counts once a few images have shown it. A track ends when images show what is behind the
-place where it should be, or when it was not seen for a while.
+Each image's foreground falls into blobs, and blobs close together are one sighting. A sighting goes
+to the track that expected it, the best pairs first. An unexpected sighting begins a track, which
+counts once a few images have shown it, because noise rarely repeats itself. A track ends when
+images show the background of its expected place, or when it was not seen for a while.
 
-An obstacle at rest that is not on the map, a person who waits, is followed like the rest:
-it is as much in the way.
+An obstacle at rest that is not on the map, for example a person who waits, is followed like the
+rest, because it is as much in the way.
 """
 
 from __future__ import annotations
@@ -24,11 +24,12 @@ from autonomy.perception.mover_track import MoverTrack
 from autonomy.perception.sighting import Sighting, see
 from autonomy.planning.moving import MovingObstacles
 
+# Cells of cached distances; gap within which blobs, and their pixels, belong together.
 _CELL_M = 0.2
 _BLOB_GAP_M = 0.35
-_MOST_SIGHTINGS = 24
-_ROUNDING_M = 0.3
-_COAST_NEW_S = 1.0
+_MOST_SIGHTINGS = 24  # of one image, the largest: the time of a frame stays bounded
+_ROUNDING_M = 0.3  # greatest radius by which a mover's box is rounded
+_COAST_NEW_S = 1.0  # an unconfirmed track is dropped sooner
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -39,15 +40,15 @@ class MoverTrackerCfg:
     """Distance to the map within which a point counts as part of it."""
     mover_beyond_m: float = 0.55
     """Distance from the map beyond which some points of a mover must lie. It must cover the error
-    of the estimated pose and the 17 cm by which remembered distances err; a mover nearer than this
-    to a wall is not seen."""
+    of the estimated pose and the 17 cm by which cached distances err. A mover nearer than this to a
+    wall is not seen."""
     range_m: float = 16.0
     """Depth beyond which pixels are ignored."""
     most_depth_sigma_m: float = 0.3
     """Standard deviation of depth above which pixels are ignored."""
     least_samples: int = 5
-    """Number of samples so far from the map that make a mover; one stands for two by two pixels, in
-    a wide view for one."""
+    """Number of samples beyond that distance that make a mover. One sample stands for two by two
+    pixels, in a wide view for one."""
     most_size_m: float = 7.0
     """Size above which a blob is no mover but something large that the map lacks."""
     hits_to_confirm: int = 3
@@ -60,14 +61,14 @@ class MoverTrackerCfg:
     """Largest squared Mahalanobis distance of a sighting from its track."""
     remember_s: float = math.inf
     """Time for which distances to the map are kept. With a growing map: 0 if its distances are
-    cheap, else as short as images follow one another."""
+    cheap, else as short as the time between images."""
     margin_sigmas: float = 1.0
-    """Number of standard deviations of position added to a radius, and of velocity to its
-    growth."""
+    """Number of standard deviations of position added to a radius, and of velocity to its growth.
+    """
     most_margin_m: float = 0.5
     """Greatest addition to a radius."""
     most_growth_mps: float = 0.4
-    """Greatest growth of radii; all grow as fast as that of the least certain obstacle."""
+    """Greatest growth of radii. All grow as fast as the radius of the least certain obstacle."""
     horizon_s: float = 4.0
     """Time for which predictions are valid."""
 
@@ -92,8 +93,8 @@ class MoverTracker:
             image: Image posed by the estimate.
             static_distance_m: Distance from points, ENU (n, 3), to obstacles known to stand. With a
                 growing map: to cells that were occupied for a second or more, and 0 or less where
-                nothing was ever seen to be free, since a thing that comes into view there need not
-                move.
+                nothing was ever seen to be free, because an object that comes into view there need
+                not move.
         """
         self._cells.forget_old(time_s)
         for track in self.tracks:
@@ -112,7 +113,11 @@ class MoverTracker:
         return np.array(places).reshape(-1, 3)
 
     def moving(self, time_s: float) -> MovingObstacles:
-        """Confirmed obstacles, as predictions from a time on."""
+        """Confirmed obstacles, as predictions from a time on.
+
+        Radii include the uncertainty of position, and the growth that of velocity, within the
+        limits of the configuration.
+        """
         cfg = self._cfg
         tracks = [track for track in self.tracks if track.n_hits >= cfg.hits_to_confirm]
         position, velocity, half = (np.zeros((len(tracks), 3)) for _ in range(3))
@@ -142,6 +147,7 @@ class MoverTracker:
         within_m, range_m = cfg.static_within_m, cfg.range_m
         if image.inverse_depth_sigma_pm > 0.0:
             known_m = math.sqrt(cfg.most_depth_sigma_m / image.inverse_depth_sigma_pm)
+            # Depth errs by inverse_sigma d^2; beyond this range that is more than allowed.
             range_m = min(range_m, known_m)
         foreground = find_foreground(
             image, self._cells, static_distance_m, within_m=within_m, range_m=range_m
@@ -196,6 +202,6 @@ def _joined(points: np.ndarray, blobs: list[np.ndarray]) -> list[np.ndarray]:
 
 
 def _gap_m(one: np.ndarray, other: np.ndarray) -> float:
-    """Distance between the upright boxes about two sets of points."""
+    """Distance between the upright boxes about two sets of points, m."""
     apart = np.maximum(one.min(axis=0) - other.max(axis=0), other.min(axis=0) - one.max(axis=0))
     return float(np.linalg.norm(np.maximum(apart, 0.0)))

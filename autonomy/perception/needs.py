@@ -1,4 +1,4 @@
-"""Needs of a vehicle for a place to stand."""
+"""Needs of a vehicle for a place to stand on."""
 
 from __future__ import annotations
 
@@ -11,7 +11,10 @@ MAX_RISE_M = 0.06
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class LandingNeeds:
-    """Needs of a vehicle to stand safely."""
+    """Needs of a vehicle to stand safely.
+
+    Raises `ValueError` if radii or slope are out of range.
+    """
 
     footprint_radius_m: float
     """Radius of its feet, plus the scatter of a touchdown."""
@@ -19,10 +22,10 @@ class LandingNeeds:
     """Radius of all of it, plus the scatter of a touchdown."""
     max_slope_rad: float = math.radians(10.0)
     max_roughness_m: float = MAX_ROUGHNESS_M
-    """Largest height range about the plane under the feet. With one foot so much higher a stance
-    of 0.28 m tilts by 8 deg; 0.06 let it stand on kerbs of 0.05 m."""
+    """Largest height range about the plane under the feet. With one foot so much higher a stance of
+    0.28 m tilts by 8 deg; 0.06 let it stand on kerbs of 0.05 m."""
     max_rise_m: float = MAX_RISE_M
-    """Greatest rise of things within the body's radius above the plane: below the rotors."""
+    """Greatest rise of anything within the body's radius above the plane: below the rotors."""
     min_frames: int = 3
     """Least number of frames that show all of the ground under the feet."""
     max_sigma_m: float = 0.02
@@ -31,7 +34,7 @@ class LandingNeeds:
     """Room beyond this makes a place no better."""
 
     def __post_init__(self) -> None:
-        """Refuse what no vehicle needs."""
+        """Refuse values that fit no vehicle."""
         if not 0.0 < self.footprint_radius_m <= self.body_radius_m:
             raise ValueError(
                 f"footprint_radius_m {self.footprint_radius_m} is not valid; valid: above 0, at "

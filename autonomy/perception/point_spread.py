@@ -10,7 +10,7 @@ from jaxtyping import Float
 from autonomy.jit import kernel
 from autonomy.perception.depth_image import DepthImage, Pixels
 
-_NEAREST_M, _FARTHEST_M = 0.2, 30.0
+_NEAREST_M, _FARTHEST_M = 0.2, 30.0  # depths outside of these are not used
 _SURFACE_SIGMA_M = 0.05
 """Error of the map's surfaces."""
 _TILT_SIGMA_RAD = 0.004
@@ -20,7 +20,7 @@ _TILT_SIGMA_RAD = 0.004
 def spread_points(
     image: DepthImage, n_points: int
 ) -> tuple[Float[np.ndarray, "n 3"], Float[np.ndarray, " n"]]:
-    """Points relative to the camera, ENU, and the standard deviation of each from its surface, m.
+    """Points relative to the camera, ENU, and each one's standard deviation from its surface, m.
 
     About `n_points` pixels are taken, evenly over the image, with a measurement or not.
     """
@@ -33,7 +33,7 @@ def spread_points(
 def sample_points(
     pixels: Pixels, stride: int, inverse_sigma: float
 ) -> tuple[Float[np.ndarray, "n 3"], Float[np.ndarray, " n"]]:
-    """Sampled pixels as points from the camera, ENU, and the deviations of their distance."""
+    """Sampled pixels as points from the camera, ENU, and the deviations of their distance, m."""
     depth, fx, fy, cx, cy, _, rotation = pixels
     most = (depth.shape[0] // stride + 1) * (depth.shape[1] // stride + 1)
     points, sigmas = np.empty((most, 3)), np.empty(most)
@@ -47,6 +47,7 @@ def sample_points(
             for i in range(3):
                 points[n, i] = rotation[i, 0] * x + rotation[i, 1] * y + rotation[i, 2] * d
             noise = d * d * inverse_sigma
+            # A tilt of the estimate moves a point in proportion to its distance.
             tilt = _TILT_SIGMA_RAD**2 * (x * x + y * y + d * d)
             sigmas[n] = math.sqrt(_SURFACE_SIGMA_M**2 + noise * noise + tilt)
             n += 1

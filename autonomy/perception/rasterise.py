@@ -1,7 +1,7 @@
 """Depth image on the cells of a grid: mean height, its variance, and extremes.
 
-Points are placed in their cells; a few wrong ones among them, matched with something else
-altogether, move neither the mean nor the extremes.
+A few wrong pixels, matched with something else altogether, may be metres off. They must move
+neither mean nor extremes, so trimmed means, medians and agreement of three points are used.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ OUTLYING_SIGMAS = 3.0
 _FLOOR_M = 0.001
 """Least deviation of a cell's height by one frame."""
 _ALIKE_PIXELS = 4.0
-"""Number of neighbouring pixels that count as one, since those of stereo cameras err alike."""
+"""Neighbouring pixels that count as one, because the errors of stereo cameras are alike in them."""
 _FEW_POINTS = 40
 """Number of points above which a wrong one hardly moves the mean of a cell."""
 
@@ -34,14 +34,23 @@ def rasterise(
 ) -> Float[np.ndarray, "4 n n"]:
     """Mean, top and bottom of the heights in each cell, and variance of the mean, 0 for unseen.
 
-    The mean is without the highest and the lowest point where there are four or more. Top and
-    bottom are those that three points agree on, or all where there are fewer, less the noise.
+    If there are four points or more, the mean leaves out the highest and the lowest one. Top and
+    bottom are heights that three points agree on (all points, if there are fewer), less the noise.
+
+    Args:
+        points: Points, ENU, m.
+        center: Middle of the grid, ENU, m.
+        resolution: Width of a cell, m.
+        n: Number of rows and columns.
+        eye_height: Height of the camera, ENU, m.
+        inverse_sigma: Standard deviation of inverse depth, 1/m.
     """
     # Number of points, and sum, lowest and highest of their heights, for each cell.
     cells = np.zeros((n, n, 4), dtype=np.float32)
     cells[:, :, 2] = np.inf
     cells[:, :, 3] = -np.inf
     place = np.full(len(points), -1, dtype=np.int32)
+    # Half a cell more, so that rounding down finds the nearest cell.
     middle = n // 2 + 0.5
     for k in range(len(points)):
         column = math.floor((points[k, 0] - center[0]) / resolution + middle)
@@ -92,7 +101,7 @@ def _medians(
     noise: Float[np.ndarray, "n n"],
     frame: Float[np.ndarray, "4 n n"],
 ) -> None:
-    """Replace means by medians where a few points spread more than noise can: some may be wrong."""
+    """Replace means by medians in cells whose few points spread more than noise allows."""
     n = len(noise)
     slot = np.full((n, n), -1, dtype=np.int32)
     n_slots = 0
@@ -125,7 +134,7 @@ def _agree(
     noise: Float[np.ndarray, "n n"],
     frame: Float[np.ndarray, "4 n n"],
 ) -> None:
-    """Move tops and bottoms out to where enough points lie beyond the noise."""
+    """Move tops and bottoms out as far as enough points lie beyond the noise."""
     n = len(noise)
     # Three farthest points of each cell beyond the noise, farthest first, above and below.
     beyond = np.zeros((n, n, 6), dtype=np.float32)
@@ -143,6 +152,8 @@ def _agree(
                     excess, best[i] = best[i], excess
     for row in range(n):
         for column in range(n):
+            # The third farthest of three: all three reach as far. Fewer points: the farthest that
+            # all reach.
             agreed = max(min(int(cells[row, column, 0]), 3) - 1, 0)
             frame[1, row, column] += beyond[row, column, agreed]
             frame[2, row, column] -= beyond[row, column, 3 + agreed]

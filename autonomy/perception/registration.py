@@ -8,9 +8,11 @@
 
     J(o, a) = sum_i rho(d_i / s_i) + 1/2 (x - x0)^T P^-1 (x - x0),   x = (o, a)
 
-by Gauss-Newton. Each point pulls along the normal of the surface that it lies at, so a level floor
-does not determine east and north, and the prior x0, P decides there. rho is Tukey's biweight, whose
-width shrinks from step to step: first all points pull, at last only those that the map explains.
+is minimised by Gauss-Newton. The map is made of solids, not of points, so distances to surfaces
+replace the pairs of points of the usual ICP. Each point pulls along the normal of the surface that
+it lies at, so a level floor does not determine east and north, and the prior x0, P decides there.
+rho is Tukey's biweight, whose width shrinks from step to step: first all points pull, at last only
+those that the map explains.
 
 Source: Chen and Medioni 1992, "Object modelling by registration of multiple range images" (distance
 along normals); Fitzgibbon 2003, "Robust registration of 2D and 3D point sets" (distance fields).
@@ -31,11 +33,11 @@ INLIER_SIGMAS = 3.0
 """Standard deviations from the nearest surface beyond which the map does not explain a point."""
 _SIGHT_EVERY = 4
 """Step between the lines of sight that are followed."""
-_SIGHT_STEP_M = 0.05
+_SIGHT_STEP_M = 0.05  # least step of a march along a line of sight
 _GRAZING = 0.05
 """Cosine between normal and line of sight above which a surface is seen from behind."""
 _BACKWARDS_M = (0.06, 0.12, 0.25, 0.5, 0.9)
-"""Step from a point in a solid back towards the camera, to find the side that was seen."""
+"""Steps from a point in a solid back towards the camera, to find the side that was seen."""
 
 
 class View(NamedTuple):
@@ -80,6 +82,7 @@ def register(
             cut = max(width, INLIER_SIGMAS * sigmas[i])
             if abs(d) >= min(cut, grid.reach):
                 continue
+            # Derivative by the yaw: a turn moves the point by (-north, east).
             j[3] = j[1] * east - j[0] * north
             weight = (
                 worth * (1.0 - (d / cut) ** 2) ** 2 / max(sigmas[i], width / INLIER_SIGMAS) ** 2
@@ -99,10 +102,10 @@ def appraise(
     """Judge how well points lie on surfaces.
 
     Returns:
-        Half the sum of squared deviations, those of unexplained points cut off, as `worth` counts
-        them; the share of points that are explained, which lie at a surface and in sight; their
-        mean distance in m; the information about offset and yaw; and how many points lie across
-        each direction, a matrix whose eigenvalues are numbers of points.
+        Half the sum of squared deviations, with the deviations of unexplained points cut off, as
+        `worth` counts them; the share of points that are explained, which lie at a surface and in
+        sight; their mean distance in m; the information about offset and yaw; and a matrix (3, 3)
+        whose eigenvalues are the numbers of points that lie across its directions.
     """
     points, sigmas, camera, _, _, worth = view
     information, support = np.zeros((4, 4)), np.zeros((3, 3))
@@ -133,6 +136,7 @@ def appraise(
         for a in range(3):
             for b in range(3):
                 support[a, b] += j[a] * j[b]
+    # Only every few lines are followed; their share stands for all explained points.
     blocked = n_blocked / max(n_sights, 1) * n_inliers
     cost += 0.5 * worth * INLIER_SIGMAS**2 * blocked
     share = (n_inliers - blocked) / len(points)
@@ -150,8 +154,8 @@ def scan(
 ) -> tuple[Float[np.ndarray, "m 3"], Float[np.ndarray, " m"]]:
     """Find offsets on a lattice, and the mean distance of points from surfaces at each of them.
 
-    Distances are cut off at the grid's reach; the mean is infinite where the camera would be in a
-    solid. The lattice reaches so far from its centre, an offset with the yaw, along each axis.
+    Distances are cut off at the grid's reach; the mean is infinite if the camera would be in a
+    solid. The lattice extends by `reach` from `center`, an offset with the yaw, along each axis.
     """
     n = np.zeros(3, dtype=np.int64)
     for i in range(3):
@@ -190,9 +194,9 @@ def _surface(
 ) -> tuple[float, float, float, float]:
     """Signed distance of a point to the nearest surface that the camera can see, and its normal.
 
-    A point that lies far into a thin wall is nearest to the far side. That one cannot be what was
-    seen: the near side is found from a little nearer to the camera, and its plane continued. A
-    point beyond an edge, where no solid is on the line of sight, is drawn to the edge.
+    A point that lies far into a thin wall is nearest to the far side, which the camera cannot have
+    seen. The near side is found from a little nearer to the camera, and its plane continued. A
+    point beyond an edge, with no solid on the line of sight, is drawn to the edge.
     """
     at_x, at_y, at_z = camera[0] + x[0] + east, camera[1] + x[1] + north, camera[2] + x[2] + up
     d, n, m, o, _ = nearest_plane(at_x, at_y, at_z, grid)
@@ -221,7 +225,7 @@ def _is_blocked(
     sigma: float,
     grid: Grid,
 ) -> bool:
-    """Whether a solid stands between the camera and a point."""
+    """Return whether a solid stands between the camera and a point."""
     away = math.sqrt(east * east + north * north + up * up)
     end = away - 2.0 * INLIER_SIGMAS * sigma
     deep = -INLIER_SIGMAS * sigma

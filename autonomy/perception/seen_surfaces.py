@@ -4,8 +4,9 @@
     m, S     mean and covariance of the points in a cell       m, m^2
     n        direction in which they spread least: the normal
 
-A cell whose points spread in one direction hardly at all holds a piece of a plane. So few numbers a
-cell are enough to lay the next image onto all that was seen before.
+If the points of a cell hardly spread in one direction, the cell holds a piece of a plane. So a few
+numbers per cell are enough to lay the next image onto everything that was seen before, and no
+points need to be kept.
 
 Source: Biber and Strasser 2003, "The normal distributions transform: a new approach to laser scan
 matching", in three dimensions as in Magnusson 2009.
@@ -26,14 +27,14 @@ CELL_M = 0.5
 _BEYOND_M = 2.0
 """Distance beyond the volume within which surfaces count."""
 _LEAST_COUNT, _FULL_COUNT = 12, 300
-"""Numbers of points from which a cell is used, and from which it changes no more: what was seen
-first was seen with the least drift."""
+"""Numbers of points from which a cell is used, and from which it changes no more: the first points
+were seen with the least drift."""
 _THIN_M, _FLAT = 0.08, 0.25
 """Greatest deviation of points from a plane; greatest share of it in the next wider direction."""
 _LEAST_WIDTH_M = 0.06
-"""Least deviation of points along a plane, across the way that they spread most: about a line of
-points, as at the edge of a roof, a plane may be turned anyhow."""
-_LEAST_SIGMA_M = 0.02
+"""Least deviation of points along a plane, in the narrower direction. About a line of points, as at
+the edge of a roof, a plane may be turned anyhow."""
+_LEAST_SIGMA_M = 0.02  # no plane is believed to be thinner
 
 
 class Surfaces(NamedTuple):
@@ -55,7 +56,12 @@ class Surfaces(NamedTuple):
 
 
 def no_surfaces(low_enu_m: Vector3, high_enu_m: Vector3) -> Surfaces:
-    """Return the surfaces of a volume in which nothing was seen yet."""
+    """Return the surfaces of a volume in which nothing was seen yet.
+
+    Args:
+        low_enu_m: Lower corner of the volume.
+        high_enu_m: Upper corner; surfaces count up to 2 m beyond both.
+    """
     corner = np.array(low_enu_m, dtype=float) - _BEYOND_M
     counts = np.ceil((np.array(high_enu_m) + _BEYOND_M - corner) / CELL_M).astype(np.int64)
     shape = tuple(np.maximum(counts, 1).tolist())
@@ -84,6 +90,7 @@ def add_points(points: Float[np.ndarray, "n 3"], surfaces: Surfaces) -> None:
             continue
         if counts[i, j, k] >= _FULL_COUNT:
             continue
+        # From the cell's middle: sums in single precision then keep their digits.
         x = points[n, 0] - corner[0] - (i + 0.5) * cell
         y = points[n, 1] - corner[1] - (j + 0.5) * cell
         z = points[n, 2] - corner[2] - (k + 0.5) * cell
@@ -140,9 +147,9 @@ def _fit_plane(i: int, j: int, k: int, surfaces: Surfaces) -> None:
 def plane_at(
     x: float, y: float, z: float, surfaces: Surfaces
 ) -> tuple[float, float, float, float, float]:
-    """Signed distance of a point from the plane in its cell, the normal, and the plane's deviation.
+    """Signed distance of a point from its cell's plane, the normal, and the plane's deviation.
 
-    The deviation is 0 where there is no plane.
+    The deviation is 0 if there is no plane.
     """
     corner, cell, counts, _, _, planes = surfaces
     i = math.floor((x - corner[0]) / cell)

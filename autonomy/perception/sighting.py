@@ -1,9 +1,10 @@
 """Moving obstacle in one depth image: its edges, and its centre for a given size.
 
-A camera sees the near side only. Seen from the eye, horizontally, an obstacle's near edge is known
-along the line of sight, and its left and right edges across, unless the image's border or something
-nearer cuts them off. The centre lies half the obstacle's size behind the near edge; frames from
-other sides show that size.
+A camera sees the near side only, so the mean of the seen points is not the centre: it would wander
+as the view changes. Seen from the eye, horizontally, an obstacle's near edge is known along the
+line of sight, and its left and right edges across, unless the image's border or something nearer
+cuts them off. The centre lies half the obstacle's size behind the near edge; frames from other
+sides show that size.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ LEAST_HALF_M = 0.15
 """Least half extent of an obstacle: nothing that matters is thinner."""
 _USUAL_HALF_M = 0.3
 """Greatest assumed half depth behind the near side, which is otherwise half the width."""
+# Percentiles instead of extremes, because a few pixels at the border of a blob may be wrong.
 _NEAR_PERCENT, _FAR_PERCENT = 10.0, 90.0
 _EDGE_PERCENT = 2.0
 # Share of a spread that lies between these percentiles, for points even over it.
@@ -30,13 +32,16 @@ _NORMAL_SPREAD = 2.56  # width between them of a normal error, in standard devia
 _BESIDE_PX = 5
 _SIDES = ((1, -1), (1, 1), (0, -1), (0, 1))
 """Left, right, up and down: axis of the pixel's place, and sign of the step."""
+# Distance, and standard deviations of depth, by which a pixel beside a blob must lie behind it to
+# show the background.
 _BEHIND_M = 0.2
 _BEHIND_SIGMAS = 4.0
+# Standard deviations of a seen edge and of a centre whose edges are both unseen.
 _SURFACE_SIGMA_M, _UNSEEN_SIGMA_M = 0.06, 0.5
 # Shares of half the size: wander of the seen part of the near side, and of an unseen edge.
 _UNSEEN_SHARE, _CUT_SHARE = 0.08, 0.15
 _ROUNDNESS = 1.5  # 1 is a box, 2 an ellipse
-_STEEP = 1.0
+_STEEP = 1.0  # tangent of the view's angle from which lower parts may be hidden
 _MOST_HIDDEN_BELOW_M = 2.0
 
 
@@ -71,16 +76,17 @@ class Sighting:
     near_m: float
     """Distance of the near edge along `forward` from the origin."""
     right_m: float
-    """Right edge; like `left_m` it is measured to the left of `forward` from the origin."""
+    """Right edge. Like `left_m` it is measured to the left of `forward` from the origin."""
     left_m: float
     bottom_m: float
     top_m: float
     is_cut: tuple[bool, bool, bool, bool]
-    """Whether the image ends before the obstacle does: left, right, top, bottom."""
+    """True for the sides on which the image ends before the obstacle does: left, right, top,
+    bottom."""
     depth_sigma_m: float
 
     def spread_m(self, yaw_rad: float) -> tuple[float, float]:
-        """Spread of the points along a heading and across it, without their noise."""
+        """Spread of the points along a heading and across it, without their noise, m."""
         c, s = math.cos(yaw_rad), math.sin(yaw_rad)
         x, y = self.forward.tolist()
         noises = (
@@ -115,6 +121,7 @@ class Sighting:
         ahead_sigma = _SURFACE_SIGMA_M + 0.5 * self.depth_sigma_m + _UNSEEN_SHARE * reach
         ahead = self.near_m + reach
         along, across = ahead_sigma**2, aside_sigma**2
+        # Off-diagonal part of a diagonal covariance that is turned to the line of sight.
         mixed = x * y * (along - across)
         covariance = [
             [along * x * x + across * y * y, mixed, 0.0],
@@ -129,9 +136,9 @@ def _between(
 ) -> tuple[float, float]:
     """Middle of two edges of which either may be unknown, and its standard deviation.
 
-    The middle is half an extent off the seen edge even where more than that is in view, so that a
-    track that learns a larger size moves its centre and does not take a part that comes into view
-    for motion.
+    If one edge is cut, the middle is half an extent off the seen edge even if more than that is in
+    view. A track that learns a larger size then moves its centre and does not take a part that
+    comes into view for motion.
     """
     is_low_cut, is_high_cut = is_cut
     if is_low_cut == is_high_cut:
@@ -146,8 +153,8 @@ def see(
     """Find the edges of a blob.
 
     Points nearer than `within_m` to the map are no foreground, so a blob that ends about so far
-    above a surface is assumed to stand on it; so is one up to 2 m above, where its lower parts are
-    hidden because the view is steep or the image ends.
+    above a surface is assumed to stand on it. The same holds up to 2 m above it if the lower parts
+    are hidden, because the view is steep or the image ends.
     """
     points, pixels = foreground.points_enu_m[blob], foreground.pixels[blob]
     sight = np.median(points, axis=0) - image.pixels.eye
@@ -173,6 +180,7 @@ def see(
     return Sighting(
         points_enu_m=points,
         forward=forward,
+        # The near percentile of noisy points lies too near by this much.
         near_m=between(ahead, _NEAR_PERCENT, _FAR_PERCENT)[0] + _NORMAL_SPREAD / 2 * depth_sigma_m,
         right_m=right_m - half_px_m,
         left_m=left_m + half_px_m,
@@ -222,7 +230,7 @@ def goes_on(
     sign: int,
     edge_percent: float,
 ) -> bool:
-    """Whether a blob may go on beyond its pixels to a side.
+    """Return whether a blob may go on beyond its pixels to a side.
 
     It does not if most pixels beside its edge show something farther away than `behind`, or
     nothing.
@@ -233,7 +241,7 @@ def goes_on(
         behind: Depth of what is behind each sample, m.
         axis: Column of `pixels` that changes towards the side.
         sign: 1 if it grows, -1 if it falls.
-        edge_percent: Share of the samples that are its edge, or more where they are in line.
+        edge_percent: Share of the samples that are its edge, or more if they are in line.
     """
     places = sign * pixels[:, axis]
     edge = _percentile(np.sort(places), 100.0 - edge_percent)

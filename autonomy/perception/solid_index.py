@@ -1,7 +1,8 @@
 """Index of solids on a grid, for fast signed distances near the surfaces of many.
 
-Each cell of the grid lists the solids that come within `reach_m` of any point of it, so that the
-distance to the nearest one, cut off at the reach, is found among a few.
+A scene has hundreds of solids, and a registration asks for thousands of distances. Each cell of the
+grid lists the solids that come within `reach_m` of any point of it, so that the distance to the
+nearest one, cut off at the reach, is found among a few.
 """
 
 from __future__ import annotations
@@ -40,7 +41,13 @@ class Grid(NamedTuple):
 
 
 def index_solids(obstacles: Obstacles, *, reach_m: float, cell_m: float = 1.0) -> Grid:
-    """Index all solids in cells of `cell_m`, or wider ones if there would be too many."""
+    """Index all solids in cells of `cell_m`, or wider ones if there would be too many.
+
+    Args:
+        obstacles: Solids.
+        reach_m: Distance at which all distances are cut off.
+        cell_m: Width of a cell.
+    """
     solids = obstacles.solids
     half = np.einsum("nij,nj->ni", np.abs(solids.rotations), solids.halves)
     low, high = solids.centers - half - reach_m, solids.centers + half + reach_m
@@ -74,8 +81,10 @@ def fill_cells(
     """
     n_cells = counts[0] * counts[1] * counts[2]
     found = np.zeros(n_cells + 1, dtype=np.int64)
+    # From the cell's middle: half a diagonal more covers every point of the cell.
     near = reach + 0.5 * math.sqrt(3.0) * cell
     entries = np.empty(0, dtype=np.int64)
+    # The first pass counts the entries of each cell, the second one writes them.
     for is_second in (False, True):
         if is_second:
             for k in range(n_cells):
@@ -106,8 +115,8 @@ def fill_cells(
 def nearest_plane(x: float, y: float, z: float, grid: Grid) -> Plane:
     """Plane that touches the solid nearest to a point from below the point, see `plane_between`.
 
-    The distance is the reach, and the normal zero, where nothing is nearer; outside the grid every
-    solid is asked.
+    If nothing is nearer than the reach, the distance is the reach and the normal zero. Outside the
+    grid every solid is tested.
     """
     solids, corner, cell, reach, counts, ends, entries = grid
     a = math.floor((x - corner[0]) / cell)

@@ -1,8 +1,8 @@
 """Matches a depth image to the surfaces that earlier ones showed.
 
-Every image that fits, or shows what is new, adds its points to those surfaces, where the match has
-them. So the estimate stays tied to where the flight began, for as long as each image overlaps with
-what was seen before.
+In a place without a map, the first images are the best map there is. Every image that fits, or
+shows something new, adds its points to those surfaces at its matched pose. So the estimate stays
+tied to where the flight began, for as long as each image overlaps with earlier ones.
 """
 
 from __future__ import annotations
@@ -21,25 +21,31 @@ from autonomy.perception.seen_surfaces import Surfaces, add_points, no_surfaces,
 from autonomy.types import Vector3
 
 _N_INDEPENDENT = 150.0
-"""Unlike a given map, one that was seen errs as the images do, so more of them is independent."""
+"""Independent measurements that an image is worth. Unlike a given map, one that was seen errs as
+the images do, so more of them is independent."""
 _GOOD_SIGMA_M = 0.06
-"""Deviation up to which a point counts whole for a direction: a few that err more may all lie on
+"""Deviation up to which a point counts whole for a direction. A few that err more may all lie on
 one surface that was seen wrongly."""
 _LEAST_KNOWN = 60
 """Number of points that must lie in cells whose surface is known."""
 _WIDTHS_M = np.array([0.4, 0.3, 0.2, 0.2, 0.2, 0.2])
-"""The last must come to rest: what is left of a step counts as a measurement once the prior is
-removed."""
+"""Widths of the biweight, step by step. The last steps repeat, so that the search comes to rest:
+the rest of a step would count as a measurement once the prior is removed."""
 _LEARN_STRIDE = 3
 _LEARN_SIGMA_M = 0.12
-"""Deviation of a point above which it tells nothing new about a surface."""
+"""Deviation above which a point adds nothing to a surface."""
 
 
 class SurfaceMatcher:
-    """Matches depth images to what was seen, and adds to it."""
+    """Matches depth images to the surfaces seen so far, and adds to them."""
 
     def __init__(self, low_enu_m: Vector3, high_enu_m: Vector3) -> None:
-        """Start with nothing seen of a volume."""
+        """Start with nothing seen of a volume.
+
+        Args:
+            low_enu_m: Lower corner of the volume.
+            high_enu_m: Upper corner of the volume.
+        """
         self._surfaces = no_surfaces(low_enu_m, high_enu_m)
 
     def match(
@@ -76,9 +82,9 @@ class SurfaceMatcher:
 
 @kernel
 def fit(view: View, widths: Float[np.ndarray, " k"], surfaces: Surfaces) -> Float[np.ndarray, " 4"]:
-    """Find the offset and yaw that lay the points onto surfaces, from the prior on.
+    """Find the offset and yaw that lay the points onto surfaces, starting at the prior.
 
-    By Gauss-Newton with Tukey's biweight, whose width shrinks from step to step, as in
+    The method is Gauss-Newton with Tukey's biweight, whose width shrinks from step to step, as in
     `registration`.
     """
     points, sigmas, camera, prior, prior_information, worth = view
@@ -111,10 +117,10 @@ def judge(
     """Judge how well points lie on surfaces.
 
     Returns:
-        The number of points where a surface is known, then of these: half the sum of squared
-        deviations, as `worth` counts them; the share that lies at the surface; their mean distance
-        in m; the information about offset and yaw; and how many good points lie across each
-        direction.
+        The number of points in cells whose surface is known, then of these: half the sum of squared
+            deviations, as `worth` counts them; the share that lies at the surface; their mean
+            distance in m; the information about offset and yaw; and how many good points lie across
+            each direction.
     """
     points, sigmas, camera, _, _, worth = view
     information, support = np.zeros((4, 4)), np.zeros((3, 3))
@@ -149,9 +155,9 @@ def judge(
 def _deviation(
     point: np.ndarray, camera: np.ndarray, x: np.ndarray, surfaces: Surfaces, j: np.ndarray
 ) -> tuple[float, float]:
-    """Distance of a point from the plane in its cell, and the deviation of that, 0 without any.
+    """Distance of a point from its cell's plane, and the deviation of that; 0 without a plane.
 
-    Writes the derivative of the distance by offset and yaw to `j`.
+    The derivative of the distance by offset and yaw is written to `j`.
     """
     c, s = math.cos(x[3]), math.sin(x[3])
     east = c * point[0] - s * point[1]

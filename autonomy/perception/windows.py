@@ -1,7 +1,8 @@
 """Properties of a window about every cell of a grid: planes, extremes, clearance.
 
-Over a fully observed disc the least-squares plane separates into three sums: of heights, and of
-heights times offsets to the east and to the north.
+A least-squares fit for each of ten thousand cells would be slow. Over a fully observed disc,
+however, the plane separates into three sums: of heights, and of heights times offsets to the east
+and to the north. Running sums then give it for all cells at once.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from autonomy.jit import kernel
 
 
 def disc(radius_m: float, resolution_m: float) -> Float[np.ndarray, "k k"]:
-    """Window of cells, 1 where a cell is at least about half inside a circle, else 0."""
+    """Window of cells, 1 if a cell is at least about half inside a circle, else 0."""
     reach = math.floor(radius_m / resolution_m + 0.5)
     offset = np.arange(-reach, reach + 1)
     return (np.hypot(*np.meshgrid(offset, offset)) <= radius_m / resolution_m + 0.5).astype(float)
@@ -24,7 +25,7 @@ def disc(radius_m: float, resolution_m: float) -> Float[np.ndarray, "k k"]:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class WindowFit:
-    """Plane and variance in a window about each cell; NaN where it is not all known."""
+    """Plane and variance in a window about each cell; NaN unless the whole window is known."""
 
     plane: Float[np.ndarray, "3 n n"]
     """Least-squares plane: height over the cell, rise to east and north."""
@@ -45,7 +46,7 @@ def fit_planes(
     height_sum, east_sum, north_sum, variance_sum = window_sums(heights, variance, half_widths)
     count = window.sum()
     moment = moment_m2(window, resolution_m) / resolution_m
-    # A window of one cell has no slope to tell.
+    # A window of one cell has no slope.
     plane = np.stack([height_sum / count, east_sum / (moment or 1.0), north_sum / (moment or 1.0)])
     return WindowFit(plane=plane, variance_m2=np.maximum(variance_sum / count, 0.0))
 
@@ -56,7 +57,7 @@ def window_sums(
     variance: Float[np.ndarray, "n n"],
     half_widths: Int[np.ndarray, " k"],
 ) -> Float[np.ndarray, "4 n n"]:
-    """Sums over a window about each cell; NaN where a height in it is, or the border cuts it.
+    """Sums over a window about each cell; NaN if a height in it is, or if the border cuts it.
 
     The sums are those of heights, of heights times offsets in cells to the east and to the north,
     and of variances. Row by row the window has `half_widths` cells on either side of its middle.
@@ -87,6 +88,7 @@ def window_sums(
             first, last = reach - half, reach + half + 1
             s, m, v, u = sums[0, row], sums[1, row], sums[2, row], sums[3, row]
             for j in range(n_inside):
+                # The sum over a span of a row is the difference of two running sums.
                 in_row = s[last + j] - s[first + j]
                 total[j] += in_row
                 east[j] += m[last + j] - m[first + j] - (reach + j) * in_row
@@ -128,7 +130,7 @@ def smoothed(
 
 
 def moment_m2(window: Float[np.ndarray, "k k"], resolution_m: float) -> float:
-    """Sum of the squares of the cells' offsets from the middle along one axis."""
+    """Sum of the squares of the cells' offsets from the middle along one axis, m^2."""
     offset = (np.arange(len(window)) - len(window) // 2) * resolution_m
     return float(np.sum(window * offset**2))
 
@@ -150,7 +152,7 @@ def extremes(
     window: Float[np.ndarray, "k k"],
     resolution_m: float,
 ) -> Float[np.ndarray, "2 n n"]:
-    """How far one surface rises above each cell's plane within the window, and one sinks below.
+    """Rise of one surface above each cell's plane within the window, and sinking of another below.
 
     Beyond the border both are infinite. An empty bottom is skipped.
     """
@@ -178,8 +180,8 @@ def extremes_about_planes(
     """Largest top minus plane, and plane minus bottom, over a window about each cell.
 
     Top and bottom are `reach` cells wider than the grid on every side; bottom may be empty. A
-    cell's plane has a height over the cell and rises by `east` and `north` per metre; `offsets`
-    are rows and columns of the window's cells from its middle.
+    cell's plane has a height over the cell and rises by `east` and `north` per metre; `offsets` are
+    rows and columns of the window's cells from its middle.
     """
     n = len(height)
     extremes = np.full((2, n, n), np.float32(-np.inf))
@@ -205,7 +207,7 @@ def extremes_about_planes(
 
 
 def clearance(is_usable: Bool[np.ndarray, "n n"], resolution_m: float) -> np.ndarray:
-    """Distance to the nearest cell that is not usable; the map's border counts as such."""
+    """Distance to the nearest cell that is not usable, m; the map's border counts as such."""
     import cv2
 
     padded = np.pad(is_usable.astype(np.uint8), 1)

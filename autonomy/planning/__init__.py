@@ -1,4 +1,8 @@
-"""Planning: from a map and a goal to a trajectory that is certified before it is flown."""
+"""Planning: from a map and a goal to a trajectory that is certified before it is flown.
+
+`plan_trajectory` plans from a state to rest at a goal, `replan` the rest of a plan around moving
+obstacles, `brake` a stop. `certify` proves any trajectory, whoever made it.
+"""
 
 from autonomy.planning.braking import brake
 from autonomy.planning.certificate import Certificate, certify

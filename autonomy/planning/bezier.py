@@ -1,6 +1,7 @@
 """Pieces of a trajectory as Bezier curves: a curve lies in the hull of its control points.
 
-Works on numpy arrays and CasADi expressions alike.
+Bounds on a few control points therefore hold on the whole curve, between samples too. The functions
+work on numpy arrays and CasADi expressions alike.
 """
 
 from __future__ import annotations
@@ -13,9 +14,9 @@ Node = tuple[Any, Any, Any]
 
 
 def control_points(a: Node, b: Node, t: Any) -> list[list[Any]]:
-    """Control points of position (6), velocity (5), acceleration (4) and jerk (3) of a piece.
+    """Return the control points of position (6), velocity (5), acceleration (4) and jerk (3).
 
-    The piece leads from a to b in t seconds.
+    The piece leads from a to b in t seconds, as a polynomial of degree 5.
     """
     p0, v0, a0 = a
     p1, v1, a1 = b
@@ -35,7 +36,7 @@ def control_points(a: Node, b: Node, t: Any) -> list[list[Any]]:
 
 
 def integral_of_square(points: list[Any], t: Any) -> Any:
-    """Integral over a piece of the squared norm of a Bezier curve."""
+    """Integral over a piece of t seconds of the squared norm of a Bezier curve."""
     degree = len(points) - 1
     total = 0
     for i, a in enumerate(points):

@@ -1,9 +1,10 @@
-"""Braking: coming to rest as soon as possible, ahead, or aside where a mover approaches.
+"""Braking: coming to rest as soon as possible, ahead, or aside if a mover approaches.
 
-Many motions of one piece from the present state to rest are drawn: straight stops, stops on the
-plan, and stops beside, above and below them. The first, ordered by time and way aside, that can be
-proved is taken; the proof extends past its end, where the vehicle stands, to the horizon of the
-movers' prediction.
+An optimiser would have to choose where to stop; drawing many simple stops and testing them is
+quicker and always gives an answer in time. Motions of one piece from the present state to rest are
+drawn: straight stops, stops on the plan, and stops beside, above and below them. The first that can
+be proved is taken, ordered by time and distance aside. The proof extends past its end, where the
+vehicle stands, to the horizon of the movers' prediction.
 
 Source: motions of least jerk and their test as in Mueller, Hehn and D'Andrea 2015; a stop that is
 always at hand as in Tordesillas et al. 2019 (FASTER).
@@ -28,13 +29,15 @@ from autonomy.planning.planner import as_node, bounds_for, with_yaw
 from autonomy.planning.trajectory import Trajectory, join_states
 from autonomy.types import FlatReference
 
+# Durations of the stops, and distances of the places aside from the straight stop.
 _TIMES_S = np.geomspace(0.4, 6.0, 20)
 _ASIDE_M = (0.6, 1.2, 2.0, 3.2)
 _PRICE_ASIDE_SPM = 0.5
 """Price in seconds of each metre away from the straight stop."""
 _RESERVE = 1.004
-"""Tolerance between the optimiser's, which a start may have used up, and the certificate's."""
-_MOST_PROOFS = 12
+"""Share of a limit that a start may have used: between the optimiser's tolerance, which it may have
+used up, and the certificate's."""
+_MOST_PROOFS = 12  # a proof is dear; the quick test before it leaves few candidates
 
 
 def brake(
@@ -48,9 +51,9 @@ def brake(
 ) -> Trajectory:
     """Plan a certified trajectory to rest as soon as possible, away from moving obstacles.
 
-    The arguments are those of `replan`, but `previous` may be any trajectory, and `at_time_s` later
-    than its end, where the vehicle stands. After the stop the vehicle also stands clear of them
-    until the prediction's horizon.
+    The arguments are those of `replan`, but `previous` may be any trajectory. `at_time_s` may be
+    later than its end, where the vehicle stands. After the stop the vehicle also stands clear of
+    moving obstacles until the prediction's horizon.
 
     Returns:
         A trajectory without a corridor: `plan_trajectory` goes on from its end.
@@ -87,7 +90,7 @@ def _feasible_stops(
     craft: Craft,
     moving: MovingObstacles,
 ) -> Iterator[Trajectory]:
-    """A few stops that pass a quick test of limits and clearance, best first."""
+    """Yield a few stops that pass a quick test of limits and clearance, best first."""
     limits, quadrotor, keep_m = craft.limits, craft.quadrotor, craft.keep_m
     allowed = allowances(bounds_for(begin, limits, quadrotor), limits, quadrotor, _RESERVE)
     ends, durations_s, order = _stops(begin, plan, at_s)
@@ -109,12 +112,13 @@ def _feasible_stops(
 def _stops(
     begin: FlatReference, plan: Trajectory, at_s: float
 ) -> tuple[Float[np.ndarray, "m 3 3"], Float[np.ndarray, " m"], np.ndarray]:
-    """States at rest, times to reach them, and their order, best first."""
+    """Return states at rest, times to reach them, and their order, best first."""
     p, v, a = as_node(begin)
     t = _TIMES_S[:, None]
     # The motion of least jerk with a free end stops here.
     ahead = p + v * t / 2 + a * t**2 / 12
     aside = np.concatenate([np.zeros((1, 3)), *(reach * _directions(v) for reach in _ASIDE_M)])
+    # Quarter, half and three quarters of the distance that the plan covers in the stop's time.
     along = plan.positions(at_s + np.multiply.outer(_TIMES_S, (0.25, 0.5, 0.75)).ravel())
     on_plan = along.reshape(len(t), 3, 3)
     places = np.concatenate([ahead[:, None] + aside, on_plan], axis=1)
@@ -126,7 +130,7 @@ def _stops(
 
 
 def _directions(velocity: np.ndarray) -> Float[np.ndarray, "26 3"]:
-    """Directions to all sides of the horizontal motion; level, slanted, up and down."""
+    """Return directions to all sides of the horizontal motion: level, slanted, up and down."""
     heading = math.atan2(velocity[1], velocity[0])
     angle = heading + np.arange(8) * math.pi / 4
     level = np.column_stack([np.cos(angle), np.sin(angle), np.zeros(8)])
@@ -140,7 +144,10 @@ def _directions(velocity: np.ndarray) -> Float[np.ndarray, "26 3"]:
 def _is_clear_at_rest(
     places: np.ndarray, since_s: np.ndarray, moving: MovingObstacles, keep_m: float
 ) -> np.ndarray:
-    """Whether moving obstacles stay away from positions after given times, by samples."""
+    """Return whether moving obstacles stay away from positions after given times, by samples.
+
+    Only a filter before the proof, so samples of 0.1 s suffice.
+    """
     if not len(moving):
         return np.ones(len(places), dtype=bool)
     is_clear = np.ones(len(places), dtype=bool)
@@ -151,7 +158,7 @@ def _is_clear_at_rest(
 
 
 def _then_stand(stop: Trajectory, moving: MovingObstacles) -> Trajectory:
-    """The trajectory, followed by rest at its end until the prediction's horizon."""
+    """Return the trajectory followed by rest at its end until the prediction's horizon."""
     rest_s = moving.horizon_s - stop.duration_s if len(moving) else 0.0
     if rest_s <= 0:
         return stop

@@ -1,6 +1,9 @@
 """Proof that a trajectory is safe: exact distances and limits at samples, bounded in between.
 
-Clearance is proved by marching (see `clearance`), limits from the flatness model (see `demand`).
+Plans come from optimisers with tolerances, from primitives or from outside, and none of these is
+trusted. The proof is a separate piece of code that sees only the trajectory, the obstacles and the
+limits. Clearance is proved by marching (see `clearance`), limits from the flatness model (see
+`demand`).
 """
 
 from __future__ import annotations
@@ -30,7 +33,8 @@ class Certificate:
     """Proved bounds of a trajectory."""
 
     min_clearance_m: float
-    """Lower bound of the distance from the vehicle's sphere to obstacles, along the whole way."""
+    """Lower bound of the distance from the vehicle's sphere to obstacles, along the whole
+    trajectory."""
     max_speed_horizontal_mps: float
     max_speed_vertical_mps: float
     max_acceleration_mps2: float
@@ -62,6 +66,9 @@ def certify(
         margin_m: Distance that the sphere must keep.
         moving: Moving obstacles, predicted from the trajectory's beginning on.
 
+    Returns:
+        The proved bounds, for example the least clearance.
+
     Raises:
         CertificateError: If a bound is broken; names the first one, and where.
     """
@@ -70,6 +77,7 @@ def certify(
     clearance_m = _clearance(trajectory, obstacles, moving, radius_m, margin_m)
     peaks = limit_peaks(trajectory, quadrotor)
     yaw = trajectory.yaw
+    # The heading is linear between its entries, so its rate is exact.
     turn_radps = float(np.abs(np.diff(yaw.yaw_rad)).max(initial=0.0)) / yaw.step_s
     certificate = Certificate(min_clearance_m=clearance_m, max_yaw_rate_radps=turn_radps, **peaks)
     most_thrust = limits.max_specific_thrust_mps2(quadrotor)
@@ -103,6 +111,7 @@ def _clearance(
         moving.movers,
         radius_m + margin_m,
     )
+    # "Not more" instead of "at most", so that NaN fails.
     if not distance_m > radius_m + margin_m:
         x, y, z = trajectory.positions(np.array([at_s]))[0]
         what = f"{'moving ' if is_moving else ''}obstacle {index}"

@@ -1,9 +1,10 @@
 """From a path of cells to a safe corridor: few straight legs, a convex polytope about each.
 
-The corridor knows the obstacles exactly, not as cells. For a leg and an obstacle, both convex, the
-plane that touches the obstacle nearest to the leg separates them; moved towards the leg by the
-vehicle's radius and a margin it bounds where the centre of the vehicle may be. Obstacles that lie
-wholly beyond planes already there need none of their own, so a dozen planes usually do.
+The optimiser needs convex free space, because its constraints are planes. The corridor knows the
+obstacles exactly, not as cells. For a leg and an obstacle, both convex, the plane that touches the
+obstacle nearest to the leg separates them. Moved towards the leg by the vehicle's radius and a
+margin, it bounds where the centre of the vehicle may be. Obstacles that lie wholly beyond planes
+already there need none of their own, so a dozen planes usually do.
 
 Source: separating planes about a path as in Liu et al. 2017 (safe flight corridors), taken here
 from the solids themselves.
@@ -29,12 +30,12 @@ from autonomy.planning.solids import (
     support,
 )
 
-MAX_PLANES = 20
+MAX_PLANES = 20  # six of them are the box's sides
 REACHES_M = (6.0, 3.0, 1.5, 0.75)
-"""Reaches of a polytope beyond its leg along each axis; the first that needs few planes counts."""
-_SLACK_M = 1e-6
+"""Reaches of a polytope beyond its leg along each axis. The first that needs few planes is used."""
+_SLACK_M = 1e-6  # against rounding: touching counts as inside
 _PARALLEL = 1e-10
-"""Determinant of three planes' normals below which they have no corner in common."""
+"""Determinant of three planes' normals below which they share no corner."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -63,8 +64,8 @@ def straighten(
 ) -> Float[np.ndarray, "m 3"]:
     """Drop points of a path wherever the straight line costs no clearance.
 
-    A line may replace a part whose smallest distance it does not undercut, up to what is enough
-    anywhere.
+    A line may replace a part if it keeps at least that part's smallest distance. Distances beyond
+    `enough_m` do not count.
     """
     points = np.ascontiguousarray(points_enu_m, dtype=float)
     room_m = np.minimum(obstacles.signed_distance(points)[0], enough_m)
@@ -87,8 +88,8 @@ def build_corridor(
         obstacles: Obstacles to stay away from.
         bounds_enu_m: Lower and upper corner of the volume in which flight is allowed.
         wanted_m: Distance to keep from the centre of the vehicle to obstacles.
-        least_m: Distance to keep where a leg offers less than `wanted_m`: half of what it offers
-            beyond this is kept, the other half is freedom for the optimiser.
+        least_m: Distance to keep on a leg that offers less than `wanted_m`. Half of what the leg
+            offers beyond this is kept; the other half is freedom for the optimiser.
         max_leg_m: Length above which a leg gets its polytope several times, once for each piece to
             fly.
 
@@ -113,7 +114,7 @@ def build_corridor(
 
 
 def refine(corridor: Corridor, counts: Int[np.ndarray, " n"]) -> Corridor:
-    """Corridor of the same free space with each piece cut into several."""
+    """Return a corridor of the same free space with each piece cut into `counts` parts."""
     gates = [corridor.gates_enu_m[:1]]
     for (a, b), count in zip(pairwise(corridor.gates_enu_m), counts.tolist(), strict=True):
         gates.append(a + (b - a) * np.arange(1, count + 1)[:, None] / count)
@@ -145,7 +146,10 @@ def _polytope(
 
 @kernel
 def segment_clearance(p: Point, q: Point, enough: float, solids: Solids) -> float:
-    """Distance from a segment to the nearest solid; `enough` where it is at least that."""
+    """Distance from a segment to the nearest solid, at most `enough`.
+
+    Solids whose bounding sphere is farther than the best so far are skipped.
+    """
     clearance = enough
     for i in range(len(solids.centers)):
         if sphere_to_segment(p, q, i, solids) - _SLACK_M < clearance:
@@ -189,6 +193,7 @@ def polytope_about(
         planes[2 * axis + 1, axis], planes[2 * axis + 1, 3] = -1.0, -low[axis]
     near, distance = _separating_planes(p, q, low, high, kept, solids)
     count = 6
+    # Nearest first: near planes exclude many of the farther obstacles.
     for n in np.argsort(distance):
         if _is_beyond(int(near[n, 4]), planes[:count], kept, solids):
             continue
@@ -205,7 +210,7 @@ def polytope_about(
 def _without_idle(
     planes: Float[np.ndarray, "planes 4"], count: int
 ) -> Float[np.ndarray, "planes 4"]:
-    """Bounded polytope with the planes that have a corner of it first, and the others unused."""
+    """Return a bounded polytope with the planes that have a corner of it, the others unused."""
     has_corner = np.zeros(count, dtype=np.bool_)
     for i in range(count):
         for j in range(i + 1, count):
@@ -248,7 +253,7 @@ def _is_inside(point: Point, planes: Float[np.ndarray, "k 4"]) -> bool:
 def _separating_planes(
     p: Point, q: Point, low: Point, high: Point, kept: float, solids: Solids
 ) -> tuple[Float[np.ndarray, "k 5"], Float[np.ndarray, " k"]]:
-    """Plane (4), index and distance to the leg of each solid that may reach into a box."""
+    """Return plane (4) and index of each solid that may reach into a box, and its distance."""
     planes = np.empty((len(solids.centers), 5))
     distance = np.empty(len(solids.centers))
     count = 0
@@ -265,7 +270,7 @@ def _separating_planes(
 
 @kernel
 def _is_beyond(i: int, planes: Float[np.ndarray, "k 4"], kept: float, solids: Solids) -> bool:
-    """Whether one of the planes already keeps the vehicle away from all of solid i."""
+    """Return whether one of the planes already keeps the vehicle away from all of solid i."""
     for n in range(len(planes)):
         f = planes[n]
         if -support(-f[0], -f[1], -f[2], i, solids) >= f[3] + kept - _SLACK_M:

@@ -1,4 +1,7 @@
-"""Craft that flies: its limits, its mass and thrust, and the settings of its plans."""
+"""The craft that flies: its limits, its mass and thrust, and the settings of its plans.
+
+Planning, replanning and braking all need the same three things, so they travel as one `Craft`.
+"""
 
 from __future__ import annotations
 
@@ -16,20 +19,23 @@ from autonomy.planning.obstacles import Obstacles
 from autonomy.planning.trajectory import Trajectory
 
 Method = Literal["optimise", "primitives"]
-"""Way to make a trajectory of a way: optimise space and time over a corridor, or string motion
+"""How a trajectory is made from a path: optimise space and time over a corridor, or string motion
 primitives (Mueller 2015)."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class PlannerCfg:
-    """Settings of a plan."""
+    """Settings of a plan.
+
+    Raises `PlanningError` if a setting makes plans impossible.
+    """
 
     vehicle_radius_m: float
     """Radius of a sphere about the centre of mass that holds the vehicle."""
     method: Method = "optimise"
     margins_m: tuple[float, ...] = (0.6, 0.4, 0.25, 0.15)
-    """Distances from that sphere to obstacles to try in turn; the first that gives a plan is
-    taken."""
+    """Distances from that sphere to obstacles, tried in turn; the first that gives a plan is used.
+    """
     min_margin_m: float = 0.05
     """Distance that the proof demands beyond the sphere."""
     comfortable_m: float = 1.5
@@ -37,10 +43,10 @@ class PlannerCfg:
     max_piece_m: float = 12.0
     """Length above which a leg is flown in several pieces."""
     search_excess: float = 0.0
-    """Share by which the searched path may cost more than the cheapest; some shorten a long
-    search."""
+    """Share by which the searched path may cost more than the cheapest one; a small share shortens
+    a long search."""
     min_pieces: int = 1
-    """Least number of pieces: more can bend more often, and take longer to plan."""
+    """Least number of pieces. More pieces can bend more often but take longer to plan."""
 
     def __post_init__(self) -> None:
         """Refuse settings by which no plan can be made."""
@@ -62,7 +68,7 @@ class PlannerCfg:
 
 @dataclass(frozen=True, slots=True)
 class Craft:
-    """Vehicle that a plan is made for."""
+    """The vehicle that a plan is made for."""
 
     limits: FlightLimits
     """Limits of the motion."""
@@ -73,7 +79,7 @@ class Craft:
 
     @property
     def keep_m(self) -> float:
-        """Distance from the centre of mass that the proof demands."""
+        """Distance from the centre of mass to obstacles that the proof demands, m."""
         return self.cfg.vehicle_radius_m + self.cfg.min_margin_m
 
     def prove(
@@ -84,7 +90,13 @@ class Craft:
         moving: MovingObstacles = NOTHING_MOVES,
         margin_m: float | None = None,
     ) -> Trajectory:
-        """Certify a trajectory and note its clearance; margin None is `min_margin_m`.
+        """Certify a trajectory and return it with its proved clearance.
+
+        Args:
+            trajectory: Trajectory to prove.
+            obstacles: Static obstacles.
+            moving: Moving obstacles, predicted from the trajectory's beginning on.
+            margin_m: Distance that the vehicle's sphere must keep; None for `min_margin_m`.
 
         Raises:
             CertificateError: If the trajectory breaks the clearance or a limit.

@@ -1,8 +1,9 @@
 """Demands of a trajectory on the vehicle, by differential flatness with rotor drag.
 
-Each limit bounds a convex function of a vector that moves smoothly. Between two samples such a
-function exceeds neither sample's value by more than the vector strays from the chord: dt^2 / 8
-times its largest second derivative there.
+Samples alone would miss a peak between them. Each limit, however, bounds a convex function of a
+vector that moves smoothly. Between two samples such a function exceeds neither sample's value by
+more than the vector strays from the chord: dt^2 / 8 times its largest second derivative there. That
+stray is added to each sample.
 """
 
 from __future__ import annotations
@@ -17,15 +18,16 @@ from autonomy.model.quadrotor import QuadrotorParams
 from autonomy.planning.limits import FlightLimits
 from autonomy.planning.trajectory import Trajectory, coefficients_from_nodes, derivative_at
 
+# Fine for the proof; coarser while the optimiser searches, because it evaluates this often.
 _PROOF_STEP_S = 0.02
 _SEARCH_STEP_S = 0.06
 _DRAG_STRAY = 1.2
 """Factor on the stray that allows for the drag coefficient's change between samples."""
-_MOST_EXCESS = 0.5
+_MOST_EXCESS = 0.5  # most that one tightening may ask for
 
 
 def limit_peaks(trajectory: Trajectory, quadrotor: QuadrotorParams) -> dict[str, float]:
-    """Largest values of what limits bound, between samples included, by field of `Certificate`."""
+    """Largest values of limited quantities, between samples included, by field of `Certificate`."""
     piece, since, dt = _samples(trajectory.durations_s, _PROOF_STEP_S)
     d = [derivative_at(trajectory.coefficients, piece, since, order) for order in range(1, 6)]
     asked = effort(d[0].T, d[1].T, d[2].T, quadrotor)
@@ -57,7 +59,8 @@ def excess(
     """Shares by which each piece must lower its accelerations and its body rates.
 
     Gravity and drag cannot be lowered, so the lack of thrust and tilt is given as a share of the
-    acceleration at that point.
+    acceleration at that point. Both shares are between 0 and `_MOST_EXCESS`; the second one may be
+    zero where the first is not.
     """
     piece, since, _ = _samples(durations_s, _SEARCH_STEP_S)
     coefficients = coefficients_from_nodes(nodes, durations_s)
@@ -71,6 +74,8 @@ def excess(
         across - slope * upright,
         asked.specific_thrust_mps2 - limits.max_specific_thrust_mps2(quadrotor),
     )
+    # First sample of each piece: `reduceat` takes the maximum of the samples from there to the
+    # next.
     first = np.flatnonzero(np.diff(piece, prepend=-1))
     force = np.maximum.reduceat(np.clip(lack / own, 0.0, _MOST_EXCESS), first)
     rate = np.maximum.reduceat(asked.tilt_rate_radps, first) / limits.body_rate_radps - 1

@@ -1,4 +1,8 @@
-"""Errors of planning; every message names the obstacle and the remedy."""
+"""Errors of planning; every message names the obstacle and the remedy.
+
+A caller distinguishes them by type: another goal may help after `BlockedError`, waiting after
+`EvasionError`, a slower flight after `LimitsError`.
+"""
 
 from __future__ import annotations
 
@@ -15,11 +19,11 @@ class UnreachableError(PlanningError):
     """No free path joins start and goal.
 
     Attributes:
-        narrowest_enu_m: Narrowest place of the widest way, None if none was sought or found.
+        narrowest_enu_m: Narrowest place of the widest path; None if none was sought or found.
     """
 
     def __init__(self, message: str, narrowest_enu_m: tuple[float, float, float] | None = None):
-        """Create the error with its message and the narrowest place of the widest way."""
+        """Create the error with its message and the narrowest place of the widest path."""
         super().__init__(message)
         self.narrowest_enu_m = narrowest_enu_m
 
@@ -29,8 +33,8 @@ class LimitsError(PlanningError):
 
 
 class CertificateError(PlanningError):
-    """A trajectory was found, and every attempt broke the clearance or a limit when checked."""
+    """A trajectory was found, but every attempt broke the clearance or a limit when checked."""
 
 
 class EvasionError(PlanningError):
-    """A moving obstacle is in the way, and no way past it could be proved."""
+    """A moving obstacle is in the way, and no path around it could be proved."""

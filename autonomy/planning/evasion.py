@@ -1,8 +1,9 @@
-"""Rest of a plan, and its possible ways past moving obstacles.
+"""Rest of a plan, and its candidate paths around moving obstacles.
 
-A plane in each piece keeps an obstacle that it comes near to on one side. The side is that of a
-guess of the path: the plan itself where that is clear, else one bent to either side, above or
-below.
+A moving obstacle makes free space non-convex: the vehicle can pass on several sides, and an
+optimiser with planes finds only the side that its planes allow. So the side is chosen first. A
+plane in each piece keeps a nearby obstacle on one side, namely the side of a guessed path: the plan
+itself if that is clear, else one bent to either side, above or below.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ _MOST_NEAR = 4
 _STEP_S = 0.1
 _PIECE_S = 0.8
 """Duration to which pieces near a moving obstacle are cut, so that they can bend around it."""
-_LEAST_PIECE_S = 0.08
+_LEAST_PIECE_S = 0.08  # a shorter first piece is merged with the next
 _MAX_PIECES = 20
 _EASE_M = 0.02
 """Distance beyond the demanded one, so that the proof has some slack."""
@@ -37,7 +38,10 @@ _SLOW_SHARES = (0.6, 0.3)
 def remainder(
     previous: Trajectory, corridor: Corridor, at_s: float
 ) -> tuple[np.ndarray, np.ndarray, Corridor]:
-    """Rest of a plan as it is, proved already except against moving obstacles."""
+    """Return coefficients, times and corridor of the rest of a plan as it is.
+
+    The rest is proved already except against moving obstacles.
+    """
     coefficients, durations_s, first = rest_of(previous, at_s)
     gates = corridor.gates_enu_m[first:].copy()
     gates[0] = coefficients[0, 0]
@@ -47,10 +51,10 @@ def remainder(
 def no_nearer(
     moving: MovingObstacles, point_enu_m: Float[np.ndarray, " 3"], keep_m: float
 ) -> MovingObstacles:
-    """Predictions with their radii cut down where the start is nearer to an obstacle than demanded.
+    """Return predictions whose radii are cut so that the start keeps the demanded distance.
 
-    Otherwise nothing could be proved from there, not even the way out. The proof is then that the
-    vehicle comes no nearer than it is.
+    Otherwise nothing could be proved from a start that is too near, not even the way out. The proof
+    is then that the vehicle comes no nearer than it is.
     """
     distance_m = moving.distances(point_enu_m[None], np.zeros(1))[0][:, 0]
     lacking_m = np.maximum(keep_m + _EASE_M - distance_m, 0.0)
@@ -60,7 +64,14 @@ def no_nearer(
 
 
 class Rest:
-    """Rest of a plan: free space and times, finer where something moves nearby."""
+    """Rest of a plan: free space and times, with shorter pieces near moving obstacles.
+
+    Args:
+        previous: Plan in flight.
+        corridor: Corridor of that plan.
+        at_s: Time of the plan at which the rest begins.
+        moving: Moving obstacles, predicted from that time on.
+    """
 
     def __init__(
         self, previous: Trajectory, corridor: Corridor, at_s: float, moving: MovingObstacles
@@ -79,6 +90,7 @@ class Rest:
         self._distance, _ = moving.distances(self._path, self._at)
         self.duration_s = float(times.sum())
         fine = Corridor(planes=planes, gates_enu_m=gates)
+        # First the pieces near movers, then as many as a program is built for.
         for cut in (self._counts, pieces_to_fill):
             counts = cut(times)
             fine, times = refine(fine, counts), np.repeat(times / counts, counts)
@@ -86,7 +98,11 @@ class Rest:
         self._gates, self.planes = fine.gates_enu_m, fine.planes
 
     def problems(self, keep_m: float) -> Iterator[tuple[Corridor, np.ndarray]]:
-        """Free space with planes against moving obstacles, and times: one choice after another."""
+        """Yield free space with planes against moving obstacles, and times, choice by choice.
+
+        Args:
+            keep_m: Distance to aim at from the centre of the vehicle to moving obstacles.
+        """
         nearest = self._distance.min(axis=1, initial=math.inf)
         order = np.argsort(nearest, kind="stable")[:_MOST_NEAR].tolist()
         near = [i for i in order if nearest[i] < keep_m + _NEAR_M]
@@ -102,7 +118,7 @@ class Rest:
             yield self._parted(path, times, near, keep_m), times
 
     def _counts(self, times: np.ndarray) -> np.ndarray:
-        """Number of parts into which each piece is cut."""
+        """Return the number of parts into which each piece is cut."""
         counts = np.ones(len(times), dtype=np.int64)
         if len(self._moving) and self._distance.min() < 2 * _NEAR_M:
             since = np.cumsum(times) - times
@@ -113,15 +129,17 @@ class Rest:
         return counts
 
     def _evasions(self, hit: int, keep_m: float) -> list[tuple[np.ndarray, float]]:
-        """Paths bent to either side of an obstacle on the way, least bend first, and slow ones.
+        """Return paths bent past an obstacle in the way, least bend first, and slow ones.
 
-        Each comes with its share of the plan's speed.
+        Each path comes with its share of the plan's speed.
         """
         worst = int(np.argmin(self._distance[hit]))
         at, velocity = self._at, self._moving.velocity_enu_mps[hit]
         centers = self._moving.position_enu_m[hit] + velocity * at[:, None]
         relative = self._path - centers
         ahead, behind = min(worst + 3, len(at) - 1), max(worst - 3, 0)
+        # Motion relative to the obstacle, from samples around the closest approach: sides are seen
+        # along it.
         along = relative[ahead] - relative[behind]
         along = along / max(float(np.linalg.norm(along)), 1e-6)
         left = np.cross((0.0, 0.0, 1.0), along)
@@ -129,12 +147,14 @@ class Rest:
         left = left / norm if norm > 1e-3 else np.array([1.0, 0.0, 0.0])
         up = np.cross(along, left)
         half_s = max(at[worst], 1.0)
+        # Bent most where the obstacle is nearest, and back on the plan before and after it.
         bump = np.cos(np.clip((at - at[worst]) / half_s, -1.0, 1.0) * math.pi / 2) ** 2
         growth = self._moving.growth_mps * at[worst]
         bent = []
         for side in (left, -left, up, -up):
             need = self._moving.reach_m(hit, side) + growth + keep_m - relative[worst] @ side
             shift = max(need, 0.0)
+            # A guess is bent a tenth further than needed.
             bent.append((shift, self._path + (1.1 * shift * bump)[:, None] * side))
         bent.sort(key=lambda pair: pair[0])
         slow = [
@@ -145,7 +165,7 @@ class Rest:
     def _parted(
         self, path: np.ndarray, durations_s: np.ndarray, near: list[int], keep_m: float
     ) -> Corridor:
-        """Corridor with a plane between a path and each obstacle nearby."""
+        """Return the corridor with a plane between a path and each obstacle nearby."""
         # Room for moving planes; unused ones are (0, 0, 0, 1).
         spare = np.zeros((len(self.planes), _MOST_NEAR, 4))
         spare[:, :, 3] = 1.0
@@ -165,6 +185,8 @@ class Rest:
                 kept = min(keep_m, max(float(self._distance[i, 0]), 0.0)) if k == 0 else keep_m
                 offset = self._moving.reach_m(i, normal) + kept
                 offset += float(normal @ self._moving.position_enu_m[i])
+                # Minus twice: the plane's inside is away from the obstacle, and its offset grows
+                # towards the vehicle as the obstacle's radius does.
                 planes[k, free] = [*-normal, -offset]
                 rates[k, free] = -float(normal @ self._moving.velocity_enu_mps[i])
                 rates[k, free] -= self._moving.growth_mps

@@ -1,14 +1,15 @@
 """Feasibility of a motion primitive: thrust, body rate, speed, tilt and room, compiled.
 
-With acceleration a, jerk j and gravity g the thrust over mass is f = |a + g e3|, and the body rate
-across it at most |j| / f. On a section of time each axis of a lies between a_low and a_high, each
-axis of j within j_most, so
+A planner by sampling tests thousands of primitives, so a test must be cheap, and samples of thrust
+would miss peaks. With acceleration a, jerk j and gravity g the thrust over mass is f = |a + g e3|,
+and the body rate across it at most |j| / f. On a section of time each axis of a lies between a_low
+and a_high, each axis of j within j_most, so
 
     f^2 <= sum over axes of max(a_low^2, a_high^2), g added to the vertical one
     f^2 >= the same with the least squares in place of the largest, 0 where the axis changes sign
     rate^2 <= sum of j_most^2 / least f^2
 
-A section that these bounds prove is done, any other is halved, down to 20 ms.
+If these bounds prove a section, it is done; any other is halved, down to 20 ms.
 
 Source: Mueller, Hehn and D'Andrea 2015, "A computationally efficient motion primitive for
 quadrocopter trajectory generation", section IV, the recursive test of input feasibility. Speed,
@@ -38,7 +39,14 @@ _LEAST_SECTION_S = 0.02
 def allowances(
     bounds: MotionBounds, limits: FlightLimits, quadrotor: QuadrotorParams, share: float
 ) -> Float[np.ndarray, " 8"]:
-    """Bounds for `first_feasible`, as a share of the limits."""
+    """Return bounds for `first_feasible`, as a share of the limits.
+
+    Args:
+        bounds: Speeds and accelerations of the motion.
+        limits: Limits of thrust, body rate and tilt.
+        quadrotor: Mass, thrust and drag of the vehicle.
+        share: Factor on every limit, for example 0.98 to leave a reserve.
+    """
     return np.array(
         [
             *(share * bounds.as_array()),
@@ -60,7 +68,7 @@ def first_feasible(
     movers: Movers,
     radius: float,
 ) -> int:
-    """Find the first primitive of an order that can be flown and touches nothing; -1 if none.
+    """Return the first index into `order` whose primitive can be flown and is clear; -1 if none.
 
     Args:
         order: Primitives to try, best first; -1 for those that were tried.
@@ -78,6 +86,7 @@ def first_feasible(
         if i < 0:
             continue
         c, t = coefficients[i], float(durations[i])
+        # Cheapest test first; the march along obstacles is the dearest.
         if not is_input_feasible(c, 0.0, t, allowed[4], allowed[5]):
             continue
         if not _within_bounds(c, t, allowed):
@@ -92,10 +101,11 @@ def first_feasible(
 def is_input_feasible(
     c: Float[np.ndarray, "6 3"], begin: float, end: float, thrust: float, rate: float
 ) -> bool:
-    """Whether thrust over mass and body rate stay within limits: bounds on halves of halves.
+    """Return whether thrust over mass and body rate stay within limits: bounds on halves of halves.
 
     On a section each axis of the acceleration lies between its extremes, so thrust is bounded from
-    both sides, and the body rate by the largest jerk over the least thrust.
+    both sides, and the body rate by the largest jerk over the least thrust. False also means that a
+    section of 20 ms could not be proved.
     """
     begins, ends = [begin], [end]
     while len(begins) > 0:
@@ -133,6 +143,7 @@ def _extremes(c: Float[np.ndarray, "6 3"], axis: int, a: float, b: float) -> tup
         return low, high
     root = math.sqrt(square)
     for sign in (-1.0, 1.0):
+        # Roots of p t^2 + q t + r without cancellation: q and the root are added with equal signs.
         over = -(q + (root if q >= 0.0 else -root)) / 2.0
         t = over / p if sign > 0.0 and p != 0.0 else (r / over if over != 0.0 else a)
         if a < t < b:
@@ -168,7 +179,7 @@ def _largest_jerk(c: Float[np.ndarray, "6 3"], axis: int, a: float, b: float) ->
 def _within_bounds(
     c: Float[np.ndarray, "6 3"], duration: float, allowed: Float[np.ndarray, " 8"]
 ) -> bool:
-    """Whether speed, acceleration and tilt with drag keep their bounds at samples."""
+    """Return whether speed, acceleration and tilt with drag keep their bounds at samples."""
     for n in range(_N_SAMPLES + 1):
         t = duration * n / _N_SAMPLES
         v, h = np.empty(3), np.empty(3)

@@ -1,4 +1,8 @@
-"""Distance field: distance of every cell of a grid to the nearest obstacle."""
+"""Distance field: distance of every cell of a grid to the nearest obstacle.
+
+Searches need the room of millions of cells, for which exact distances to solids would take too
+long. Proofs use the exact `Obstacles` instead.
+"""
 
 from __future__ import annotations
 
@@ -31,26 +35,26 @@ class DistanceField:
             )
 
     def cells(self, points_enu_m: Float[np.ndarray, "*b 3"]) -> Int[np.ndarray, "*b 3"]:
-        """Indices of the cells that contain the points; off the grid they lie outside its shape."""
+        """Indices of the cells that contain the points; off the grid, outside its shape."""
         offset = (np.asarray(points_enu_m) - self.origin_enu_m) / self.resolution_m
         return np.rint(offset).astype(np.int64)
 
     def centres(self, cells: Int[np.ndarray, "*b 3"]) -> Float[np.ndarray, "*b 3"]:
-        """Centres of cells, ENU."""
+        """Centres of cells, ENU, m."""
         return np.asarray(self.origin_enu_m) + np.asarray(cells) * self.resolution_m
 
     @property
     def bounds_enu_m(self) -> tuple[Float[np.ndarray, " 3"], Float[np.ndarray, " 3"]]:
-        """Centres of the first and of the last cell."""
+        """Centres of the first and of the last cell, ENU, m."""
         return np.array(self.origin_enu_m), self.centres(np.array(self.distance_m.shape) - 1)
 
     def contains(self, points_enu_m: Float[np.ndarray, "*b 3"]) -> np.ndarray:
-        """Whether each point lies in a cell of the grid."""
+        """Return whether each point lies in a cell of the grid."""
         cells = self.cells(points_enu_m)
         return np.all((cells >= 0) & (cells < self.distance_m.shape), axis=-1)
 
     def part_about(self, points_enu_m: Float[np.ndarray, "n 3"], margin_m: float) -> DistanceField:
-        """Field of the box that holds some points and a margin, cut at the border."""
+        """The field of the box that holds some points and a margin, cut at the grid's border."""
         cells, margin = self.cells(points_enu_m), math.ceil(margin_m / self.resolution_m)
         low = np.clip(cells.min(axis=0) - margin, 0, np.array(self.distance_m.shape) - 1)
         high = np.maximum(cells.max(axis=0) + margin + 1, low + 1)

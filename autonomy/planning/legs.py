@@ -13,7 +13,7 @@ from autonomy.planning.trajectory import Trajectory, YawProfile, coefficients_fr
 from autonomy.planning.yaw import STEP_S
 from autonomy.types import ZERO3, FlatReference, Vector3
 
-_MIN_LEG_S = 0.5
+_MIN_LEG_S = 0.5  # for a leg of nearly no length
 
 
 def plan_leg(
@@ -25,7 +25,18 @@ def plan_leg(
 ) -> Trajectory:
     """Plan a straight line from rest to rest, as fast as the limits allow; not certified.
 
-    For take-off and landing, where the vehicle leaves or meets a surface on purpose.
+    It serves take-off and landing, where the vehicle leaves or meets a surface on purpose, so that
+    a certificate of clearance could not hold.
+
+    Args:
+        start_enu_m: Position at the start.
+        goal_enu_m: Position at the end.
+        yaw_rad: Heading, constant along the leg.
+        limits: Limits of the motion.
+        quadrotor: Mass, thrust and drag of the vehicle.
+
+    Raises:
+        LimitsError: If the limits contradict themselves.
     """
     bounds = bounds_for(FlatReference(position_enu_m=start_enu_m), limits, quadrotor)
     way = np.subtract(goal_enu_m, start_enu_m)

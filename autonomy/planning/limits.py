@@ -1,4 +1,9 @@
-"""Dynamic limits of a flight, and the bounds of velocity and acceleration that follow."""
+"""Dynamic limits of a flight, and the bounds of velocity and acceleration that follow.
+
+A vehicle is limited in thrust, tilt and body rate, which are not linear in a trajectory. The
+optimiser bounds speeds and accelerations instead. This module derives bounds that keep thrust and
+tilt in the worst case; the rest is checked and tightened afterwards (`demand`).
+"""
 
 from __future__ import annotations
 
@@ -18,7 +23,10 @@ MIN_ACCELERATION_MPS2 = 0.2
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class MotionBounds:
-    """Greatest speeds and accelerations of a trajectory."""
+    """Greatest speeds and accelerations of a trajectory.
+
+    The optimiser bounds these linearly; thrust and tilt follow from them only nearly.
+    """
 
     speed_horizontal_mps: float
     speed_vertical_mps: float
@@ -26,7 +34,7 @@ class MotionBounds:
     acceleration_vertical_mps2: float
 
     def as_array(self) -> Float[np.ndarray, " 4"]:
-        """The bounds in the order of the fields."""
+        """The bounds as an array, in the order of the fields."""
         return np.array([getattr(self, name) for name in self.__slots__])
 
 
@@ -43,7 +51,7 @@ class FlightLimits:
     """Share of the maximum collective thrust; the rest is left to torques."""
     tilt_rad: float = math.radians(30.0)
     body_rate_radps: float = math.radians(180.0)
-    """Body rate about the axes across the thrust, at which the vehicle may tilt."""
+    """Body rate about the axes across the thrust, by which the vehicle changes its tilt."""
     yaw_rate_radps: float = math.radians(90.0)
     yaw_acceleration_radps2: float = math.radians(180.0)
 
@@ -65,11 +73,11 @@ class FlightLimits:
             raise LimitsError(f"tilt_rad {self.tilt_rad} is not valid; valid: below pi/2")
 
     def max_specific_thrust_mps2(self, quadrotor: QuadrotorParams) -> float:
-        """Largest thrust over mass that a plan may use."""
+        """Largest thrust over mass that a plan may use, m/s^2."""
         return self.thrust_fraction * quadrotor.max_thrust_n / quadrotor.mass_kg
 
     def motion_bounds(self, quadrotor: QuadrotorParams) -> MotionBounds:
-        """Bounds from which an optimiser begins; tightening them allows for rotor drag.
+        """Return the bounds from which an optimiser begins; tightening them allows for rotor drag.
 
         Raises:
             LimitsError: If hovering leaves too little of the thrust to accelerate.
@@ -103,6 +111,7 @@ class FlightLimits:
             LimitsError: If hovering leaves too little of the thrust to accelerate.
         """
         thrust = self.max_specific_thrust_mps2(quadrotor)
+        # Half of the surplus: the other half is for horizontal acceleration at the same time.
         vertical = min(self.acceleration_vertical_mps2, (thrust - GRAVITY_MPS2) / 2)
         if vertical < MIN_ACCELERATION_MPS2:
             raise LimitsError(

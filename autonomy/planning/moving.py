@@ -1,7 +1,8 @@
 """Moving obstacles: upright rounded boxes, each predicted to keep its velocity for a while.
 
 A rounded box is the set of points within a radius of a box: a ball if the box is a point, an
-upright capsule if it is a line. Uncertainty of the motion lets the radius grow with time.
+upright capsule if it is a line. One shape thus covers people, cars and drones, with a distance in
+closed form. Uncertainty of the motion lets the radius grow with time.
 """
 
 from __future__ import annotations
@@ -49,7 +50,7 @@ class MovingObstacles:
     growth_mps: float = 0.2
     """Growth of the radius with time."""
     horizon_s: float = 4.0
-    """Time for which the prediction is believed; later the obstacles are left out."""
+    """Time for which the prediction is believed. Later the obstacles are left out."""
 
     def __post_init__(self) -> None:
         """Refuse arrays of a wrong shape and negative numbers."""
@@ -80,7 +81,15 @@ class MovingObstacles:
         growth_mps: float = 0.2,
         horizon_s: float = 4.0,
     ) -> MovingObstacles:
-        """Create moving balls."""
+        """Create moving balls.
+
+        Args:
+            position_enu_m: Centres at time 0.
+            velocity_enu_mps: Velocities.
+            radius_m: Radii at time 0.
+            growth_mps: Growth of the radii with time.
+            horizon_s: Time for which the prediction is believed.
+        """
         position = np.asarray(position_enu_m, dtype=float).reshape(-1, 3)
         return cls(
             position_enu_m=position,
@@ -109,7 +118,7 @@ class MovingObstacles:
     ) -> tuple[Float[np.ndarray, "n k"], Float[np.ndarray, "n k 3"]]:
         """Signed distance to each obstacle at each point's time, and the direction away from it.
 
-        Within the box itself the direction is up.
+        Within the box itself the direction is up, and the distance is minus the radius.
         """
         times = np.asarray(times_s)
         center = self.position_enu_m[:, None] + self.velocity_enu_mps[:, None] * times[:, None]
@@ -125,7 +134,7 @@ class MovingObstacles:
         return gap - radius, away
 
     def reach_m(self, index: int, normal: Float[np.ndarray, " 3"]) -> float:
-        """Reach of an obstacle from its centre towards a direction, at time 0."""
+        """Reach of an obstacle from its centre towards a unit direction, at time 0, m."""
         c, s = math.cos(self.yaw_rad[index]), math.sin(self.yaw_rad[index])
         local = np.array([c * normal[0] + s * normal[1], c * normal[1] - s * normal[0], normal[2]])
         return float(np.abs(local) @ self.half_extent_m[index] + self.radius_m[index])
@@ -136,9 +145,10 @@ NOTHING_MOVES = MovingObstacles.balls(np.zeros((0, 3)), np.zeros((0, 3)), np.zer
 
 @kernel
 def distance_to_movers(x: float, y: float, z: float, t: float, movers: Movers) -> tuple[float, int]:
-    """Signed distance to the nearest moving obstacle at a time, and which one it is.
+    """Signed distance to the nearest moving obstacle at a time, and its index.
 
-    Infinite and -1 beyond the horizon or where nothing moves. Inside a box it is minus the radius.
+    The result is infinite and -1 beyond the horizon or if nothing moves. Inside a box the distance
+    is minus the radius.
     """
     positions, velocities, halves, headings, radii, growth, horizon = movers
     best, nearest = np.inf, -1

@@ -1,4 +1,8 @@
-"""Solid obstacles: boxes, cylinders, ellipsoids and convex hulls, and the distance to them."""
+"""Solid obstacles: boxes, cylinders, ellipsoids and convex hulls, and the distance to them.
+
+All are convex, because a separating plane then exists for every point outside; other shapes are
+given as several of them. They come as arrays, so that planning knows no scene.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +30,11 @@ class Shape(IntEnum):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Obstacles:
-    """Solids in ENU."""
+    """Solids in ENU.
+
+    Arrays have one row per solid. Hulls keep their faces in one shared array, because their numbers
+    differ.
+    """
 
     center_enu_m: Float[np.ndarray, "n 3"]
     quat_wxyz: Float[np.ndarray, "n 4"]
@@ -37,7 +45,8 @@ class Obstacles:
     faces: Float[np.ndarray, "m 4"] = field(default_factory=lambda: np.zeros((0, 4)))
     """Faces of hulls: outward unit normal n and offset d, local; x is beyond where n.x > d."""
     faces_end: Int[np.ndarray, " n"]
-    """One past the last face of each obstacle; its first is where the one before ends."""
+    """One past the last face of each obstacle; the first one is where the faces of the obstacle
+    before end."""
 
     @classmethod
     def boxes(
@@ -74,7 +83,7 @@ class Obstacles:
     def signed_distance(
         self, points_enu_m: Float[np.ndarray, "k 3"]
     ) -> tuple[Float[np.ndarray, " k"], Int[np.ndarray, " k"]]:
-        """Distance from each point to the nearest obstacle, negative inside, and which one it is.
+        """Distance from each point to the nearest obstacle, negative inside, and its index.
 
         Without obstacles the distance is infinite and the index -1.
         """
@@ -83,7 +92,7 @@ class Obstacles:
 
 
 def join(groups: Sequence[Obstacles]) -> Obstacles:
-    """All obstacles of several groups, in order."""
+    """Return all obstacles of several groups as one, in order."""
     ends, offset = [], 0
     for group in groups:
         ends.append(group.faces_end + offset)
@@ -99,7 +108,7 @@ def join(groups: Sequence[Obstacles]) -> Obstacles:
 
 
 def rotation_matrices(quat_wxyz: Float[np.ndarray, "n 4"]) -> Float[np.ndarray, "n 3 3"]:
-    """Local to world, of unit quaternions."""
+    """Rotation matrices from local axes to the world, of unit quaternions."""
     w, x, y, z = quat_wxyz.T
     rows = [
         [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],

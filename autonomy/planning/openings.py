@@ -1,8 +1,10 @@
 """Doors, windows and other openings in walls, found from free space alone.
 
-An opening is a place where free space narrows: across it solids stand close on both sides and
-above, and a step before and a step behind it space is wider and higher. Cells of a distance field
-show the place, the obstacles themselves the width and height.
+The planner must know exactly how wide a door is, and a map from depth has no list of doors. An
+opening is a place where free space narrows: across it solids stand close on both sides and above,
+and a step before and a step behind it space is wider and higher. Cells of a distance field find the
+place, because they are quick to scan. The obstacles themselves then give the width and height,
+because cells are too coarse for that.
 """
 
 from __future__ import annotations
@@ -22,20 +24,22 @@ from autonomy.types import Vector3
 
 MAX_WIDTH_M = 3.5
 LEAST_WIDTH_M, LEAST_HEIGHT_M = 0.5, 0.8
-"""Least width and height of an opening; smaller ones are gaps between things."""
-_N_DIRECTIONS = 12
+"""Least width and height of an opening; smaller ones are mere gaps between objects."""
+_N_DIRECTIONS = 12  # over half a turn, 15 degrees apart
 _WIDER_M = 0.5
 """Excess of the width before and behind an opening."""
-_LINTEL_M = 0.2
+_LINTEL_M = 0.2  # a wall above the opening, at least this high
 _STEPS_M = (0.5, 0.75, 1.0, 1.25)
 """Distances before and behind an opening at which its width is compared."""
-_MAX_RUN_M = 6.0
+_MAX_RUN_M = 6.0  # from there on a side counts as open
+# Places along the passage, beside a point, and turns of the direction that are tried for the
+# narrowest.
 _OFFSETS_M: Float[np.ndarray, " n"] = np.linspace(-0.4, 0.4, 17)
 _BESIDE_M = np.linspace(-0.25, 0.25, 5)
 _UP = np.array([0.0, 0.0, 1.0])
 _TURNS_RAD: Float[np.ndarray, " n"] = np.radians(np.linspace(-12.0, 12.0, 7))
 _REFINEMENTS_RAD: Float[np.ndarray, " n"] = np.radians(np.linspace(-3.0, 3.0, 13))
-_TOUCH_M = 0.005
+_TOUCH_M = 0.005  # distance at which a march counts as having met a solid
 _MARCH_STEPS = 60
 
 
@@ -45,12 +49,13 @@ class Opening:
 
     center_enu_m: Vector3
     normal_rad: float
-    """Direction of the way through the opening, from east by north; the opposite one counts too."""
+    """Direction of the passage through the opening, counter-clockwise from east; the opposite one
+    is as good."""
     width_m: float
     height_m: float
 
     def fits(self, radius_m: float, margin_m: float = 0.0) -> bool:
-        """Whether a ball can pass with some distance to either side."""
+        """Return whether a ball can pass with a margin on either side."""
         return min(self.width_m, self.height_m) > 2 * (radius_m + margin_m)
 
 
@@ -86,14 +91,18 @@ def _measured(
     field: DistanceField,
     obstacles: Obstacles,
 ) -> Opening | None:
-    """Measure the opening of some cells; None where the obstacles leave too little."""
+    """Measure the opening of some cells; None if the obstacles leave too little."""
     middle = members[np.argmin(np.linalg.norm(members - members.mean(axis=0), axis=1))]
     across_rad = math.pi * float(direction[tuple(middle)]) / _N_DIRECTIONS
     return _measured_about(field.centres(middle), across_rad, obstacles)
 
 
 def opening_at(point_enu_m: Vector3, obstacles: Obstacles) -> Opening | None:
-    """Find the opening in which, or just beside which, a free point is, by the obstacles alone."""
+    """Find the opening at, or just beside, a free point, from the obstacles alone.
+
+    Returns:
+        The opening, or None if there is none.
+    """
     angles: Float[np.ndarray, " n"] = np.pi * np.arange(_N_DIRECTIONS) / _N_DIRECTIONS
     angles = np.repeat(angles, len(_BESIDE_M))
     through = np.column_stack([-np.sin(angles), np.cos(angles), np.zeros(len(angles))])
@@ -110,7 +119,7 @@ def _measured_about(
     center: Float[np.ndarray, " 3"], across_rad: float, obstacles: Obstacles
 ) -> Opening | None:
     """Measure the opening near a point, given the approximate direction across it."""
-    # Walls are thinner than cells: look for the narrowest place along the way through.
+    # Walls are thinner than cells: look for the narrowest place along the passage.
     turns = across_rad + np.repeat(_TURNS_RAD, len(_OFFSETS_M))
     along = np.tile(np.outer(_OFFSETS_M, _level(across_rad + math.pi / 2)), (len(_TURNS_RAD), 1))
     best = _narrowest(center + along, turns, obstacles)
@@ -118,6 +127,7 @@ def _measured_about(
     turns = across_rad + _REFINEMENTS_RAD
     across_rad = float(turns[_narrowest(np.tile(center, (len(turns), 1)), turns, obstacles)])
     level = _level(across_rad)
+    # Height first: the width is measured at mid-height.
     center, height_m = _centred(center, _UP, obstacles)
     center, width_m = _centred(center, level, obstacles)
     if not (LEAST_WIDTH_M <= width_m <= MAX_WIDTH_M and height_m >= LEAST_HEIGHT_M):
@@ -153,7 +163,10 @@ def _is_wider(
     height_m: float,
     obstacles: Obstacles,
 ) -> bool:
-    """Whether space is wider and higher somewhere on a side of an opening."""
+    """Return whether space is wider and higher somewhere on a side of an opening.
+
+    Half of the excess that cells must show is enough here.
+    """
     through = side * np.cross(level, _UP)
     points = center + np.outer(_STEPS_M, through)
     steps = len(points)
@@ -166,7 +179,7 @@ def _is_wider(
 def _narrowest(
     points_enu_m: Float[np.ndarray, "n 3"], angle: Float[np.ndarray, " n"], obstacles: Obstacles
 ) -> int:
-    """Index of the point with the least width; the middle one of several."""
+    """Index of the point with the least width; the middle one of several equals."""
     ways = np.column_stack([np.cos(angle), np.sin(angle), np.zeros(len(angle))])
     width_m = _reach(points_enu_m, ways, obstacles) + _reach(points_enu_m, -ways, obstacles)
     least = np.flatnonzero(width_m < width_m.min() + 2 * _TOUCH_M)
@@ -185,7 +198,7 @@ def _reach(
 def reach_solids(
     points: Float[np.ndarray, "n 3"], ways: Float[np.ndarray, "n 3"], solids: Solids
 ) -> Float[np.ndarray, " n"]:
-    """See `_reach`."""
+    """Distance from points to solids along unit vectors; see `_reach`."""
     reach = np.zeros(len(points))
     for n in range(len(points)):
         for _ in range(_MARCH_STEPS):
@@ -193,6 +206,7 @@ def reach_solids(
             y = points[n, 1] + reach[n] * ways[n, 1]
             z = points[n, 2] + reach[n] * ways[n, 2]
             gap = nearest_solid(x, y, z, solids)[0]
+            # This order of the comparison also ends the march at NaN.
             if not (gap >= _TOUCH_M and reach[n] <= _MAX_RUN_M):
                 break
             reach[n] += gap
@@ -203,11 +217,17 @@ def reach_solids(
 def narrow_cells(
     is_free: Bool[np.ndarray, "nx ny nz"], resolution: float
 ) -> Int[np.ndarray, "nx ny nz"]:
-    """Mark cells in the middle of openings by the number of the direction across, others by -1."""
+    """Mark cells in the middle of openings by the number of the direction across, others by -1.
+
+    Args:
+        is_free: True for cells without a solid.
+        resolution: Size of a cell, m.
+    """
     nx, ny, nz = is_free.shape
     number = np.full((nx, ny, nz), -1, dtype=np.int8)
     most = 0.5 * MAX_WIDTH_M / resolution
     reach = math.ceil(most) + 1
+    # Height of the nearest solid above each column, kept while layers are visited from the top.
     roof = np.full((nx, ny), nz)
     for k in range(nz - 1, -1, -1):
         for i in range(nx):
@@ -229,7 +249,10 @@ def narrow_cells(
 
 @kernel
 def _solid_sums(is_free: np.ndarray, k: int) -> np.ndarray:
-    """Number of cells of a layer that are not free, before each row and column."""
+    """Number of cells of a layer that are not free, summed up to each row and column.
+
+    Differences of four sums then count any rectangle at once.
+    """
     nx, ny, _ = is_free.shape
     sums = np.zeros((nx + 1, ny + 1), dtype=np.int64)
     for i in range(nx):
@@ -242,7 +265,7 @@ def _solid_sums(is_free: np.ndarray, k: int) -> np.ndarray:
 
 @kernel
 def _has_room(sums: np.ndarray, i: int, j: int, reach: int) -> bool:
-    """Whether all cells of a layer about one are there and free, so that nothing is narrow."""
+    """True if all cells of a layer about one exist and are free, so that nothing is narrow."""
     if i < reach or j < reach or i + reach + 2 > len(sums) or j + reach + 2 > sums.shape[1]:
         return False
     a, b, u, v = i - reach, j - reach, i + reach + 1, j + reach + 1
@@ -260,6 +283,7 @@ def _narrow_direction(
         if left >= most or left >= narrowest:
             continue
         right = _run(is_free, i, j, k, x, y, 0.0, most)
+        # More than a cell apart means that this cell is not in the middle.
         if right >= most or abs(left - right) > 1.0 or left + right >= narrowest:
             continue
         if _opens(is_free, i, j, k, x, y, left + right, up, resolution) and _opens(
@@ -281,7 +305,7 @@ def _opens(
     up: float,
     resolution: float,
 ) -> bool:
-    """Whether space is wider and higher to the left of the direction across."""
+    """Return whether space is wider and higher to the left of the direction across."""
     for step in _STEPS_M:
         n = step / resolution
         u, v = math.floor(i - n * y + 0.5), math.floor(j + n * x + 0.5)

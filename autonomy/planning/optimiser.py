@@ -1,14 +1,16 @@
 """Trajectory through a corridor: an inner QP at fixed times, an outer search of the times.
 
-Piece k joins the states of node k and k + 1 (position p, velocity v, acceleration a) by a
-polynomial of degree 5 in its time T_k, so it is twice differentiable everywhere by construction.
-Its Bezier control points are linear in the node states at fixed times; a Bezier curve lies in the
-hull of its control points, so bounds on those hold between samples.
+Optimising states and times together is not convex and slow. At fixed times the problem is a
+quadratic program, which is solved reliably in milliseconds, so only the times need a search. Piece
+k joins the states of node k and k + 1 (position p, velocity v, acceleration a) by a polynomial of
+degree 5 in its time T_k, so it is twice differentiable everywhere by construction. Its Bezier
+control points are linear in the node states at fixed times. A Bezier curve lies in the hull of its
+control points, so bounds on those hold between samples.
 
-Every T has a solution, as limits have slack at a price (see `program`); J(T), the optimum, has the
-Lagrangian's gradient, and L-BFGS moves log T down it. Where the flatness model then demands more
-than the vehicle has (thrust, tilt, body rates, with rotor drag), the piece's accelerations are
-tightened, and where a limit is still exceeded, the piece gets more time.
+Every T has a solution, as limits have slack at a price (see `program`). J(T), the optimum, has the
+Lagrangian's gradient, and L-BFGS moves log T down it. If the flatness model then demands more than
+the vehicle has (thrust, tilt, body rates, with rotor drag), the piece's accelerations are
+tightened, and if a limit is still exceeded, the piece gets more time.
 
 Source: Bezier corridor constraints as in Gao, Wu, Lin and Shen 2018; the gradient of the times as
 in Sun, Tang, Hauser and Manchester 2021 (bilevel time allocation).
@@ -30,10 +32,11 @@ from autonomy.planning.solver import Solver
 
 _STEP = 0.25
 """Approximate change of the logarithms of the times by the search's first step."""
-_FIRST_END_S = 1.5
+_FIRST_END_S = 1.5  # longest first guess for the first and the last piece
+# Options of SciPy's L-BFGS-B for times that are a rough guess.
 COLD = {"maxiter": 40, "ftol": 5e-4}
 WARM = {"maxiter": 2, "maxfun": 3, "ftol": 2e-3, "gtol": 0.2 * _STEP}
-"""Settings for times that were good a moment ago: the search ends where a change of a time by one
+"""Settings for times that were good a moment ago. The search ends when a change of a time by one
 per cent gains no more than two thousandths of a second."""
 EVADING = {"maxiter": 8, "maxfun": 8, "ftol": 2e-3}
 """Settings for times that were good without the obstacle."""
@@ -45,8 +48,8 @@ _TOLERANCE = 1e-3
 """Share by which a piece may exceed a limit."""
 
 Excess = Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
-"""Function from nodes and durations to the shares by which each piece demands too much force, and
-too much body rate."""
+"""Function from nodes and durations to two shares of each piece: how far it exceeds force, and how
+far body rate."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -95,6 +98,7 @@ def optimise(
         force, _ = excess(solve.nodes(log_times), np.exp(log_times))
         if np.all(force <= _TOLERANCE):
             break
+        # By more than the excess, because only a few rounds are made.
         solve.tighten(1 + 1.3 * force)
     return _within_limits(solve, log_times, excess)
 
@@ -116,6 +120,7 @@ def first_times(corridor: Corridor, bounds: MotionBounds) -> Float[np.ndarray, "
 def _best_times(solve: Solver, log_times: np.ndarray, options: Mapping[str, float]) -> np.ndarray:
     from scipy.optimize import minimize
 
+    # The search runs over log T / _STEP, so that its first step of length 1 is a sensible one.
     low, high = solve.log_times_range
     worst, gradient = solve.cost_and_gradient(log_times)
 
@@ -142,7 +147,7 @@ def _best_times(solve: Solver, log_times: np.ndarray, options: Mapping[str, floa
 def _within_limits(solve: Solver, log_times: np.ndarray, excess: Excess | None) -> Solution:
     """Stretch the pieces that exceed a limit until none does.
 
-    The first piece gets less time where more makes it worse: its velocity at the start leads on for
+    If more time makes the first piece worse, it gets less: its velocity at the start leads on for
     longer.
     """
     first, before = 1.0, math.inf

@@ -1,8 +1,8 @@
-"""Ways through openings that are hardly wider than the vehicle.
+"""Paths through openings that are hardly wider than the vehicle.
 
-The middle of a door may be half a cell away from the nearest cell of a field, so a door may be wide
-enough although no cell in it has enough room. Where a search ends there, the opening is measured
-exactly, and the way goes through its middle.
+The middle of a door may be half a cell away from the nearest cell of a field. A door may then be
+wide enough although no cell in it has enough room. Finer cells everywhere would cost too much. So
+if a search ends there, the opening is measured exactly, and the path goes through its middle.
 """
 
 from __future__ import annotations
@@ -21,12 +21,12 @@ from autonomy.planning.openings import Opening, opening_at
 from autonomy.types import Vector3
 
 BEFORE_M = (0.5, 0.75, 1.0, 1.25)
-"""Distances before and behind an opening at which a way through it may begin and end."""
+"""Distances before and behind an opening at which the line through it may begin and end."""
 MOST_OPENINGS = 4
-"""Greatest number of such openings on one way."""
+"""Greatest number of such openings on one path."""
 _STEP_M = 0.05
 _TUBE_CELLS = 0.9
-"""Radius in cells about a line within which cells in a row join its ends."""
+"""Radius in cells of a tube about a line; its cells join the line's ends without a gap."""
 
 Search = Callable[[DistanceField], Int[np.ndarray, "n 3"]]
 
@@ -34,12 +34,16 @@ Search = Callable[[DistanceField], Int[np.ndarray, "n 3"]]
 def way_through_openings(
     search: Search, field: DistanceField, obstacles: Obstacles, needed_m: float
 ) -> Float[np.ndarray, "n 3"]:
-    """Find a way: centres of cells, and the axes of openings where no cell has enough room.
+    """Find a path: centres of cells, and the axes of openings in which no cell has enough room.
 
-    In an opening the vehicle needs a distance of `needed_m` to obstacles.
+    Args:
+        search: Search through a field, for example `shortest_path` with its other arguments bound.
+        field: Distances to the obstacles.
+        obstacles: Exact obstacles of the same space.
+        needed_m: Distance to obstacles that the vehicle needs in an opening.
 
     Raises:
-        UnreachableError: If there is no such way either.
+        UnreachableError: If there is no such path either.
     """
     axes: list[Float[np.ndarray, "3 3"]] = []
     for _ in range(MOST_OPENINGS + 1):
@@ -51,6 +55,7 @@ def way_through_openings(
             if place is None or opening is None:
                 raise
             axis = _axis(opening, place, obstacles, needed_m)
+            # The same opening again means that widening it did not help.
             if axis is None or any(np.allclose(axis, other) for other in axes):
                 raise _named(error, opening, needed_m) from None
             axes.append(axis)
@@ -64,7 +69,7 @@ def way_through_openings(
 
 
 def _named(error: UnreachableError, opening: Opening, needed_m: float) -> UnreachableError:
-    """Error with the measures of the opening that the way would lead through."""
+    """Return the error with the measures of the opening that the path would lead through."""
     what, valid = str(error).rsplit("; valid: ", 1)
     return UnreachableError(
         f"{what}: the opening there is {opening.width_m:.2f} m wide and {opening.height_m:.2f} m "
@@ -76,7 +81,7 @@ def _named(error: UnreachableError, opening: Opening, needed_m: float) -> Unreac
 def _axis(
     opening: Opening, place: Vector3, obstacles: Obstacles, needed_m: float
 ) -> Float[np.ndarray, "3 3"] | None:
-    """Line through an opening; None where it is not wide enough or no cell leads there."""
+    """Line through an opening; None if it is not wide enough or no cell leads there."""
     if not opening.fits(needed_m):
         return None
     through = np.array([np.cos(opening.normal_rad), np.sin(opening.normal_rad), 0.0])
@@ -110,7 +115,7 @@ def _end(
 def _widened(
     field: DistanceField, axis: Float[np.ndarray, "3 3"], needed_m: float
 ) -> DistanceField:
-    """Field in which the cells about a line have at least the needed distance."""
+    """Return the field in which the cells about a line have at least the needed distance."""
     length_m = float(np.linalg.norm(axis[2] - axis[0]))
     share = np.linspace(0.0, 1.0, round(length_m / _STEP_M) + 1)[:, None]
     line = axis[0] + share * (axis[2] - axis[0])
@@ -120,6 +125,7 @@ def _widened(
     cells = cells[np.all((cells >= 0) & (cells < field.distance_m.shape), axis=1)]
     away = np.linalg.norm(field.centres(cells)[:, None] - line, axis=2).min(axis=1)
     near = cells[away <= _TUBE_CELLS * field.resolution_m]
+    # A copy: the caller's field must stay true.
     distance_m = copy_touched(field.distance_m)
     index = tuple(near.T)
     distance_m[index] = np.maximum(distance_m[index], needed_m)
@@ -129,7 +135,7 @@ def _widened(
 def _along_axes(
     points: Float[np.ndarray, "n 3"], axes: list[Float[np.ndarray, "3 3"]], resolution_m: float
 ) -> Float[np.ndarray, "m 3"]:
-    """Way in which the points about each axis that it follows are replaced by that axis."""
+    """Return the path with the points about each axis that it follows replaced by that axis."""
     for axis in axes:
         away = np.linalg.norm(points - axis[1], axis=1)
         to_ends = np.linalg.norm(points[:, None] - axis[None, (0, 2)], axis=2)

@@ -1,4 +1,9 @@
-"""Planner from a state to a goal through free space: search, corridor, optimisation, proof."""
+"""Planner from a state to a goal through free space: search, corridor, optimisation, proof.
+
+Each stage hands a simpler problem to the next: the search finds which gaps to pass, the corridor
+makes that choice convex, the optimiser finds the best motion within it, and the proof trusts none
+of them. If an attempt fails, a smaller margin is tried.
+"""
 
 from __future__ import annotations
 
@@ -27,8 +32,8 @@ from autonomy.planning.yaw import STEP_S, yaw_along_path
 from autonomy.types import ZERO3, FlatReference, Vector3
 
 _START_TOLERANCE = 5e-3
-"""Share by which a plan's own states may be beyond its limits, after many replans; the proof
-grants twice that."""
+"""Share by which a plan's own states may be beyond its limits after many replans. The proof grants
+twice that."""
 _MOVING_MPS = 0.3
 """Speed above which a start gets a short first piece, because its velocity fixes that piece."""
 
@@ -60,8 +65,8 @@ def plan_trajectory(
     _require_room(start.position_enu_m, "start", field, obstacles, craft.keep_m)
     _require_room(goal_enu_m, "goal", field, obstacles, craft.keep_m)
     task = _Task(start, goal_enu_m, field, obstacles, bounds, craft)
-    # Cells tell too little room rather than too much. So in the end, before giving up, also search
-    # where they may be wrong: what is flown is decided by the obstacles themselves.
+    # A cell may report too little room, never too much. So before giving up, also search cells that
+    # may be wrong by half a cell: the exact obstacles decide in the end whether that can be flown.
     attempts = [(margin_m, 0.0) for margin_m in cfg.margins_m]
     attempts.append((cfg.margins_m[-1], field.resolution_m / 2))
     reason: PlanningError | None = None
@@ -69,7 +74,7 @@ def plan_trajectory(
         try:
             return craft.prove(_attempt(task, margin_m, doubt_m), obstacles)
         except PlanningError as error:
-            # The failure of a way that was found says more than "cut off" for a narrower one.
+            # The failure of a path that was found says more than "cut off" for a narrower one.
             reason = error if reason is None or not isinstance(reason, CertificateError) else reason
     assert reason is not None
     raise reason
@@ -78,7 +83,7 @@ def plan_trajectory(
 def bounds_for(
     start: FlatReference, limits: FlightLimits, quadrotor: QuadrotorParams
 ) -> MotionBounds:
-    """Bounds of a motion that continues from a start, raised to include it.
+    """Return the bounds of a motion that continues from a start, raised to include it.
 
     Raises:
         LimitsError: If the limits contradict themselves or the start is beyond them.
@@ -141,7 +146,7 @@ def _attempt(task: _Task, margin_m: float, doubt_m: float) -> Trajectory:
     ends = np.array([start.position_enu_m, task.goal_enu_m])
     start_cell, goal_cell = field.cells(ends)
     wanted_m = cfg.vehicle_radius_m + margin_m
-    # Start and goal may be closer to obstacles than the rest of the way.
+    # Start and goal may be closer to obstacles than the rest of the path.
     at_ends_m = min(float(field.distance_m[tuple(cell)]) for cell in (start_cell, goal_cell))
     required_m = min(wanted_m - doubt_m, max(at_ends_m, field.resolution_m / 4))
     search = functools.partial(
@@ -156,6 +161,7 @@ def _attempt(task: _Task, margin_m: float, doubt_m: float) -> Trajectory:
         points = way_through_openings(search, field, task.obstacles, max(craft.keep_m, required_m))
     else:
         points = field.centres(search(field))
+    # Cells' centres are near the ends, not on them.
     points = np.concatenate([ends[:1], points[1:-1], ends[1:]])
     way = straighten(points, task.obstacles, enough_m=wanted_m + 0.1)
     if cfg.method == "primitives":
@@ -186,7 +192,7 @@ def _attempt(task: _Task, margin_m: float, doubt_m: float) -> Trajectory:
 
 
 def as_node(state: FlatReference) -> np.ndarray:
-    """Position, velocity and acceleration of a reference as rows."""
+    """Return position, velocity and acceleration of a reference as rows."""
     return np.array([state.position_enu_m, state.velocity_enu_mps, state.acceleration_enu_mps2])
 
 
@@ -197,7 +203,15 @@ def with_yaw(
     limits: FlightLimits,
     start_rate_radps: float = 0.0,
 ) -> Trajectory:
-    """Trajectory with a heading that looks where it goes."""
+    """Return a trajectory whose heading follows its direction of flight.
+
+    Args:
+        coefficients: Coefficients of the pieces, as of `Trajectory`.
+        durations_s: Durations of the pieces.
+        start_yaw_rad: Heading at the start.
+        limits: Limits of the yaw's rate and acceleration.
+        start_rate_radps: Yaw rate at the start.
+    """
     still = YawProfile(step_s=STEP_S, yaw_rad=np.array([start_yaw_rad]))
     trajectory = Trajectory(durations_s=durations_s, coefficients=coefficients, yaw=still)
     times = np.arange(0.0, trajectory.duration_s + STEP_S, STEP_S)

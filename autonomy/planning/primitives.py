@@ -1,15 +1,16 @@
 """Baseline planner: motion primitives of least jerk, sampled, tested and strung together.
 
-A primitive joins two full states in a given time with the least integral of squared jerk: a
-polynomial of degree 5 in closed form (`join_states`). From each state many are drawn that end on
-the path ahead, at several distances, speeds and durations; the best by cost and estimated cost to
-go that the vehicle can fly (`feasibility`) and that touches nothing is taken. Where none is left
-the last choice is undone.
+It is the planner of the AeroScene paper, kept to compare ours with. A primitive joins two full
+states in a given time with the least integral of squared jerk: a polynomial of degree 5 in closed
+form (`join_states`). From each state many are drawn that end on the path ahead, at several
+distances, speeds and durations. The best one by cost and estimated cost to go is taken that the
+vehicle can fly (`feasibility`) and that touches nothing. If none is left, the last choice is
+undone.
 
 Source: Mueller, Hehn and D'Andrea 2015, "A computationally efficient motion primitive for
 quadrocopter trajectory generation": the primitives of section III, the tests of section IV. They
-leave to others which end states to try, and plan no way around obstacles; here the primitives
-follow the way that the search found.
+leave to others which end states to try, and plan no path around obstacles; here the primitives
+follow the path that the search found.
 """
 
 from __future__ import annotations
@@ -28,18 +29,20 @@ from autonomy.planning.obstacles import Obstacles
 from autonomy.planning.program import JERK_WEIGHT_M2PS5
 from autonomy.planning.trajectory import join_states, squared_jerk
 
+# Drawn ends: distances along the path, shares of the fastest speed there, factors on the least
+# duration.
 _REACHES_M = (1.0, 2.0, 4.0, 7.0, 11.0, 16.0, 24.0)
 _SPEED_SHARES = (0.0, 0.35, 0.7, 0.95)
 _STRETCHES = (1.05, 1.25, 1.5, 1.9, 2.5, 3.5)
 _CRUISE_SHARE = 0.7
-"""Share of the speed limit that is assumed as the average over the rest of the way."""
-_RESERVE = 0.98
-_MAX_EXPANSIONS = 400
+"""Share of the speed limit that is assumed as the average over the rest of the path."""
+_RESERVE = 0.98  # of the limits: the certificate's samples may see a little more
+_MAX_EXPANSIONS = 400  # of the search with undoing, so that it ends
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Candidate:
-    """State that was reached, and the primitives left to try from it."""
+    """A state that was reached, and the primitives left to try from it."""
 
     coefficients: np.ndarray
     durations_s: np.ndarray
@@ -55,10 +58,15 @@ def fly_primitives(
     bounds: MotionBounds,
     craft: Craft,
 ) -> tuple[Float[np.ndarray, "n 6 3"], Float[np.ndarray, " n"]]:
-    """Find coefficients and durations of primitives from a state to rest at the end of a way.
+    """Find coefficients and durations of primitives from a state to rest at the end of a path.
 
-    The start is position, velocity and acceleration, ENU, as rows; the way a free polyline from
-    there to the goal. Beside the bounds the craft's limits of thrust, tilt and body rate hold.
+    Args:
+        start: Position, velocity and acceleration, ENU, as rows.
+        way_enu_m: Free polyline from there to the goal.
+        obstacles: Static obstacles.
+        bounds: Speeds and accelerations to keep; the craft's limits of thrust, tilt and body rate
+            hold too.
+        craft: Vehicle that flies.
 
     Raises:
         CertificateError: If every choice of primitives ends where none goes on.
@@ -85,6 +93,7 @@ def fly_primitives(
             taken.pop()
             continue
         choice = int(last.order[at])
+        # Neither this one nor the worse ones before it are tried again after an undo.
         last.order[: at + 1] = -1
         taken.append((last.coefficients[choice], float(last.durations_s[choice])))
         along_m = float(last.ends_along_m[choice])
@@ -111,7 +120,7 @@ class _Way:
         self.length_m = float(self._ends[-1])
 
     def point(self, along_m: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Positions, and directions halfway between those just before and just after each."""
+        """Return positions, and directions halfway between those before and after each."""
         leg = np.minimum(np.searchsorted(self._ends, along_m), len(self._ends) - 1)
         back = (self._ends[leg] - along_m)[:, None]
         before = self._directions[leg]
@@ -121,7 +130,7 @@ class _Way:
         return self._vertices[leg + 1] - before * back, mean / norm
 
     def vertices_after(self, along_m: float) -> list[float]:
-        """Distances along the way of the next corners."""
+        """Return the distances along the path of the next two corners."""
         return [float(end) for end in self._ends[:-1] if end > along_m + 0.3][:2]
 
 
@@ -140,6 +149,7 @@ def _expand(node: np.ndarray, along_m: float, way: _Way, bounds: MotionBounds) -
         np.arange(len(along)), np.array(_SPEED_SHARES), np.array(_STRETCHES), indexing="ij"
     )
     end, share, stretch = end.ravel(), share.ravel(), stretch.ravel()
+    # At the end of the path only rest makes sense.
     keep = (along[end] < way.length_m) | (share == 0)
     end, share, stretch = end[keep], share[keep], stretch[keep]
     ends = np.zeros((len(end), 3, 3))
@@ -162,7 +172,7 @@ def _expand(node: np.ndarray, along_m: float, way: _Way, bounds: MotionBounds) -
 
 
 def _least_durations(node: np.ndarray, ends: np.ndarray, bounds: MotionBounds) -> np.ndarray:
-    """Approximate shortest durations in which the bounds can be kept."""
+    """Approximate shortest durations in which the bounds can be kept, s."""
     way = np.abs(ends[:, 0] - node[0])
     turn = np.abs(ends[:, 1] - node[1])
     across, up = np.hypot(way[:, 0], way[:, 1]), way[:, 2]

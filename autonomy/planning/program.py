@@ -1,5 +1,8 @@
 """The quadratic program of a corridor at fixed times, as CasADi functions for each size.
 
+The problem has one form for any corridor, so its code is generated once for each number of pieces
+and planes, and then solved for many corridors.
+
     unknowns     node states between start and goal, dimensionless; a slack s_k >= 0 each piece
     position     control points of piece k in polytope k, whose planes may move     (hard)
     velocity     control points within the speed limits, times 1 + s_k              (exact penalty)
@@ -42,6 +45,7 @@ PIECES = (1, 2, 3, 4, 6, 8, 10, 12, 16, 20)
 """Numbers of pieces that programs are built for; above these, every number."""
 REPLANNED = (6, 8, 10, 12)
 """Numbers of pieces that nearly all replans in flight have."""
+# Normals of an octagon's sides: a circle's limit by eight linear rows.
 _DIRECTIONS = [(math.cos(n * math.pi / 4), math.sin(n * math.pi / 4)) for n in range(8)]
 
 
@@ -72,7 +76,10 @@ class Symbols:
 
 @functools.cache
 def build(n_pieces: int, n_planes: int) -> Program:
-    """Build the QP of a size, once in a process; takes 0.1 to 0.4 s."""
+    """Build the QP of a size, once in a process; takes 0.1 to 0.4 s.
+
+    CasADi is imported here, because it takes long to load and a flight without a plan needs none.
+    """
     import casadi as ca
 
     s = symbols(n_pieces, n_planes)
@@ -94,16 +101,20 @@ def build(n_pieces: int, n_planes: int) -> Program:
 
 
 def prepare(pieces: Iterable[int] = REPLANNED) -> None:
-    """Build programs for some numbers of pieces, so that no replan waits for one; takes 3 s."""
+    """Build programs for some numbers of pieces, so that no replan waits for one; takes 3 s.
+
+    Call it before a flight, for example while the vehicle gets ready.
+    """
     for n_pieces in pieces:
         for n_planes in PLANES[1:]:
             build(n_pieces, n_planes)
 
 
 def pieces_to_fill(lengths: Float[np.ndarray, " n"], least: int = 1) -> Int[np.ndarray, " n"]:
-    """Number of parts to cut each piece into, longest first, so that a program of that size exists.
+    """Return the number of parts of each piece, so that a program of the total size exists.
 
-    Lengths are in metres or seconds; there will be `least` pieces or more.
+    The longest pieces are cut first. Lengths are in metres or seconds; there will be `least` pieces
+    or more.
     """
     counts = np.ones(len(lengths), dtype=np.int64)
     wanted = max(least, len(lengths))
@@ -113,7 +124,7 @@ def pieces_to_fill(lengths: Float[np.ndarray, " n"], least: int = 1) -> Int[np.n
 
 
 def symbols(n_pieces: int, n_planes: int) -> Symbols:
-    """Cost and constraints of a corridor problem, times included."""
+    """Return cost and constraints of a corridor problem as expressions, times included."""
     import casadi as ca
 
     n = n_pieces
@@ -155,7 +166,7 @@ def symbols(n_pieces: int, n_planes: int) -> Symbols:
 
 
 def _within(split: Any, points: list[Any], across: Any, up: Any, slack: Any) -> list[Any]:
-    """Constraint rows for vectors within an octagonal prism."""
+    """Return constraint rows for vectors within an octagonal prism."""
     rows = []
     for x, y, z in (split(point) for point in points):
         rows += [(c * x + s * y) / (across * OCTAGON) - 1 - slack for c, s in _DIRECTIONS]

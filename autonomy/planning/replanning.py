@@ -1,13 +1,15 @@
 """Replanning in flight: the rest of a plan, optimised again around moving obstacles.
 
-The free space of the plan is kept, and its times are good guesses, so a few quadratic programs are
-enough. An obstacle that moves gets a plane in each piece that it comes near to. The plane moves
-along with it, so for motion that is straight in the obstacle's frame one plane parts the two, and
-the hull of the control points proves it for the whole piece. The side to pass on is found by trial:
-the side of the plan where it already clears the obstacle, else left, right, above and below, as
-seen along the motion relative to the obstacle, and a slower flight. The first choice that can be
-proved and costs little time is taken, else the quickest; if none can be proved, the rest of the
-plan as it is, if that can be.
+A plan from scratch takes up to half a second; a mover does not wait so long. The free space of the
+plan is kept, and its times are good guesses, so a few quadratic programs are enough. An obstacle
+that moves gets a plane in each piece that it comes near to. The plane moves along with it, so for
+motion that is straight in the obstacle's frame one plane parts the two, and the hull of the control
+points proves it for the whole piece.
+
+The side to pass on is found by trial: the side of the plan if it already clears the obstacle, else
+left, right, above and below, as seen along the motion relative to the obstacle, and a slower
+flight. The first choice that can be proved and costs little time is taken, else the quickest. If
+none can be proved, the rest of the plan stays as it is, if that can be proved.
 """
 
 from __future__ import annotations
@@ -31,10 +33,10 @@ from autonomy.planning.trajectory import Trajectory, coefficients_from_nodes
 from autonomy.types import ZERO3, FlatReference
 
 MOVING_MARGIN_M = 0.3
-"""Distance to aim at between the vehicle's sphere and a predicted obstacle; the proof demands
-less."""
+"""Distance to aim at between the vehicle's sphere and a predicted obstacle. The proof demands less.
+"""
 _SMALL_DELAY_S = 1.0
-"""Delay up to which a way past is taken without trying the other sides."""
+"""Delay up to which a path around is taken without trying the other sides."""
 
 
 def replan(
@@ -60,7 +62,7 @@ def replan(
     Raises:
         PlanningError: If the plan is over or has no corridor, or if the start has left it.
         LimitsError: If the start is beyond the limits.
-        EvasionError: If no way past the moving obstacles could be proved: hold, or plan anew.
+        EvasionError: If no path around the moving obstacles could be proved: hold, or plan anew.
         CertificateError: If nothing moves and the rest of the plan could not be proved.
     """
     if previous.corridor is None or not 0 <= at_time_s < previous.duration_s:
@@ -75,6 +77,7 @@ def replan(
     best, reason = _quickest(task, rest)
     if best is not None:
         return best
+    # Only without a given start: from another state the old plan leads nowhere.
     if start is None:
         try:
             return task.prove(*remainder(previous, previous.corridor, at_time_s))
@@ -89,7 +92,7 @@ def replan(
 
 
 def _quickest(task: _Task, rest: Rest) -> tuple[Trajectory | None, PlanningError | None]:
-    """Find the first way past that costs little time, else the quickest, and the last failure."""
+    """The first path around that costs little time, else the quickest, and the last failure."""
     reason: PlanningError | None = None
     best: Trajectory | None = None
     for corridor, first_s in rest.problems(task.craft.cfg.vehicle_radius_m + MOVING_MARGIN_M):
@@ -99,6 +102,7 @@ def _quickest(task: _Task, rest: Rest) -> tuple[Trajectory | None, PlanningError
             reason = error
             continue
         if best is None or trajectory.duration_s < best.duration_s:
+            # Keep the corridor without the moving planes: the next replan adds its own.
             best = dataclasses.replace(
                 trajectory,
                 corridor=dataclasses.replace(corridor, moving_mps=None, planes=rest.planes),

@@ -1,14 +1,14 @@
 """Shortest path through the cells of a distance field, with a price on closeness to obstacles.
 
 A* on the 26 neighbours of a cell. A diagonal step needs every cell of the block it crosses to be
-free, so that it cuts no corner. A step costs its length times the mean price of its two cells;
-the price is 1 where the distance is comfortable and rises with the square of what is lacking to
-`1 + NARROWNESS_PRICE` where the distance is just enough. The heuristic is the distance on an empty
-grid, which is consistent, so the path is optimal. In a large place a path that is longer by a small
-share will do: then the search heads for the goal and leaves most of the many equal paths aside.
+free, so that it cuts no corner. A step costs its length times the mean price of its two cells; the
+price is 1 where the distance is comfortable and rises with the square of what is lacking to `1 +
+NARROWNESS_PRICE` where the distance is just enough. The heuristic is the distance on an empty grid,
+which is consistent, so the path is optimal. In a large place a path that is longer by a small share
+will do: then the search heads for the goal and leaves most of the many equal paths aside.
 
-Where a map grows, climbing through cells that were not seen may have a price of its own: a camera
-that looks ahead sees the space to climb into only from far away.
+In a growing map, climbing through cells that were not seen may have a price of its own, because a
+camera that looks ahead sees the space to climb into only from far away.
 """
 
 from __future__ import annotations
@@ -29,13 +29,13 @@ from autonomy.planning.grid import Cell, Grid, empty_grid_distance, way_back
 from autonomy.planning.widest import narrowest_place
 
 NARROWNESS_PRICE = 4.0
-_MET, _DONE = 1, 2
+_MET, _DONE = 1, 2  # states of a cell: reached, and expanded for good
 _LENGTHS = (0.0, 1.0, math.sqrt(2.0), math.sqrt(3.0))
 """Length of a step by the number of axes along which it leads."""
 
 
 class SeenRoom(NamedTuple):
-    """Where enough room was seen free, in a map that grows."""
+    """Cells whose room was seen to be free, in a growing map."""
 
     distance: Grid
     """Distance of each cell to what was not seen free."""
@@ -67,7 +67,7 @@ def shortest_path(
         goal_cell: Index of the last cell.
         required_m: Least distance of cells that may be entered.
         comfortable_m: Distance from which on closeness has no price.
-        seen: Where climbing costs no more than its length; None for everywhere.
+        seen: Cells in which climbing costs no more than its length; None for all.
         climb_price: Price in cells of a rise by one cell elsewhere.
         excess: Share by which the path may cost more than the cheapest one.
 
@@ -76,8 +76,9 @@ def shortest_path(
     """
     _require_way(field, start_cell, goal_cell, required_m)
     comfortable_m = max(comfortable_m, required_m + 1e-3)
-    # From the end that is in the narrow: who comes from the open looks for a cheaper way all about
-    # before paying what the narrow costs. Only climbs through unseen space have a direction.
+    # Search from the end that is in the narrow. From the open, a search would look for a cheaper
+    # path all about before it pays the price of the narrow. Only climbs through unseen space have a
+    # direction.
     start_m, goal_m = (float(field.distance_m[tuple(cell)]) for cell in (start_cell, goal_cell))
     is_forward = seen is None and start_m < min(goal_m, comfortable_m)
     marks = untouched_zeros((field.distance_m.size,), np.uint8)
@@ -152,21 +153,22 @@ def search_grid(
     weight: float,
     marks: UInt8[np.ndarray, " cells"],
 ) -> Int[np.ndarray, "n 3"]:
-    """Search from `start` to `goal`; return the cells from goal back to start, none without a way.
+    """Search from `start` to `goal`; return the cells from goal back to start, none without a path.
 
-    The way will be flown from `goal` to `start`, so the search descends where the flight climbs.
-    It leaves in `marks`, zeros before, which cells it met. The estimate of what is left counts
-    `weight` times.
+    The path will be flown from `goal` to `start`, so the search descends where the flight climbs.
+    The search leaves marks in `marks`, zeros before, of the cells that it met. The estimate of the
+    rest counts `weight` times.
     """
     nx, ny, nz = distance.shape
     # Unseen cells above seen ones have to be climbed unseen.
     top = max(seen.top, goal[2]) if climb_price > 0.0 else nz
-    # Only what was met is ever read: untouched pages cost nothing.
+    # Only cells that were met are ever read: untouched pages cost nothing.
     cost = np.empty(distance.size, dtype=np.float32)
     came_from = np.empty(distance.size, dtype=np.int32)
     first = (start[0] * ny + start[1]) * nz + start[2]
     last = (goal[0] * ny + goal[1]) * nz + goal[2]
     cost[first], came_from[first], marks[first] = 0.0, -1, _MET
+    # Equal estimates are ordered by the rest of the path, so that the search heads for the goal.
     queue: list[Any] = [(0.0, 0.0, first)]
     while len(queue) > 0:
         _, _, here = heapq.heappop(queue)
@@ -196,6 +198,7 @@ def search_grid(
                         total += 0.0 if is_seen else climb_price
                     if marks[there] == _MET and total >= cost[there]:
                         continue
+                    # The dearest test last.
                     if not (is_open or _is_block_free(distance, i, j, k, u, v, w, required)):
                         continue
                     cost[there], came_from[there], marks[there] = total, here, _MET
@@ -207,7 +210,7 @@ def search_grid(
 
 @kernel
 def _is_open(distance: Grid, i: int, j: int, k: int, required: float) -> bool:
-    """Whether a cell and all that touch it have the required distance."""
+    """Return whether a cell and all that touch it have the required distance."""
     nx, ny, nz = distance.shape
     if not (0 < i < nx - 1 and 0 < j < ny - 1 and 0 < k < nz - 1):
         return False

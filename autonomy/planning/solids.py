@@ -1,5 +1,6 @@
 """Distances to convex solids, and planes that separate from them, compiled.
 
+Iterations for nearest points never end exactly, and a proof must not depend on where they stopped.
 The point nearest to a convex solid gives a plane that touches the solid and has it on one side;
 with the solid's support function as offset that is exact to the last bit, however the nearest point
 was rounded. So "farther than r" is always true. From outside distances are exact, except that the
@@ -24,8 +25,8 @@ _GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
 _GOLDEN_STEPS = 44
 _HULL_SWEEPS = 200
 _HULL_TOLERANCE_M = 1e-7
-_UNBOUNDED = 1e9
-_CYLINDER, _ELLIPSOID, _HULL = 1, 2, 3
+_UNBOUNDED = 1e9  # half extent of an axis that plays no part, m
+_CYLINDER, _ELLIPSOID, _HULL = 1, 2, 3  # as in `Shape`; kernels see plain numbers
 
 Point = Float[np.ndarray, " 3"]
 Plane = tuple[float, float, float, float, float]
@@ -76,7 +77,10 @@ def nearest_solid(x: float, y: float, z: float, solids: Solids) -> tuple[float, 
 
 @kernel
 def gap_to_sphere(x: float, y: float, z: float, i: int, solids: Solids) -> float:
-    """Distance from a point to the sphere about solid i: a quick lower bound."""
+    """Distance from a point to the sphere about solid i, m: a quick lower bound.
+
+    It is negative inside the sphere.
+    """
     c, h = solids.centers[i], solids.halves[i]
     away = math.sqrt((x - c[0]) ** 2 + (y - c[1]) ** 2 + (z - c[2]) ** 2)
     return away - math.sqrt(h[0] ** 2 + h[1] ** 2 + h[2] ** 2)
@@ -102,7 +106,7 @@ def plane_between(x: float, y: float, z: float, i: int, solids: Solids) -> Plane
 
     Returns:
         Distance, unit normal (3) and offset d, ENU: the solid lies in n.x <= d, and for a point
-        outside n.point - d is the distance.
+            outside n.point - d is the distance.
     """
     centers, rotations, halves, shapes, faces, faces_end = solids
     r = rotations[i]
@@ -127,7 +131,10 @@ def plane_between(x: float, y: float, z: float, i: int, solids: Solids) -> Plane
 
 @kernel
 def support(nx: float, ny: float, nz: float, i: int, solids: Solids) -> float:
-    """Largest n.x of all points of solid i; for a hull that of its bounding box, an upper bound."""
+    """Largest n.x of all points of solid i; for a hull that of its bounding box, an upper bound.
+
+    The normal n need not be a unit vector.
+    """
     centers, rotations, halves, shapes, _, _ = solids
     r = rotations[i]
     n = r[0, 0] * nx + r[1, 0] * ny + r[2, 0] * nz
@@ -145,9 +152,10 @@ def support(nx: float, ny: float, nz: float, i: int, solids: Solids) -> float:
 
 @kernel
 def plane_to_segment(p: Point, q: Point, i: int, solids: Solids) -> Plane:
-    """`plane_between` for the point of the segment from p to q that is nearest to solid i.
+    """Like `plane_between`, for the point of the segment from p to q that is nearest to solid i.
 
-    The distance along the segment is convex: golden section, and the two ends.
+    The distance along the segment is convex, so golden section finds its minimum; the two ends are
+    tried as well.
     """
     low, high = 0.0, 1.0
     s, t = 1.0 - _GOLDEN, _GOLDEN
@@ -187,6 +195,7 @@ def _box(x: float, y: float, z: float, a: float, b: float, c: float) -> Plane:
         o = 1.0 if w == inside else 0.0
     length = math.sqrt(n * n + m * m + o * o)
     n, m, o = n / length, m / length, o / length
+    # Inside, the nearest face decides: the least penetration, negative.
     distance = length if inside > 0.0 else inside
     touch = n * a + m * b + o * c
     n, m, o = n if x >= 0.0 else -n, m if y >= 0.0 else -m, o if z >= 0.0 else -o
@@ -196,6 +205,7 @@ def _box(x: float, y: float, z: float, a: float, b: float, c: float) -> Plane:
 @kernel
 def _cylinder(x: float, y: float, z: float, radius: float, half_length: float) -> Plane:
     across = math.sqrt(x * x + y * y)
+    # A cylinder is a box in the plane of its axis and the point.
     d, n, o, _, touch = _box(across, z, 0.0, radius, half_length, _UNBOUNDED)
     if across > 0.0:
         return d, n * x / across, n * y / across, o, touch
@@ -204,11 +214,11 @@ def _cylinder(x: float, y: float, z: float, radius: float, half_length: float) -
 
 @kernel
 def _ellipsoid(x: float, y: float, z: float, a: float, b: float, c: float) -> Plane:
-    """Lagrange multiplier by Newton, from the left of the root.
+    """Find the Lagrange multiplier by Newton's method, from the left of the root.
 
-    The nearest point is (a^2 x / (a^2 + t), ...), where f(t) = sum (a x / (a^2 + t))^2 - 1 = 0;
-    f is convex and falls, so the iteration never passes the root. Inside, where the deepest
-    point is not unique, the smallest semi-axis times (gauge - 1) is a safe bound.
+    The nearest point is (a^2 x / (a^2 + t), ...), where f(t) = sum (a x / (a^2 + t))^2 - 1 = 0; f
+    is convex and falls, so the iteration never passes the root. Inside, where the deepest point is
+    not unique, the smallest semi-axis times (gauge - 1) is a safe bound.
     """
     gauge = math.sqrt((x / a) ** 2 + (y / b) ** 2 + (z / c) ** 2)
     shortest = min(a, b, c)
@@ -231,7 +241,7 @@ def _ellipsoid(x: float, y: float, z: float, a: float, b: float, c: float) -> Pl
 
 @kernel
 def _hull(x: float, y: float, z: float, faces: Float[np.ndarray, "m 4"]) -> Plane:
-    """Projection on an intersection of half-spaces n.p <= d by Hildreth's dual coordinate ascent.
+    """Project on an intersection of half-spaces n.p <= d by Hildreth's dual coordinate ascent.
 
     The nearest point is (x, y, z) - sum l_j n_j with multipliers l >= 0, and any such l gives a
     plane that the hull is below: (sum l_j n_j).p <= sum l_j d_j. So the distance to it never is too

@@ -1,4 +1,8 @@
-"""Inner problem of a corridor at fixed times: its optimum, and the gradient by the times."""
+"""Inner problem of a corridor at fixed times: its optimum, and the gradient by the times.
+
+The outer search asks for cost, gradient, nodes and slack of the same times in turn. The last
+solution is kept, so that one solve serves them all.
+"""
 
 from __future__ import annotations
 
@@ -14,17 +18,23 @@ from autonomy.planning.limits import MotionBounds
 from autonomy.planning.program import PLANES, build
 
 MIN_PIECE_S, MAX_PIECE_S = 0.05, 60.0
-_INSIDE_M = 1e-3
+_INSIDE_M = 1e-3  # tolerance of a start on the border of its polytope
 
 
 class Solver:
-    """Inner problem of one corridor, which starts from its last solution."""
+    """Inner problem of one corridor; it keeps its last solution.
+
+    Args of methods: `log_times` are the natural logarithms of the pieces' durations in seconds.
+
+    Raises `LimitsError` or `PlanningError` on creation if the start leads out of its polytope.
+    """
 
     def __init__(
         self, start: np.ndarray, goal: np.ndarray, corridor: Corridor, bounds: MotionBounds
     ) -> None:
         n = self._n = len(corridor)
         used = int(np.max(np.count_nonzero(np.any(corridor.planes[:, :, :3] != 0, 2), axis=1)))
+        # The program of the next size: CasADi builds one for each number of planes.
         self._planes = next(size for size in PLANES if size >= used)
         self._program = build(n, self._planes)
         self._bounds, self._ends = bounds, (start, goal)
@@ -39,7 +49,7 @@ class Solver:
         self.log_times_range = low, high
 
     def tighten(self, factor: np.ndarray) -> None:
-        """Lower the accelerations of pieces by factors."""
+        """Lower the accelerations that pieces may use, by factors of 1 or more."""
         self._share = self._share / factor
         self._solved = (b"", {})
 
@@ -51,11 +61,11 @@ class Solver:
         return float(solution["f"]), np.array(gradient).ravel()
 
     def cost(self, log_times: np.ndarray) -> float:
-        """Optimum at fixed times."""
+        """Optimum at fixed times, s."""
         return float(self._solve(log_times)["f"])
 
     def nodes(self, log_times: np.ndarray) -> np.ndarray:
-        """Node states (n + 1, 3, 3)."""
+        """Node states (n + 1, 3, 3): position, velocity and acceleration of each node, ENU."""
         x = np.array(self._solve(log_times)["x"]).ravel()
         inner = x[: 9 * (self._n - 1)].reshape(self._n - 1, 3, 3)
         tau = np.exp((log_times[:-1] + log_times[1:]) / 2)
@@ -111,7 +121,7 @@ class Solver:
 
 
 def _filled(planes: np.ndarray, size: int) -> np.ndarray:
-    """Polytopes filled up to a size with planes that bound nothing."""
+    """Return polytopes filled up to a size with planes that bound nothing."""
     filled = np.zeros((len(planes), size, 5))
     filled[:, :, 3] = 1.0
     kept = min(size, planes.shape[1])
@@ -123,6 +133,7 @@ def _longest_first_piece_s(start: np.ndarray, corridor: Corridor) -> float:
     """Longest first piece whose control points that the start fixes lie in its polytope.
 
     Raises:
+        PlanningError: If the start itself is outside its polytope.
         LimitsError: If not even the shortest piece is short enough.
     """
     p, v, a = start

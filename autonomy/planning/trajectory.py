@@ -1,4 +1,8 @@
-"""Trajectory: polynomials of degree 5 in time for position, a table of angles for yaw."""
+"""Trajectory: polynomials of degree 5 in time for position, a table of angles for yaw.
+
+Degree 5 is the least with which position, velocity and acceleration can be chosen at both ends of a
+piece. The heading is a table, because it follows the path by a filter that is no polynomial.
+"""
 
 from __future__ import annotations
 
@@ -29,7 +33,7 @@ class YawProfile:
         return self.yaw_rad.tolist()
 
     def sample(self, t_s: float) -> tuple[float, float]:
-        """Heading and its rate at a time."""
+        """Return the heading and its rate at a time, rad and rad/s."""
         angles = self._angles
         at = t_s / self.step_s
         index = int(at)
@@ -41,7 +45,7 @@ class YawProfile:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Trajectory:
-    """Motion to fly from time 0 to `duration_s`; before and after that it stands still."""
+    """Motion to fly from time 0 to `duration_s`; before and after that the vehicle stands still."""
 
     durations_s: Float[np.ndarray, " n"]
     coefficients: Float[np.ndarray, "n 6 3"]
@@ -54,12 +58,12 @@ class Trajectory:
 
     @cached_property
     def ends_s(self) -> list[float]:
-        """End time of each piece."""
+        """End time of each piece, s."""
         return np.cumsum(self.durations_s).tolist()
 
     @cached_property
     def duration_s(self) -> float:
-        """End time of the last piece."""
+        """End time of the last piece, s."""
         return self.ends_s[-1]
 
     @cached_property
@@ -68,7 +72,10 @@ class Trajectory:
         return np.swapaxes(self.coefficients, 1, 2).tolist()
 
     def sample(self, t_s: float) -> FlatReference:
-        """Reference at a time."""
+        """Return the reference at a time.
+
+        Outside of 0 to `duration_s` it is the nearest end, at rest.
+        """
         t = min(max(t_s, 0.0), self.duration_s)
         index = min(bisect_right(self.ends_s, t), len(self.ends_s) - 1)
         since = t - (self.ends_s[index - 1] if index else 0.0)
@@ -85,11 +92,16 @@ class Trajectory:
         )
 
     def positions(self, t_s: Float[np.ndarray, " k"]) -> Float[np.ndarray, "k 3"]:
-        """Positions at many times."""
+        """Return the positions at many times, ENU, m."""
         return self.derivatives(t_s, 0)
 
     def derivatives(self, t_s: Float[np.ndarray, " k"], order: int) -> Float[np.ndarray, "k 3"]:
-        """Time derivative of the position at many times within the trajectory."""
+        """Return a time derivative of the position at many times.
+
+        Args:
+            t_s: Times, clipped to those of the trajectory.
+            order: Order of the derivative, 0 to 5; 0 is the position.
+        """
         t = np.clip(t_s, 0.0, self.duration_s)
         ends = np.array(self.ends_s)
         index = np.minimum(np.searchsorted(ends, t, side="right"), len(ends) - 1)
@@ -98,7 +110,7 @@ class Trajectory:
 
 
 def rest_of(trajectory: Trajectory, at_s: float) -> tuple[np.ndarray, np.ndarray, int]:
-    """Rest of a trajectory from a time before its end on.
+    """Return the rest of a trajectory from a time before its end on.
 
     Returns:
         Coefficients and durations of the remaining pieces, and the index of the first of them.
@@ -108,6 +120,7 @@ def rest_of(trajectory: Trajectory, at_s: float) -> tuple[np.ndarray, np.ndarray
     durations[0] = trajectory.ends_s[first] - at_s
     since = trajectory.durations_s[first] - durations[0]
     coefficients = trajectory.coefficients[first:].copy()
+    # Taylor's expansion about the new beginning.
     for power in range(DEGREE + 1):
         value = derivative_at(coefficients, np.zeros(1, dtype=int), np.array([since]), power)[0]
         coefficients[0, power] = value / math.factorial(power)
@@ -120,7 +133,14 @@ def derivative_at(
     since_s: Float[np.ndarray, " k"],
     order: int,
 ) -> Float[np.ndarray, "k 3"]:
-    """Time derivative at times since the beginning of pieces."""
+    """Return a time derivative of position at times since the beginning of pieces.
+
+    Args:
+        coefficients: Coefficients of all pieces.
+        piece: Index of the piece for each time.
+        since_s: Times since the beginning of those pieces.
+        order: Order of the derivative, 0 to 5.
+    """
     total = np.zeros((len(since_s), 3))
     for power in range(DEGREE, order - 1, -1):
         factor = math.perm(power, order)
@@ -155,7 +175,10 @@ def _derivatives(c: list[float], t: float) -> tuple[float, float, float, float]:
 def coefficients_from_nodes(
     nodes: Float[np.ndarray, "n_plus_1 3 3"], durations_s: Float[np.ndarray, " n"]
 ) -> Float[np.ndarray, "n 6 3"]:
-    """Polynomials that join node states (position, velocity, acceleration) in given times."""
+    """Return the polynomials that join node states in given times.
+
+    A node state is position, velocity and acceleration.
+    """
     return join_states(nodes[:-1], nodes[1:], durations_s)
 
 
@@ -164,10 +187,10 @@ def join_states(
     ends: Float[np.ndarray, "n 3 3"],
     durations_s: Float[np.ndarray, " n"],
 ) -> Float[np.ndarray, "n 6 3"]:
-    """Polynomials of least squared jerk that join pairs of states in given times.
+    """Return the polynomials of least squared jerk that join pairs of states in given times.
 
-    With what the end is away from where position p0, velocity v0 and acceleration a0 lead in the
-    time T by themselves,
+    With the difference of the end from where position p0, velocity v0 and acceleration a0 lead in
+    the time T by themselves,
 
         dp = p1 - p0 - v0 T - a0 T^2 / 2,  dv = v1 - v0 - a0 T,  da = a1 - a0,
 

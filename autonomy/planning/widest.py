@@ -1,9 +1,11 @@
-"""Widest way between two cells: how much room its narrowest place has, and where that is.
+"""Widest path between two cells: how much room its narrowest place has, and where that is.
 
-Two trees grow in turn from both ends, each where it has most room. When one cannot grow without
-entering a cell of less room, no way is wider than that cell, so from then on all cells with more
-room are alike to both trees, and of those they enter the one nearest to the other end first. So the
-cost follows the way, or the smaller of the two spaces that a narrow place parts, but not the scene.
+A failed search should say which door is too narrow, and should fail before it has looked at every
+cell. Two trees grow in turn from both ends, each where it has most room. When one cannot grow
+without entering a cell of less room, no path is wider than that cell. From then on all cells with
+more room are alike to both trees, and of those they enter the one nearest to the other end first.
+So the cost follows the path, or the smaller of the two spaces that a narrow place parts, but not
+the scene.
 """
 
 from __future__ import annotations
@@ -21,11 +23,11 @@ from autonomy.planning.grid import STEPS, Cell, Grid, empty_grid_distance, way_b
 
 Cells = Int[np.ndarray, "n 3"]
 _MET, _ENTERED = 1, 4
-"""Marks of the tree from the first end; those of the other one are twice as large."""
+"""Marks of the tree from the first end; those of the second tree are twice as large."""
 
 
 class Narrowest(NamedTuple):
-    """Narrowest place of the widest way; 0 m where there is no way."""
+    """Narrowest place of the widest path; `room_m` is 0 if there is no path."""
 
     room_m: float
     cell: Cell
@@ -34,14 +36,14 @@ class Narrowest(NamedTuple):
 def narrowest_place(
     field: DistanceField, start_cell: Cell, goal_cell: Cell, *, least_m: float, enough_m: float
 ) -> Narrowest:
-    """Find the narrowest place of the widest way between two cells, the ends left out.
+    """Find the narrowest place of the widest path between two cells, the ends left out.
 
     Args:
         field: Distances to the obstacles.
         start_cell: Index of the first cell.
         goal_cell: Index of the last cell; of places that are equally narrow the first one counts.
-        least_m: Least distance of cells that a way may lead through.
-        enough_m: Distance above which no way is any wider.
+        least_m: Least distance of cells that a path may lead through.
+        enough_m: Distance above which no path is any wider.
     """
     marks = untouched_zeros((field.distance_m.size,), np.uint8)
     room_m, cell = widest_way(field.distance_m, start_cell, goal_cell, least_m, enough_m, marks)
@@ -57,7 +59,7 @@ def widest_way(
     enough: float,
     marks: UInt8[np.ndarray, " cells"],
 ) -> tuple[float, Cell]:
-    """Grow both trees until they meet; see `narrowest_place`. `marks` are zeros."""
+    """Grow both trees until they meet; see `narrowest_place`. `marks` must be zeros."""
     nx, ny, nz = distance.shape
     came_from = np.empty((2, distance.size), dtype=np.int32)
     ends = (
@@ -84,6 +86,7 @@ def widest_way(
             if not (0 <= u < nx and 0 <= v < ny and 0 <= w < nz):
                 continue
             there = (u * ny + v) * nz + w
+            # The other end may itself lack room; a path still has to reach it.
             room = enough if there == other else float(distance[u, v, w])
             if marks[there] & (_MET << turn) or room < least:
                 continue
@@ -97,7 +100,7 @@ def widest_way(
 
 @kernel
 def _narrowest(distance: Grid, first_part: Cells, second_part: Cells) -> tuple[float, Cell]:
-    """First of the narrowest cells of a way, without its ends."""
+    """First of the narrowest cells of a path, without its ends."""
     way = np.concatenate((first_part, second_part))
     room, cell = np.inf, way[0]
     for n in range(1, len(way) - 1):

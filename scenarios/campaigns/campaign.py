@@ -1,4 +1,9 @@
-"""A campaign in its folder: what it flies, what is there, and what is left to fly."""
+"""A campaign in its folder: its suite, the trials that are there, and those left to fly.
+
+A campaign takes hours and may be interrupted at any time. Its folder therefore says what it is of,
+so that the same command continues it, and a command with other options is refused instead of mixing
+results.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +31,7 @@ from scenarios.campaigns.summary import SUMMARY_COLUMNS, summarise_trials
 from scenarios.chat.completions import ChatModel
 from scenarios.tasks.recipe import recipe_from
 
-SUMMARY = "summary.json"
+SUMMARY = "summary.json"  # in the folder of a campaign
 
 
 class CampaignError(ValueError):
@@ -54,7 +59,13 @@ class _Manifest(msgspec.Struct, kw_only=True):
 
 
 def all_trials(scenes: Iterable[str], vehicles: Iterable[str], count: int) -> list[Trial]:
-    """Trials of every scene with every vehicle, scene by scene."""
+    """Return the trials of every scene with every vehicle, scene by scene.
+
+    Args:
+        scenes: Names of scenes.
+        vehicles: Names of vehicles.
+        count: Number of trials of each pair, numbered from 0.
+    """
     vehicles = tuple(vehicles)
     return [
         Trial(scene, vehicle, number)
@@ -72,7 +83,7 @@ class Campaign:
         self._store = store
 
     def left(self, trials: Iterable[Trial]) -> list[Trial]:
-        """Those of some trials that are not in the folder yet."""
+        """Return the trials among some that are not in the folder yet."""
         return [trial for trial in trials if trial.id not in self._store.done]
 
     def fly(
@@ -82,7 +93,7 @@ class Campaign:
 
         Args:
             trials: Trials that are not in the folder yet.
-            engine: What flies them: the suite of the campaign.
+            engine: Source of the processes that fly them, for the suite of the campaign.
             workers: Number of processes.
             patience_s: Wall time for one trial, after which its process is ended.
 
@@ -92,11 +103,12 @@ class Campaign:
         """
         with Crew(engine, workers, patience_s) as crew:
             for row in crew.fly(trials):
+                # Kept before it is yielded: a caller that stops loses nothing.
                 self._store.add(row)
                 yield row
 
     def summary(self) -> dict[str, Any]:
-        """Summary of all trials in the folder, which is written there too."""
+        """Return the summary of all trials in the folder, and write it there."""
         found = summarise_trials(read_results(self._folder, SUMMARY_COLUMNS))
         with replacing(self._folder / SUMMARY) as file:
             file.write(json.dumps(found, indent=2).encode() + b"\n")
@@ -108,7 +120,7 @@ def open_campaign(folder: Path, suite: Suite) -> Iterator[Campaign]:
     """Open a campaign to fly on, or begin one.
 
     Args:
-        folder: Folder of the results; made where it is missing.
+        folder: Folder of the results; created if it is missing.
         suite: Recipe and pilot.
 
     Raises:
@@ -119,6 +131,7 @@ def open_campaign(folder: Path, suite: Suite) -> Iterator[Campaign]:
         FlightStackError: If there is no such flight stack.
         OSError: If the folder cannot be written to.
     """
+    # Before anything is written.
     suite.require_pilot()
     _claim(folder, suite)
     with open_store(folder) as store:
@@ -126,7 +139,7 @@ def open_campaign(folder: Path, suite: Suite) -> Iterator[Campaign]:
 
 
 def read_manifest(folder: Path) -> dict[str, Any]:
-    """What the campaign in a folder is of: suite, version, digest of the scenes, day of its begin.
+    """Return the manifest of a folder: suite, version, digest of the scenes, day of the begin.
 
     Raises:
         CampaignError: If there is none, or it cannot be read.
@@ -147,7 +160,7 @@ def _no_manifest(path: Path, error: Exception) -> CampaignError:
 
 
 def read_suite(folder: Path) -> Suite | None:
-    """The suite of the campaign in a folder; None if it holds none.
+    """Return the suite of the campaign in a folder; None if it holds none.
 
     Raises:
         CampaignError: If its manifest cannot be read.
@@ -170,13 +183,13 @@ def read_suite(folder: Path) -> Suite | None:
 
 
 def chat_from(suite: dict[str, Any]) -> ChatModel | None:
-    """Model that steers the pilot of a manifest; None if none does."""
+    """Return the model that steers the pilot of a manifest; None if there is none."""
     endpoint, model = suite["endpoint"], suite["model"]
     return None if endpoint is None else ChatModel(endpoint=endpoint, model=model or "default")
 
 
 def row_of(folder: Path, trial: Trial) -> Row | None:
-    """Row of a trial in the results of a folder; None if it is not there."""
+    """Return the row of a trial in the results of a folder; None if it is not there."""
     if not (folder / JOURNAL).is_file():
         return None
     rows = read_results(folder, where=pc.field("trial_id") == trial.id).to_pylist()
@@ -184,7 +197,7 @@ def row_of(folder: Path, trial: Trial) -> Row | None:
 
 
 def _claim(folder: Path, suite: Suite) -> None:
-    """Write what the folder's trials follow from, or refuse a folder of others.
+    """Write the manifest, or refuse a folder of another campaign.
 
     Raises:
         CampaignError: If it holds a campaign of another suite or version.
@@ -199,7 +212,7 @@ def _claim(folder: Path, suite: Suite) -> None:
 
 
 def require_same_suite(folder: Path, suite: Suite) -> None:
-    """Refuse a folder that holds a campaign of others; one that holds none is welcome.
+    """Refuse a folder that holds a campaign of another suite; an empty one passes.
 
     Raises:
         CampaignError: If it holds a campaign of another suite or version.
@@ -226,7 +239,7 @@ def _manifest(suite: Suite) -> dict[str, Any]:
 
 
 def _flat(plain: dict[str, Any]) -> dict[str, Any]:
-    """Values by their names alone."""
+    """Return the values by their names alone, without the levels above."""
     found: dict[str, Any] = {}
     for name, value in plain.items():
         found |= _flat(value) if isinstance(value, dict) else {name: value}

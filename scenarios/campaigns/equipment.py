@@ -16,7 +16,7 @@ MOST_CAMERA_HZ = 50.0
 
 @dataclass(frozen=True, kw_only=True)
 class Equipment:
-    """What the vehicles of a campaign carry; the grade of GNSS and depth are the recipe's."""
+    """Equipment of a campaign's vehicles; the recipe decides the grade of GNSS and depth."""
 
     camera_size: str = "320x240"
     """Width and height of the images of the vehicle's cameras in pixels, 16 to 4096 each."""
@@ -31,7 +31,7 @@ class Equipment:
     """Carry a sensor of optical flow that looks down, and report it by MAVLink."""
 
     def fitted(self, cfg: SitlCfg) -> SitlCfg:
-        """The configuration of a run whose vehicle carries all this.
+        """Return the configuration of a run whose vehicle carries this equipment.
 
         Raises:
             INPUT_ERRORS: If an option is invalid.
@@ -39,17 +39,18 @@ class Equipment:
         return replace(cfg, bench=replace(cfg.bench, **asdict(self)))
 
     def require(self, vehicle: str) -> None:
-        """Refuse what a vehicle cannot carry, before anything is flown.
+        """Refuse equipment that a vehicle cannot carry, before anything is flown.
 
         Raises:
             INPUT_ERRORS: If an option is invalid.
         """
         from flightsim.testbench import TestbenchCfg
 
+        # Its checks run when it is made.
         TestbenchCfg(vehicle=vehicle, **asdict(self))
 
     def to_plain(self) -> dict[str, Any]:
-        """The options as plain data."""
+        """Return the options as plain data."""
         return asdict(self)
 
 
@@ -58,11 +59,12 @@ CameraHz = Annotated[float, Range(0.0, MOST_CAMERA_HZ, "Hz")]
 
 
 def equipment_from(plain: dict[str, Any]) -> Equipment:
-    """Equipment of the plain data of a suite; earlier versions of the format had none.
+    """Return the equipment in the plain data of a suite; earlier versions of the format had none.
 
     Raises:
-        TypeError: If it holds what is no option.
+        TypeError: If it holds a name that is no option.
     """
     options = dict(plain.get("equipment", {}))
+    # JSON has lists; the option compares as a tuple.
     options["camera"] = tuple(options.get("camera", ()))
     return Equipment(**options)

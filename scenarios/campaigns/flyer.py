@@ -1,7 +1,8 @@
 """Flies trials one after another in one process, which stays warm between them.
 
-Scene, distance field, renderer, kernels and the planner's programs are kept, and no network link is
-opened. A trial is the same, bit for bit, in a warm process and in a fresh one.
+Starting a process, opening a scene and compiling kernels take many times as long as a flight.
+Scene, distance field, renderer, kernels and the planner's programs are therefore kept, and no
+network link is opened. A trial is the same, bit for bit, in a warm process and in a fresh one.
 """
 
 from __future__ import annotations
@@ -51,22 +52,22 @@ Row = dict[str, Any]
 """A trial as a row of the results: its task, its verdict, its figures."""
 EXTERNAL = "mavlink"
 """Name of a pilot outside this process."""
-_KEPT_SAMPLERS = 2
+_KEPT_SAMPLERS = 2  # two vehicles of a scene by turns
 
 
 class Mishap(StrEnum):
-    """Code of a trial of which no flight came to judge; those of flights are `Code`s."""
+    """Code of a trial that had no flight to judge; codes of flights are `Code`s."""
 
     NO_TASK = "no_task"
     """The scene has no task for the vehicle: neither a success nor a failure."""
     NO_PLAN = "no_plan"
-    """The pilot found no way, and did not begin."""
+    """The pilot found no path, and did not begin."""
     RAISED = "raised"
     """The pilot raised an error."""
     HUNG = "hung"
-    """The pilot gave no answer, and its process was ended; or the flight stack was lost."""
+    """The pilot gave no answer and its process was ended, or the flight stack was lost."""
     DIED = "died"
-    """The process ended, and did so again when the trial was flown anew."""
+    """The process ended, and did so again when the trial was repeated."""
 
 
 class Trial(NamedTuple):
@@ -80,21 +81,24 @@ class Trial(NamedTuple):
 
     @property
     def id(self) -> str:
-        """The name in one word."""
+        """The name as one word, unique within a campaign."""
         return trial_id(*self)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Suite:
-    """What decides the outcome of a trial, besides its name and the code; what is kept of it."""
+    """Everything that decides the outcome of a trial besides its name and the code.
+
+    It also has the recordings to keep, which decide no outcome.
+    """
 
     recipe: Recipe = field(default_factory=Recipe)
-    """What its task is drawn from, unless the trial is of a family."""
+    """Recipe of a trial's task, unless the trial is of a family."""
     families: Mapping[str, Recipe] = field(default_factory=dict)
-    """What the tasks of each family are drawn from."""
+    """Recipe of each family's tasks."""
     pilot: str = OURS
-    """Who flies: one of the pilots that ship, MODULE:CLASS, or mavlink for somebody outside this
-    process."""
+    """The pilot: one of those that ship, MODULE:CLASS, or mavlink for a pilot outside this process.
+    """
     program: str | None = None
     """Command that flies each trial over MAVLink; None waits for a client."""
     chat: ChatModel | None = None
@@ -104,10 +108,10 @@ class Suite:
     equipment: Equipment = field(default_factory=Equipment)
     """Cameras and sensors of the vehicles."""
     recordings: Recordings | None = field(default=None, compare=False)
-    """Decides no outcome; None records nothing."""
+    """Recordings to keep; None records nothing. They decide no outcome."""
 
     def recipe_of(self, family: str) -> Recipe:
-        """What the tasks of a family are drawn from; of none, the campaign's recipe.
+        """Return the recipe of a family; for an empty name, the campaign's recipe.
 
         Raises:
             NoTaskError: If the suite has no such family.
@@ -121,12 +125,16 @@ class Suite:
 
     @property
     def is_external(self) -> bool:
-        """Whether the pilot is outside this process."""
+        """True if the pilot is outside this process."""
         return self.pilot == EXTERNAL
 
     @property
     def foreign_code(self) -> dict[str, str]:
-        """Modules and programs that a flight runs besides what ships, by the option's name."""
+        """Modules and programs that a flight runs besides what ships, by the option's name.
+
+        A folder of results may come from anybody. These names must be given again on the command
+        line before a trial of it is flown.
+        """
         found: dict[str, str] = {}
         if not self.is_external and self.pilot not in SHIPPED:
             found["pilot"] = self.pilot
@@ -140,7 +148,7 @@ class Suite:
         return found
 
     def require_pilot(self) -> None:
-        """Refuse a suite that nobody can fly.
+        """Refuse a suite that cannot be flown.
 
         Raises:
             PilotError: If its pilot is not there.
@@ -161,7 +169,7 @@ class Suite:
             words_of(self.program)
 
     def to_plain(self) -> dict[str, Any]:
-        """What decides the outcome, as plain data."""
+        """Return what decides the outcome, as plain data."""
         return {
             "recipe": asdict(self.recipe),
             "families": {name: asdict(recipe) for name, recipe in self.families.items()},
@@ -189,11 +197,11 @@ class Flyer:
         """Prepare to fly.
 
         Args:
-            suite: What is flown.
+            suite: Suite to fly.
             patience_s: Wall time for a trial of a pilot outside this process.
             port: TCP port for such a pilot; None takes the usual one, or any for a program.
-            instance: Shifts the ports of a flight stack that is not ours.
-            shows_program: Whether what a program says is shown.
+            instance: Offset of the ports of a flight stack of another project.
+            shows_program: True to show the output of a program.
 
         Raises:
             PilotError: If the suite's pilot is not there.
@@ -213,16 +221,17 @@ class Flyer:
         self._samplers: OrderedDict[tuple[str, str, str], Sampler] = OrderedDict()
 
     def task(self, trial: Trial) -> Task:
-        """Task of a trial.
+        """Draw the task of a trial.
 
         Raises:
             NoTaskError: If the scene has none for the vehicle.
             SceneError: If there is no such scene.
         """
+        # Popped and put back: the dictionary's order is that of the last use.
         key = (trial.family, trial.scene, trial.vehicle)
         sampler = self._samplers.pop(key, None)
         if sampler is None:
-            # Fields of the scenes before take room.
+            # Distance fields of earlier scenes take memory that this one needs.
             field_cache.forget()
             scene, airframe = self._hangar.scene(trial.scene), airframe_by_name(trial.vehicle)
             recipe = self._suite.recipe_of(trial.family)
@@ -236,8 +245,8 @@ class Flyer:
         """Draw the task of a trial, fly it, judge it, and record it as the suite says.
 
         Returns:
-            The row of the trial, also where no flight came of it; `recording` is None where none
-            was asked for, or it could not be written whole.
+            The row of the trial, even if there was no flight. Its `recording` is None if none was
+            asked for, or if it could not be written whole.
 
         Raises:
             INPUT_ERRORS: If the machine does not allow any flight.
@@ -252,6 +261,7 @@ class Flyer:
             row |= self._flown(task, recorded)
         except (NoTaskError, WorldError, TrafficError) as error:
             row |= {"code": Mishap.NO_TASK.value, "reason": _one_line(error)}
+        # Other input errors concern the machine, so they end the campaign.
         except INPUT_ERRORS as error:
             if not isinstance(error.__cause__, MissionError):
                 raise
@@ -268,7 +278,7 @@ class Flyer:
         return row | {"trial_cpu_seconds": round(time.process_time() - began_s, 3)}
 
     def _recorded(self, trial: Trial) -> dict[str, Any]:
-        """Options of a run by which it is recorded; what an unfinished one has left is replaced."""
+        """Return the options of a run that record it; an unfinished recording is replaced."""
         recordings = self._suite.recordings
         if recordings is None:
             return {}
@@ -291,6 +301,7 @@ class Flyer:
             make = self._pilot.make
             with Sitl(cfg, scene=scene, pilot=make, has_network=False, hangar=self._hangar) as sitl:
                 result = sitl.run()
+        # Pilots of others need not say what they plan.
         planned = getattr(sitl.flights[0].companion, "planned_enu_m", None)
         flown_enu_m = sitl.flights[0].log.track()
         goal = next(area for area in scene.interaction_areas if area.id == task.area)
@@ -305,14 +316,14 @@ class Flyer:
                 np.array(flown_enu_m), np.array(goal.centroid), has_reached=has_reached
             ),
             "planned_enu_m": None if planned is None else track_of(planned),
-            # What was asked for stands as the task says it. The result rounds the start and, of a
-            # goal in words, names the area where the flight ended: then trials of one task with and
-            # without a flight could not be compared.
+            # The task's own fields win. The result rounds the start, and for a goal in words it
+            # names the area on which the flight ended. Trials of one task with and without a flight
+            # could then not be compared.
             **task.to_plain(),
         }
 
     def close(self) -> None:
-        """Close what is kept."""
+        """Close scenes, renderers and programs that were kept."""
         self._hangar.close()
         if self._external is not None:
             self._external.close()
@@ -325,7 +336,7 @@ class Flyer:
 
 
 def _spl(task: Task, result: TrialResult) -> float | None:
-    """Success weighted by path length, of a flight to a goal in words."""
+    """Return the success weighted by path length, of a flight to a goal in words."""
     if result.path_m is None:
         return None
     weight = spl(success=result.success is True, way_m=task.way.way_m, path_m=result.path_m)
@@ -333,14 +344,14 @@ def _spl(task: Task, result: TrialResult) -> float | None:
 
 
 def _guarded(pilot: NamedPilot, name: str) -> NamedPilot:
-    """A pilot whose faults are told apart from the testbench's own, if it is a user's class."""
+    """A pilot whose errors can be distinguished from the testbench's own, if it is a user's."""
     if pilot.make is None or ":" not in name:
         return pilot
     return replace(pilot, make=partial(UserPilot, pilot.make))
 
 
 def blank_row(trial: Trial) -> Row:
-    """What is known of a trial before it is flown."""
+    """Return what is known of a trial before it is flown."""
     return {
         "trial_id": trial.id,
         "scene": trial.scene,
@@ -353,7 +364,7 @@ def blank_row(trial: Trial) -> Row:
 
 
 def failure(code: Mishap, reason: str) -> Row:
-    """Part of a row of a trial that failed without a flight to judge."""
+    """Return the part of a row of a trial that failed without a flight to judge."""
     return {"success": False, "code": code.value, "reason": reason}
 
 

@@ -1,4 +1,4 @@
-"""Where the parts of a campaign's folder are."""
+"""Names of the files in a campaign's folder, and the options of its recordings."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from aeroscene.files.names import file_name
 from scenarios.run.levels import RecordLevel
 
 MANIFEST = "campaign.json"
-"""File in the folder of a campaign that says what it is of."""
+"""File in the folder of a campaign that holds its suite and version."""
 RECORDINGS = "recordings"
-"""Folder of recordings in that of a campaign."""
+"""Folder of recordings within a campaign's folder."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Recordings:
-    """Where trials are recorded, and what of them."""
+    """Folder and contents of the recordings of trials."""
 
     folder: Path
     level: RecordLevel = "full"
@@ -24,5 +24,5 @@ class Recordings:
     """Frames of each camera in a simulated second."""
 
     def path(self, trial_id: str) -> Path:
-        """File of a trial's recording."""
+        """Return the file of a trial's recording; the name is safe for every file system."""
         return self.folder / f"{file_name(trial_id, 'trial')}.rrd"

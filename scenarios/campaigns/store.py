@@ -1,5 +1,6 @@
 """Results of a campaign in its folder: tables in Parquet, and a journal of the newest rows.
 
+A Parquet file cannot grow, and a journal of a million rows would be slow to read. So both are used.
 A row is appended to the journal the moment its trial ends, so that a process that is killed loses
 no finished trial. From time to time the journal becomes a table, `trials/NNNNN.parquet`, whole or
 not at all. A row that is in a table as well as in the journal, because the process was killed
@@ -28,11 +29,12 @@ from scenarios.campaigns.flyer import Row
 from scenarios.campaigns.table_file import TableFileError, read_table_file
 
 _LOG = logging.getLogger(__name__)
+# Folder of the tables, the journal, and the number of rows at which it becomes a table.
 TABLES = "trials"
 JOURNAL = "trials.jsonl"
 ROWS_A_TABLE = 5000
 TRACKS = ("planned_enu_m", "flown_enu_m")
-"""Columns with ways: lists of points, ENU, m."""
+"""Columns with paths: lists of points, ENU, m."""
 _TEXT, _WHOLE, _REAL, _FLAG = pa.string(), pa.int64(), pa.float64(), pa.bool_()
 SCHEMA = pa.schema(
     [
@@ -76,15 +78,17 @@ SCHEMA = pa.schema(
     ]
 )
 """Columns of a table; `contacts` is JSON."""
+# Bounds against files of others, which may be made to exhaust memory.
 _MOST_ROW_BYTES = 8 << 20
 _MOST_ROW_VALUES = 200_000
 _MOST_ROWS = 20_000
-"""Rows of a journal, which becomes a table after `ROWS_A_TABLE`."""
+"""Most rows of a journal, which becomes a table after `ROWS_A_TABLE`."""
 _MOST_VALUES = 6_000_000
-"""Values of a whole journal: 5,000 rows with their tracks have half of it."""
+"""Most values of a whole journal: 5,000 rows with their tracks have half of it."""
+# Control and format characters, with which a text could change what a terminal shows.
 _OBEYED = r"[\p{Cc}\p{Cf}\p{Zl}\p{Zp}]"
 COLUMNS = tuple(name for name in SCHEMA.names if name not in TRACKS)
-"""Columns but for the tracks, which take more room than all others together."""
+"""All columns except the tracks, which take more room than all others together."""
 
 
 class StoreError(ValueError):
@@ -99,25 +103,26 @@ class Store:
     """
 
     def __init__(self, folder: Path, journal: BinaryIO) -> None:
-        """Read what is there; see `open_store`."""
+        """Read the present results; see `open_store`."""
         self._folder = folder
         self._journal = journal
         in_tables = _ids_in_sound_tables(folder)
         self._new = [row for row in _journalled(folder) if row["trial_id"] not in in_tables]
         self.done: set[str] = in_tables | {row["trial_id"] for row in self._new}
-        # What a process that was killed has left of a row ends here. Nothing is rewritten: whoever
-        # is killed in between would lose rows.
+        # A row that a killed process left unfinished ends here. Nothing is rewritten, because a
+        # process killed during that would lose rows.
         if not _ends_with_a_line(journal):
             journal.write(b"\n")
             journal.flush()
 
     def add(self, row: Row) -> None:
-        """Keep a row from now on, also if this process is killed.
+        """Keep a row from now on, even if this process is killed.
 
         Raises:
             OSError: If it cannot be written.
         """
         self._journal.write(json.dumps(row).encode() + b"\n")
+        # To the system, not to the disk: this survives a killed process, not a power cut.
         self._journal.flush()
         self._new.append(row)
         self.done.add(row["trial_id"])
@@ -125,20 +130,20 @@ class Store:
             self.fold()
 
     def fold(self) -> None:
-        """Make a table of the journal."""
+        """Turn the journal into a table."""
         if self._new:
             folder = self._folder / TABLES
             number = max((int(path.stem) for path in _table_paths(self._folder)), default=-1) + 1
             with replacing(folder / f"{number:05d}.parquet") as file:
                 pq.write_table(_table_of(self._new), file)
         self._new.clear()
-        # Every row of it is in a table now.
+        # Only now: every row of it is in a table.
         self._journal.truncate(0)
 
 
 @contextmanager
 def open_store(folder: Path) -> Iterator[Store]:
-    """Open the results in a folder to add to them; made where there are none.
+    """Open the results in a folder to add to them; the folder is created if needed.
 
     Raises:
         StoreError: If another process adds to them at present.
@@ -153,6 +158,7 @@ def open_store(folder: Path) -> Iterator[Store]:
                 f"out {str(folder)!r}: another campaign is running there; "
                 "valid: wait for its end, or another folder"
             ) from None
+        # Left by a process that was killed while it wrote a table.
         for unfinished in (folder / TABLES).glob(".*.parquet.*"):
             unfinished.unlink(missing_ok=True)
         store = Store(folder, journal)
@@ -168,7 +174,7 @@ def read_results(
     *,
     where: pc.Expression | None = None,
 ) -> pa.Table:
-    """Rows in a folder, also while a campaign adds to it.
+    """Return the rows in a folder, even while a campaign adds to it.
 
     Args:
         folder: Folder of a campaign.
@@ -180,6 +186,7 @@ def read_results(
     """
     if not (folder / JOURNAL).is_file():
         raise StoreError(f"{str(folder)!r} holds no campaign; valid: a folder of one")
+    # The journal first: a row that moves into a table meanwhile is then seen twice, not lost.
     journalled = _table_of(_journalled(folder))
     wanted = list(dict.fromkeys(["trial_id", *columns]))
     parts = [_read_table(path, wanted, where) for path in _table_paths(folder)]
@@ -192,7 +199,7 @@ def read_results(
 
 
 def _visible(table: pa.Table) -> pa.Table:
-    """The table without what a terminal would obey in its texts; a folder may be anybody's."""
+    """Return the table with control characters in its texts replaced; a folder may be anybody's."""
     for number, field in enumerate(table.schema):
         if field.type == _TEXT:
             tame = pc.replace_substring_regex(  # pyright: ignore[reportAttributeAccessIssue]
@@ -215,7 +222,7 @@ def _table_paths(folder: Path) -> list[Path]:
 
 
 def _read_table(path: Path, names: Sequence[str], where: pc.Expression | None = None) -> pa.Table:
-    """Some columns of a table; null where it is older than the column.
+    """Return some columns of a table; null if it is older than the column.
 
     Raises:
         StoreError: If it is damaged.
@@ -227,7 +234,7 @@ def _read_table(path: Path, names: Sequence[str], where: pc.Expression | None = 
 
 
 def _ids_in_sound_tables(folder: Path) -> set[str]:
-    """Ids of the trials in all tables; those that cannot be read are renamed, and told of."""
+    """Return the ids of the trials in all tables; damaged ones are renamed with a warning."""
     ids: set[str] = set()
     for path in _table_paths(folder):
         try:
@@ -239,7 +246,7 @@ def _ids_in_sound_tables(folder: Path) -> set[str]:
 
 
 def _journalled(folder: Path) -> list[Row]:
-    """Whole rows of the journal: the last one of a process that was killed may be cut short."""
+    """Return the whole rows of the journal: the last one of a killed process may be cut short."""
     rows: dict[str, Row] = {}
     n_values = 0
     with open_regular(folder / JOURNAL) as journal:
@@ -253,6 +260,7 @@ def _journalled(folder: Path) -> list[Row]:
                 )
             try:
                 row = json.loads(line)
+                # The first row of a trial counts.
                 rows.setdefault(str(row["trial_id"]), row)
             except (ValueError, KeyError, TypeError, RecursionError):
                 continue
@@ -260,7 +268,7 @@ def _journalled(folder: Path) -> list[Row]:
 
 
 def _table_of(rows: list[Row]) -> pa.Table:
-    """Rows as a table.
+    """Return rows as a table.
 
     Raises:
         StoreError: If a value is of another kind than its column.

@@ -1,4 +1,8 @@
-"""Summary of a campaign: success with its interval, overall and by groups, and codes."""
+"""Summary of a campaign: success with its interval, overall and by groups, and codes.
+
+A rate from a few dozen trials says little without its uncertainty, so every rate has an interval of
+95%.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +23,7 @@ from scenarios.words.goal import GRADES as GOAL_GRADES
 _Z_95 = 1.959963984540054
 """Quantile of the normal law for an interval of 95%."""
 _WINDS_MPS = (2.0, 4.0, 6.0)
-"""Where one class of wind ends and the next begins."""
+"""Bounds between the classes of wind."""
 _UNKNOWN = "unknown"
 
 
@@ -28,6 +32,7 @@ def _named(name: str) -> Callable[[pa.Table], pa.Array]:
 
 
 def _kinds(table: pa.Table) -> pa.Array:
+    # A million rows have a few hundred scenes: each name is looked up once.
     scenes = table["scene"].combine_chunks().dictionary_encode()
     kinds = pa.array([scene_kind(name) for name in scenes.dictionary.to_pylist()], pa.string())
     return pa.DictionaryArray.from_arrays(scenes.indices, kinds).dictionary_decode()
@@ -35,6 +40,7 @@ def _kinds(table: pa.Table) -> pa.Array:
 
 def _winds(table: pa.Table) -> pa.Array:
     edges = (0.0, *_WINDS_MPS)
+    # Names in the order of the classes, the last one for trials whose wind is unknown.
     names = [f"{low:g} to {high:g} m/s" for low, high in pairwise(edges)]
     names += [f"{edges[-1]:g} m/s and more", _UNKNOWN]
     speeds_mps = table["wind_mps"].to_numpy()
@@ -55,7 +61,7 @@ GROUPS: Mapping[str, Callable[[pa.Table], pa.Array]] = {
         for name in ("map", "gnss", "aiding", "depth_camera", "traffic", "failures")
     },
 }
-"""What trials are grouped by, and the group of each row of a table."""
+"""Functions that give the group of each row of a table, by the name of the grouping."""
 SUMMARY_COLUMNS = (
     *(
         "success",
@@ -74,12 +80,15 @@ SUMMARY_COLUMNS = (
 
 
 def scene_kind(name: str) -> str:
-    """Kind of a scene by its name: the domain of a shipped one, else `own`."""
+    """Return the kind of a scene by its name: the domain of a shipped one, else `own`."""
     return scene_domain(int(name)) if name.isdecimal() else "own"
 
 
 def wilson_interval(n_successes: int, n: int) -> tuple[float, float]:
-    """Interval that covers a rate with 95%.
+    """Return the interval that covers a rate with 95%.
+
+    It stays within 0 and 1 and is right for rates near either end, where the normal law gives an
+    interval of no width.
 
     Args:
         n_successes: Number of successes.
@@ -96,21 +105,23 @@ def wilson_interval(n_successes: int, n: int) -> tuple[float, float]:
 
 
 def summarise_trials(table: pa.Table) -> dict[str, Any]:
-    """Summary of results as plain data.
+    """Return the summary of results as plain data.
 
     Args:
         table: Rows with at least `SUMMARY_COLUMNS`.
 
     Returns:
         `trials`, `success_rate`, `interval_95`; `grade` and `grade_interval_95`, the mean of
-        `scenarios.trials.grade`; `without_task`, trials that a scene has no task
-        for, which count nowhere else; `phases`, of which interaction counts only flights that came
-        to their area; `words`, scores of the trials with goals in words; `groups` by name and
-        value; `codes` with their counts, most frequent first.
+        `scenarios.trials.grade`; `without_task`, trials for which a scene has no task and which
+        count nowhere else; `phases`, whose interaction counts only flights that came to their area;
+        `words`, scores of the trials with goals in words; `groups` by name and value; `codes` with
+        their counts, most frequent first.
     """
     judged = table.filter(pc.field("success").is_valid())
+    # A success counts as having come to the area, even if `navigated` is null.
     came = judged.filter(pc.field("navigated") | pc.field("success"))
     codes = table.group_by("code").aggregate([([], "count_all")]).to_pylist()
+    # By name among equals, so that the order does not depend on the rows.
     codes.sort(key=lambda row: (-row["count_all"], row["code"]))
     cpu_seconds = table["trial_cpu_seconds"].drop_null().to_numpy()
     return {
@@ -132,9 +143,9 @@ WITHIN_M = (5.0, 20.0)
 
 
 def _words(judged: pa.Table) -> dict[str, Any] | None:
-    """Scores of the trials with goals in words; None where there are none.
+    """Return the scores of the trials with goals in words; None if there are none.
 
-    A trial without a flight, such as one whose pilot raised an error, is nowhere near its goal.
+    A trial without a flight, such as one whose pilot raised an error, counts as far from its goal.
     """
     rows = judged.filter(pc.field("goal").isin(list(GOAL_GRADES)))
     if not len(rows):
@@ -161,7 +172,7 @@ def _share_of(holds: Bool[np.ndarray, " n"]) -> dict[str, Any]:
 
 
 def mean_with_interval(values: Float[np.ndarray, " n"]) -> dict[str, Any]:
-    """Mean of some figures as plain data, with the interval of the mean by the normal law."""
+    """Return the mean of some figures as plain data, with its interval by the normal law."""
     n = len(values)
     mean = float(values.mean()) if n else None
     half = _Z_95 * float(values.std(ddof=1)) / math.sqrt(n) if n > 1 else None
@@ -170,8 +181,9 @@ def mean_with_interval(values: Float[np.ndarray, " n"]) -> dict[str, Any]:
 
 
 def _group(judged: pa.Table, groups: pa.Array) -> dict[str, Any]:
-    """Rate of each group, in the order of their names."""
+    """Return the rate of each group, in the order of their names."""
     coded = groups.dictionary_encode()
+    # Groups as numbers, so that a comparison of arrays selects the rows of each.
     codes, names = coded.indices.to_numpy(), coded.dictionary.to_pylist()
     found = {name: _rate(judged.filter(pa.array(codes == i))) for i, name in enumerate(names)}
     return {name: found[name] for name in sorted(found, key=natural)}
@@ -183,18 +195,19 @@ def _rate(judged: pa.Table) -> dict[str, Any]:
 
 
 def _grades(grades: Float[np.ndarray, " n"]) -> dict[str, Any]:
-    """Mean grade with the interval of its mean by the normal law; None without two trials."""
+    """Return the mean grade with its interval by the normal law; None without two trials."""
     if len(grades) == 0:
         return {"grade": None, "grade_interval_95": None}
     mean = float(grades.mean())
     if len(grades) == 1:
         return {"grade": mean, "grade_interval_95": None}
+    # Sample deviation over the root of the number: the deviation of the mean.
     half = _Z_95 * float(grades.std(ddof=1)) / math.sqrt(len(grades))
     return {"grade": mean, "grade_interval_95": [max(0.0, mean - half), min(1.0, mean + half)]}
 
 
 def share(n_successes: int, n: int) -> dict[str, Any]:
-    """A rate as plain data, with its counts and its interval; None without any trial."""
+    """Return a rate as plain data, with its counts and its interval; None without any trial."""
     low, high = wilson_interval(n_successes, n)
     return {
         "trials": n,
@@ -205,7 +218,7 @@ def share(n_successes: int, n: int) -> dict[str, Any]:
 
 
 def natural(text: str) -> tuple[int, float, str]:
-    """Order of names: numbers by value, before words; grades from easy to hard."""
+    """A key that sorts names: numbers by value, then grades from easy to hard, then words."""
     grades = ("easy", "medium", "hard")
     if text in grades:
         return (1, grades.index(text), "")

@@ -17,11 +17,11 @@ import pyarrow.parquet as pq
 from aeroscene.files import open_regular
 
 _MOST_ROWS = 100_000
-"""Rows of a table; a campaign writes 5,000 into each."""
+"""Most rows of a table; a campaign writes 5,000 into each."""
 _MOST_VALUES = 32_000_000
-"""Numbers and texts of a table; one of ours with its tracks has some 5 million."""
+"""Most numbers and texts of a table; one of ours with its tracks has some 5 million."""
 _MOST_TEXT_BYTES = 64 << 20
-"""Characters of all rows of a column."""
+"""Most bytes of text in all rows of a column."""
 
 
 class TableFileError(ValueError):
@@ -31,27 +31,29 @@ class TableFileError(ValueError):
 def read_table_file(
     path: Path, names: Sequence[str], schema: pa.Schema, where: pc.Expression | None = None
 ) -> pa.Table:
-    """Some columns of a table.
+    """Return some columns of a table.
 
     Args:
         path: The file.
-        names: Columns to read, the first of which must be there without a gap: the key.
+        names: Columns to read. The first one is the key, which must be there without a gap.
         schema: Types of all columns.
         where: Condition that rows have to meet.
 
     Returns:
-        The columns; null where the file has none of that name, because it is older.
+        The columns; null if the file has none of that name, because it is older.
 
     Raises:
-        TableFileError: If it is damaged, too large, or something else's.
+        TableFileError: If it is damaged, too large, or no table of results.
     """
     texts = [field.name for field in schema if field.type == pa.string()]
     try:
         with open_regular(path) as opened:
             facts = pq.read_metadata(opened)
             there = set(facts.schema.to_arrow_schema().names)
+            # From the metadata alone, before anything is unpacked.
             _require_bounds(facts, there, names[0])
             shared = [name for name in texts if name in there]
+            # Texts as dictionaries: a text that many rows share stays one text until it is counted.
             file = pq.ParquetFile(opened, metadata=facts, read_dictionary=shared, pre_buffer=False)
             # A condition may be of any column but the tracks.
             asked = {*names, *(() if where is None else _plain(schema))}
@@ -74,7 +76,7 @@ def read_table_file(
 
 
 def _plain(schema: pa.Schema) -> list[str]:
-    """Names of the columns with one value a row."""
+    """Return the names of the columns with one value a row."""
     return [field.name for field in schema if not pa.types.is_list(field.type)]
 
 
@@ -92,7 +94,7 @@ def _require_bounds(facts: pq.FileMetaData, there: set[str], key: str) -> None:
 
 
 def _unpacked(column: pa.ChunkedArray, field: pa.Field) -> pa.ChunkedArray:
-    """A column in the type of the schema; texts are counted before they are copied out."""
+    """Return a column in the type of the schema; texts are counted before they are copied out."""
     if pa.types.is_dictionary(column.type):
         n_bytes = 0
         for chunk in column.chunks:

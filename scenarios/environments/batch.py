@@ -1,4 +1,10 @@
-"""Worlds of one task, stepped together: what all environments are made of."""
+"""Worlds of one task, stepped together: the common basis of all environments.
+
+A single environment, a vector environment and a swarm differ only in their interface. One batch of
+worlds by vehicles serves all of them, so that physics, actions, observations and verdicts exist
+once. Everything is an array over vehicles, because a call of Python for each vehicle would take
+longer than its physics.
+"""
 
 from __future__ import annotations
 
@@ -31,15 +37,15 @@ from scenarios.trials.limits import LIMITS
 
 @dataclass(frozen=True, eq=False)
 class Step:
-    """What a step brought, for n vehicles."""
+    """Result of a step, for n vehicles."""
 
     reward: Float[np.ndarray, " n"]
     is_terminated: Bool[np.ndarray, " n"]
     is_truncated: Bool[np.ndarray, " n"]
     distance_m: Float[np.ndarray, " n"]
-    """From the target."""
+    """Distance from the target."""
     outcomes: Mapping[int, Outcome]
-    """Of the episodes that are over, by the vehicle's number."""
+    """Outcomes of the episodes that are over, by the vehicle's number."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -49,19 +55,19 @@ class _Episode:
     start: Start
     drawn: Draws
     rng: np.random.Generator
-    """That of its world."""
+    """Generator of its world, shared by the vehicles in it."""
 
 
 class Batch:
     """Worlds in which a task is done again and again, by one vehicle or several in each.
 
-    What happens in a world follows from its scene, its seed and its actions, bit for bit: neither
-    from the other worlds nor from the number of threads. Arrays have a row for each of n vehicles:
-    those of the first world, then those of the second, and so on. A vehicle whose episode is over
-    stops its rotors until the next one begins in its world.
+    A world's course depends only on its scene, its seed and its actions, bit for bit: neither on
+    the other worlds nor on the number of threads. Arrays have a row for each of n vehicles: those
+    of the first world, then those of the second, and so on. A vehicle whose episode is over stops
+    its rotors until the next one begins in its world.
 
     Attributes:
-        observer: What is seen; `observe` asks it.
+        observer: Builder of the observations; `observe` asks it.
     """
 
     def __init__(
@@ -75,7 +81,7 @@ class Batch:
         """Build the worlds.
 
         Args:
-            task: What is to be done.
+            task: Task of every world.
             scenes: Scene of each world; one that is named twice is built once.
             cfg: Configuration.
             n_threads: Threads that advance the worlds; None takes one for each core.
@@ -107,6 +113,7 @@ class Batch:
         self._seeds, self._n_begun = [0] * len(worlds), [0] * len(worlds)
         self._episodes: dict[int, _Episode] = {}
         self._begun_s, self._is_flying = np.zeros(n), np.zeros(n, bool)
+        # Without noise no normals are drawn.
         self._noise = np.zeros((n, N_NOISES)) if cfg.randomisation.noise > 0.0 else None
         self._now = Situation(fleet, task.near_m, self._step_s)
 
@@ -115,7 +122,7 @@ class Batch:
 
     @property
     def action_hz(self) -> int:
-        """Steps for each simulated second."""
+        """Number of steps in a simulated second."""
         return self._cfg.action_hz
 
     @property
@@ -128,12 +135,13 @@ class Batch:
         self._seeds[world], self._n_begun[world] = seed, 0
 
     def begin(self, worlds: Sequence[int]) -> None:
-        """Begin the next episodes of worlds: hold vehicles until they are aligned, and let go.
+        """Begin the next episodes of worlds: hold vehicles until they are aligned, then let go.
 
         Raises:
             EnvironmentInputError: If a scene has no place for it.
         """
         fleet, begun = self._fleet, [self._hold(world) for world in worlds]
+        # One call aligns all vehicles that are held.
         fleet.align(worlds)
         if self._cfg.observation.has_sensors:
             fleet.share(worlds, fleet.advance_one)
@@ -146,8 +154,9 @@ class Batch:
             self._draw_noise(vehicles)
 
     def _hold(self, world: int) -> list[_Episode]:
-        """Draw the next episode of each vehicle of a world, and hold it where it begins."""
+        """Draw the next episode of each vehicle of a world, and hold it at its start."""
         place, cfg, fleet = self._places[world], self._cfg, self._fleet
+        # The number of the episode is part of the stream: each one draws anew.
         stream = ("environment", self._task.name, self._n_begun[world])
         rng = generator(self._seeds[world], place.world.scene.scene_id, *stream)
         starts = self._task.draw(place, rng)
@@ -177,25 +186,27 @@ class Batch:
         self._flights.begin(index)
         self._photographer.begin(index)
         self._episodes[index], self._is_flying[index] = episode, True
+        # Alignment took simulated time, which does not count as part of the episode.
         self._begun_s[index] = self._fleet.time_s[index]
         self._now.begin(index, start.target_enu_m)
 
     def observe(self, before: tuple[Observation, Sequence[int]] | None = None) -> Observation:
-        """Observations of all vehicles now; for `before` see `Observer.observe`."""
+        """Return the observations of all vehicles now; for `before` see `Observer.observe`."""
         now, queue = self._now, self._queue
         return self.observer.observe(now.target_enu_m, queue.latest, self._noise, before)
 
     def step(self, actions: Float[np.ndarray, "n 4"]) -> Step:
-        """Let all worlds go on by a step.
+        """Advance all worlds by a step.
 
         Args:
-            actions: Checked actions.
+            actions: Checked actions, shape (n, 4), -1 to 1.
 
         Raises:
             EnvironmentInputError: If no episode has begun.
             PhysicsDivergedError: If the physics engine had to give a state up.
         """
         self._require_episodes("step")
+        # The distance before the step, for rewards of progress.
         now, before_m = self._now, self._now.distance_m.copy()
         self._actuation.apply(self._queue.delayed(actions), self.observer.position_enu_m)
         if not self._is_flying.all():
@@ -206,6 +217,7 @@ class Batch:
         reward = self._task.reward(now, before_m, self._step_s)
         is_over = self._task.is_over(now)
         seconds = self._fleet.time_s - self._begun_s
+        # Within rounding of sums of steps; an end of the task goes first.
         is_time_up = (seconds >= self._longest_s - 1e-6) & ~is_over
         outcomes: dict[int, Outcome] = {}
         has_ended = self._is_flying & (is_over | is_time_up)
@@ -218,7 +230,7 @@ class Batch:
         return Step(reward, is_over, is_time_up, now.distance_m.copy(), outcomes)
 
     def picture(self, world: int) -> Picture:
-        """A world's vehicle as it is now, from behind and above, or its vehicles together.
+        """A picture of a world's vehicle, from behind and above, or of its vehicles together.
 
         Raises:
             EnvironmentInputError: If no episode has begun.
@@ -230,7 +242,7 @@ class Batch:
         return self._photographer.behind(vehicles[0])
 
     def close(self) -> None:
-        """End the threads, and release what has rendered."""
+        """End the threads and close the renderers."""
         self._photographer.close()
         self.observer.close()
         self._fleet.close()
@@ -242,11 +254,11 @@ class Batch:
     def _end(
         self, ended: Sequence[int], seconds: np.ndarray, is_time_up: np.ndarray
     ) -> dict[int, Outcome]:
-        """Judge episodes that are over, in a task that says so after all has come to rest."""
+        """Judge episodes that are over; a task with `settles` waits for rest first."""
         rest: dict[int, list[np.ndarray]] = {}
         if self._task.settles:
             touching = [i for i in ended if self._now.touch_s[i] > 0.0]
-            # One vehicle for each world: a vehicle's number is its world's.
+            # Such a task has one vehicle in each world: a vehicle's number is its world's.
             self._fleet.share(touching, lambda i: rest.update({i: self._settle(i)}))
         return {
             i: self._judge(i, rest.get(i, []), float(seconds[i]), is_time_up=bool(is_time_up[i]))
@@ -256,7 +268,7 @@ class Batch:
     def _judge(
         self, index: int, rest: Sequence[np.ndarray], seconds: float, *, is_time_up: bool
     ) -> Outcome:
-        """Judge an episode that is over, after which the vehicle came to rest."""
+        """Judge an episode that is over; `rest` has the rows in which the vehicle came to rest."""
         self._is_flying[index] = False
         ending = self._task.ending(self._now, index, seconds, is_time_up=is_time_up)
         history, n_before = self._flights.of(index, rest)
@@ -275,7 +287,7 @@ class Batch:
         return Outcome(judgement, seconds)
 
     def _settle(self, index: int) -> list[np.ndarray]:
-        """Stop the rotors, and wait until the vehicle rests; its flights of that time."""
+        """Stop the rotors, and wait until the vehicle rests; return its rows of that time."""
         fleet, rows, n_still = self._fleet, [], 0
         self._actuation.stop(index)
         for _ in range(round(LIMITS.longest_settle_s / self._step_s)):
@@ -309,9 +321,10 @@ def _checked_cfg(cfg: EnvironmentCfg | None, n_threads: int | None) -> Environme
 def _built(
     scenes: Sequence[str | Scene], airframes: Sequence[Airframe]
 ) -> tuple[list[Place], list[World]]:
-    """Place and world of each scene; a scene that is named twice is built once.
+    """Return place and world of each scene; a scene that is named twice is built once.
 
-    The place of several vehicles has one alone, the largest, which finds free air for all.
+    The place of several vehicles is tested with one alone, the largest, because free air for it
+    suffices for all.
     """
     largest = max(airframes, key=lambda airframe: airframe.collision_radius_m)
     built: dict[int | str, tuple[Place, World]] = {}

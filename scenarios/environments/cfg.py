@@ -1,4 +1,7 @@
-"""Configuration of an environment, checked before anything is built."""
+"""Configuration of an environment, checked before anything is built.
+
+A training may run for days, so a wrong value must fail at once and say what would be valid.
+"""
 
 from __future__ import annotations
 
@@ -20,19 +23,22 @@ Segment = Literal["classes", "objects"]
 _Cfg = TypeVar("_Cfg")
 
 CONTROL_HZ = 250
-_LEAST_PX, _MOST_PX = 8, 320
+_LEAST_PX, _MOST_PX = 8, 320  # bounds of an image's sides
 _EFFECTS = replace(ALL_EFFECTS, shelter=False)
-"""The wind blows from anywhere in each episode, and to solve it among buildings takes seconds."""
+"""Effects of an environment. The wind blows from anywhere in each episode, and solving its flow
+among buildings would take seconds each time, so shelter is off."""
 
 
 class EnvironmentInputError(ValueError):
-    """A configuration, an action or an option that is not valid: field, value, what would be."""
+    """A configuration, an action or an option that is not valid: field, value and valid values."""
 
 
 def _refuses_unknown_fields(prefix: str) -> Callable[[type[_Cfg]], type[_Cfg]]:
-    """Let a configuration refuse a field that it does not have, and say which it has."""
+    """Let a configuration refuse a field that it does not have, with a list of those it has."""
 
     def decorate(cls: type[_Cfg]) -> type[_Cfg]:
+        # A dataclass would raise a bare TypeError, whose text names neither the value nor the
+        # choices.
         initialise, valid = cls.__init__, inspect.signature(cls).parameters
 
         @functools.wraps(initialise)
@@ -53,14 +59,14 @@ def _refuses_unknown_fields(prefix: str) -> Callable[[type[_Cfg]], type[_Cfg]]:
 @_refuses_unknown_fields("observation.")
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ObservationCfg:
-    """What the agent sees; docs/learning.md lists the numbers of each part."""
+    """Parts of an observation; docs/learning.md lists the numbers of each part."""
 
     state: StateKind = "true"
     """Velocity, attitude and angular rate: the truth, the estimator's, or not at all."""
     target: bool = True
-    """Way to the target, from the position that `state` knows (the true one without a state)."""
+    """Vector to the target, from the position that `state` knows (the true one without a state)."""
     last_action: bool = False
-    """The action before."""
+    """The previous action."""
     imu: bool = False
     """Specific force and angular rate that the IMU measures."""
     range: bool = False
@@ -68,8 +74,8 @@ class ObservationCfg:
     depth: tuple[int, int] | None = None
     """Width and height of a depth image in pixels."""
     segments: tuple[Segment, ...] = ()
-    """Images beside the depth: the class of each pixel, a key of
-    `flightsim.cameras.CLASS_NAMES`, and the object, by its id in the scene."""
+    """Images beside the depth: the class of each pixel, a key of `flightsim.cameras.CLASS_NAMES`,
+    and the object, by its id in the scene."""
     camera: CameraName = "forward"
     """Camera of the images."""
 
@@ -103,19 +109,19 @@ class ObservationCfg:
 
     @property
     def has_numbers(self) -> bool:
-        """Whether there is anything besides a depth image."""
+        """True if there is anything besides images."""
         return self.state != "none" or self.target or self.last_action or self.imu or self.range
 
     @property
     def has_sensors(self) -> bool:
-        """Whether anything has to be measured."""
+        """True if any sensor has to be simulated."""
         return self.state == "estimated" or self.imu or self.range
 
 
 @_refuses_unknown_fields("randomisation.")
 @dataclass(frozen=True, kw_only=True, slots=True)
 class RandomisationCfg:
-    """What differs from episode to episode; every draw is uniform, and none by default."""
+    """Differences between episodes; every draw is uniform, and by default nothing differs."""
 
     mass: float = 0.0
     """Mass and inertia, up to this share more or less than the controller believes."""
@@ -126,7 +132,7 @@ class RandomisationCfg:
     noise: float = 0.0
     """Noise on a true state, up to this multiple of 0.02 m, 0.05 m/s, 0.01 rad and 0.05 rad/s."""
     latency_s: float = 0.0
-    """Time of up to this by which actions act later, in whole steps."""
+    """Greatest time by which actions act later, drawn in whole steps."""
 
     def __post_init__(self) -> None:
         """Refuse invalid values.
@@ -152,7 +158,7 @@ class EnvironmentCfg:
     vehicle: str = "iris"
     """Airframe by its name."""
     action: ActionLevel = "rates"
-    """What the four numbers of an action command: rotor speeds; thrust and body rates; velocity and
+    """Meaning of the four numbers of an action: rotor speeds; thrust and body rates; velocity and
     yaw rate; displacement and yaw rate."""
     action_hz: int = 50
     """Steps a simulated second: 250, 125, 50, 25, 10 or 5."""
@@ -178,9 +184,10 @@ class EnvironmentCfg:
             _check_number("episode_s", self.episode_s, 1.0, 600.0)
 
     def plant_cfg(self, seed: int, wind: WindCfg = CALM) -> PlantCfg:
-        """Plant of an episode: what the inner loops know is what the agent's state is."""
+        """Return the plant of an episode; its inner loops know the same state as the agent."""
         return PlantCfg(
             seed=seed,
+            # The inner loops know no more than the agent.
             state="estimate" if self.observation.state == "estimated" else "truth",
             has_sensors=self.observation.has_sensors,
             aiding="auto",
@@ -192,7 +199,8 @@ class EnvironmentCfg:
 
     @property
     def longest_latency(self) -> int:
-        """Steps by which actions may act later."""
+        """Greatest number of steps by which actions may act later."""
+        # Rounded down, with tolerance for products such as 0.02 * 50.
         return math.floor(self.randomisation.latency_s * self.action_hz + 1e-9)
 
 

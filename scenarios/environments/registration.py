@@ -1,4 +1,4 @@
-"""The names by which Gymnasium makes the environments."""
+"""Names by which Gymnasium makes the environments."""
 
 from __future__ import annotations
 
@@ -17,7 +17,10 @@ __all__ = ["make", "make_vec", "register_environments"]
 
 
 def register_environments() -> None:
-    """Register every task; importing `scenarios.environments` does it."""
+    """Register every task; importing `scenarios.environments` does it.
+
+    A second call changes nothing.
+    """
     for task in TASKS:
         name = f"AeroScene/{task.capitalize()}-v0"
         if name not in gymnasium.registry:

@@ -45,6 +45,7 @@ class AeroSceneEnv(gymnasium.Env[Any, np.ndarray]):
             AirframeError: If there is no such vehicle.
         """
         self.render_mode = checked_render_mode(render_mode)
+        # One world needs no threads.
         self._batch = Batch(task_by_name(task), [scene], cfg, n_threads=1)
         # Films of the environment run as fast as it does.
         self.metadata = {**self.metadata, "render_fps": self._batch.action_hz}
@@ -62,6 +63,7 @@ class AeroSceneEnv(gymnasium.Env[Any, np.ndarray]):
         """
         super().reset(seed=seed)
         refuse_options(options)
+        # Without a seed the first reset draws one; later ones go on with the same stream.
         if seed is not None or not self._is_seeded:
             given = int(self.np_random.integers(2**31)) if seed is None else seed
             self._batch.seed(0, given)
@@ -70,7 +72,7 @@ class AeroSceneEnv(gymnasium.Env[Any, np.ndarray]):
         return take(self._batch.observe(), 0), {}
 
     def step(self, action: np.ndarray) -> tuple[Any, float, bool, bool, dict[str, Any]]:
-        """Fly on by a step; `info` has the distance from the target, at the end the verdict.
+        """Advance by a step; `info` has the distance from the target, at the end the verdict.
 
         Raises:
             EnvironmentInputError: If the action has another shape or is not finite.
@@ -84,7 +86,7 @@ class AeroSceneEnv(gymnasium.Env[Any, np.ndarray]):
         return observation, float(step.reward[0]), is_terminated, is_truncated, info
 
     def render(self) -> Picture | None:
-        """The vehicle from behind and above, (480, 640, 3) uint8; None without a mode.
+        """Return the vehicle from behind and above, (480, 640, 3) uint8; None without a mode.
 
         Raises:
             EnvironmentInputError: If no episode has begun.
@@ -92,12 +94,12 @@ class AeroSceneEnv(gymnasium.Env[Any, np.ndarray]):
         return None if self.render_mode is None else self._batch.picture(0)
 
     def close(self) -> None:
-        """Free what the world holds."""
+        """Free the world's resources: threads and renderers."""
         self._batch.close()
 
 
 def refuse_options(options: dict[str, Any] | None) -> None:
-    """Refuse options of `reset`, of which there are none.
+    """Refuse options of `reset`, because there are none.
 
     Raises:
         EnvironmentInputError: If there are any.

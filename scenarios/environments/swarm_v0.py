@@ -45,8 +45,8 @@ _Step = tuple[
 class AeroSceneSwarm(ParallelEnv[str, Observation, np.ndarray]):
     """Vehicles that share one world and meet in it; `parallel_env` makes one.
 
-    Agents are `vehicle_1`, `vehicle_2` and so on. One that touches anything has ended, its rotors
-    stop, and it falls; the others fly on around it.
+    Agents are `vehicle_1`, `vehicle_2` and so on. An agent that touches anything has ended: its
+    rotors stop, and it falls. The others fly on around it.
     """
 
     metadata = {  # noqa: RUF012 - PettingZoo's
@@ -93,11 +93,11 @@ class AeroSceneSwarm(ParallelEnv[str, Observation, np.ndarray]):
         self._is_seeded = False
 
     def observation_space(self, agent: str) -> spaces.Space[Any]:
-        """Space of an agent's observations: its own numbers, then the other vehicles in order."""
+        """The space of an agent's observations: its own numbers, then the others in order."""
         return self.observation_spaces[agent]
 
     def action_space(self, agent: str) -> spaces.Space[Any]:
-        """Space of an agent's actions, four numbers of -1 to 1."""
+        """Return the space of an agent's actions, four numbers of -1 to 1."""
         return self.action_spaces[agent]
 
     @property
@@ -116,6 +116,8 @@ class AeroSceneSwarm(ParallelEnv[str, Observation, np.ndarray]):
             EnvironmentInputError: If the scene has no place for it.
         """
         if seed is not None or not self._is_seeded:
+            # Without a seed the first episode is random; PettingZoo keeps no generator for
+            # environments.
             fresh = int(np.random.default_rng().integers(2**31)) if seed is None else seed
             self._batch.seed(0, fresh)
             self._is_seeded = True
@@ -124,7 +126,7 @@ class AeroSceneSwarm(ParallelEnv[str, Observation, np.ndarray]):
         return self._observe(self.agents), {agent: {} for agent in self.agents}
 
     def step(self, actions: Mapping[str, np.ndarray]) -> _Step:
-        """Fly on by a step; `info` has the distance from the target, at the end the verdict.
+        """Advance by a step; `info` has the distance from the target, at the end the verdict.
 
         Raises:
             EnvironmentInputError: If an agent that flies has no action, or not a valid one.
@@ -140,6 +142,7 @@ class AeroSceneSwarm(ParallelEnv[str, Observation, np.ndarray]):
             infos[agent] = {"distance_m": float(step.distance_m[i])}
             if i in step.outcomes:
                 infos[agent] |= step.outcomes[i].to_info()
+        # Ended agents are in this step's results, and in none after it.
         self.agents = [agent for agent in flying if self._index(agent) not in step.outcomes]
         return (
             self._observe(flying),
@@ -150,7 +153,7 @@ class AeroSceneSwarm(ParallelEnv[str, Observation, np.ndarray]):
         )
 
     def render(self) -> Picture | None:
-        """All vehicles in one picture, (480, 640, 3) uint8; None without a mode.
+        """Return all vehicles in one picture, (480, 640, 3) uint8; None without a mode.
 
         Raises:
             EnvironmentInputError: If no episode has begun.
@@ -158,7 +161,7 @@ class AeroSceneSwarm(ParallelEnv[str, Observation, np.ndarray]):
         return None if self.render_mode is None else self._batch.picture(0)
 
     def close(self) -> None:
-        """Free what the world holds."""
+        """Free the world's resources: threads and renderers."""
         self._batch.close()
 
     def _index(self, agent: str) -> int:
@@ -169,7 +172,8 @@ class AeroSceneSwarm(ParallelEnv[str, Observation, np.ndarray]):
         return {agent: take(observations, self._index(agent)) for agent in agents}
 
     def _checked(self, actions: Mapping[str, np.ndarray]) -> Float[np.ndarray, "n 4"]:
-        """Actions of those that fly; zero for the others."""
+        """Return the actions of the agents that fly; zero for the others."""
+        # Vehicles that have ended still have rows in the batch; their actions do nothing.
         given = np.zeros((len(self.possible_agents), N_ACTIONS))
         for agent in self.agents:
             if agent not in actions:
@@ -181,16 +185,18 @@ class AeroSceneSwarm(ParallelEnv[str, Observation, np.ndarray]):
 
 
 parallel_env = AeroSceneSwarm
-"""Makes `AeroScene/Swarm-v0`, by the name that PettingZoo's environments have for it."""
+"""Maker of `AeroScene/Swarm-v0`, under the name that PettingZoo's environments use for it."""
 
 
 def _airframes(vehicles: int | Sequence[str], cfg: EnvironmentCfg) -> list[Airframe]:
     names = [cfg.vehicle] * vehicles if isinstance(vehicles, int) else list(vehicles)
+    # A single name would be read as a list of letters.
     if isinstance(vehicles, str) or not 2 <= len(names) <= _MOST_VEHICLES:
         raise EnvironmentInputError(
             f"vehicles = {vehicles!r}: 2 to {_MOST_VEHICLES}, or as many airframes, are valid"
         )
     airframes = [airframe_by_name(name) for name in names]
+    # The arrays of a batch have one number of rotors.
     if len({len(airframe.quadrotor.rotors) for airframe in airframes}) > 1:
         raise EnvironmentInputError(
             f"vehicles = {vehicles!r}: airframes with the same number of rotors are valid"

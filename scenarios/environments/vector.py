@@ -1,4 +1,8 @@
-"""Many worlds as a Gymnasium vector environment, advanced in one compiled call."""
+"""Many worlds as a Gymnasium vector environment, advanced in one compiled call.
+
+Gymnasium's own vector environments step one world after the other, or run a process for each. Here
+all worlds are rows of one batch, and threads share the physics.
+"""
 
 from __future__ import annotations
 
@@ -24,9 +28,9 @@ class AeroSceneVectorEnv(VectorEnv[Any, np.ndarray, np.ndarray]):
     """Vehicles in worlds of their own; `gymnasium.make_vec("AeroScene/Hover-v0", 64)` makes it.
 
     World i has the scene with the number i, beginning again after the last one, and after
-    `reset(seed=s)` it does the same as `AeroSceneEnv` in this scene after `reset(seed=s + i)`.
-    The step that ends an episode begins the next one: `final_obs` and `final_info` of its `info`
-    tell of the end.
+    `reset(seed=s)` it does the same as `AeroSceneEnv` in this scene after `reset(seed=s + i)`. The
+    step that ends an episode begins the next one. `final_obs` and `final_info` of its `info` hold
+    the end.
     """
 
     metadata = {  # noqa: RUF012 - Gymnasium declares it
@@ -66,6 +70,7 @@ class AeroSceneVectorEnv(VectorEnv[Any, np.ndarray, np.ndarray]):
             )
         self.num_envs = num_envs
         self.render_mode = checked_render_mode(render_mode)
+        # Scenes by turns, so that any number of worlds uses all of them.
         around = [scenes[i % len(scenes)] for i in range(num_envs)]
         self._batch = Batch(task_by_name(task), around, cfg, n_threads)
         # Films of the environments run as fast as these do.
@@ -86,7 +91,7 @@ class AeroSceneVectorEnv(VectorEnv[Any, np.ndarray, np.ndarray]):
 
         Args:
             seed: s for the seeds s, s + 1 and so on, or a list of seeds.
-            options: There are none.
+            options: None; there are no options.
 
         Raises:
             EnvironmentInputError: If there are options, too many or too few seeds, or a scene has
@@ -104,7 +109,7 @@ class AeroSceneVectorEnv(VectorEnv[Any, np.ndarray, np.ndarray]):
     def step(
         self, actions: np.ndarray
     ) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
-        """Fly on by a step in all worlds; `info` has the distances from the targets.
+        """Advance all worlds by a step; `info` has the distances from the targets.
 
         Raises:
             EnvironmentInputError: If the actions have another shape or are not finite.
@@ -112,6 +117,8 @@ class AeroSceneVectorEnv(VectorEnv[Any, np.ndarray, np.ndarray]):
         step = self._batch.step(checked_actions(actions, (self.num_envs, N_ACTIONS)))
         observations = self._batch.observe()
         info: dict[str, Any] = {"distance_m": step.distance_m}
+        # The last observations go into `info`; then the next episodes begin, and only their images
+        # are taken anew.
         if step.outcomes:
             info |= self._ends(observations, step.outcomes)
             ended = list(step.outcomes)
@@ -120,7 +127,7 @@ class AeroSceneVectorEnv(VectorEnv[Any, np.ndarray, np.ndarray]):
         return observations, step.reward, step.is_terminated, step.is_truncated, info
 
     def render(self) -> tuple[Picture, ...] | None:
-        """A picture of each world's vehicle, (480, 640, 3) uint8; None without a mode.
+        """Return a picture of each world's vehicle, (480, 640, 3) uint8; None without a mode.
 
         Raises:
             EnvironmentInputError: If no episode has begun.
@@ -132,11 +139,11 @@ class AeroSceneVectorEnv(VectorEnv[Any, np.ndarray, np.ndarray]):
         )
 
     def close_extras(self, **_kwargs: Any) -> None:
-        """End the threads."""
+        """End the threads and close the renderers."""
         self._batch.close()
 
     def _ends(self, observations: Observation, outcomes: Mapping[int, Outcome]) -> dict[str, Any]:
-        """What `info` says of all episodes that are over: what `_add_info` makes of one by one."""
+        """The part of `info` for episodes that are over, equal to repeated calls of `_add_info`."""
         ended, infos = list(outcomes), [outcome.to_info() for outcome in outcomes.values()]
         is_over = np.zeros(self.num_envs, dtype=bool)
         is_over[ended] = True
@@ -146,6 +153,7 @@ class AeroSceneVectorEnv(VectorEnv[Any, np.ndarray, np.ndarray]):
         final_info: dict[str, np.ndarray] = {}
         for name, value in infos[0].items():
             is_text = isinstance(value, str)
+            # Worlds that go on have a placeholder; `_name` says which entries count.
             values = np.full(
                 self.num_envs, None if is_text else 0, object if is_text else type(value)
             )
@@ -161,6 +169,7 @@ class AeroSceneVectorEnv(VectorEnv[Any, np.ndarray, np.ndarray]):
     def _seeds(self, seed: int | list[int | None] | None) -> Sequence[int | None]:
         if isinstance(seed, int):
             return [seed + i for i in range(self.num_envs)]
+        # Gymnasium's rule: without a seed each world goes on with its own stream.
         if seed is None and self._is_seeded:
             return [None] * self.num_envs
         if seed is None:

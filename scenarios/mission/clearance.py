@@ -1,4 +1,4 @@
-"""Clearance of a way that was flown."""
+"""Clearance of a path that was flown."""
 
 from __future__ import annotations
 
@@ -15,13 +15,14 @@ from scenarios.mission.surroundings import sphere_radius_m
 def flown_clearance_m(
     scene: Scene, airframe: Airframe, positions_enu_m: Float[np.ndarray, "n 3"], away_m: float
 ) -> float | None:
-    """Least distance between a vehicle's sphere and the scene along a way.
+    """Return the least distance between a vehicle's sphere and the scene along a path.
 
     Args:
         scene: Scene that was flown in.
         airframe: Vehicle that flew.
         positions_enu_m: Centres of the vehicle, in the order of time.
-        away_m: Positions nearer to the first or the last one do not count.
+        away_m: Positions nearer to the first or the last one do not count, because take-off and
+            landing must come near to a surface.
 
     Returns:
         The distance, or None if no position counts.
@@ -31,5 +32,6 @@ def flown_clearance_m(
     counted = positions_enu_m[(from_ends >= away_m).all(axis=1)]
     if not len(ends) or not len(counted):
         return None
+    # The exact solids, not the map that the pilot had: the figure judges the flight by the truth.
     obstacles = scene_obstacles(scene, scene_primitives(scene))
     return float(obstacles.signed_distance(counted)[0].min()) - sphere_radius_m(airframe)

@@ -1,8 +1,9 @@
-"""Difficulty of a scene: the planner's ways to landing areas, graded against the shipped scenes.
+"""Difficulty of a scene: the planner's paths to landing areas, graded against the shipped scenes.
 
-A scene has four figures, the medians over its ways. Each earns it points: none in the easiest third
-of the shipped scenes, one in the middle third, two in the hardest. The sum of the points decides
-between easy, medium and hard.
+Absolute thresholds would mean little, because lengths and turns depend on the place. So a scene is
+compared with the shipped ones. It has four figures, the medians over its paths. Each earns it
+points: none in the easiest third of the shipped scenes, one in the middle third, two in the
+hardest. The sum of the points decides between easy, medium and hard.
 """
 
 from __future__ import annotations
@@ -24,18 +25,18 @@ from scenarios.mission.surroundings import MissionError, Surroundings, survey
 Grade = Literal["easy", "medium", "hard"]
 
 N_WAYS = 4
-"""Ways of a scene that are measured."""
+"""Number of paths of a scene that are measured."""
 _MOST_TRIED = 8
-"""Areas to which a way is looked for."""
-_STEP_S = 0.1
+"""Number of areas to which a path is sought at most."""
+_STEP_S = 0.1  # between the points at which a trajectory is measured
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Way:
-    """Figures of the planner's way from above the start to above a landing area."""
+    """Figures of the planner's path from above the start to above a landing area."""
 
     over_straight: float
-    """Length over the straight distance of its ends, from 1."""
+    """Length over the straight distance of its ends, 1 or more."""
     seconds: float
     """Flight time."""
     quarter_turns: float
@@ -46,7 +47,7 @@ class Way:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Difficulty:
-    """Medians over the ways of a scene, and the grade that follows from them."""
+    """Medians over the paths of a scene, and the grade that follows from them."""
 
     n_ways: int
     way: Way
@@ -67,7 +68,7 @@ class Difficulty:
         return "medium" if self.points <= MOST_POINTS["medium"] else "hard"
 
     def to_plain(self) -> dict[str, AttributeValue]:
-        """The grade, its points and the figures as they stand in a scene's document."""
+        """Return the grade, its points and the figures as plain data for a scene's document."""
         figures = {name: round(getattr(self.way, name), 3) for name in THIRDS}
         return {
             "difficulty": self.grade,
@@ -84,13 +85,19 @@ THIRDS: Mapping[str, tuple[float, float]] = {
     "quarter_turns": (0.31, 0.57),
     "least_clearance_m": (1.09, 0.78),
 }
-"""Where the middle third begins and ends, from easy to hard."""
+"""Bounds of the middle third of each figure, from easy to hard."""
 MOST_POINTS: Mapping[Grade, int] = {"easy": 2, "medium": 5, "hard": 8}
-"""Most points of a class; of the same scenes 30, 36 and 35% are easy, medium and hard."""
+"""Most points of a class; 30, 36 and 35% of the same scenes are easy, medium and hard."""
 
 
 def points_by_thirds(value: float, easy: float, hard: float) -> int:
-    """Points of a figure that is harder towards `hard`: 0, 1 or 2 by the third that it lies in."""
+    """Return the points of a figure that is harder towards `hard`: 0, 1 or 2 by its third.
+
+    Args:
+        value: The figure.
+        easy: Bound between the easiest and the middle third.
+        hard: Bound between the middle and the hardest third; below `easy` if small values are hard.
+    """
     sign = 1.0 if hard > easy else -1.0
     return (sign * value > sign * easy) + (sign * value > sign * hard)
 
@@ -109,13 +116,17 @@ def measure_difficulty(scene: Scene, airframe: Airframe) -> Difficulty:
 
 
 def measure_ways(scene: Scene, airframe: Airframe) -> list[Way]:
-    """Plan to the areas of `rank_areas`, best first, and measure the first ways found.
+    """Plan to the areas of `rank_areas`, best first, and measure the first paths found.
+
+    Returns:
+        At most `N_WAYS` paths; none if no area can be flown to.
 
     Raises:
         MissionError: If the vehicle cannot leave the start.
     """
     world = survey(scene, airframe)
     takeoff = takeoff_point(world)
+    # Always the areas of seed 0, so that a scene has one difficulty.
     ways: list[Way] = []
     for area in rank_areas(scene, airframe, seed=0)[:_MOST_TRIED]:
         trajectory = _way_to(world, takeoff, area)

@@ -1,4 +1,8 @@
-"""Where a flight begins and ends: as the user names it, or as the seed draws it."""
+"""Start and goal of a flight: as the user names them, or as the seed draws them.
+
+A name is checked against the vehicle's class before anything is simulated. A draw depends only on
+seed and scene, so that a flight can be repeated.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +20,7 @@ from flightsim.vehicles.airframe import Airframe
 Target = Literal["landing", "perching", "any"]
 """Desired kind of area."""
 
-_CLASSES = ("small", "medium", "large")
+_CLASSES = ("small", "medium", "large")  # by size: an area for one class fits all smaller ones
 _AREA = "area:"
 _STANDING_M = 0.5
 """Height of the start over an area within which the vehicle stands on it."""
@@ -27,14 +31,14 @@ class GoalError(TestbenchError):
 
 
 def fits(area: InteractionArea, airframe: Airframe) -> bool:
-    """Whether an area is large enough for a vehicle's class."""
+    """Return whether an area is large enough for a vehicle's class."""
     return _CLASSES.index(area.drone_class) >= _CLASSES.index(airframe.drone_class)
 
 
 def fitting_areas(
     scene: Scene, airframe: Airframe, target: Target = "landing"
 ) -> list[InteractionArea]:
-    """Areas of a scene that are of the desired kind and fit the vehicle."""
+    """Return the areas of a scene that are of the desired kind and fit the vehicle."""
     return [
         area
         for area in scene.interaction_areas
@@ -43,40 +47,43 @@ def fitting_areas(
 
 
 def is_indoor(scene: Scene, area: InteractionArea) -> bool:
-    """Whether an area is borne by something indoors."""
+    """Return whether the object under an area is indoors; False for areas on the ground."""
     return area.object_id is not None and scene.object_by_id[area.object_id].domain == "indoor"
 
 
 def draw_goals(
     scene: Scene, airframe: Airframe, seed: int, target: Target = "landing"
 ) -> list[InteractionArea]:
-    """All areas that a flight may be sent to, in the order in which the seed draws them.
+    """Return all areas that a flight may be sent to, in the order in which the seed draws them.
 
-    Each draw falls on one indoors or outdoors with equal chance as long as there are both, and on
-    each of these with equal chance. The area that the vehicle stands on is left out.
+    As long as there are areas indoors and outdoors, each draw falls on either side with equal
+    chance, so that a few rooms full of tables do not outweigh a site. Within a side all areas have
+    equal chance. The area that the vehicle stands on is left out.
     """
     rng = generator(seed, scene.scene_id, "goal")
     groups: dict[bool, list[InteractionArea]] = {False: [], True: []}
+    # Sorted by number, so that the draw does not depend on the order in the document.
     for area in sorted(fitting_areas(scene, airframe, target), key=lambda area: area.id):
         if not _is_start(scene, area):
             groups[is_indoor(scene, area)].append(area)
     drawn: list[InteractionArea] = []
     while any(groups.values()):
         candidates = [group for group in groups.values() if group]
+        # First the side, then the area on it.
         group = candidates[rng.integers(len(candidates))]
         drawn.append(group.pop(rng.integers(len(group))))
     return drawn
 
 
 def _is_start(scene: Scene, area: InteractionArea) -> bool:
-    """Whether the vehicle stands on an area at the start."""
+    """Return whether the vehicle stands on an area at the start."""
     x, y, z = scene.start_position_enu_m
     outline = [(corner_x, corner_y) for corner_x, corner_y, _ in area.polygon]
     return abs(z - area.centroid[2]) < _STANDING_M and distance_inside(outline, x, y) > 0.0
 
 
 def find_area(scene: Scene, airframe: Airframe, number: int, option: str) -> InteractionArea:
-    """Area of a scene by its number.
+    """Return the area of a scene by its number.
 
     Args:
         scene: Scene to look in.
@@ -100,7 +107,7 @@ def find_area(scene: Scene, airframe: Airframe, number: int, option: str) -> Int
 
 
 def with_start(scene: Scene, airframe: Airframe, start: str) -> Scene:
-    """The same scene with another start.
+    """Return the same scene with another start.
 
     Args:
         scene: Scene to fly in.
@@ -128,7 +135,7 @@ def with_start(scene: Scene, airframe: Airframe, start: str) -> Scene:
 
 
 def _point(text: str) -> Vector3 | None:
-    """Three finite numbers with commas between them, None if the text is anything else."""
+    """Return three finite numbers separated by commas; None if the text is anything else."""
     try:
         x, y, z = (float(part) for part in text.split(","))
     except ValueError:

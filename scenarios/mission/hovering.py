@@ -1,4 +1,8 @@
-"""Hover points above an area or aslant of it, and the air between them and the area."""
+"""Hover points above an area or aslant of it, and the air between them and the area.
+
+A pilot looks at an area from a hover point and goes down from there, so the whole line in between
+must be free. These are the candidates; the caller tests them against its map.
+"""
 
 from __future__ import annotations
 
@@ -13,12 +17,13 @@ from autonomy.types import Vector3
 HOVER_HEIGHTS_M = (4.0, 3.5, 3.0, 2.5, 2.0, 1.6, 1.2)
 """Heights of hover points above an area; the first free one is used."""
 _STEP_M = 0.1
+# Horizontal distances of slanting hover points, and their directions all around.
 _ASIDE_M = (0.3, 0.6, 0.9, 1.2, 1.5)
 _N_DIRECTIONS = 12
 
 
 def hover_columns(foot_enu_m: Vector3, lowest_m: float) -> Iterator[Float[np.ndarray, "n 3"]]:
-    """Columns of points from just above a place up to a hover point, the highest column first.
+    """Yield columns of points from just above a place up to a hover point, the highest first.
 
     Args:
         foot_enu_m: Point on the surface.
@@ -31,9 +36,9 @@ def hover_columns(foot_enu_m: Vector3, lowest_m: float) -> Iterator[Float[np.nda
 
 
 def slanting_lines(foot_enu_m: Vector3, lowest_m: float) -> Iterator[Float[np.ndarray, "n 3"]]:
-    """Lines of points from just above a place up to hover points beside it, the nearest first.
+    """Yield lines of points from just above a place up to hover points beside it, nearest first.
 
-    None is flatter than 45 degrees, so that the place stays in view on the way down.
+    No line is flatter than 45 degrees, so that the place stays in view on the way down.
 
     Args:
         foot_enu_m: Point on the surface.
@@ -42,6 +47,7 @@ def slanting_lines(foot_enu_m: Vector3, lowest_m: float) -> Iterator[Float[np.nd
     low = np.add(foot_enu_m, (0.0, 0.0, lowest_m))
     for aside_m in _ASIDE_M:
         for height_m in HOVER_HEIGHTS_M:
+            # Flatter than 45 degrees.
             if height_m - lowest_m < aside_m:
                 continue
             for turn in range(_N_DIRECTIONS):

@@ -1,4 +1,8 @@
-"""Maps with which a flight may begin: the whole scene, or only the air above the start."""
+"""Maps with which a flight may begin: the whole scene, or only the air above the start.
+
+Both kinds answer the same questions (`autonomy.mapping`), so a pilot plans in either in the same
+way. A large scene gets a coarse map of everything and fine cells only along searched paths.
+"""
 
 from __future__ import annotations
 
@@ -16,13 +20,14 @@ from flightsim.vehicles.airframe import Airframe
 from scenarios.mission.obstacles import distance_field, scene_obstacles
 
 _COARSE_CELLS = 4
-"""Edge of a coarse cell of a large scene, in fine ones."""
+"""Edge of a coarse cell of a large scene, in fine cells."""
 
 
 def given_map(scene: Scene, radius_m: float, resolution_m: float) -> GivenMap | WideMap:
     """Build the map of a scene that is given before the flight.
 
-    A large scene has no more of its distances computed than plans ask for.
+    In a large scene only the distances that plans ask for are computed, because its whole field
+    would take gigabytes.
 
     Args:
         scene: Scene to fly in.
@@ -48,6 +53,7 @@ def _wide_map(
 ) -> WideMap:
     wide = kept_wide_field(scene, resolution_m, primitives)
     wide.build_about(np.array([scene.start_position_enu_m]), 0.0)
+    # Only for its error: the cell must have room for the vehicle.
     start_cell(wide.field, scene.start_position_enu_m, radius_m)
     coarse = kept_distance_field(scene, _COARSE_CELLS * resolution_m, primitives)
     return WideMap(
@@ -60,7 +66,10 @@ def _wide_map(
 
 
 def unseen_map(scene: Scene, airframe: Airframe, resolution_m: float) -> SeenMap:
-    """Build an empty map of a flight volume, with free air above the start."""
+    """Build an empty map of a flight volume, with free air above the start.
+
+    It grows with the images of the forward camera that it is given.
+    """
     camera = next(mount for mount in airframe.cameras if mount.name == "forward")
     cfg = SeenMapCfg(
         resolution_m=resolution_m,

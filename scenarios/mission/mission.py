@@ -1,4 +1,8 @@
-"""Task of a flight: the landing area, the hover point above it and the way there."""
+"""Task of a flight: the landing area, the hover point above it and the plan to get there.
+
+An area is only a good goal if a path leads to it. Areas are therefore tried in drawn order until
+the planner finds a path to one, and the plan is kept for the flight.
+"""
 
 from __future__ import annotations
 
@@ -24,9 +28,9 @@ from scenarios.mission.surroundings import (
     survey,
 )
 
-TAKEOFF_HEIGHTS_M = (2.5, 2.0, 1.5, 3.0, 4.0, 1.2)
+TAKEOFF_HEIGHTS_M = (2.5, 2.0, 1.5, 3.0, 4.0, 1.2)  # above the start; the first free one is used
 FAR_ENOUGH_M = 15.0
-"""Areas nearer to the start are chosen only where there is no other."""
+"""Areas nearer to the start than this are chosen only if there is no other."""
 _MAX_ALTERNATES = 8
 _LUCK = 2.0
 """Greatest share of chance in an area's appeal, twice that of height above the ground."""
@@ -46,10 +50,10 @@ class Mission:
     hover_enu_m: Vector3
     """Hover point from which the area is observed."""
     trajectory: Trajectory
-    """Way from above the start to the hover point; in a growing map, a stay above the start."""
+    """Plan from above the start to the hover point; in a growing map, a stay above the start."""
 
     def way_enu_m(self, step_s: float) -> Float[np.ndarray, "n 3"] | None:
-        """Points of the way that is planned before the take-off, from the start to the hover point.
+        """Return points of the path planned before the take-off, from the start to the hover point.
 
         Args:
             step_s: Time between two points of the trajectory.
@@ -77,7 +81,7 @@ def plan_mission(
     limits: FlightLimits | None = None,
     is_free: Callable[[InteractionArea], bool] = lambda _: True,
 ) -> Mission:
-    """Draw an area that can be flown to (unless one is given) and plan the way to it.
+    """Draw an area that can be flown to (unless one is given) and plan the path to it.
 
     Args:
         scene: Scene to fly in.
@@ -85,20 +89,22 @@ def plan_mission(
         seed: Seed of the draw.
         area: Area to land on; None draws one.
         target: Kind of area to draw.
-        map_source: Whether the map is given or grows with what the vehicle sees; a growing map is
-            planned in from above the start, and its areas are those of the brief.
-        method: What makes trajectories of ways, now and in flight.
+        map_source: "truth" gives the map, "onboard" lets it grow with what the vehicle sees. A
+            growing map is planned in from above the start, and its areas are those of the brief.
+        method: Planner that makes trajectories of paths, now and in flight.
         limits: Limits of the motion; None for the usual ones.
-        is_free: Whether an area is nobody else's; asked of those that are drawn, and of alternates.
+        is_free: Returns True if no other vehicle has an area; asked for drawn areas and alternates.
 
     Raises:
         MissionError: If no area suits the vehicle, or none can be flown to.
     """
     surroundings = survey(scene, airframe, limits, map_source=map_source, method=method)
+    # Before any area is tried: without a free column above the start, none can be flown to.
     takeoff = takeoff_point(surroundings)
     drawn = draw_goals(scene, airframe, seed, target) if area is None else []
     candidates = [each for each in drawn if is_free(each)] if area is None else [area]
-    # Whoever gives the task knows the place, though the pilot may not.
+    # The author of the task knows the place, even if the pilot does not: the area must be
+    # reachable.
     given = surroundings if surroundings.is_known else survey(scene, airframe)
     reason = f"no {_WANTED[target]} suits class {airframe.drone_class}"
     for candidate in candidates:
@@ -112,6 +118,7 @@ def plan_mission(
             reason = f"area {candidate.id}: {error}"
             continue
         ranked = rank_areas(scene, airframe, seed, target)
+        # Alternates are ranked by appeal; only the assigned area is drawn.
         others = [each for each in ranked if each != candidate and is_free(each)]
         return Mission(
             surroundings=surroundings,
@@ -125,10 +132,10 @@ def plan_mission(
 
 
 def _first_way(world: Surroundings, takeoff_enu_m: Vector3, hover_enu_m: Vector3) -> Trajectory:
-    """Way from above the start to above the area; in an empty map, a stay above the start.
+    """Plan from above the start to above the area; in an empty map, stay above the start.
 
     Raises:
-        PlanningError: If there is no way.
+        PlanningError: If there is no path.
     """
     yaw_rad = world.scene.start_yaw_rad
     if not world.is_known:
@@ -138,7 +145,7 @@ def _first_way(world: Surroundings, takeoff_enu_m: Vector3, hover_enu_m: Vector3
 
 
 def takeoff_point(surroundings: Surroundings) -> Vector3:
-    """Point above the start to which the vehicle rises before flying on.
+    """Return the point above the start to which the vehicle rises before it flies on.
 
     Raises:
         MissionError: If something is above the start.
@@ -159,9 +166,9 @@ def takeoff_point(surroundings: Surroundings) -> Vector3:
 def rank_areas(
     scene: Scene, airframe: Airframe, seed: int, target: Target = "landing"
 ) -> list[InteractionArea]:
-    """Areas for the vehicle's class, as a pilot prefers them where it may choose.
+    """Return the areas for the vehicle's class, in the order in which a pilot prefers them.
 
-    The best are far, elevated, roomy and under the open sky; the seed settles the order among areas
+    The best are far, elevated, roomy and under the open sky. The seed settles the order among areas
     that are about as good.
     """
     fits = fitting_areas(scene, airframe, target)

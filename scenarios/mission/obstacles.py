@@ -1,4 +1,8 @@
-"""A scene's solids and free space in the planner's terms."""
+"""A scene's solids and free space in the planner's terms.
+
+`autonomy` never sees a scene. This module turns its solids, its ground and its relief into arrays
+of convex obstacles.
+"""
 
 from __future__ import annotations
 
@@ -21,16 +25,22 @@ _SHAPES = {
     "ellipsoid": Shape.ELLIPSOID,
     "mesh": Shape.HULL,
 }
-_GROUND_DEPTH_M = 10.0
+_GROUND_DEPTH_M = 10.0  # thickness of the slab below the flight volume
 _GROUND_TOLERANCE_M = 0.03
 """Height up to which the obstacles of a relief reach above the ground, if they are few."""
 _MOST_PRISMS = 20_000
-"""Obstacles of a relief; a rougher one gets larger obstacles, which reach higher above it."""
-_KEPT_HULLS = 4096
+"""Greatest number of obstacles of a relief; a rougher one gets larger obstacles, which extend
+higher above it."""
+_KEPT_HULLS = 4096  # meshes repeat: the same tree stands in many places
 
 
 def scene_obstacles(scene: Scene, primitives: Sequence[Primitive]) -> Obstacles:
-    """Obstacles of everything that a drone can touch, the ground last."""
+    """Return the obstacles of everything that a drone can touch, the ground last.
+
+    Args:
+        scene: Scene with its extent and relief.
+        primitives: Its solids; those that do not collide are left out.
+    """
     solids = [primitive for primitive in primitives if primitive.collides]
     faces = [_faces(primitive) for primitive in solids]
     things = Obstacles(
@@ -48,7 +58,7 @@ def scene_obstacles(scene: Scene, primitives: Sequence[Primitive]) -> Obstacles:
 
 
 def distance_field(voxels: VoxelField) -> DistanceField:
-    """The scene's distance field in the planner's type."""
+    """Return the scene's distance field in the planner's type."""
     return DistanceField(
         origin_enu_m=voxels.origin_enu_m,
         resolution_m=voxels.resolution_m,
@@ -57,7 +67,7 @@ def distance_field(voxels: VoxelField) -> DistanceField:
 
 
 def _faces(primitive: Primitive) -> np.ndarray:
-    """Normals and offsets of a hull's faces, local; none for shapes measured by their extents."""
+    """Normals and offsets of a hull's faces, local; none for shapes given by their extents."""
     return _hull_planes(primitive.vertices_m) if primitive.kind == "mesh" else np.zeros((0, 4))
 
 
@@ -68,8 +78,9 @@ def _hull_planes(vertices_m: tuple[Vector3, ...]) -> np.ndarray:
 
 
 def _hills(scene: Scene, relief: Relief) -> Obstacles:
-    """Prisms below the ground of a relief, each up to a plane that is nowhere below the ground."""
+    """Return prisms below the ground of a relief, each up to a plane nowhere below the ground."""
     bounds = (*scene.extent_min_enu_m[:2], *scene.extent_max_enu_m[:2])
+    # Half, because a plane may lie as far above the ground as it lay below before it was raised.
     tolerance_m = _GROUND_TOLERANCE_M / 2
     while len(patches := ground_patches(relief, bounds, tolerance_m)) > _MOST_PRISMS:
         tolerance_m *= 2.0
@@ -103,6 +114,7 @@ def _prism(
     low, high = np.array([*corners.min(0), low_m]), np.array([*corners.max(0), top_m.max()])
     center = (low + high) / 2
     along = np.roll(corners, -1, axis=0) - corners
+    # Corners run counter-clockwise, so the right of an edge is outside.
     outward = np.stack([along[:, 1], -along[:, 0], np.zeros(len(along))], axis=1)
     upward = np.array([-gradient[0], -gradient[1], 1.0])
     normals = np.vstack([outward, upward, (0.0, 0.0, -1.0)])

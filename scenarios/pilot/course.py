@@ -1,4 +1,9 @@
-"""Course of the vehicle: one trajectory after another, or the last stretch of a landing."""
+"""Course of the vehicle: one trajectory after another, or the last stretch of a landing.
+
+A plan made in flight takes over a little later, at the point where the present plan has the vehicle
+then. The course therefore keeps two trajectories and the time at which one hands over to the other.
+The last stretch is no trajectory, because it may wait for gusts to pass.
+"""
 
 from __future__ import annotations
 
@@ -12,19 +17,19 @@ from autonomy.types import FlatReference, Vector3
 from flightsim.mavlink.client.telemetry import Telemetry
 
 _CONTACT_SPEED_MPS = 0.3
-"""Speed over the last `_SLOW_M` above the surface: a gust adds to it."""
-_SLOW_M = 0.2
+"""Speed over the last `_SLOW_M` above the surface. It is low because a gust adds to it."""
+_SLOW_M = 0.2  # above the surface on which the vehicle rests
 _SLOWING_PER_S = 2.0
-"""Speed that is taken off for each metre on the way to `_SLOW_M`."""
+"""Speed that is lost for each metre on the way down to `_SLOW_M`."""
 _PRESS_M = 0.4
-"""Depth of the last setpoints below the surface, so that the rotors unload."""
+"""Depth of the last set points below the surface, so that the rotors unload."""
 AT_PLACE_M, AT_REST_MPS = 0.25, 0.2
-"""Distance and speed below which a vehicle is at a place, unless it is known to keep less."""
-_SOON_US = 1_500_000
-_PAUSE_US = 100_000
+"""Distance and speed below which a vehicle is at a place, unless it is known to hover less well."""
+_SOON_US = 1_500_000  # look-ahead that gives the direction of the coming motion
+_PAUSE_US = 100_000  # one call of `pause` lasts so long; ticks come more often
 _RISE_M = 0.01
 """Rise in a tick: 0.5 m/s."""
-_ENDING_S = 1.0
+_ENDING_S = 1.0  # before its end a trajectory may be left early
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,12 +46,13 @@ class _Stretch:
     """Greatest speed."""
 
     def reference(self, time_us: int) -> FlatReference:
-        """Setpoint at a given time."""
+        """Set point at a given time."""
         if time_us < self.begun_us:
             return self.begin
         x, y, z = self.begin.position_enu_m
         slow_m, lowest_m = self.resting_height_m + _SLOW_M, self.resting_height_m - _PRESS_M
         above_m, speed_mps = self._sunk(z - slow_m, (time_us - self.begun_us) * 1e-6)
+        # Down to below the surface, where the set point stays.
         height_m = max(slow_m + above_m, lowest_m)
         position_enu_m: Vector3 = (x, y, height_m)
         return FlatReference(
@@ -56,7 +62,11 @@ class _Stretch:
         )
 
     def _sunk(self, above_m: float, elapsed_s: float) -> tuple[float, float]:
-        """Height above where it is slow, and speed, some time after it was so high above."""
+        """Height above the slow part, and speed, some time after a start `above_m` over it.
+
+        Three parts follow each other: constant speed, a speed that falls in proportion to the
+        height, and the constant speed of contact.
+        """
         slowing_m = (self.speed_mps - _CONTACT_SPEED_MPS) / _SLOWING_PER_S
         fast_s = max(0.0, (above_m - slowing_m) / self.speed_mps)
         if elapsed_s < fast_s:
@@ -73,7 +83,7 @@ class _Stretch:
 
 
 class Course:
-    """Setpoints over time.
+    """Set points over time.
 
     Attributes:
         trajectory: The present or next trajectory, or the last one before the last stretch.
@@ -87,12 +97,12 @@ class Course:
 
     @property
     def has_begun(self) -> bool:
-        """Whether there is anything to follow yet."""
+        """True once there is anything to follow."""
         return self._begun_us is not None
 
     @property
     def is_touching_down(self) -> bool:
-        """Whether the vehicle is in the last stretch."""
+        """True while the vehicle is in the last stretch."""
         return self._touchdown is not None
 
     def fly(self, trajectory: Trajectory, begin_us: int) -> None:
@@ -101,18 +111,19 @@ class Course:
         Without a previous trajectory, that time must be the present.
         """
         if self._begun_us is not None:
+            # Until the new one takes over, set points come from the old one.
             self._before = (self.trajectory, self._begun_us)
         self.trajectory = trajectory
         self._begun_us = begin_us
         self._touchdown = None
 
     def touch_down(self, time_us: int, resting_height_m: float, speed_mps: float) -> None:
-        """Sink from the present setpoint onto a surface.
+        """Sink from the present set point onto a surface.
 
         Args:
             time_us: Present time.
             resting_height_m: Height of the vehicle's origin when it stands on the surface.
-            speed_mps: Speed at first; it becomes that of contact.
+            speed_mps: Speed at first; it falls to that of contact.
         """
         self._touchdown = _Stretch(time_us, self.reference(time_us), resting_height_m, speed_mps)
 
@@ -130,11 +141,18 @@ class Course:
                 position_enu_m=(x, y, max(z, min(z + _RISE_M, rise_to_m))),
                 velocity_enu_mps=(0.0, 0.0, 0.0),
             )
+            # The stretch begins anew after the pause, from the height reached.
             later_us = time_us + _PAUSE_US
             self._touchdown = replace(self._touchdown, begun_us=later_us, begin=begin)
 
     def sink_from(self, time_us: int, here_enu_m: Vector3, resting_height_m: float) -> None:
-        """Go on sinking from another place, onto a surface on which the vehicle rests so high."""
+        """Continue the descent above another place.
+
+        Args:
+            time_us: Present time.
+            here_enu_m: Set point to continue from.
+            resting_height_m: Height of the vehicle's origin when it stands on the surface there.
+        """
         if self._touchdown is not None:
             begin = replace(self.reference(time_us), position_enu_m=here_enu_m)
             self._touchdown = replace(
@@ -142,7 +160,7 @@ class Course:
             )
 
     def reference(self, time_us: int) -> FlatReference:
-        """Setpoint at a given time."""
+        """Set point at a given time, of whichever motion is in force then."""
         if self._touchdown is not None:
             return self._touchdown.reference(time_us)
         if self._before is not None and self._begun_us is not None and time_us < self._begun_us:
@@ -151,7 +169,7 @@ class Course:
         return self.trajectory.sample(self.elapsed_s(time_us))
 
     def heading_rad(self, time_us: int) -> float | None:
-        """Direction of the coming motion; None where it is hardly horizontal."""
+        """Direction of the coming motion; None if it is hardly horizontal."""
         now, soon = (self.reference(t).position_enu_m for t in (time_us, time_us + _SOON_US))
         x, y, _ = np.subtract(soon, now).tolist()
         return math.atan2(y, x) if math.hypot(x, y) > AT_PLACE_M else None
@@ -164,11 +182,11 @@ class Course:
         within_m: float = AT_PLACE_M,
         most_mps: float = AT_REST_MPS,
     ) -> bool:
-        """Whether the trajectory is over and the vehicle rests at its end.
+        """Return whether the trajectory is over and the vehicle rests at its end.
 
         Args:
             time_us: Time now.
-            telemetry: Where the vehicle is, and how fast.
+            telemetry: Position and velocity of the vehicle.
             within_m: Distance from the end that counts as being there.
             most_mps: Speed that counts as rest.
         """
@@ -178,18 +196,21 @@ class Course:
         return away_m < within_m and math.hypot(*telemetry.velocity_enu_mps) < most_mps
 
     def is_slower_than(self, most_mps: float, time_us: int) -> bool:
-        """Whether the trajectory slows down at its end, to where something else can go on."""
+        """Return whether the trajectory is in its last second and slower than a limit.
+
+        Another motion can then go on from there without a stop.
+        """
         speed_mps = math.hypot(*self.reference(time_us).velocity_enu_mps)
         return self.ends_within(time_us, _ENDING_S) and speed_mps <= most_mps
 
     def ends_within(self, time_us: int, seconds: float) -> bool:
-        """Whether at most some time of the trajectory is left."""
+        """Return whether at most some time of the trajectory is left."""
         return self.trajectory.duration_s - self.elapsed_s(time_us) <= seconds
 
     def is_under_way(self, time_us: int) -> bool:
-        """Whether the trajectory is not over yet."""
+        """Return whether the trajectory is not over yet."""
         return self.elapsed_s(time_us) < self.trajectory.duration_s
 
     def elapsed_s(self, time_us: int) -> float:
-        """Time within the trajectory; negative before it takes over."""
+        """Time within the trajectory, s; negative before it takes over."""
         return 0.0 if self._begun_us is None else (time_us - self._begun_us) * 1e-6

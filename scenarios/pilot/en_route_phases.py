@@ -1,4 +1,9 @@
-"""Phases on the way: take off, navigate, hold, and return home when no area is left."""
+"""Phases on the way: take off, navigate, hold, and return home when no area is left.
+
+Each method is the action of one phase. It is called every tick and returns the next phase with a
+reason, or None to stay. A failed plan is no error here: each action has a next best one, down to
+handing over to the autopilot.
+"""
 
 from __future__ import annotations
 
@@ -19,12 +24,12 @@ from scenarios.pilot.way_home import is_way_home_free
 _LOG = logging.getLogger(__name__)
 
 MAX_HOLDS = 6
-"""Number of holds in one flight; one more and it goes home."""
+"""Number of holds in one flight; with one more the vehicle goes home."""
 MOST_RISE_M = 8.0
-"""Greatest initial climb; the rest of the climb is part of the way."""
+"""Greatest initial climb; the rest of the climb is part of the plan."""
 RISE_SPEED_MPS = 1.5
 LOOK_AHEAD_S = 1.0
-"""Time before the end of the way from which the area is looked at."""
+"""Time before the end of the plan from which the area is looked at."""
 RETRY_PERIOD_S = 1.0
 """Time between two attempts to continue from a hold."""
 
@@ -48,13 +53,19 @@ class EnRoutePhases:
         return flight.hover_enu_m
 
     def take_off(self) -> Step:
-        """Climb to above the start, then navigate."""
+        """Climb to above the start, then navigate.
+
+        On a given map without traffic the climb is left as soon as the vehicle is clear of the
+        start.
+        """
         flight = self._flight
         if not flight.has_arrived:
             return self._set_out()
         if flight.gaze is not None and not self._has_looked(flight.gaze):
             return None
         try:
+            # The mission's trajectory was planned at the usual pace, so in wind a slower one is
+            # planned.
             prepared = None if flight.is_windy else flight.mission.trajectory
             flight.plan_to(flight.hover_enu_m, prepared)
         except PlanningError as error:
@@ -62,9 +73,9 @@ class EnRoutePhases:
         return Phase.NAVIGATE, "above the start"
 
     def _set_out(self) -> Step:
-        """Leave the climb for the way once, from where the vehicle is, as soon as it has room.
+        """Leave the climb once, as soon as the vehicle has room, and fly on from where it is.
 
-        Where something may come, or the map grows, it looks from above the start first.
+        If movers may come, or the map grows, the vehicle looks from above the start first.
         """
         flight = self._flight
         height_m = flight.telemetry.position_enu_m[2] - flight.home_resting_height_m
@@ -89,13 +100,14 @@ class EnRoutePhases:
         return gaze.has_looked_round(flight.time_us)
 
     def _rise(self, height_m: float) -> None:
-        """Climb vertically first, where that is free: no mover reaches a level way from above."""
+        """Climb vertically first if that is free: then no mover reaches a level path from above."""
         flight = self._flight
         x, y, z = flight.setpoint.position_enu_m
         if not 0.0 < height_m - z <= MOST_RISE_M:
             return
         try:
             leg = flight.leg((x, y, height_m), RISE_SPEED_MPS)
+            # Only if there is a plan from up there, too.
             world = flight.mission.surroundings
             world.plan(leg.sample(leg.duration_s), flight.hover_enu_m)
         except PlanningError:
@@ -103,7 +115,10 @@ class EnRoutePhases:
         flight.begin_with(leg)
 
     def navigate(self) -> Step:
-        """Fly the plan to above the area."""
+        """Fly the plan to above the area.
+
+        In a growing map the plan may end short of it; then it is continued.
+        """
         flight = self._flight
         if not flight.course.ends_within(flight.time_us, LOOK_AHEAD_S):
             return None
@@ -119,19 +134,20 @@ class EnRoutePhases:
         return flight.has_arrived and gaze.has_looked_round(flight.time_us)
 
     def go_home(self, reason: str) -> Step:
-        """Give up: plan the way home, else hand over to the autopilot."""
+        """Give up: plan the path home, else hand over to the autopilot."""
         flight = self._flight
         flight.given_up = flight.given_up or reason
         try:
             flight.plan_to(flight.mission.takeoff_enu_m)
         except PlanningError as error:
+            # A moving vehicle stops first.
             if not flight.is_resting():
                 return self.hold(reason)
             return Phase.HAND_OVER, f"{reason}; no certified way home: {error}"
         return Phase.RETURN, reason
 
     def hand_over(self) -> Step:
-        """Hand over to the autopilot: its own return if the way is free, else it lands here.
+        """Hand over to the autopilot: its own return if the path is free, else it lands here.
 
         The autopilot has no map, and under a roof its return climbs into that.
         """
@@ -139,6 +155,7 @@ class EnRoutePhases:
         if not flight.commands:
             habits, world = flight.client.habits, flight.mission.surroundings
             here, home = flight.telemetry.position_enu_m, flight.mission.takeoff_enu_m
+            # Without a position no return finds home.
             returns = not flight.senses.is_adrift and is_way_home_free(world, here, home)
             mode = habits.return_home if returns else habits.land_here
             _LOG.info("left to the autopilot, to %s", "return" if returns else "land here")
@@ -155,6 +172,7 @@ class EnRoutePhases:
         home = flight.mission.takeoff_enu_m
         if not flight.is_at_end(home):
             return self._go_on()
+        # Not above the take-off point, even if that is low.
         commit_m = min(flight.home_resting_height_m + COMMIT_HEIGHTS_M[-1], home[2])
         try:
             flight.begin_with(flight.leg((home[0], home[1], commit_m), flight.pace.descent_mps))
@@ -187,6 +205,7 @@ class EnRoutePhases:
         is_last = flight.n_holds > MAX_HOLDS
         if step := self._brake(reason, start):
             return step
+        # The return has used up its holds as well.
         if flight.n_holds > 2 * MAX_HOLDS:
             return Phase.HAND_OVER, f"{reason}; held {2 * MAX_HOLDS} times"
         if is_last:
@@ -204,10 +223,10 @@ class EnRoutePhases:
         return None
 
     def _brake(self, reason: str, start: FlatReference | None) -> Step:
-        """Brake, or hand over to the autopilot where no stop can be certified.
+        """Brake, or hand over to the autopilot if no stop can be certified.
 
-        From a place that it was blown to, and that no stop leads away from, the vehicle is pulled
-        back to the stop of its course.
+        If the vehicle was blown to a place from which no stop leads away, it is pulled back to the
+        stop of its course.
         """
         flight = self._flight
         try:
@@ -226,7 +245,7 @@ class EnRoutePhases:
         return Phase.NAVIGATE if self._flight.watch is None else Phase.CLIMB
 
     def wait(self) -> Step:
-        """Hold until there is a certified way on; the guard evades approaching movers."""
+        """Hold until there is a certified path on; the guard evades approaching movers."""
         flight = self._flight
         is_ready = flight.complaint is None and flight.has_arrived
         if flight.time_us < self._retry_us or not is_ready:
@@ -248,6 +267,7 @@ class EnRoutePhases:
             flight.plan_to(self.goal_enu_m)
         except PlanningError as error:
             reason = f"what was seen shows no way on: {error}"
+            # Cut off for good: another goal may help. Any other failure may pass by waiting.
             is_cut_off = isinstance(error, BlockedError | UnreachableError)
             if is_cut_off and flight.given_up is None:
                 return self._aim_elsewhere(reason)

@@ -1,4 +1,8 @@
-"""Depth frames of the vehicle's cameras, posed by the vehicle's own estimate."""
+"""Depth frames of the vehicle's cameras, posed by the vehicle's own estimate.
+
+A real companion computer does not know the true pose of its cameras. Frames therefore come without
+one, and the pose follows from telemetry and the mount.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +19,7 @@ from flightsim.vehicles.airframe import Airframe, CameraMount
 
 
 class NoDepthError(ValueError):
-    """A depth image has no measured pixel."""
+    """A depth image has no measured pixel, for example one of bare sky."""
 
 
 class DepthFrame(Protocol):
@@ -48,16 +52,16 @@ class DepthFrame(Protocol):
 
 
 Frames = Callable[[str], DepthFrame]
-"""Renders the named camera now."""
+"""Function that renders the present frame of the named camera."""
 
 
 def camera_mount(airframe: Airframe, camera: str) -> CameraMount:
-    """The mount of a camera that the vehicle has."""
+    """Return the mount of a camera that the vehicle has."""
     return next(mount for mount in airframe.cameras if mount.name == camera)
 
 
 def posed_image(frame: DepthFrame, mount: CameraMount, telemetry: Telemetry) -> DepthImage:
-    """Depth image of a frame, taken from the pose in the telemetry.
+    """Return the depth image of a frame, taken from the pose in the telemetry.
 
     Raises:
         NoDepthError: If no pixel was measured.
@@ -95,14 +99,14 @@ def may_show(
     points_enu_m: Float[np.ndarray, "n 3"],
     reach_m: float,
 ) -> bool:
-    """Whether a camera may show something that reaches so far about one of several points.
+    """Return whether a camera may show something that extends about one of several points.
 
     Args:
         mount: The camera.
         aspect: Width of its images over their height.
         telemetry: State of the vehicle.
         points_enu_m: The points.
-        reach_m: Radius of what is about them.
+        reach_m: Radius of the object about each point.
     """
     eye_enu_m, rotation = camera_pose(
         telemetry.position_enu_m,
@@ -118,4 +122,5 @@ def may_show(
     beyond_m = np.maximum(
         (np.abs(x) - aside * z) / math.hypot(1.0, aside), (np.abs(y) - up * z) / math.hypot(1.0, up)
     )
+    # Behind the camera only by the radius: a large object may begin beside the lens.
     return bool(np.any((beyond_m < reach_m) & (z > -reach_m)))

@@ -1,4 +1,9 @@
-"""State shared by all phases of a flight: knowledge, present course and attempts so far."""
+"""State shared by all phases of a flight: knowledge, present course and attempts so far.
+
+The phases, the guard and the lookout all act on one flight. They share this object instead of
+knowing each other, so that each can be read and tested alone. It also has the few motions that all
+of them use: fly a leg, plan to a goal, replan, brake.
+"""
 
 from __future__ import annotations
 
@@ -27,15 +32,16 @@ from scenarios.pilot.phases import Phase, Replan
 from scenarios.pilot.senses import Senses
 
 PLANNING_TIME_S = 0.1
-"""Delay until a plan made in flight takes over: the computing time of an onboard computer."""
+"""Delay until a plan made in flight takes over: the computing time of an onboard computer.
+Simulated time stands still while the plan is made."""
 SET_OUT_M = 1.0
-"""Height above the resting place at home from which it is clear of the start: the way may begin
-while it still climbs."""
+"""Height above the resting place at home from which the vehicle is clear of the start. A plan may
+begin there while it still climbs."""
 _ON_COURSE_M = 0.4
 """Distance within which a prepared trajectory must begin to be flown."""
-_AT_REST_MPS = 0.05
+_AT_REST_MPS = 0.05  # of the set point, from which it counts as resting
 _STRAIGHT_M = 3.0
-"""Length up to which a straight way is tried first."""
+"""Length up to which a straight line is tried first."""
 _LESS_ROOM_M = (0.0, 0.15, 0.3, 0.5, 0.7, 0.9)
 """Reductions of the room to movers, tried in turn for a stop; predictions have margins already."""
 _PLANNING_TIME_US = round(1e6 * PLANNING_TIME_S)
@@ -58,7 +64,7 @@ class FlightState:
     site: LandingSite | None = None
     watch: LandingWatch | None = None
     given_up: str | None = None
-    """Reason why no landing on an area will be tried any more, None while one may be."""
+    """Reason why no landing on an area will be tried any more; None while one may be."""
     following: Following = field(default_factory=Following)
     complaint: str | None = None
     """Reason why the vehicle's position is unknown, None if it is known."""
@@ -70,11 +76,11 @@ class FlightState:
     """Start time of the present phase."""
     pace: Pace = USUAL
     is_windy: bool = False
-    """Whether the autopilot reported wind, now or before."""
+    """True once the autopilot has reported wind; never reset in a flight."""
     is_clear: bool = False
-    """Whether it has been clear of the start."""
+    """True once the vehicle was clear of the start."""
     is_silent: bool = False
-    """Whether it sends no setpoints, while the autopilot takes off by itself."""
+    """True while the pilot sends no set points, because the autopilot takes off by itself."""
     commands: list[Command] = field(default_factory=list)
     """Commands sent in the present phase."""
     replans: list[Replan] = field(default_factory=list)
@@ -89,17 +95,21 @@ class FlightState:
 
     @property
     def elapsed_s(self) -> float:
-        """Time since the present phase began."""
+        """Time since the present phase began, s.
+
+        The guard may shift the beginning, so that time in which a gust carries the vehicle off does
+        not count.
+        """
         return (self.time_us - self.since_us) * 1e-6
 
     @property
     def take_over_us(self) -> int:
-        """Time from which a plan made now can be flown."""
+        """Time from which a plan made now can be flown, us."""
         return self.time_us + _PLANNING_TIME_US
 
     @property
     def has_arrived(self) -> bool:
-        """Whether the course is complete and the vehicle rests at its end, as well as it can."""
+        """True if the course is complete and the vehicle rests at its end, as well as it can."""
         within_m, most_mps = self.following.at_place
         return self.course.has_arrived(
             self.time_us, self.telemetry, within_m=within_m, most_mps=most_mps
@@ -107,12 +117,12 @@ class FlightState:
 
     @property
     def setpoint(self) -> FlatReference:
-        """Present setpoint of the course."""
+        """Present set point of the course."""
         return self.course.reference(self.time_us)
 
     @property
     def level_deviation_m(self) -> float:
-        """Horizontal distance of the vehicle from its setpoint."""
+        """Horizontal distance of the vehicle from its set point, m."""
         return math.dist(self.telemetry.position_enu_m[:2], self.setpoint.position_enu_m[:2])
 
     @property
@@ -123,29 +133,39 @@ class FlightState:
 
     @property
     def resting_height_m(self) -> float:
-        """Height of the vehicle's origin when it stands on the chosen site."""
+        """Height of the vehicle's origin when it stands on the chosen site, m."""
         return self.chosen.position_enu_m[2] + self.mission.surroundings.airframe.leg_length_m
 
     @property
     def home_resting_height_m(self) -> float:
-        """Height of the vehicle's origin when it stands at the start."""
+        """Height of the vehicle's origin when it stands at the start, m."""
         world = self.mission.surroundings
         return world.scene.start_position_enu_m[2] + world.airframe.leg_length_m
 
     def last_words(self) -> str:
-        """Latest text of the autopilot, to be appended to a reason."""
+        """The latest text of the autopilot, to be appended to a reason; empty if there is none.
+
+        A refused command often has its cause only in such a text.
+        """
         texts = self.telemetry.texts
         return f"; the autopilot said: {texts[-1][1]}" if texts else ""
 
     def heed_wind(self) -> None:
-        """Go carefully from when the autopilot reports wind; what it flies it flies to its end."""
+        """Fly more slowly from the first report of wind on.
+
+        The present plan is flown to its end as it is.
+        """
+        # "Not above" instead of "at most", because the wind is NaN before the first report.
         if self.is_windy or not self.telemetry.wind_mps > WINDY_MPS:
             return
         self.is_windy = True
         self._go_carefully()
 
     def has_left_start(self) -> bool:
-        """Whether the vehicle is or was so high that nothing of the start holds it any more."""
+        """Return whether the vehicle is, or was, high enough to be clear of the start.
+
+        Once true it stays true, even when the vehicle comes down again.
+        """
         height_m = self.telemetry.position_enu_m[2] - self.home_resting_height_m
         self.is_clear = self.is_clear or height_m >= SET_OUT_M
         return self.is_clear
@@ -153,7 +173,7 @@ class FlightState:
     def learn_following(self) -> None:
         """Learn how far the vehicle strays from its course, and plan with that margin.
 
-        One that strays far is led more slowly as well: what lags, lags in proportion to the speed.
+        A vehicle that strays far is also flown more slowly, because its lag grows with the speed.
         """
         ours_mps, its_mps = self.telemetry.velocity_enu_mps, self.setpoint.velocity_enu_mps
         self.following.hear(
@@ -165,12 +185,14 @@ class FlightState:
         margin_m = self.following.margin_m
         if margin_m <= self.mission.surroundings.margin_m:
             return
+        # The mission is frozen, so a new margin makes a new one; plans already in flight keep
+        # theirs.
         surroundings = replace(self.mission.surroundings, margin_m=margin_m)
         self.mission = replace(self.mission, surroundings=surroundings)
         self._go_carefully()
 
     def _go_carefully(self) -> None:
-        """Go as slowly as in wind; what it flies it flies to its end."""
+        """Fly as slowly as in wind; the present plan is flown to its end."""
         self.pace = self.pace.slowed(IN_WIND)
         surroundings = replace(self.mission.surroundings, limits=self.pace.limits)
         self.mission = replace(self.mission, surroundings=surroundings)
@@ -180,13 +202,17 @@ class FlightState:
         self.course.touch_down(self.time_us, resting_height_m, self.pace.touchdown_mps)
 
     def let_land(self) -> None:
-        """Let the autopilot touch down by itself, if it knows no other way to find the ground."""
+        """Let the autopilot touch down by itself if only then it notices the ground.
+
+        It is asked once; `habits.land` is None for autopilots that follow set points to the ground.
+        """
         land = self.client.habits.land
         if land is not None and not self.commands:
             self.commands = [self.client.set_mode(land)]
 
     def is_at_end(self, goal_enu_m: Vector3) -> bool:
-        """Whether the course ends at a place; in a growing map it may end before."""
+        """Return whether the course ends at a place; in a growing map it may end before."""
+        # A growing map's plans may end at rest short of their goal.
         trajectory = self.course.trajectory
         end = trajectory.sample(trajectory.duration_s).position_enu_m
         return math.dist(end, goal_enu_m) < _ON_COURSE_M
@@ -196,7 +222,8 @@ class FlightState:
         return self.senses.moving(self.take_over_us)
 
     def room_to_movers_m(self) -> float:
-        """Least distance of the remaining course to the movers."""
+        """Least distance of the remaining course to the movers, m; infinite without any."""
+        # Predictions begin at the take-over, so the course must be read at the same time.
         since_s = self.course.elapsed_s(self.take_over_us)
         radius_m = self.mission.surroundings.radius_m
         return room_to_movers_m(self.course.trajectory, since_s, self.moving(), radius_m)
@@ -212,7 +239,12 @@ class FlightState:
     def leg(
         self, goal_enu_m: Vector3, speed_mps: float | None = None, *, exempt_m: float = 0.0
     ) -> Trajectory:
-        """Certified straight line from the present setpoint, at rest, to rest at a goal.
+        """Return a certified straight line from the present set point, at rest, to rest at a goal.
+
+        Args:
+            goal_enu_m: End of the line.
+            speed_mps: Greatest speed; None for the pace's limits.
+            exempt_m: First stretch of the line that is not checked against the map.
 
         Raises:
             PlanningError: If it cannot be certified.
@@ -231,13 +263,14 @@ class FlightState:
         """Fly from rest to a goal nearby: straight if that can be certified, else by a plan.
 
         Raises:
-            PlanningError: If there is no certified way.
+            PlanningError: If there is no certified path.
         """
         now = self.setpoint
         if math.dist(now.position_enu_m, goal_enu_m) <= _STRAIGHT_M:
             try:
                 self.begin_with(self.leg(goal_enu_m, speed_mps))
             except PlanningError:
+                # So near, a plan would be the same straight line.
                 if math.dist(now.position_enu_m, goal_enu_m) < _ON_COURSE_M:
                     raise
             else:
@@ -261,6 +294,8 @@ class FlightState:
         Raises:
             PlanningError: If there is no plan, or none that avoids the movers.
         """
+        # A trajectory that was planned before the flight fits only if the vehicle is still near its
+        # start.
         here = self.telemetry.position_enu_m
         is_here = prepared is not None and (
             math.dist(prepared.sample(0.0).position_enu_m, here) <= _ON_COURSE_M
@@ -271,16 +306,16 @@ class FlightState:
         self.fly(self._past_movers(prepared))
 
     def go_on_from(self, start: FlatReference, goal_enu_m: Vector3, reason: str) -> None:
-        """Replan from a state in which a plan can take over.
+        """Replan from a state in which a plan can take over, and note the reason.
 
         Raises:
-            PlanningError: If there is no certified way from there.
+            PlanningError: If there is no certified path from there.
         """
         self.plan_to(goal_enu_m, start=start)
         self.replans.append(Replan(time_us=self.time_us, reason=reason))
 
     def replan(self, reason: str) -> None:
-        """Replan the rest of the course around the movers.
+        """Replan the rest of the course around the movers, and note the reason.
 
         Raises:
             PlanningError: If there is no plan.
@@ -292,6 +327,9 @@ class FlightState:
 
     def brake(self, start: FlatReference | None = None) -> None:
         """Come to rest as soon as possible, stepping aside for approaching movers.
+
+        Stops are tried from the gentlest to the most urgent: within the usual limits, then within
+        those of evasion with less and less room to movers, at last without regard to them.
 
         Args:
             start: State of the vehicle when the stop takes over; None for the state on the course.
@@ -315,7 +353,7 @@ class FlightState:
         self.fly(stop)
 
     def _past_movers(self, plan: Trajectory) -> Trajectory:
-        """The same plan, or one around movers that it would come too near to.
+        """Return the same plan, or one around movers that it would come too near to.
 
         Raises:
             EvasionError: If there is none.
@@ -326,5 +364,8 @@ class FlightState:
         return world.replan(plan, 0.0, moving=moving)
 
     def is_resting(self) -> bool:
-        """Whether the course is at rest now."""
+        """Return whether the course is at rest now.
+
+        The set point decides, not the vehicle, which never hovers quite still.
+        """
         return math.hypot(*self.setpoint.velocity_enu_mps) < _AT_REST_MPS

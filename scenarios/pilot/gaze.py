@@ -1,9 +1,9 @@
-"""Gaze of the vehicle where movers may approach: around, and not only along the course.
+"""Gaze of the vehicle: it turns to look for approaching movers, not only along its course.
 
 A mover on a collision course stays at a constant bearing. For a vehicle that flies at v and movers
 of speed up to w, that bearing is arbitrary if v < w, else up to asin(w / v) to either side of the
 course. One camera does not cover that unless the vehicle is fast. So the vehicle turns to and fro
-as far as necessary, all round where it stands, and keeps a mover in view that was just found or
+as far as necessary, all round while it stands, and keeps a mover in view that was just found or
 comes near. It does not see movers that approach from behind, faster than it flies.
 """
 
@@ -26,12 +26,12 @@ MOST_LOOK_S = 8.0
 """Longest look around, even if something holds the gaze; otherwise it takes 4 s."""
 MOST_ASIDE_RAD = math.radians(60.0)
 """Greatest turn from the course in flight, which soon has to be viewed again."""
-_OVERSHOOT_RAD = 0.3
-_MOST_STEP_S = 0.1
+_OVERSHOOT_RAD = 0.3  # aimed beyond the turning point, so that the turn keeps its speed up to there
+_MOST_STEP_S = 0.1  # longest step between calls, against a jump of the heading
 
 
 class Gaze:
-    """Turns the heading of setpoints, within the limits of the motion.
+    """Turns the heading of set points, within the limits of the motion.
 
     Attributes:
         kept_rad: Bearing to keep in view, None to look around.
@@ -50,16 +50,17 @@ class Gaze:
     def turn(
         self, time_us: int, setpoint: FlatReference, course_rad: float | None, *, looks_around: bool
     ) -> FlatReference:
-        """Setpoint with the heading of the gaze; must be called for every setpoint.
+        """Return the set point with the heading of the gaze; call it for every set point.
 
         Args:
             time_us: Present time.
-            setpoint: Present setpoint; its own heading is used when not looking around.
+            setpoint: Present set point; its own heading is used when not looking around.
             course_rad: Direction of flight, None at rest.
-            looks_around: Whether to look around now.
+            looks_around: True to look around now.
         """
         if self._yaw_rad is None:
             self._yaw_rad, self._time_us = setpoint.yaw_rad, time_us
+        # After a pause in the calls, the heading must not leap.
         step_s = min((time_us - self._time_us) * 1e-6, _MOST_STEP_S)
         self._time_us = time_us
         if looks_around:
@@ -80,13 +81,13 @@ class Gaze:
 
     @property
     def is_on_it(self) -> bool:
-        """Whether the bearing to keep is in view by the heading; True without such a bearing."""
+        """True if the heading has the bearing to keep in view, or if there is no such bearing."""
         if self.kept_rad is None or self._yaw_rad is None:
             return True
         return abs(math.remainder(self.kept_rad - self._yaw_rad, math.tau)) < HALF_VIEW_RAD
 
     def has_looked_round(self, time_us: int) -> bool:
-        """Whether the gaze went all round since the first call; call it until it has."""
+        """Return whether the gaze went all round since the first call; call it until it has."""
         if self._round is None:
             self._round = (time_us, self._turned_rad)
         since_us, since_rad = self._round
@@ -97,12 +98,13 @@ class Gaze:
         return True
 
     def _left_rad(self, setpoint: FlatReference, course_rad: float | None) -> float:
-        """Angle left to turn while looking around."""
+        """Angle left to turn while looking around, rad; positive to the left."""
         assert self._yaw_rad is not None
         if self.kept_rad is not None:
             return math.remainder(self.kept_rad - self._yaw_rad, math.tau)
         u, v, _ = setpoint.velocity_enu_mps
         if course_rad is None:
+            # At rest: a target that moves along turns the vehicle round and round.
             return self._side * math.pi / 2
         off_rad = math.remainder(self._yaw_rad - course_rad, math.tau)
         most_rad = max(danger_rad(math.hypot(u, v)) - HALF_VIEW_RAD, 0.0)

@@ -1,4 +1,8 @@
-"""Ground phases: connect, wait for health, arm, and disarm at the end."""
+"""Ground phases: connect, wait for health, arm, and disarm at the end.
+
+Autopilots differ in what they demand before they arm and in who takes off. The differences are in
+the client's `habits`, so that one sequence serves all.
+"""
 
 from __future__ import annotations
 
@@ -11,15 +15,17 @@ from scenarios.pilot.phases import Phase, PilotVerdict, Step
 
 MAX_ARMING_TRIES = 10
 LIFT_OFF_M = 1.0
-"""Height above the resting place up to which the map is not checked: the vehicle stood there."""
+"""Height above the resting place up to which the map is not checked, because the vehicle stood
+there."""
 LIFTED_OFF_M = 0.8
-"""Height above the resting place from which an autopilot that took off by itself is steered."""
+"""Height above the resting place at which the pilot takes over from an autopilot that took off by
+itself."""
 WATCH_S = 1.0
-"""Time for which the air above the start is watched before the rotors turn, where movers may come:
+"""Time for which the air above the start is watched before the rotors turn, if movers may come:
 five images of each camera, of which three confirm a mover."""
 CLEAR_M = 0.5
 """Least room that movers leave to the climb."""
-_STREAM_BEFORE_ARMING_S = 0.2
+_STREAM_BEFORE_ARMING_S = 0.2  # offboard mode is refused before a stream of set points is known
 
 
 class GroundPhases:
@@ -28,7 +34,8 @@ class GroundPhases:
     def __init__(self, flight: FlightState) -> None:
         self._flight = flight
         self._patience_s = 0.0
-        """Time in the phase of arming before which what was asked for need not be reported."""
+        """Time in the phase of arming until the effect of the last request must have been reported.
+        """
 
     def connect(self) -> Step:
         """Wait until the vehicle answers and sends the telemetry needed."""
@@ -40,7 +47,10 @@ class GroundPhases:
         return None
 
     def prepare(self) -> Step:
-        """Wait until arming is allowed."""
+        """Wait until arming is allowed.
+
+        The wait may take up to two minutes while a poor receiver finds its position.
+        """
         flight = self._flight
         telemetry = flight.telemetry
         if not (telemetry.has_state and telemetry.is_armable and telemetry.is_navigating):
@@ -55,7 +65,7 @@ class GroundPhases:
         return Phase.ARM, "estimator and arming checks are ready"
 
     def arm(self) -> Step:
-        """Request offboard mode, then arm, while setpoints are streamed."""
+        """Request offboard mode, then arm, while set points are streamed."""
         flight = self._flight
         telemetry, offboard = flight.telemetry, flight.client.habits.offboard
         if telemetry.is_armed and telemetry.custom_mode == offboard:
@@ -84,7 +94,7 @@ class GroundPhases:
         flight.senses.stand_at((x, y, flight.home_resting_height_m))
 
     def _is_clear_above(self) -> bool:
-        """Whether nothing that moves would come into the climb; a growing map cannot tell yet."""
+        """Return whether no mover would come into the climb; a growing map cannot know yet."""
         flight = self._flight
         if flight.gaze is None or not flight.mission.surroundings.is_known:
             return True
@@ -133,7 +143,10 @@ class GroundPhases:
         return Phase.DONE, self.success().reason
 
     def success(self) -> PilotVerdict:
-        """The verdict on a landing on the chosen place."""
+        """Return the verdict on a landing on the chosen place.
+
+        The error is by the estimate; the true one is judged elsewhere (`scenarios/trials`).
+        """
         flight = self._flight
         rest_enu_m = flight.telemetry.position_enu_m
         error_m = math.dist(rest_enu_m[:2], flight.chosen.position_enu_m[:2])

@@ -1,4 +1,9 @@
-"""Guard of the phases in the air: conditions that end or change any of them, checked first."""
+"""Guard of the phases in the air: conditions that end or change any of them, checked first.
+
+A phase should only care for its own task. Conditions that may arise in any phase, such as a low
+battery or a lost position, are therefore checked here before each action. The checks are ordered by
+urgency: the first one that demands an action decides.
+"""
 
 from __future__ import annotations
 
@@ -21,19 +26,20 @@ SILENCE_S = 0.5
 PATIENCE_S = 3.0
 """Longest hold with unknown position before the autopilot must take over."""
 LOST_M = 0.5
-"""Standard deviation of the position in the map beyond which it lands at once, while neither
-satellites nor odometry measure it: the distance to which plans keep clear of what stands."""
+"""Standard deviation of the position in the map beyond which the vehicle lands at once, while
+neither satellites nor odometry measure it. It is the distance that plans keep from obstacles."""
 LEAST_BATTERY = 0.2
-"""Charge at which it returns home; common autopilots warn at 15 to 25%."""
+"""Charge at which the vehicle returns home; common autopilots warn at 15 to 25%."""
 LEAST_DEVIATION_M, MOST_DEVIATION_M = USUAL_STRAY_M, MOST_STRAY_M
-"""Bounds of the allowed deviation from the plan; between them, it is the plan's clearance, or what
-the vehicle is known to stray."""
+"""Bounds of the allowed deviation from the plan. Between them, it is the plan's clearance, or the
+distance that the vehicle is known to stray."""
 DEVIATION_PERIOD_S = 1.0
 """Time between two plans from a deviating state."""
 CARRIED_S = 60.0
-"""Time in one flight that gusts may carry it off for and that counts for no phase."""
+"""Total time of one flight in which gusts carry the vehicle off and no phase's clock runs."""
 _PULL_STEP_M = 0.1
-"""Step along the way back to the course."""
+"""Step of the check along the straight line back to the course."""
+# A hold would end the last stretch, so the vehicle goes on sinking there.
 _NEVER_HOLD = frozenset({Phase.TOUCHDOWN, Phase.LAND_HOME})
 _AT_THE_GROUND = frozenset({Phase.TOUCHDOWN, Phase.LAND_HOME})
 """Phases whose last stretch an autopilot may fly by itself."""
@@ -55,7 +61,7 @@ class Guard:
         self._carried_us = 0
 
     def check(self, phase: Phase) -> Step:
-        """Action needed before anything else, None if all is well."""
+        """Return the action needed before anything else, None if all is well."""
         step = self._check(phase)
         self._checked_us = self._flight.time_us
         return step
@@ -76,7 +82,10 @@ class Guard:
         return self._clock(phase)
 
     def _control(self, phase: Phase) -> Step:
-        """Check that the vehicle is armed and in offboard mode."""
+        """Check that the vehicle is armed and in offboard mode.
+
+        If not, somebody else has taken over, and the flight ends for this pilot.
+        """
         flight = self._flight
         mode, habits = flight.telemetry.custom_mode, flight.client.habits
         if phase in _AT_THE_GROUND and mode == habits.land:
@@ -101,7 +110,7 @@ class Guard:
         return None
 
     def _trust(self, phase: Phase) -> Step:
-        """Check that the place in the map is known, if nothing else tells the position."""
+        """Check that the images give the position, if nothing else does."""
         flight = self._flight
         senses = flight.senses
         if not senses.is_adrift or phase in _AT_THE_GROUND or senses.place_sigma_m <= LOST_M:
@@ -126,6 +135,7 @@ class Guard:
 
     def _battery(self, phase: Phase) -> Step:
         flight = self._flight
+        # Going down already lands sooner than a return would.
         left = flight.telemetry.battery_remaining
         # The battery is NaN before the first report.
         if phase in _GOING_DOWN or flight.given_up is not None or not left < LEAST_BATTERY:
@@ -133,13 +143,17 @@ class Guard:
         return self._go_home(phase, f"the battery is down to {100 * left:.0f}%")
 
     def _deviation(self, phase: Phase) -> Step:
-        """Check that the vehicle is on its course; else plan from its state."""
+        """Check that the vehicle is on its course; else plan from its state.
+
+        While it hovers or sinks at the area, the autopilot may pull it straight back instead.
+        """
         flight = self._flight
         if flight.course.is_touching_down or flight.time_us < self._deviation_due_us:
             return None
         if phase in _RISING and self._still_rises():
             # Nothing is won by a stop: the higher, the less stands around.
             return None
+        # Distance from the set point, not from the path: the plan's times are guarded too.
         here, should = flight.telemetry.position_enu_m, flight.setpoint.position_enu_m
         # The rotors spin up while the plan already rises: a vertical lag is harmless.
         n = 2 if phase is Phase.TAKEOFF else 3
@@ -164,27 +178,28 @@ class Guard:
         return None
 
     def _still_rises(self) -> bool:
-        """Whether the climb is not over, for the plan or for a vehicle that lifted off late."""
+        """Return whether the climb goes on, for the plan or for a vehicle that lifted off late."""
         flight = self._flight
         below_m = flight.setpoint.position_enu_m[2] - flight.telemetry.position_enu_m[2]
         return flight.course.is_under_way(flight.time_us) or below_m > LEAST_DEVIATION_M
 
     def _grant_time(self) -> None:
-        """Do not count the present tick of a phase, in which a gust carries the vehicle off."""
+        """Do not count the present tick of a phase, because a gust carries the vehicle off."""
         flight = self._flight
+        # Limited, so that a storm without end does not keep the vehicle in the air for ever.
         if self._carried_us < 1e6 * CARRIED_S:
             tick_us = flight.time_us - self._checked_us
             self._carried_us += tick_us
             flight.since_us += tick_us
 
     def _is_free_between(self, here_enu_m: Vector3, there_enu_m: Vector3) -> bool:
-        """Whether the autopilot can pull the vehicle straight back to its course."""
+        """Return whether the autopilot can pull the vehicle straight back to its course."""
         n = 2 + math.ceil(math.dist(here_enu_m, there_enu_m) / _PULL_STEP_M)
         line = np.linspace(here_enu_m, there_enu_m, n)
         return bool(np.all(self._flight.mission.surroundings.clearance_m(line) > 0.0))
 
     def _clock(self, phase: Phase) -> Step:
-        """Fail a phase that takes too long."""
+        """End a phase that takes too long."""
         flight = self._flight
         limit_s = TIME_LIMIT_S.get(phase, math.inf)
         if flight.elapsed_s <= limit_s:
@@ -209,7 +224,7 @@ class Guard:
 
 
 def deviation_limit_m(trajectory: Trajectory, stray_m: float = 0.0) -> float:
-    """Allowed distance from a plan: the clearance certified beside it, or what cannot be helped.
+    """Return the allowed distance from a plan: its certified clearance, or an unavoidable stray.
 
     Args:
         trajectory: The plan.

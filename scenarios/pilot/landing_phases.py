@@ -1,4 +1,9 @@
-"""Landing phases: search for a place, align above it, descend, and climb back if it turns bad."""
+"""Landing phases: search for a place, align above it, descend, and climb back if it turns bad.
+
+The given map says where an area is, but not whether something lies on it. So the place to touch
+down on is chosen from depth images, and watched on the way down until it is too late to stop. After
+several failures at one area the next one is tried.
+"""
 
 from __future__ import annotations
 
@@ -24,19 +29,21 @@ _LOG = logging.getLogger(__name__)
 SEARCH_FRAMES = 6
 """Number of depth images fused before a place is chosen."""
 HOVERING_FRAMES = 3
-"""Number of these that are taken while it hovers, for as long as gusts need to show."""
+"""Number of these images that are taken in the hover, for as long as gusts need to show."""
+# After this many images a place with too little room for the felt gusts is accepted.
 MAX_SEARCH_FRAMES = 20
 STEEP = 1.0
-"""Least descent over level way of a straight line down to a place, so that it stays in view."""
+"""Least ratio of descent to level distance for a straight line down to a place, so that the place
+stays in view."""
 MAX_LOOKS = 4
 """Number of searches and descents at one area before the next is tried."""
 MAX_AREAS = 3
 MAX_BLIND_FRAMES = 5
-"""Number of consecutive images without depth after which the area is abandoned for now."""
+"""Number of consecutive images without depth after which the pilot holds."""
 
 
 class WaysOut(Protocol):
-    """Actions when the area allows no landing now."""
+    """Actions for an area that allows no landing now."""
 
     def hold(self, reason: str) -> Step:
         """Come to rest and wait."""
@@ -60,7 +67,7 @@ class LandingPhases:
         self._flight = flight
 
     def look(self, reason: str) -> Step:
-        """Start a new search of the area, or go on to the next area."""
+        """Start a new search of the area, or go on to the next area after too many."""
         flight = self._flight
         flight.n_looks += 1
         if flight.n_looks > MAX_LOOKS:
@@ -69,7 +76,10 @@ class LandingPhases:
         return Phase.SEARCH, reason
 
     def give_up(self, reason: str) -> Step:
-        """Fly to the next reachable area, else home."""
+        """Fly to the next reachable area, else home.
+
+        At most `MAX_AREAS` are tried in a flight.
+        """
         flight = self._flight
         flight.n_looks, flight.watch = 0, None
         while flight.alternates and flight.n_areas < MAX_AREAS:
@@ -88,6 +98,7 @@ class LandingPhases:
         except PlanningError as error:
             _LOG.info("area %d: %s", area.id, error)
             return False
+        # Only now: the old area is kept if no path leads to the new one.
         flight.n_areas += 1
         flight.area, flight.hover_enu_m, flight.site = area, hover, None
         return True
@@ -100,11 +111,12 @@ class LandingPhases:
             watch.sway_m = max(watch.sway_m, flight.level_deviation_m)
         if not self._see(watch):
             return self._blind(watch)
+        # Gusts show only in the hover, so images on the way there do not count.
         watch.n_hovering += watch.is_hovering
         if watch.n_frames < SEARCH_FRAMES or watch.n_hovering < HOVERING_FRAMES:
             return None
         if flight.level_deviation_m > CARRIED_OFF_M:
-            return None  # A way down begins at the hover point.
+            return None  # A path down begins at the hover point.
         flight.site = watch.choose()
         has_room = flight.site is not None and flight.site.clearance_m >= watch.sway_m
         if not has_room and watch.n_frames < MAX_SEARCH_FRAMES:
@@ -146,6 +158,7 @@ class LandingPhases:
         """
         flight = self._flight
         x, y, _ = flight.chosen.position_enu_m
+        # Not above the hover point, from which the line starts.
         lower_m, higher_m = (
             min(flight.resting_height_m + height_m, flight.hover_enu_m[2])
             for height_m in COMMIT_HEIGHTS_M
@@ -175,6 +188,7 @@ class LandingPhases:
         """Descend while watching the place, down to the commit height."""
         flight, watch = self._flight, self._watching()
         if self._see(watch):
+            # The map near the place gets better on the way down, so its height is taken anew.
             flight.site = watch.again(flight.chosen)
             if reason := watch.objection(flight.chosen):
                 return self._climb_back(f"the touchdown point no longer looks safe: {reason}")
@@ -186,7 +200,10 @@ class LandingPhases:
         return Phase.TOUCHDOWN, "still safe from here"
 
     def _sinks_steadily(self) -> bool:
-        """Whether the vehicle is above the place, and slows down at the end of the descent."""
+        """Return whether the vehicle is above the place, and slows at the descent's end.
+
+        Then the last stretch begins without a stop.
+        """
         flight = self._flight
         most_m, most_mps = steady_within(flight.following)
         return (
@@ -200,7 +217,7 @@ class LandingPhases:
         return self.look("climbed back") if self._flight.has_arrived else None
 
     def _climb_back(self, reason: str) -> Step:
-        """Stop, and climb back."""
+        """Stop, and climb back to the height of the hover point."""
         flight = self._flight
         x, y, z = flight.setpoint.position_enu_m
         try:
@@ -210,7 +227,7 @@ class LandingPhases:
         return Phase.CLIMB, reason
 
     def _see(self, watch: LandingWatch) -> bool:
-        """Fuse an image if one is due and has depth; return whether it did."""
+        """Fuse an image if one is due and has depth; return whether one was fused."""
         flight = self._flight
         if not watch.is_due(flight.time_us):
             return False
@@ -224,7 +241,7 @@ class LandingPhases:
         return True
 
     def _blind(self, watch: LandingWatch) -> Step:
-        """Abandon the area if there was no depth for too long."""
+        """Hold if there was no depth for too long."""
         n_blind = watch.n_blind
         if n_blind < MAX_BLIND_FRAMES:
             return None

@@ -1,4 +1,9 @@
-"""Landing watch: maps a landing area with the downward camera and chooses where to touch down."""
+"""Landing watch: maps a landing area with the downward camera and chooses where to touch down.
+
+It joins the judgement of the ground (`autonomy.perception`) with knowledge that depth from above
+cannot give: the area's outline, and the free column above each cell by the map. Each search begins
+with an empty map, because the estimate may have moved since the last one.
+"""
 
 from __future__ import annotations
 
@@ -31,7 +36,8 @@ PERCHING_SCATTER_M = 0.05
 """Greatest error that a perch allows: places of 22 cm for feet of 17 cm."""
 _BORDER_M = 0.8
 """Width of the map's border around the area."""
-_MAX_HALF_EXTENT_M = 4.0
+_MAX_HALF_EXTENT_M = 4.0  # half the width of the map, at most
+# Grid of the check of the air above the cells, coarser than they are, and the room it needs.
 _COLUMN_STEP_M = 0.25
 _COLUMN_MARGIN_M = 0.05
 _ROUGHNESS = 1.0 / 7.0
@@ -40,12 +46,18 @@ _RISE = 0.7
 """Rise within the body's radius over the height of the rotors."""
 _SEEN_M = 0.02
 """Least height that counts, above the noise of the map."""
+# Least distance of a chosen place to unsafe cells.
 _LEAST_CLEARANCE_M = 0.1
 _LEAST_PERCHING_CLEARANCE_M = 0.05
 
 
 def landing_needs(airframe: Airframe, scatter_m: float = SCATTER_M) -> LandingNeeds:
-    """Needs of an airframe for standing safely anywhere within the scatter of a touchdown."""
+    """Return the needs of an airframe for standing safely within the scatter of a touchdown.
+
+    Args:
+        airframe: The vehicle; its legs, rotors and size count.
+        scatter_m: Greatest horizontal error of a touchdown.
+    """
     lowest_hub_m = min(rotor.position_flu_m[2] for rotor in airframe.quadrotor.rotors)
     hub_height_m = airframe.leg_length_m + lowest_hub_m
     return LandingNeeds(
@@ -57,7 +69,7 @@ def landing_needs(airframe: Airframe, scatter_m: float = SCATTER_M) -> LandingNe
 
 
 def _within(needed_m: float, most_m: float) -> float:
-    """What a vehicle bears, between what can be seen and what a common one bears."""
+    """Limit a vehicle's tolerance to the range from what can be seen to a common vehicle's."""
     return min(max(needed_m, _SEEN_M), most_m)
 
 
@@ -67,7 +79,7 @@ class LandingWatch:
     Attributes:
         n_frames: Depth images fused so far.
         n_blind: Images without a measured pixel since the last one fused.
-        is_hovering: Whether the vehicle has come to the hover point.
+        is_hovering: True once the vehicle has come to the hover point.
         n_hovering: Depth images since then.
         sway_m: Greatest level deviation from the hover point while it was observed.
         elevation: Elevation map fused so far.
@@ -108,7 +120,7 @@ class LandingWatch:
         self.map: LandingMap | None = None
 
     def is_due(self, time_us: int) -> bool:
-        """Whether the next depth image may be fused."""
+        """Return whether the next depth image may be fused."""
         return time_us >= self._due_us
 
     def miss(self, time_us: int) -> None:
@@ -117,7 +129,7 @@ class LandingWatch:
         self._due_us = time_us + FRAME_PERIOD_US
 
     def fuse(self, time_us: int, image: DepthImage) -> None:
-        """Fuse a depth image of the downward camera."""
+        """Fuse a depth image of the downward camera, and judge the area anew."""
         self._due_us = time_us + FRAME_PERIOD_US
         self.elevation.add(image)
         self.n_blind = 0
@@ -130,20 +142,20 @@ class LandingWatch:
         self.map = assess(self.elevation, self._needs, self.is_allowed)
 
     def choose(self) -> LandingSite | None:
-        """Best place in the present map, None if none is safe."""
+        """Return the best place in the present map, None if none is safe with enough room."""
         if self.map is None:
             return None
         site = choose_site(self.map, self.elevation, self._needs, self._preferred_enu_m)
         return site if site is not None and site.clearance_m >= self._least_m else None
 
     def objection(self, site: LandingSite) -> str | None:
-        """Reason against a chosen place by the present map, None if there is none."""
+        """Return the reason against a chosen place by the present map, None if there is none."""
         if self.map is None:
             return "nothing was seen yet"
         return objection(self.map, self.elevation, self._needs, site.position_enu_m)
 
     def site_below(self, place_enu_m: Vector3) -> LandingSite | None:
-        """Place to land on right below a position, None unless it could have been chosen."""
+        """Return the place right below a position if it could have been chosen, else None."""
         if self.map is None:
             return None
         site = site_at(self.map, self.elevation, place_enu_m)
@@ -152,7 +164,7 @@ class LandingWatch:
         return site if self.objection(site) is None else None
 
     def again(self, site: LandingSite) -> LandingSite:
-        """A chosen place with its present height and slope."""
+        """Return a chosen place with its present height and slope."""
         latest = (
             None if self.map is None else site_at(self.map, self.elevation, site.position_enu_m)
         )
@@ -162,7 +174,7 @@ class LandingWatch:
 def _is_open_above(
     elevation: ElevationMap, surroundings: Surroundings, surface_m: float, top_m: float
 ) -> np.ndarray:
-    """Cells above which the vehicle has room from just over the surface up to a height.
+    """Mark cells above which the vehicle has room from just over the surface up to a height.
 
     A given map has branches and eaves that a camera below them cannot see.
     """
@@ -175,4 +187,5 @@ def _is_open_above(
     room_m = surroundings.map.rough_distance_m(points) - surroundings.radius_m
     is_open = np.all(room_m.reshape(z.shape) >= _COLUMN_MARGIN_M, axis=0)
     n = len(elevation.height_m)
+    # Each coarse cell becomes a block of the map's cells, cut to the map's size.
     return np.kron(is_open, np.ones((stride, stride), dtype=bool))[:n, :n]

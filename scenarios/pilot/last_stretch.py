@@ -1,4 +1,9 @@
-"""Last stretch of a landing: down onto the place, or onto the one that wind carries it to."""
+"""Last stretch of a landing: down onto the place, or onto the one to which wind carries it.
+
+Below 0.7 m the camera no longer shows the place well and a gust can push the vehicle off it.
+Waiting helps in calm air and exposes it to more gusts in wind. So the limits for sinking, and the
+answer to a gust, differ between the two.
+"""
 
 from __future__ import annotations
 
@@ -15,29 +20,31 @@ from scenarios.pilot.phases import Phase, Step
 _LOG = logging.getLogger(__name__)
 
 COMMIT_HEIGHTS_M = (0.7, 1.0)
-"""Heights of the soles above the surface below which the landing is no longer aborted, the first of
-them where the way down to it can be certified."""
+"""Heights of the soles above the surface below which the landing is no longer aborted: the first
+one if the path down to it can be certified, else the second."""
 LAST_HEIGHT_M = 0.15
-"""Height of the soles above the surface below which the vehicle sinks, come what may."""
+"""Height of the soles above the surface below which the vehicle sinks in any case."""
 STEADY_M, STEADY_MPS = 0.15, 0.3
 """Distance from the vertical above the place, and level speed, beyond which it sinks no further."""
 STEADY_IN_WIND_M, STEADY_IN_WIND_MPS = 0.3, 0.5
-"""The same in wind, where the longer it waits, the more gusts find it in the air."""
+"""The same limits in wind: the longer it waits there, the more gusts find it in the air."""
 CARRIED_OFF_M = 0.5
 """Distance from that vertical beyond which it climbs back: as far off as a landing may end."""
 MOST_WIND_MPS = 12.0
-"""Wind, as the autopilot reports it, beyond which it waits higher up: at 16 m/s legs that
+"""Wind, as the autopilot reports it, beyond which the vehicle waits higher up. At 16 m/s legs that
 slide as they meet the ground trip, and it tips over."""
 MOST_TILT_RAD = math.radians(40.0)
-"""Tilt beyond which it waits there as well: it tells of a gust before the wind's estimate does."""
+"""Tilt beyond which it waits there as well. The tilt reveals a gust before the wind's estimate
+does."""
 LEAVE_M = 1.0
 """Height above a touched place up to which the map is not checked."""
 
 
 def steady_within(following: Following) -> tuple[float, float]:
-    """Distance and speed to sink within: as usual, or as a vehicle keeps that hovers less well.
+    """Return the distance and speed within which the vehicle sinks.
 
-    Where it keeps less than in wind, none comes of waiting longer.
+    A vehicle that hovers less well gets wider limits, up to those of wind. If it cannot keep even
+    those, waiting longer would not help.
     """
     away_m, drift_mps = following.keeps
     return (
@@ -64,7 +71,10 @@ class LastStretch:
         return None
 
     def _is_committed(self) -> bool:
-        """Whether it is so low that it sinks in any case; at first, settle where it comes down."""
+        """Return whether the vehicle is so low that it sinks in any case.
+
+        The first time, it settles where it comes down.
+        """
         flight = self._flight
         x, y, z = flight.setpoint.position_enu_m
         last_m = flight.resting_height_m + LAST_HEIGHT_M
@@ -73,15 +83,15 @@ class LastStretch:
             return self._has_committed
         self._has_committed = True
         if z >= last_m:
-            # The air has pushed it down to where the ground is: whoever waits above it now is
-            # dragged over it by rotors that turn.
+            # The air has pushed it down to the ground: rotors that turn would now drag a vehicle
+            # that waits above over it.
             flight.course.sink_from(flight.time_us, (x, y, lowest_m), flight.resting_height_m)
         if flight.is_windy and flight.level_deviation_m > STEADY_M:
             self._settle_below(flight.level_deviation_m)
         return True
 
     def _keep_above(self) -> Step:
-        """Sink only above the place: wait while a gust pushes, climb back if it carries off."""
+        """Sink only above the place: wait while a gust pushes, climb back if it is carried off."""
         flight = self._flight
         away_m = flight.level_deviation_m
         speed_mps = math.hypot(*flight.telemetry.velocity_enu_mps[:2])
@@ -106,16 +116,17 @@ class LastStretch:
         return None
 
     def _is_blowing(self) -> bool:
-        """Whether the wind is too strong now to meet the ground in."""
+        """Return whether the wind is too strong now to meet the ground in."""
         telemetry = self._flight.telemetry
+        # Third element of the rotation matrix's last column: the cosine of the tilt.
         _, x, y, _ = telemetry.quat_wxyz
         tilt_rad = math.acos(max(1.0 - 2.0 * (x * x + y * y), -1.0))
         return telemetry.wind_mps > MOST_WIND_MPS or tilt_rad > MOST_TILT_RAD
 
     def _settle_below(self, away_m: float) -> float:
-        """Choose the place right below, if it is safe; return how far off the chosen place is.
+        """Choose the place right below, if it is safe; return the distance from the chosen place.
 
-        On the ground wind does less than in the air: better down here than up and back again.
+        Wind does less on the ground than in the air, so down here is better than up and back again.
         """
         flight = self._flight
         x, y, _ = flight.telemetry.position_enu_m
@@ -128,7 +139,7 @@ class LastStretch:
         return 0.0
 
     def leave(self, reason: str) -> Step:
-        """Climb from a place that does not allow a landing."""
+        """Climb from a place that does not allow a landing, or hand over to the autopilot."""
         flight = self._flight
         self._has_committed = False
         here, now = flight.telemetry.position_enu_m, flight.setpoint

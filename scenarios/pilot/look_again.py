@@ -1,4 +1,4 @@
-"""Where to look from again, when an area shows no place to land on."""
+"""Second looks at an area that shows no place to land on: from nearer, or from under a cover."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _LOG = logging.getLogger(__name__)
 LEAST_LOOK_M = 1.2
 """Least height from which an area is looked at again."""
 LEAST_LOWER_M = 0.3
-"""How much lower it must be at least under what covers the area."""
+"""Least difference in height between two looks, if a cover is passed under."""
 
 
 def look_nearer(flight: FlightState, reason: str) -> Step:
@@ -31,7 +31,10 @@ def look_nearer(flight: FlightState, reason: str) -> Step:
 
 
 def look_from_below(flight: FlightState, reason: str) -> Step:
-    """Look for a way under what covers the area, such as a roof that no map told of."""
+    """Look for a path under whatever covers the area, such as a roof that no map has.
+
+    Only a growing map learns of covers in flight; in a given one, this returns None.
+    """
     world = flight.mission.surroundings
     hover = None if world.is_known else world.hover_point(flight.area)
     if hover is None or hover[2] > flight.hover_enu_m[2] - LEAST_LOWER_M:

@@ -1,4 +1,8 @@
-"""Lookout for what was not planned with: movers, and new parts of a growing map."""
+"""Lookout for changes since the plan was made: movers, and new parts of a growing map.
+
+The last frames decide whether the present plan still holds. If it does not, the least change that
+helps is made: a new plan, else a stop.
+"""
 
 from __future__ import annotations
 
@@ -16,18 +20,19 @@ UNSEEN_AHEAD_S = 4.0
 """Remaining flight time at which a plan that ends short of the goal is replaced."""
 KEEP_IN_VIEW_M = 1.5
 """Predicted distance within which a mover is kept in view until it has passed."""
-_STEP_S = 0.1
+_STEP_S = 0.1  # between the samples of a plan that are checked
 
 
 class Lookout:
-    """Looks ahead, and changes the course where necessary."""
+    """Looks ahead, and changes the course if necessary."""
 
     def __init__(self, flight: FlightState, way: EnRoutePhases) -> None:
         self._flight, self._way = flight, way
 
     def check(self, phase: Phase) -> Step:
-        """Action demanded by what was seen since the plan was made."""
+        """Return the action demanded by the latest images, None if the plan still holds."""
         flight = self._flight
+        # In the last stretch the vehicle goes down in any case.
         if not flight.senses.look_about() or phase is Phase.TOUCHDOWN:
             return None
         self._keep_in_view()
@@ -67,7 +72,7 @@ class Lookout:
             except PlanningError as error:
                 return self._way.hold(f"{reason}; {error}")
             if flight.room_to_movers_m() < KEEP_FROM_MOVERS_M:
-                # No way to the plan's end helps where the mover comes there afterwards.
+                # No path to the plan's end helps if the mover comes there afterwards.
                 return self._way.hold(f"{reason} where the plan ends")
             return None
         return self._way.hold(reason)

@@ -1,4 +1,8 @@
-"""Predicted distances between a plan and movers."""
+"""Predicted distances between a plan and movers.
+
+Predictions are straight and short, so distances are sampled ten times a second instead of proved.
+They only decide when to replan; the new plan itself is certified.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +26,7 @@ _STEP_S = 0.1
 def room_to_movers_m(
     trajectory: Trajectory, since_s: float, moving: MovingObstacles, radius_m: float
 ) -> float:
-    """Least predicted distance of the vehicle to movers, infinite without any.
+    """Least predicted distance of the vehicle to movers, m; infinite without any.
 
     Args:
         trajectory: Present trajectory; the vehicle rests at its end.
@@ -50,6 +54,7 @@ def room_in_column_m(
         return math.inf
     x, y, z = foot_enu_m
     times = np.arange(0.0, moving.horizon_s + _STEP_S / 2, _STEP_S)
+    # Heights at most a radius apart, so that no mover slips between two of them.
     heights = np.linspace(z, max(height_m, z), 2 + math.ceil(max(height_m - z, 0.0) / radius_m))
     places = [np.broadcast_to((x, y, height), (len(times), 3)) for height in heights]
     return min(float(moving.distances(place, times)[0].min()) for place in places) - radius_m
@@ -70,6 +75,7 @@ def first_to_come(
         return None
     distances = _predicted_m(trajectory, since_s, moving)
     nearest = np.argmin(distances, axis=1)
+    # A mover that is nearest at present has passed already.
     comes = (distances.min(axis=1) < within_m) & (nearest > 0)
     if not np.any(comes):
         return None
@@ -88,12 +94,12 @@ def _predicted_m(
 
 
 def with_less_room(moving: MovingObstacles, less_m: float) -> MovingObstacles:
-    """The same movers, each reduced all around: for a way that passes nearer than desired."""
+    """Return the same movers, each reduced all around, to allow a path that passes nearer."""
     return dataclasses.replace(moving, radius_m=moving.radius_m - less_m)
 
 
 def urgent_limits(limits: FlightLimits) -> FlightLimits:
-    """Limits of the motion while evading."""
+    """Return the limits of the motion while evading; never below the usual ones."""
     across, up = URGENT_ACCELERATION_MPS2
     return dataclasses.replace(
         limits,

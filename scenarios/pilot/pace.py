@@ -1,4 +1,8 @@
-"""How fast the pilot flies: as usual, among movers, and in wind."""
+"""Speeds of the pilot: as usual, among movers, and in wind.
+
+Every stage takes its speeds from one `Pace`, and paces combine by the slower value. So "windy and
+among movers" needs no case of its own.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +11,7 @@ from dataclasses import dataclass, replace
 from autonomy.planning import FlightLimits
 
 WINDY_MPS = 5.0
-"""Wind that the autopilot reports, from which on the pilot goes carefully."""
+"""Wind, as the autopilot reports it, from which on the pilot flies more slowly."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -22,7 +26,7 @@ class Pace:
     """Speed at which the last stretch begins, before it slows down."""
 
     def slowed(self, other: Pace) -> Pace:
-        """The slower of two paces in all things."""
+        """Return the slower of two paces in each limit."""
         mine, theirs = self.limits, other.limits
         limits = replace(
             mine,
@@ -39,7 +43,7 @@ class Pace:
 USUAL = Pace(limits=FlightLimits(), descent_mps=2.0, touchdown_mps=0.8)
 
 AMONG_MOVERS = replace(USUAL, limits=FlightLimits(speed_horizontal_mps=4.0, acceleration_mps2=2.0))
-"""Slow enough to stop short of what is seen 10 m off, and so little tilted that what flies at the
+"""Slow enough to stop short of anything seen 10 m off, and so little tilted that a drone at the
 vehicle's height stays in the forward camera, which sees up to 15 degrees above the body's level."""
 
 IN_WIND = Pace(
@@ -47,4 +51,5 @@ IN_WIND = Pace(
     descent_mps=1.5,
     touchdown_mps=0.4,
 )
-"""Gusts add to what the vehicle does by itself: off its way, and as it meets the ground."""
+"""Gusts add to the vehicle's own deviation from its path, and to its speed as it meets the ground.
+"""

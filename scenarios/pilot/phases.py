@@ -1,6 +1,7 @@
 """Phases of our pilot and all transitions between them, in one table.
 
-docs/pilot.md draws it. `Transition` refuses any change that the table does not have.
+A table can be read, drawn (docs/pilot.md does) and enforced, whereas transitions spread over the
+actions could not. `Transition` refuses any change that the table does not have.
 """
 
 from __future__ import annotations
@@ -63,7 +64,7 @@ TRANSITIONS: Mapping[Phase, frozenset[Phase]] = MappingProxyType(
         _P.FAILED: frozenset(),
     }
 )
-"""Allowed successors of each phase."""
+"""Allowed successors of each phase; anything else raises `TransitionError`."""
 
 TIME_LIMIT_S: Mapping[Phase, float] = MappingProxyType(
     {
@@ -86,13 +87,15 @@ TIME_LIMIT_S: Mapping[Phase, float] = MappingProxyType(
 )
 """Simulated seconds after which a phase fails."""
 
+# Phases on the ground have neither of these two exits.
 IN_THE_AIR = frozenset(
     phase for phase, targets in TRANSITIONS.items() if targets & {_P.RETURN, _P.HOLD}
 )
 """Phases in which the pilot steers and the vehicle must stay armed and in offboard mode."""
 
 FOLLOWS = IN_THE_AIR - {Phase.TOUCHDOWN, Phase.LAND_HOME}
-"""Phases that tell how well the vehicle follows; near the ground there is more to it."""
+"""Phases in which the vehicle's deviation shows how well it follows. Near the ground other effects
+add to it."""
 
 ON_THE_WAY = frozenset({_P.NAVIGATE, _P.RETURN})
 """Phases that fly a plan through the map, which can be replanned from any of its points."""
@@ -105,7 +108,7 @@ Step = tuple[Phase, str] | None
 
 
 class TransitionError(RuntimeError):
-    """The table does not have this change of phase."""
+    """The table does not have this change of phase: a defect of the pilot."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -141,7 +144,10 @@ class Replan:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class PilotVerdict:
-    """Outcome of a flight, as far as the pilot can know it."""
+    """Outcome of a flight, as far as the pilot can know it.
+
+    The judged outcome comes from the true history instead; see `scenarios.trials.verdict`.
+    """
 
     success: bool
     reason: str

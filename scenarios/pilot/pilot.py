@@ -1,9 +1,10 @@
 """Our own pilot: a state machine called every 20 ms of simulated time.
 
 The task of the paper, section "AeroScene for Navigation and Interaction Tasks": navigate along a
-planned trajectory, then land by onboard depth. The pilot knows the given map, the telemetry and
-the frames of its cameras, but never the true state. The phases are in `phases`, their actions in
-`ground_phases`, `en_route_phases` and `landing_phases`, conditions that end any of them in `guard`.
+planned trajectory, then land by onboard depth. The pilot knows the given map, the telemetry and the
+frames of its cameras, but never the true state, so that the same code could fly a real vehicle. The
+phases are in `phases`, their actions in `ground_phases`, `en_route_phases` and `landing_phases`,
+conditions that end any of them in `guard`.
 """
 
 from __future__ import annotations
@@ -43,7 +44,7 @@ from scenarios.pilot.phases import (
 from scenarios.pilot.senses import Senses
 
 _LOG = logging.getLogger(__name__)
-_PLANNED_STEP_S = 0.1
+_PLANNED_STEP_S = 0.1  # between the points of the plan that a recording shows
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -51,11 +52,11 @@ class PilotCfg:
     """Settings of the pilot besides the mission."""
 
     expects_traffic: bool = False
-    """Look ahead for movers five times a second."""
+    """True to look ahead for movers five times a second."""
 
 
 def _gaze(mission: Mission, cfg: PilotCfg) -> Gaze | None:
-    """Gaze for a given map; in a growing map, plans determine the heading."""
+    """Return the gaze for a given map; in a growing map, plans determine the heading."""
     world = mission.surroundings
     return Gaze(world.limits) if cfg.expects_traffic and world.is_known else None
 
@@ -70,7 +71,7 @@ class Pilot:
     Attributes:
         mission: Mission to fly; its area is the assigned one.
         phase: Present phase.
-        verdict: Outcome of the flight; not done while it lasts.
+        verdict: Outcome of the flight; "not finished" while it lasts.
         transitions: All changes of phase with their reasons.
     """
 
@@ -100,6 +101,7 @@ class Pilot:
         self.mission = mission
         self._ground, area = GroundPhases(flight), LandingPhases(flight)
         way = EnRoutePhases(flight, area)
+        # Set afterwards: each of the two needs the other.
         area.ways_out = way
         stretch = LastStretch(flight)
         self._guard = Guard(flight, way, stretch)
@@ -126,12 +128,12 @@ class Pilot:
 
     @property
     def is_done(self) -> bool:
-        """Whether the flight is over, successful or not."""
+        """True if the flight is over, successful or not."""
         return self.phase in {Phase.DONE, Phase.FAILED}
 
     @property
     def area(self) -> InteractionArea:
-        """Area chosen for landing at present."""
+        """Area chosen for landing at present; it may be an alternate."""
         return self._flight.area
 
     @property
@@ -141,12 +143,12 @@ class Pilot:
 
     @property
     def trajectory(self) -> Trajectory:
-        """Present or last trajectory; before the flight, the way to the area."""
+        """Present or last trajectory; before the flight, the plan to the area."""
         return self._flight.course.trajectory
 
     @property
     def planned_enu_m(self) -> Float[np.ndarray, "n 3"] | None:
-        """Way that was planned before the take-off; None in a growing map."""
+        """Path that was planned before the take-off; None in a growing map."""
         return self.mission.way_enu_m(_PLANNED_STEP_S)
 
     @property
@@ -172,7 +174,10 @@ class Pilot:
         return self._flight.replans
 
     def update(self, time_us: int) -> None:
-        """Read telemetry, decide and send a setpoint."""
+        """Read telemetry, decide and send a set point.
+
+        Call it once at the end of every tick with its time in microseconds.
+        """
         flight = self._flight
         flight.time_us = time_us
         flight.client.update(time_us)
@@ -182,16 +187,18 @@ class Pilot:
         flight.heed_wind()
         if self.phase in FOLLOWS and flight.has_left_start():
             flight.learn_following()
+        # The guard first: it may forbid what the phase would do.
         step = self._guard.check(self.phase) or self._steps[self.phase]()
         if step is not None:
             self._enter(*step)
+        # After the phase's action, which may have taken the image that found it.
         if (place := flight.senses.take_place()) is not None:
             flight.client.send_place(place.position_enu_m, place.yaw_rad, place.sigma_m)
         if flight.course.has_begun and not flight.is_silent and not self.is_done:
             flight.client.send_setpoint(flight.senses.to_estimate(self._looking()))
 
     def _looking(self) -> FlatReference:
-        """Present setpoint, turned to the gaze."""
+        """Present set point, turned to the gaze."""
         flight = self._flight
         if flight.gaze is None:
             return flight.setpoint
@@ -214,5 +221,6 @@ class Pilot:
         else:
             self.verdict = _unfinished(phase)
         self.phase = phase
+        # Clocks and commands belong to a phase.
         flight.since_us = flight.time_us
         flight.commands = []

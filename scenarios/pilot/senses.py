@@ -1,7 +1,9 @@
-"""Perception of the pilot: its place in the map, movers, and what the map lacks.
+"""Perception of the pilot: its place in the map, movers, and changes of a growing map.
 
-Telemetry is converted from the frame of the estimate to that of the map, setpoints the other way.
-A depth image is rendered once and shared by all its users.
+The autopilot's estimate and the map have frames that differ by metres with a poor receiver.
+Telemetry is converted from the frame of the estimate to that of the map, set points the other way,
+so that the rest of the pilot knows only the map's frame. A depth image is rendered once and shared
+by all its users.
 """
 
 from __future__ import annotations
@@ -28,16 +30,17 @@ if TYPE_CHECKING:
     from autonomy.perception.mover_tracker import MoverTracker
 
 AHEAD = ("forward", "down")
-"""Cameras that look to where the vehicle flies and to what stands under it."""
+"""Cameras that look ahead of the vehicle and below it."""
 OVERHEAD = ("up_left", "up_right", "up_rear")
 """Cameras that look to the sides and behind, a little upwards."""
 WATCHING = (*AHEAD, *OVERHEAD)
 """Cameras that look out for movers."""
 OVERHEAD_EVERY = 2
-"""One full look in so many uses the cameras overhead too. The vehicle flies away from where they
-look, so that a mover there closes in at its own speed alone, and half as many looks suffice."""
+"""One full look in this many uses the cameras overhead too. The vehicle flies away from the region
+that they see, so that a mover there closes in at its own speed alone, and half as many looks
+suffice."""
 LOOK_PERIOD_US = 200_000
-"""Time between two looks ahead for what the map lacks."""
+"""Time between two looks ahead for movers and new parts of the map."""
 ADRIFT_PERIOD_US = 100_000
 """Time between two fixes while nothing else measures the position."""
 LOOK_AGAIN_US = 100_000
@@ -45,27 +48,30 @@ LOOK_AGAIN_US = 100_000
 MOVER_REACH_M = 1.0
 """Distance from the middle of a mover up to which parts of it may be in view."""
 FIRST_ASPECT = 4.0 / 3.0
-"""Width over height that images are taken to have until the first one has come."""
+"""Aspect ratio that is assumed until the first image has come."""
 FIX_PERIOD_US = 500_000
 """Time between two fixes in the map while the autopilot is unsure of its position."""
 UNSURE_M = 0.1
-"""Reported horizontal accuracy above which the position is fixed in the map on the way."""
+"""Reported horizontal accuracy above which the position is also fixed on the way."""
 SURE_M = 0.2
-"""Standard deviation of the position in the map above which a mismatch may be due to the map
-itself, so that nothing is taken for a mover."""
+"""Standard deviation of the position in the map above which a mismatch may be due to the position,
+so that nothing is taken for a mover."""
 LEAST_HEIGHT_M = 0.8
 """Height above the start below which a growing map does not know the ground around it yet."""
 HITS_WHILE_GROWING = 8
-"""Images that must show a mover there: more than it takes until the map knows what stands."""
+"""Images that must show a mover in a growing map: more than the map needs to learn a static object.
+"""
 LEAST_FIX_SIGMA_M, MOST_FIX_SIGMA_M = 0.1, 0.25
-"""Bounds of the standard deviation of a place that the autopilot is told: images that follow each
-other err alike, and one that leaves a direction open would only return the autopilot's belief."""
+"""Bounds of the standard deviation of a place that is sent to the autopilot. Images that follow
+each other have similar errors, hence the lower one. An image above the upper one leaves a direction
+open and would only return the autopilot's own belief."""
 MOST_AGE_S = 0.1
 """Longest time by which telemetry is extrapolated to an image."""
 PLACED_SIGMA_M = 0.1
 """Standard deviation of the vehicle's placement at its start, in a given map."""
 BEGIN_SIGMA_M = 0.01
-"""The same in a map that begins where the vehicle stands: what else it is off, the map is too."""
+"""The same in a map that begins where the vehicle stands: any further error is the map's as well.
+"""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, slots=True)
@@ -83,9 +89,12 @@ class PlaceFix:
 class Senses:
     """Cameras and the processing of their images.
 
+    It decides which camera looks when, because each image costs time, and passes each image to the
+    place in the map, the movers and the growing map.
+
     Attributes:
         telemetry: Latest telemetry, in the map's frame.
-        looks_ahead: Whether it looks ahead for what the map may lack.
+        looks_ahead: True if it looks ahead for movers or for new parts of the map.
     """
 
     def __init__(self, world: Surroundings, frames: Frames, *, expects_traffic: bool) -> None:
@@ -94,7 +103,7 @@ class Senses:
         Args:
             world: Map of the place; a growing one receives every image.
             frames: Renders the present frame of a named camera.
-            expects_traffic: Whether to look out for movers.
+            expects_traffic: True to look out for movers.
         """
         self._world, self._frames = world, frames
         self._anchor = _anchor(world)
@@ -112,15 +121,21 @@ class Senses:
         self._tells_place = False
 
     def locate(self, time_us: int, estimate: Telemetry) -> None:
-        """Convert telemetry to the map's frame."""
+        """Convert telemetry to the map's frame.
+
+        Call it once a tick, before anything else uses `telemetry`.
+        """
         self._time_us, self._estimate = time_us, estimate
         anchor = self._anchor
         if not estimate.has_state:
             self.telemetry = estimate
             return
         self._trust.hear(time_us, estimate.horizontal_sigma_m)
+        # As soon as the autopilot has satellites again, it needs no places from here.
         self._tells_place = self._tells_place and not estimate.has_fix
         anchor.claim(estimate.horizontal_sigma_m, is_adrift=self.is_adrift)
+        # With a given map the images alone correct the offset, as long as the autopilot has a
+        # source of its own.
         if not self._world.is_known or self._tells_place:
             at_s = estimate.position_time_ms * 1e-3
             anchor.follow(at_s, estimate.position_enu_m, estimate.velocity_enu_mps)
@@ -140,11 +155,11 @@ class Senses:
         self._anchor.stand_at(self._time_us * 1e-6, here, position_enu_m, sigma_m)
         self.locate(self._time_us, self._estimate)
         if not self._world.is_known:
-            # From here on it is tied to what it sees from this place.
+            # The first image, from a known place, is the one that later images are matched to.
             self._glance("forward")
 
     def _static_distance_m(self, points_enu_m: Float[np.ndarray, "k 3"]) -> Float[np.ndarray, " k"]:
-        """Distance from points to what is known to stand.
+        """Distance from points to obstacles that are known to stand, m.
 
         The map knows nothing of the houses and trees around the site. Movers stay within it, so
         everything well beyond its sides counts as standing.
@@ -158,11 +173,11 @@ class Senses:
         return np.where(is_beyond, 0.0, distance_m)
 
     def to_estimate(self, reference: FlatReference) -> FlatReference:
-        """Convert a setpoint to the frame that the autopilot steers by."""
+        """Convert a set point to the frame that the autopilot steers by."""
         return self._anchor.to_estimate(reference)
 
     def look_about(self) -> bool:
-        """Look where it is useful and due; return whether anything new may be known."""
+        """Look with the cameras that are due; return whether anything new may be known."""
         if self._time_us < self._due_us:
             return False
         if self.looks_ahead:
@@ -176,11 +191,14 @@ class Senses:
             period_us = ADRIFT_PERIOD_US if self.is_adrift else FIX_PERIOD_US
             self._due_us = self._time_us + period_us
             self._glance(self._fix_camera)
+            # By turns: the floor gives the height, walls ahead give the horizontal position.
             self._fix_camera = "down" if self._fix_camera == "forward" else "forward"
         return False
 
     def take(self, camera: str) -> DepthImage:
         """Take a depth image in the map's frame.
+
+        The image also updates the place in the map, the movers and a growing map.
 
         Raises:
             NoDepthError: If nothing was measured.
@@ -209,7 +227,7 @@ class Senses:
         return place
 
     def _find_place(self, fix: AnchorFix) -> None:
-        """Keep the place that an image tells by itself, for an autopilot that has no other."""
+        """Keep the place that an image gives by itself, for an autopilot without another source."""
         if fix.level is None or fix.level.sigma_m > MOST_FIX_SIGMA_M:
             return
         now = self._now()
@@ -222,15 +240,16 @@ class Senses:
         )
 
     def moving(self, time_us: int) -> MovingObstacles:
-        """Movers, predicted from a given time on."""
+        """Movers, predicted from a given time on; none without a tracker."""
         return NOTHING_MOVES if self._tracker is None else self._tracker.moving(time_us * 1e-6)
 
     @property
     def is_adrift(self) -> bool:
-        """Whether neither satellites nor odometry seem to measure the position.
+        """True if neither satellites nor odometry seem to measure the position.
 
-        The autopilot says so itself, or else what it claims to know does. What it is told from here
-        is none of them: that goes on until there are satellites again.
+        Either the autopilot says so itself, or the course of its claimed deviation shows it. Places
+        sent from here do not count as a source, so the state lasts until there are satellites
+        again.
         """
         return self._tells_place or self._estimate.is_dead_reckoning or self._trust.is_adrift
 
@@ -241,18 +260,19 @@ class Senses:
 
     @property
     def _is_unsure(self) -> bool:
-        """Whether the autopilot is unsure of its position."""
+        """True if the autopilot is unsure of its position."""
         return self._estimate.horizontal_sigma_m > UNSURE_M
 
     @property
     def _can_tell_movers(self) -> bool:
-        """Whether what the map does not explain may be something that moves."""
+        """True if points off the map may belong to a mover."""
         foot_m = self._world.scene.start_position_enu_m[2]
+        # Near the ground the camera ahead has not yet seen the ground around the start.
         is_low = self.telemetry.position_enu_m[2] - foot_m < LEAST_HEIGHT_M
         return self._anchor.sigma_m < SURE_M and (self._world.is_known or not is_low)
 
     def _now(self) -> Telemetry:
-        """Estimate extrapolated to now: a turning vehicle looks elsewhere by then."""
+        """Estimate extrapolated to now, because a turning vehicle looks elsewhere by then."""
         estimate = self._estimate
         age_s = self._time_us * 1e-6 - estimate.position_time_ms * 1e-3
         if not (0.0 < age_s <= MOST_AGE_S and estimate.has_state):
@@ -271,9 +291,10 @@ class Senses:
         return np.zeros((0, 3)) if self._tracker is None else self._tracker.in_question()
 
     def _cameras_due(self) -> list[str]:
-        """Cameras to look with now: all at every full look, else those that show what is in doubt.
+        """Cameras to look with now: all at every full look, else those that show a doubtful mover.
 
-        A second look serves to confirm a mover, which only the cameras that see its place can.
+        A second look serves to confirm a mover, and only the cameras that see its place can do
+        that.
         """
         if self._time_us >= self._all_due_us:
             self._all_due_us = self._time_us + LOOK_PERIOD_US
@@ -304,7 +325,7 @@ def _turned(quat_wxyz: Quaternion, turn_flu_rad: Float[np.ndarray, " 3"]) -> lis
 
 
 def _anchor(world: Surroundings) -> MapAnchor:
-    # Compiled code of which each kind of map needs a part.
+    # Imported here: each kind of map needs only a part of this compiled code.
     from autonomy.perception.map_anchor import MapAnchor
 
     if world.is_known:
@@ -315,6 +336,7 @@ def _anchor(world: Surroundings) -> MapAnchor:
     from autonomy.perception.surface_match import SurfaceMatcher
 
     scene = world.scene
+    # A growing map has no obstacles to match with, only surfaces that were seen.
     matcher = SurfaceMatcher(scene.extent_min_enu_m, scene.extent_max_enu_m)
     return MapAnchor(matcher, SEEN_SO_FAR)
 
@@ -322,5 +344,6 @@ def _anchor(world: Surroundings) -> MapAnchor:
 def _tracker(world: Surroundings) -> MoverTracker:
     from autonomy.perception.mover_tracker import MoverTracker, MoverTrackerCfg
 
+    # Distances change with each image of a growing map, so they are kept for one period only.
     growing = MoverTrackerCfg(remember_s=0.2, hits_to_confirm=HITS_WHILE_GROWING)
     return MoverTracker(MoverTrackerCfg() if world.is_known else growing)

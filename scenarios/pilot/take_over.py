@@ -10,9 +10,9 @@ from scenarios.pilot.flight_state import FlightState
 
 
 def state_at_take_over(flight: FlightState) -> FlatReference:
-    """State of the vehicle when a plan made now takes over, at its present velocity.
+    """Return the vehicle's state when a plan made now takes over, at its present velocity.
 
-    Its heading is that of the course, its speed at most that with which a plan may begin.
+    Its heading is that of the course. Its speed is at most that with which a plan may begin.
     """
     telemetry = flight.telemetry
     lead_s = (flight.take_over_us - flight.time_us) * 1e-6
@@ -25,7 +25,7 @@ def state_at_take_over(flight: FlightState) -> FlatReference:
 
 
 def _within(limits: FlightLimits, velocity_enu_mps: Vector3) -> Vector3:
-    """The same velocity, reduced to one that the limits allow."""
+    """Return the same velocity, reduced to one that the limits allow."""
     u, v, w = velocity_enu_mps
     share = min(
         1.0,

@@ -1,4 +1,8 @@
-"""How far the estimate of the position is to be trusted: is there anything that it rests on?"""
+"""Test whether anything measures the position that the autopilot claims to know.
+
+An autopilot that has lost its sources keeps sending positions, and some say so late or never. Its
+claimed deviation, however, then rises without end.
+"""
 
 from __future__ import annotations
 
@@ -8,10 +12,10 @@ from itertools import pairwise
 
 _SECONDS = 3
 _LEAST_RISE_M = 0.035
-"""Rise of the claimed deviation in each of these seconds, at least, and ..."""
+"""Least rise of the claimed deviation in each of these seconds, and ..."""
 _LEAST_RISE_IN_ALL_M = 0.2
-"""... in all of them, that only an estimate without any position has. Odometry was seen to make
-0.1 m of it; a receiver that gets worse makes one step."""
+"""... in all of them together, that only an estimate without any position has. Odometry was seen to
+cause 0.1 m of it; a receiver that gets worse makes one step."""
 
 
 class Trust:
@@ -23,10 +27,10 @@ class Trust:
     def __init__(self) -> None:
         self._claims: deque[tuple[int, float]] = deque()
         self.is_adrift = False
-        """Whether nothing seems to measure the position."""
+        """True if nothing seems to measure the position."""
 
     def hear(self, time_us: int, sigma_m: float) -> None:
-        """Take the present claim; one that is NaN or infinite tells nothing."""
+        """Record the present claim; NaN and infinity are ignored."""
         claims = self._claims
         if not math.isfinite(sigma_m):
             return
@@ -39,8 +43,9 @@ class Trust:
         each_m = [self._claimed_m(time_us - n * 1_000_000) for n in range(_SECONDS, -1, -1)]
         rises_m = [after - before for before, after in pairwise(each_m)]
         starts = min(rises_m) > _LEAST_RISE_M and sum(rises_m) > _LEAST_RISE_IN_ALL_M
+        # A few seconds of steep rise start it; then any rise keeps it.
         self.is_adrift = starts or (self.is_adrift and rises_m[-1] > 0.0)
 
     def _claimed_m(self, time_us: int) -> float:
-        """The claim that held at a time."""
+        """Return the claim that held at a time."""
         return next(sigma_m for at_us, sigma_m in reversed(self._claims) if at_us <= time_us)

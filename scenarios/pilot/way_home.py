@@ -1,4 +1,4 @@
-"""Whether the autopilot's own return, which knows no map, would meet anything."""
+"""Check whether the autopilot's own return, which knows no map, would meet anything."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from scenarios.mission.surroundings import Surroundings
 
 _STEP_M = 0.5
 _MARGIN_M = 0.3
-"""Distance beyond the vehicle's sphere: nothing guides it beside its straight lines."""
+"""Distance beyond the vehicle's sphere, because nothing guides it beside its straight lines."""
 
 
 def is_way_home_free(world: Surroundings, here_enu_m: Vector3, home_enu_m: Vector3) -> bool:
-    """Whether all straight lines of a return are free, whatever height it flies at.
+    """Return whether all straight lines of a return are free, at whatever height it flies.
 
     A return rises, flies level to home and sinks. How far it rises is a parameter of the autopilot,
-    so that the whole upright plane above here and home must be free, up to the top of the scene.
+    so the whole upright plane above here and home must be free, up to the top of the scene.
 
     Args:
         world: Map of the place. Space that a growing map has not seen counts as blocked.

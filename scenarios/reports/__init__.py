@@ -1,1 +1,1 @@
-"""What campaigns have found, for people to read: pages, comparisons, a leaderboard."""
+"""Findings of campaigns for people to read: pages, comparisons, a leaderboard."""

@@ -1,4 +1,7 @@
-"""Charts as shares of their own width and height; the templates draw them."""
+"""Charts as shares of their own width and height; the templates draw them.
+
+A chart knows no pixels and no SVG, so that a page may draw it at any size.
+"""
 
 from __future__ import annotations
 
@@ -9,46 +12,46 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-_N_BINS, _N_TICKS = 24, 5
+_N_BINS, _N_TICKS = 24, 5  # bins and ticks that are aimed at; round steps decide
 _OUTLIERS = 0.02
 """Share of the values at each end that may lie far from the others."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Bar:
-    """Bin of a histogram: where it is, and how many trials it holds."""
+    """Bin of a histogram: its place, and the number of trials in it."""
 
     left: float
     width: float
     landed: float
-    """Height of the trials that succeeded."""
+    """Height of the trials that succeeded, as a share of the highest bin."""
     failed: float
-    """Height of those that did not, on top of the others."""
+    """Height of the trials that failed, on top of the others."""
     says: str
     """Range and counts in words."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Histogram:
-    """Distribution of a figure over trials, those that failed on top of those that did not."""
+    """Distribution of a figure over trials; failed trials stand on top of successful ones."""
 
     bars: Sequence[Bar]
     ticks: Sequence[tuple[float, str]]
     """Places and numbers on the axis."""
     most: int
-    """Trials in the highest bin."""
+    """Number of trials in the highest bin."""
     limit: float | None
-    """Place of the verdict's limit; None where it is not on the axis."""
+    """Place of the verdict's limit; None if it is not on the axis."""
 
 
 def histogram(
     landed: Float[np.ndarray, " n"], failed: Float[np.ndarray, " m"], limit: float | None = None
 ) -> Histogram | None:
-    """Bin a figure; the outermost bins also hold what lies far outside.
+    """Bin a figure; the outermost bins also hold values far outside.
 
     Args:
         landed: Values of trials that succeeded.
-        failed: Values of those that did not.
+        failed: Values of trials that failed.
         limit: Value to mark.
 
     Returns:
@@ -59,6 +62,7 @@ def histogram(
         return None
     low, high = _range(values)
     step = nice_step((high - low) / _N_BINS)
+    # Edges are whole multiples of the step, so that they have short numbers; at least one bin.
     first, last = math.floor(low / step), max(math.ceil(high / step), math.floor(low / step) + 1)
     edges = np.arange(first, last + 1) * step
     parts = [np.clip(part, edges[0], edges[-1]) for part in (landed, failed)]
@@ -85,13 +89,14 @@ def histogram(
 
 
 def nice_step(least: float) -> float:
-    """Smallest of 1, 2 and 5 times a power of ten that is not below a number above zero."""
+    """Return the least of 1, 2 and 5 times a power of ten that is not below a positive number."""
     power = 10.0 ** math.floor(math.log10(least))
+    # Rounding must not turn a step of exactly 0.2 into 0.5.
     return next(power * factor for factor in (1, 2, 5, 10) if power * factor >= least * (1 - 1e-9))
 
 
 def _range(values: np.ndarray) -> tuple[float, float]:
-    """Range to show: all values, or without outliers where those would squeeze the others."""
+    """Return the range to show: all values, or without outliers that would squeeze the others."""
     low, high = float(values.min()), float(values.max())
     near_low, near_high = np.quantile(values, [_OUTLIERS, 1 - _OUTLIERS]).tolist()
     width = max(near_high - near_low, 1e-3 * max(abs(high), abs(low), 1e-3))
@@ -106,7 +111,7 @@ def _ticks(low: float, high: float, is_open: tuple[bool, bool]) -> list[tuple[fl
     places = np.arange(math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9) + 1) * step
     ticks = [((place - low) / (high - low), f"{place:.6g}") for place in places.tolist()]
     at_ends = [(0.0, "≤")] * is_open[0] + [(1.0, "≥")] * is_open[1]
-    # An end that has a number gets its sign before it; one that has none is a number away from one.
+    # An end with a number gets its sign before it; an end without one gets number and sign.
     for place, sign in at_ends:
         number = f"{low if place == 0.0 else high:.6g}"
         ticks = [tick for tick in ticks if abs(tick[0] - place) > 0.08]

@@ -1,4 +1,8 @@
-"""What a page tells of a campaign, read from its folder."""
+"""Findings of a campaign for a page, read from its folder.
+
+A folder may hold a million trials, so a page reads only the columns that it shows and lists at most
+a few hundred failures.
+"""
 
 from __future__ import annotations
 
@@ -22,12 +26,12 @@ from scenarios.reports.plan_view import PlanView, plan_view
 from scenarios.trials.limits import LIMITS
 
 MOST_SCENES, MOST_WAYS, MOST_FAILURES = 8, 60, 500
-"""What a page shows at most: scenes, ways over each of them, and failures."""
+"""Limits of a page: scenes, paths over each of them, and failures."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Figure:
-    """A figure by which flights are compared; it may be the quotient of two columns."""
+    """A figure that compares flights; it may be the quotient of two columns."""
 
     title: str
     unit: str
@@ -37,15 +41,15 @@ class Figure:
     limit: float | None = None
     """Limit of the verdict."""
     is_of_failures: bool = False
-    """Whether it says something of flights that failed too."""
+    """True if it is meaningful for failed flights too."""
 
     @property
     def columns(self) -> tuple[str, ...]:
-        """Columns that it is made of."""
+        """Columns from which it is computed."""
         return (self.column,) if self.over is None else (self.column, self.over)
 
     def values(self, table: pa.Table) -> Float[np.ndarray, " n"]:
-        """Value for each row; NaN where there is none."""
+        """Return the value for each row; NaN if there is none."""
         values = table[self.column].cast(pa.float64()).to_numpy()
         return values if self.over is None else values / table[self.over].to_numpy()
 
@@ -75,11 +79,11 @@ FIGURES: Sequence[Figure] = (
     Figure(title="electrical energy", unit="J", column="energy_j"),
     Figure(title="plans made anew", unit="", column="replans"),
 )
-"""Figures of a page, the first four with a chart."""
+"""Figures of a page; the first four have a chart."""
 N_CHARTS = 4
 FIGURE_COLUMNS = tuple(dict.fromkeys(name for figure in FIGURES for name in figure.columns))
 PAGE_COLUMNS = tuple(dict.fromkeys((*SUMMARY_COLUMNS, *FIGURE_COLUMNS)))
-"""Columns that the figures and the summary of a page are made of."""
+"""Columns from which the figures and the summary of a page are computed."""
 _FAILURE_COLUMNS = (
     *("trial_id", "scene", "vehicle", "trial", "code", "reason", "difficulty", "way_m"),
     *("wind_mps", "navigated"),
@@ -94,20 +98,21 @@ class Distribution:
     figure: Figure
     n: int
     low: float
-    """10% of the trials are below it."""
+    """Value that 10% of the trials are below."""
     median: float
     high: float
-    """10% are above it."""
+    """Value that 10% of the trials are above."""
     chart: Histogram | None
 
 
 def distributions(table: pa.Table) -> list[Distribution]:
-    """All figures of the rows of a table that has any; of failures only where that tells much."""
+    """Return all figures that any row of a table has; failures count only for some figures."""
     succeeded = table.filter(pc.field("success"))
     failed = table.filter(~pc.field("success"))
     found = []
     for place, figure in enumerate(FIGURES):
         good = _present(figure.values(succeeded))
+        # The touchdown error of a flight that never landed, for example, would mean nothing.
         bad = _present(figure.values(failed)) if figure.is_of_failures else np.empty(0)
         values = np.concatenate([good, bad])
         if not values.size:
@@ -128,18 +133,19 @@ def _present(values: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Failure:
-    """A trial that failed, and how to see it."""
+    """A trial that failed, with the command to see it."""
 
     row: Mapping[str, Any]
     recording: str | None
-    """Its recording, relative to the folder of the campaign; None where nobody has made one."""
+    """Its recording, relative to the folder of the campaign; None if there is none."""
     command: str
-    """What replays it, or what flies it again with a recording."""
+    """Command that replays it, or flies it again with a recording."""
 
 
 def failures(folder: Path) -> list[Failure]:
-    """The first trials of a campaign that failed, by scene, vehicle and number."""
+    """Return the first trials of a campaign that failed, by scene, vehicle and number."""
     table = read_results(folder, _FAILURE_COLUMNS, where=~pc.field("success"))
+    # Cut before rows become Python objects.
     rows = table.slice(0, MOST_FAILURES).to_pylist()
     rows.sort(key=lambda row: (natural(row["scene"]), row["vehicle"], row["trial"]))
     return [_failure(folder, row) for row in rows]
@@ -148,6 +154,7 @@ def failures(folder: Path) -> list[Failure]:
 def _failure(folder: Path, row: Mapping[str, Any]) -> Failure:
     recording = Recordings(folder=folder / RECORDINGS).path(row["trial_id"])
     if recording.is_file():
+        # Only a file that is there; the row's own word may be old.
         command = ["aeroscene", "replay", str(recording)]
     else:
         trial = ("--scene", row["scene"], "--vehicle", row["vehicle"], "--trial", str(row["trial"]))
@@ -160,7 +167,7 @@ def _failure(folder: Path, row: Mapping[str, Any]) -> Failure:
 
 
 def shown_scenes(summary: Mapping[str, Any]) -> list[str]:
-    """The scenes with most failures, the others by their names."""
+    """Return the scenes with most failures, the others by their names."""
     rates = summary["groups"]["scene"]
 
     def order(name: str) -> tuple[int, tuple[int, float, str]]:
@@ -172,7 +179,7 @@ def shown_scenes(summary: Mapping[str, Any]) -> list[str]:
 def plan_views(
     folder: Path, scenes: Sequence[str], on_scene: Callable[[str], None]
 ) -> list[PlanView]:
-    """Ways over the plans of some scenes: first those that failed, as many as a page shows.
+    """Return the paths over the plans of some scenes: failures first, as many as a page shows.
 
     Args:
         folder: Folder of the campaign.
@@ -189,7 +196,7 @@ def plan_views(
         on_scene(name)
         flown = pc.field("flown_enu_m").is_valid()
         table = read_results(folder, _WAY_COLUMNS, where=(pc.field("scene") == name) & flown)
-        # Failures are null-safe here: a row that has a way has a verdict.
+        # False sorts first; a row with a path always has a verdict.
         chosen = table.sort_by("success").slice(0, MOST_WAYS)
         if len(chosen):
             views.append(plan_view(load_scene(name), name, chosen.to_pylist(), len(table)))

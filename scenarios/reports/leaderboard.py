@@ -1,4 +1,7 @@
-"""A leaderboard: an entry for each flight stack that flew a fixed suite, as JSON and as a table."""
+"""A leaderboard: an entry for each flight stack that flew a fixed suite, as JSON and as a table.
+
+Only whole fixed suites count, because rates over different tasks cannot be compared.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +24,8 @@ from scenarios.tasks.recipe import recipe_from
 _FORMAT = "aeroscene-leaderboard"
 _MOST_BYTES = 4 << 20
 _KEY = ("suite", "suite_version", "stack", "version")
-"""Fields of which only one entry of a leaderboard has the same values."""
+"""Fields that identify an entry: only one entry of a leaderboard has the same values in all of
+them."""
 
 
 class LeaderboardError(ValueError):
@@ -32,7 +36,7 @@ def update_leaderboard(path: Path, folder: Path, stack: str | None = None) -> di
     """Add the entry of a campaign to a leaderboard, or replace its earlier one.
 
     Args:
-        path: JSON file, made where it is missing; the table is beside it, as Markdown.
+        path: JSON file, created if it is missing; the table is beside it, as Markdown.
         folder: Folder of a campaign that flew a whole fixed suite.
         stack: Name of the flight stack; None is that of the pilot.
 
@@ -48,6 +52,7 @@ def update_leaderboard(path: Path, folder: Path, stack: str | None = None) -> di
     """
     if path.suffix != ".json":
         raise LeaderboardError(f"leaderboard {str(path)!r} is no .json file; valid: NAME.json")
+    # Read before the campaign is summarised: a file that is no leaderboard fails at once.
     entries = _read(path)
     entry = _entry(folder, stack)
     others = [each for each in entries if any(each[name] != entry[name] for name in _KEY)]
@@ -63,6 +68,7 @@ def update_leaderboard(path: Path, folder: Path, stack: str | None = None) -> di
 def _entry(folder: Path, stack: str | None) -> dict[str, Any]:
     manifest = read_manifest(folder)
     suite = _suite_of(folder, manifest)
+    # Further trials in the folder do not count.
     wanted = pa.array([trial.id for trial in suite.all_trials()], pa.string())
     columns = ("trial_id", *PAGE_COLUMNS)
     table = read_results(folder, columns, where=pc.field("trial_id").isin(wanted))
@@ -92,6 +98,7 @@ def _entry(folder: Path, stack: str | None) -> dict[str, Any]:
 def _suite_of(folder: Path, manifest: Mapping[str, Any]) -> FixedSuite:
     found = manifest["suite"]
     recipes = {name: recipe_from(plain) for name, plain in found["families"].items()}
+    # Recognised by its recipes and scenes, not by a name that anybody could write into a manifest.
     flown = (recipe_from(found["recipe"]), recipes, manifest["scenes_sha256"])
     suites = fixed_suites()
     for suite in suites:
@@ -125,7 +132,7 @@ def _rank(entry: Mapping[str, Any]) -> tuple[str, int, float, str]:
 
 
 def _markdown(entries: Sequence[Mapping[str, Any]]) -> str:
-    """The entries as a table, the best of each suite first."""
+    """Return the entries as a Markdown table, the best of each suite first."""
     figures = list(dict.fromkeys(name for entry in entries for name in entry["medians"]))
     heads = ["suite", "stack", "version", "begun", "trials", "success", "95% interval"]
     heads += ["navigation", "interaction", *(f"median {name}" for name in figures)]
@@ -144,6 +151,7 @@ def _markdown(entries: Sequence[Mapping[str, Any]]) -> str:
             ]
         )
     lines = [heads, ["---"] * len(heads), *rows]
+    # A name may contain the character that separates cells.
     cells = ([cell.replace("|", "\\|") for cell in line] for line in lines)
     return "".join(f"| {' | '.join(line)} |\n" for line in cells)
 

@@ -1,4 +1,7 @@
-"""The page of a campaign: one file without a server, which holds all that it shows."""
+"""The page of a campaign: one file without a server, which holds everything that it shows.
+
+It can be sent or kept with the results, and opens in any browser.
+"""
 
 from __future__ import annotations
 
@@ -27,14 +30,14 @@ if TYPE_CHECKING:
 
 PAGE = "report.html"
 _MOST_ROWS = 50
-"""Scenes that the table of groups names."""
+"""Most scenes that the table of groups names."""
 
 
 def write_report(folder: Path, on_part: Callable[[str, float], None]) -> dict[str, Any]:
     """Write the page of a campaign into its folder.
 
     Args:
-        folder: Folder of the campaign, also of one that is being flown.
+        folder: Folder of the campaign; it may still be flown.
         on_part: Called with the title of each part and the share of the work that is done.
 
     Returns:
@@ -50,6 +53,7 @@ def write_report(folder: Path, on_part: Callable[[str, float], None]) -> dict[st
     summary = summarise_trials(table)
     on_part("figures", 0.3)
     found = distributions(table)
+    # A large campaign's table takes much memory, and the parts below read their own.
     del table
     on_part("failures", 0.4)
     failed = failures(folder)
@@ -59,6 +63,7 @@ def write_report(folder: Path, on_part: Callable[[str, float], None]) -> dict[st
         on_part(f"scene {name}", 0.5 + 0.5 * scenes.index(name) / len(scenes))
 
     manifest = read_manifest(folder)
+    # In other scenes the paths would be drawn over the wrong plans.
     has_scenes = manifest["scenes_sha256"] in (None, shipped_digest())
     views = plan_views(folder, scenes, on_scene) if has_scenes else []
     write_page(
@@ -83,12 +88,17 @@ def write_report(folder: Path, on_part: Callable[[str, float], None]) -> dict[st
 
 
 def telling_groups(summary: Mapping[str, Any]) -> dict[str, Mapping[str, Any]]:
-    """Groups of a summary, or of a comparison, that differ in anything."""
+    """Return the groupings of a summary, or of a comparison, with more than one group."""
     return {name: members for name, members in summary["groups"].items() if len(members) > 1}
 
 
 def write_page(path: Path, template: str, **facts: Any) -> None:
     """Render a template of this package into a file, whole or not at all.
+
+    Args:
+        path: The file, which is replaced.
+        template: Name of the template.
+        facts: Variables of the template; a missing one is an error.
 
     Raises:
         OSError: If it cannot be written.
@@ -104,6 +114,7 @@ def _environment() -> jinja2.Environment:
 
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("scenarios.reports"),
+        # Names and reasons come from results that may be anybody's.
         autoescape=True,
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,

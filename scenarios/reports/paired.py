@@ -1,4 +1,9 @@
-"""Two pilots compared by the trials that both have flown."""
+"""Two pilots compared by the trials that both have flown.
+
+Tasks differ much in difficulty, so that the rates of two campaigns vary more by the tasks than by
+the pilots. Comparing trial by trial removes that: only trials in which the pilots differ say which
+one is better.
+"""
 
 from __future__ import annotations
 
@@ -17,6 +22,7 @@ from scenarios.campaigns.store import read_results
 from scenarios.campaigns.summary import GROUPS, natural, share, wilson_interval
 from scenarios.reports.findings import FIGURE_COLUMNS, FIGURES, Figure
 
+# Columns in which a pair must agree to be the same task.
 _TASK = (
     *("seed", "start", "start_yaw_rad", "area", "time_limit_s", "wind_mps", "wind_from_deg"),
     *("gust_mps", "turbulence", "traffic", "gnss", "depth_camera", "map", "aiding", "failures"),
@@ -39,7 +45,7 @@ class CompareError(ValueError):
 
 
 def newcombe_interval(both: int, a_alone: int, b_alone: int, neither: int) -> tuple[float, float]:
-    """Interval that covers the difference of two rates with 95%, of pairs.
+    """Return the interval that covers the difference of two rates with 95%, for pairs.
 
     Args:
         both: Pairs in which both succeeded.
@@ -58,6 +64,7 @@ def newcombe_interval(both: int, a_alone: int, b_alone: int, neither: int) -> tu
     p_a, p_b = n_a / n, n_b / n
     (low_a, high_a), (low_b, high_b) = wilson_interval(n_a, n), wilson_interval(n_b, n)
     product = both * neither - a_alone * b_alone
+    # Newcombe's continuity correction of the correlation.
     if product > 0:
         product = max(product - n / 2, 0.0)
     margins = n_a * (n - n_a) * n_b * (n - n_b)
@@ -81,7 +88,7 @@ def compare(folder_a: Path, folder_b: Path) -> dict[str, Any]:
         `pairs`; for each of `a` and `b` its rate over the pairs, `folder`, `pilot`, and trials
         `without_pair`; `both`, `a_alone`, `b_alone`, `neither`; `difference` of the rates, a less
         b, with its `interval_95`, and `p_value` by the exact test of McNemar; `groups`; `figures`,
-        medians over pairs; `differing`, trials of which only one succeeded.
+        medians over pairs; `differing`, trials in which only one succeeded.
 
     Raises:
         CompareError: If they share no trial, or a trial is not the same task in both.
@@ -113,7 +120,7 @@ def compare(folder_a: Path, folder_b: Path) -> dict[str, Any]:
 
 
 def _pairs(folder_a: Path, folder_b: Path) -> tuple[pa.Table, pa.Table, tuple[int, int]]:
-    """Rows of the trials that both have a verdict of, in one order; verdicts of each in all."""
+    """The rows of trials with a verdict in both, in one order, and each one's verdicts in all."""
     digests = [read_manifest(folder)["scenes_sha256"] for folder in (folder_a, folder_b)]
     if None not in digests and digests[0] != digests[1]:
         raise CompareError(
@@ -138,7 +145,8 @@ def _pairs(folder_a: Path, folder_b: Path) -> tuple[pa.Table, pa.Table, tuple[in
 
 
 def _check_tasks(a: pa.Table, b: pa.Table) -> None:
-    """Refuse pairs that are not the same task; of a trial that died nobody knows the task."""
+    """Refuse pairs that are not the same task; a trial that died has no task to compare."""
+    # Rows of trials that ended without a flight have no conditions.
     is_known = pa.array(np.asarray(a["seed"].is_valid()) & np.asarray(b["seed"].is_valid()))
     a, b = a.filter(is_known), b.filter(is_known)
     for name in _TASK:
@@ -157,7 +165,8 @@ _CELLS = ("neither", "b_alone", "a_alone", "both")
 
 
 def _cells(good_a: np.ndarray, good_b: np.ndarray, places: np.ndarray) -> Int[np.ndarray, "n 4"]:
-    """Pairs of each place by `_CELLS`."""
+    """Count the pairs of each place by `_CELLS`."""
+    # Two bits give the cell: a succeeded, b succeeded.
     cells = np.bincount(4 * places + 2 * good_a + good_b, minlength=4 * (places.max() + 1))
     return cells.reshape(-1, len(_CELLS))
 
@@ -169,7 +178,10 @@ def _counts(cells: Int[np.ndarray, 4]) -> dict[str, Any]:
 
 
 def _p_value(good_a: np.ndarray, good_b: np.ndarray) -> float:
-    """Chance of trials that differ as one-sidedly or more, if neither pilot were the better."""
+    """Return the chance of an outcome as one-sided or more, if neither pilot were the better.
+
+    This is McNemar's exact test: differing pairs are tosses of a fair coin.
+    """
     from scipy.stats import binomtest
 
     n_differ = int(np.sum(good_a != good_b))
@@ -191,13 +203,13 @@ def _groups(a: pa.Table, good_a: np.ndarray, good_b: np.ndarray) -> dict[str, An
 
 
 def _rate(counts: Mapping[str, Any], side: str) -> dict[str, Any]:
-    """Rate of one side over the pairs that were counted."""
+    """Return the rate of one side over the pairs that were counted."""
     n_successes = counts["both"] + counts[f"{side}_alone"]
     return share(n_successes, sum(counts[name] for name in _CELLS))
 
 
 def _figures(a: pa.Table, b: pa.Table) -> list[dict[str, Any]]:
-    """Medians over the pairs that have a figure, of both succeeded flights where that matters."""
+    """Medians over pairs with a figure; for most figures both flights must have succeeded."""
     both = np.asarray(a["success"]) & np.asarray(b["success"])
     return [row for figure in FIGURES if (row := _medians(figure, a, b, both)) is not None]
 

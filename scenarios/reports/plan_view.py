@@ -1,4 +1,8 @@
-"""Ways of trials over the plan of their scene, in metres: x is east, y is south, as SVG has it."""
+"""Paths of trials over the plan of their scene, in metres: x is east, y is south, as SVG has it.
+
+The plan consists of outlines and points only, which the page's template draws, so that a reader can
+zoom in without loss.
+"""
 
 from __future__ import annotations
 
@@ -36,40 +40,40 @@ _LOOKS: Mapping[str, frozenset[str]] = {
     "shell": SHELLS | ROOFS | ROOMS | FLOORS | CANOPIES,
     "wall": WALLS | FENCES,
 }
-"""Categories by how they are drawn; all others are things."""
+"""Categories by the way they are drawn; all others are things."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Way:
-    """A trial's way, planned and flown."""
+    """A trial's path, planned and flown."""
 
     trial_id: str
     success: bool
     says: str
     """Trial and verdict in words."""
     flown: str
-    """Path of an SVG."""
+    """Flown path, as the path data of SVG."""
     planned: str | None
     end: tuple[float, float]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class PlanView:
-    """A scene from above with ways over it."""
+    """A scene from above with paths over it."""
 
     scene: str
     title: str
     view_box: str
     size_m: tuple[float, float]
     shapes: Sequence[tuple[str, str]]
-    """Look and points of each object's outline, what lies lowest first."""
+    """Look and points of each object's outline; the lowest objects come first."""
     areas: Sequence[str]
     """Outlines of the areas that the trials were to land on."""
     starts: Sequence[tuple[float, float]]
     ways: Sequence[Way]
-    """Those that succeeded before those that did not, which are drawn over them."""
+    """Successful trials before failed ones, which are therefore drawn over them."""
     n_trials: int
-    """Trials of the scene that flew, of which the ways may be a part."""
+    """Number of trials of the scene that flew; the paths may be a part of them."""
     scale_m: float
     """Length of the scale."""
     corner: tuple[float, float]
@@ -79,14 +83,15 @@ class PlanView:
 def plan_view(
     scene: Scene, name: str, rows: Iterable[Mapping[str, Any]], n_trials: int
 ) -> PlanView:
-    """Plan view of a scene and of trials in it.
+    """Return the plan view of a scene and of trials in it.
 
     Args:
         scene: The scene.
         name: Name by which the trials know it.
         rows: Rows of trials with their tracks.
-        n_trials: Trials of the scene that flew.
+        n_trials: Number of trials of the scene that flew.
     """
+    # Sorting is stable: successes first, each group in its own order.
     rows = sorted(rows, key=lambda row: not row["success"])
     (left, south, _), (right, north, _) = scene.extent_min_enu_m, scene.extent_max_enu_m
     left, south, right, north = (
@@ -99,6 +104,7 @@ def plan_view(
     return PlanView(
         scene=name,
         title=f"{scene.domain}{f', {scene.theme}' if scene.theme else ''}".replace("_", " "),
+        # SVG's y points down, so every north coordinate is negated.
         view_box=f"{left:.2f} {-north:.2f} {right - left:.2f} {north - south:.2f}",
         size_m=(right - left, north - south),
         shapes=[(_look(each), _points(_outline(each))) for each in _from_below(scene.objects)],
@@ -127,7 +133,7 @@ def _way(row: Mapping[str, Any]) -> Way:
 
 
 def _from_below(objects: Iterable[SceneObject]) -> list[SceneObject]:
-    """Objects by the heights of their tops, as they hide each other from above."""
+    """Return objects by the heights of their tops, because that is how they hide each other."""
     return sorted(objects, key=lambda each: each.bbox.p[2] + each.bbox.s[2] / 2)
 
 
@@ -135,6 +141,7 @@ def _look(each: SceneObject) -> str:
     return next((look for look, names in _LOOKS.items() if each.category in names), "thing")
 
 
+# The hull of a tilted box's corners is its outline from above.
 def _outline(each: SceneObject) -> np.ndarray:
     corners = each.bbox.corners()[:, :2]
     return corners[ConvexHull(corners).vertices]

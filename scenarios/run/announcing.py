@@ -10,7 +10,7 @@ from flightsim.testbench import Testbench, Vehicle
 GOAL = "Goal: "
 """Beginning of the message."""
 _EVERY_US = 5_000_000
-"""Simulated time between two messages: a client that connects later must hear it too."""
+"""Simulated time between two messages, so that a client that connects later gets one too."""
 
 
 def announce_goal(bench: Testbench, vehicle: Vehicle, text: str) -> None:
@@ -18,8 +18,8 @@ def announce_goal(bench: Testbench, vehicle: Vehicle, text: str) -> None:
 
     Args:
         bench: Testbench whose ticks are counted.
-        vehicle: Vehicle of the goal. External flight stacks keep such messages to themselves: they
-            get none.
+        vehicle: Vehicle of the goal. A vehicle with an external flight stack gets none, because
+            such a stack does not pass these messages on.
         text: The goal.
     """
     if vehicle.external is not None:

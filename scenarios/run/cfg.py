@@ -1,4 +1,7 @@
-"""Configuration of a run of the testbench."""
+"""Configuration of a run of the testbench.
+
+The docstring of each field is its text in `--help`, so it holds unit, range and default.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +26,7 @@ _UNSET = tyro.conf.arg(help_behavior_hint="")
 
 @dataclass(frozen=True, kw_only=True)
 class SitlCfg:
-    """Configuration of a run: scene, testbench, mission, and what is kept of the flight."""
+    """Configuration of a run: scene, testbench, mission, and outputs."""
 
     scene: str = "42"
     """Scene of the dataset by number, corpus:N, gen:SEED, district:SEED, field (open, flat), a
@@ -37,8 +40,8 @@ class SitlCfg:
     """Fly our own mission: plan to a landing area, navigate, choose the touchdown point from
     depth, land, disarm; then print the verdict and end."""
     start: Annotated[str | None, _UNSET] = None
-    """Where the vehicle stands at first: area:ID, or x,y,z (east, north, up in m; --start=-3,2,0)
-    on a surface; by default the scene's own start."""
+    """Place of the vehicle at first: area:ID, or x,y,z (east, north, up in m; --start=-3,2,0) on a
+    surface; by default the scene's own start."""
     area: Annotated[int | None, Range(0), _UNSET] = None
     """Number of the area to land on; by default the seed draws one among all that fit the vehicle
     and can be flown to, indoors and outdoors with equal chance."""
@@ -47,39 +50,41 @@ class SitlCfg:
     of the scene alone, and naming, relation or chain is its grade, see docs/goals.md. With --area,
     the text means the place of that area."""
     map: Literal["truth", "onboard"] = "truth"
-    """What our mission knows of the place: truth is the scene's own map; onboard is nothing but the
-    flight volume and the areas, and the map grows from depth."""
+    """Knowledge that our mission has of the place: truth is the scene's own map; onboard is nothing
+    but the flight volume and the areas, and the map grows from depth."""
     planner: Literal["optimise", "primitives"] = "optimise"
-    """What makes the trajectories of our mission: optimise is our optimiser; primitives are motion
+    """Planner of our mission's trajectories: optimise is our optimiser; primitives are motion
     primitives after Mueller, Hehn and D'Andrea (2015)."""
     target: Literal["landing", "perching", "any"] = "landing"
-    """What our mission lands on: a landing area, a place to perch on, or the best of both."""
+    """Kind of place that our mission lands on: a landing area, a place to perch on, or the best of
+    both."""
     record: Annotated[Path | None, _UNSET] = None
     """Write a rerun recording to this .rrd file; its folder is made if only that is missing."""
     record_level: RecordLevel = "full"
-    """What is recorded and shown: summary is verdict, trajectories, contacts and texts; state is
-    all but camera images; interaction adds depth from when the vehicle is above its area."""
+    """Contents of the recording and the viewer: summary is verdict, trajectories, contacts and
+    texts; state is all but camera images; interaction adds depth from when the vehicle is above its
+    area."""
     pictures: Annotated[Path | None, _UNSET] = None
-    """Draw what was planned and flown, and the landing map, into this folder when the run ends; it
-    is made if only that is missing."""
+    """Draw the planned and the flown path, and the landing map, into this folder when the run ends;
+    it is made if only that is missing."""
     formats: Annotated[tuple[Literal["png", "svg", "pdf"], ...], tyro.conf.arg(name="format")] = (
         "png",
     )
-    """What the pictures are; several may be named."""
+    """Formats of the pictures; several may be named."""
     captures: Annotated[Path | None, _UNSET] = None
     """Write the photographs and films that clients and missions take with the gimbal's camera to
     this folder; it is made if only that is missing. Without it none is kept."""
     video: bool = False
-    """Stream what the gimbal's camera sees as H.264 by RTP to UDP port 5600 of this machine, plus
-    the instance; needs PyAV (pip install 'aeroscene[video]')."""
+    """Stream the images of the gimbal's camera as H.264 by RTP to UDP port 5600 of this machine,
+    plus the instance; needs PyAV (pip install 'aeroscene[video]')."""
     ros2: bool = False
     """Publish the run as topics and transforms of ROS 2, and take commands from nodes; needs no
     ROS here (pip install 'aeroscene[ros2]'), see docs/ros2.md."""
     ros2_transport: Literal["dds", "zenoh"] = "dds"
-    """What ROS 2's messages go by: dds is for rmw_fastrtps, the default, and rmw_cyclonedds; zenoh
-    for rmw_zenoh."""
+    """Transport of ROS 2's messages: dds is for rmw_fastrtps, the default, and rmw_cyclonedds;
+    zenoh for rmw_zenoh."""
     ros2_domain: Annotated[int | None, Range(0, MAX_DOMAIN), _UNSET] = None
-    """Domain of ROS 2; by default what ROS_DOMAIN_ID says, or 0."""
+    """Domain of ROS 2; by default the value of ROS_DOMAIN_ID, or 0."""
     viewer: Literal["off", "web", "native"] = "off"
     """Watch live: web serves a page on loopback, native opens the rerun viewer. Either stays after
     the flight, until it is closed or Ctrl-C."""
@@ -94,7 +99,12 @@ class SitlCfg:
     """Print one JSON object on standard output when the run ends, and nothing else there."""
 
     def __post_init__(self) -> None:
-        """Refuse invalid settings before anything starts."""
+        """Refuse invalid settings before anything starts.
+
+        Raises:
+            TestbenchError: Naming the option, its value and what would be valid.
+        """
+        # Reading the property checks it.
         _ = self.airframes
         require_ranges(self, TestbenchError)
         if self.record is not None and self.record.suffix != ".rrd":
@@ -120,7 +130,7 @@ class SitlCfg:
         """Domain of ROS 2.
 
         Raises:
-            TestbenchError: If it is ROS_DOMAIN_ID's, and that is no domain.
+            TestbenchError: If it comes from ROS_DOMAIN_ID and is no domain.
         """
         if self.ros2_domain is not None:
             return self.ros2_domain
@@ -131,14 +141,16 @@ class SitlCfg:
 
     @property
     def airframes(self) -> tuple[Airframe, ...]:
-        """Airframe of each vehicle.
+        """Airframe of each vehicle, the first one first.
 
         Raises:
-            TestbenchError: If there is no such number of vehicles.
+            TestbenchError: If the number of vehicles is not valid.
             AirframeError: If there is no such airframe.
         """
+        # A number means so many of the configured airframe, anything else is a list of airframes.
         names = self.vehicles.split(",") if self.vehicles else [self.bench.vehicle]
         if self.vehicles.lstrip("-").isdecimal():
+            # Capped, so that a huge number makes no huge list before it is refused.
             names = [self.bench.vehicle] * min(max(int(self.vehicles), 0), MAX_INSTANCES + 1)
         if not 1 <= len(names) <= MAX_INSTANCES or not all(names):
             raise TestbenchError(
@@ -148,7 +160,7 @@ class SitlCfg:
         return tuple(airframe_by_name(name.strip()) for name in names)
 
     def to_plain(self) -> dict[str, Any]:
-        """The resolved configuration as plain data."""
+        """Return the resolved configuration as plain data."""
         plain = asdict(self)
         paths = {"record": self.record, "pictures": self.pictures, "captures": self.captures}
         return plain | {name: None if path is None else str(path) for name, path in paths.items()}
@@ -156,6 +168,7 @@ class SitlCfg:
 
 def _require_folder(name: str, folder: Path) -> None:
     """Refuse a folder that cannot be written to, nor be made in one that can."""
+    # A missing folder is created later, so its parent must exist.
     there = folder if folder.exists() else folder.parent
     if not there.is_dir():
         what = "is a file" if there.exists() else "is not there"

@@ -1,4 +1,8 @@
-"""Interface of a pilot of one's own: its equipment, and the members that it must have."""
+"""Interface of a user's own pilot: its equipment, and the members that it must have.
+
+A real companion computer has a MAVLink link, cameras and perhaps a map. `Aboard` holds exactly
+these, so that a pilot written for it has no way to the true state.
+"""
 
 from __future__ import annotations
 
@@ -32,7 +36,7 @@ class CameraImage(DepthFrame, Protocol):
 
     @property
     def rgb(self) -> np.ndarray:
-        """uint8 (height, width, 3)."""
+        """Colours, uint8 (height, width, 3)."""
         ...
 
 
@@ -41,9 +45,9 @@ class Aboard:
     """Equipment of a companion computer: MAVLink, cameras and a map, but never the true state."""
 
     client: MavlinkClient
-    """Commands, setpoints and telemetry in the scene's frame; call its `update` every tick."""
+    """Commands, set points and telemetry in the scene's frame; call its `update` every tick."""
     link: BytePipe
-    """Byte pipe beneath the client, for a MAVLink library of one's own."""
+    """Byte pipe beneath the client, for a MAVLink library of your own."""
     render: Callable[[str], CameraImage]
     """Function that renders the present frame of the named camera."""
     scene: Scene
@@ -53,29 +57,30 @@ class Aboard:
     area: InteractionArea | None = None
     """Assigned area; None leaves the choice to the companion."""
     text: str = ""
-    """Goal in words, such as `Land on the blue container.`; empty where the goal is an area."""
+    """Goal in words, such as `Land on the blue container.`; empty if the goal is an area."""
     insight: Insight | None = None
-    """None but for a maker of pilots with a true attribute `has_insight`, in a flight to a goal in
-    words."""
+    """None, except in a flight to a goal in words for a maker of pilots with a true attribute
+    `has_insight`."""
+    # By default a vehicle without a lidar.
     scan: Callable[[], LidarScan | None] = lambda: None
-    """Function that gives the lidar's last complete scan; None without a lidar."""
+    """Function that returns the lidar's last complete scan; None without a lidar."""
 
 
 class Companion(Protocol):
     """Interface of a pilot that `Sitl` runs: our own or another class.
 
     Optional members: `touchdown_enu_m`, the point (scene, ENU) that the pilot chose to land on, or
-    None; `planned_enu_m`, the way that it plans to fly; `replans`, its plans made anew.
+    None; `planned_enu_m`, the path that it plans to fly; `replans`, the plans that it made anew.
     """
 
     @property
     def is_done(self) -> bool:
-        """Whether the flight is over, well or badly."""
+        """True if the flight is over, well or badly."""
         ...
 
     @property
     def verdict(self) -> Word:
-        """What the companion says of the flight; read when the run is over."""
+        """The companion's own statement on the flight; read when the run is over."""
         ...
 
     @property

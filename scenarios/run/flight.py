@@ -1,4 +1,8 @@
-"""One vehicle's part of a run: its pilot, its log, what is drawn of it, and its verdict."""
+"""One vehicle's part of a run: its pilot, its log, its pictures, and its verdict.
+
+A run may have several vehicles, and each is judged by itself. This class holds everything that
+belongs to one of them, so that one vehicle is the case of one.
+"""
 
 from __future__ import annotations
 
@@ -36,9 +40,9 @@ class Flight:
 
     Attributes:
         vehicle: The vehicle with its stack.
-        words: Goal in words; None where it is an area.
+        words: Goal in words; None if it is an area.
         area: Area that was assigned by its number; None leaves it to the draw, or to the companion.
-        log: What score and hash need.
+        log: Rows that score and hash need.
         pilot: Our own pilot, in a demo.
         companion: Pilot that flies, our own or the caller's; None in a run for clients alone.
     """
@@ -62,12 +66,12 @@ class Flight:
             cfg: Configuration of the run.
             bench: Testbench whose ticks are followed.
             vehicle: The vehicle.
-            hangar: Keeps what runs of this process share.
-            stack: Closes what the flight opens, now or later.
+            hangar: Resources that runs of this process share.
+            stack: Closes everything that the flight opens, now or later.
             area: Assigned area.
-            mission: Flown by our own pilot, in a demo.
+            mission: Mission for our own pilot, in a demo.
             pilot: Makes the caller's pilot.
-            words: Goal in words; landing on any of its areas will do.
+            words: Goal in words; landing on any of its areas is a success.
         """
         self.vehicle, self.area, self.words = vehicle, area, words
         if words is not None:
@@ -75,6 +79,7 @@ class Flight:
         self._cfg, self._hangar, self._stack = cfg, hangar, stack
         self._cameras: Cameras | None = None
         self.log = FlightLog(vehicle.plant, is_judged=cfg.demo or pilot is not None)
+        # Observers run in this order: the log records a tick before the pilot reacts to it.
         bench.observers.append(self.log.on_tick)
         self.pilot: Pilot | None = None
         if mission is not None:
@@ -88,7 +93,7 @@ class Flight:
 
     @property
     def cameras(self) -> Cameras:
-        """The vehicle's cameras, opened when first asked for."""
+        """The vehicle's cameras, opened on first use, because a renderer takes time and memory."""
         if self._cameras is None:
             self._cameras = self._stack.enter_context(self._hangar.cameras(self.vehicle))
         return self._cameras
@@ -97,15 +102,17 @@ class Flight:
         from scenarios.run.companion import Aboard, Insight
 
         vehicle, words, scene = self.vehicle, self.words, self.vehicle.scene
+        # Only makers that declare themselves as baselines of perfect perception get it.
         insight = None
         if words is not None and getattr(pilot, "has_insight", False):
             insight = Insight(scene=scene, description=words.description)
+        # The scene would give the goal away to a pilot that is not given the map.
         if words is not None and self._cfg.map == "onboard":
             scene = replace(scene, objects=(), interaction_areas=(), relief=None)
         return Aboard(
             client=vehicle.connect(),
             link=vehicle.stack.pipe(),
-            # Opens the cameras only where somebody looks.
+            # Opens the cameras only if the pilot looks.
             render=lambda camera: self.cameras.render(camera),  # noqa: PLW0108
             scene=scene,
             airframe=vehicle.airframe,
@@ -122,7 +129,7 @@ class Flight:
         return FlightTape(plant, self.vehicle.stack.reports, self.pilot, plant.mates)
 
     def schedule(self) -> Schedule:
-        """What of the flight is still to come, from now on."""
+        """Return the schedule of the rest of the flight, from now on."""
         longest_s = self._cfg.headless_seconds
         is_to_land = self.words is not None
         return Schedule(
@@ -132,10 +139,10 @@ class Flight:
     def conclude(
         self, stopped_by: str | None, spent_s: tuple[float, float], recording: str | None
     ) -> TrialResult:
-        """Judge what was flown.
+        """Judge the flight.
 
         Args:
-            stopped_by: What ended the run before its end, if anything did.
+            stopped_by: Cause that ended the run early, if any.
             spent_s: Wall time and CPU time of the run.
             recording: File that the result names.
         """
@@ -149,7 +156,14 @@ class Flight:
         return self._result(measured, judgement, spent_s, recording)
 
     def draw(self, ending: str, folder: Path) -> list[Path]:
-        """Draw what the tape holds into a folder.
+        """Draw the contents of the tape into a folder.
+
+        Args:
+            ending: End of the flight in words, for the caption.
+            folder: Folder of the pictures.
+
+        Returns:
+            The files; none if there is no tape.
 
         Raises:
             PictureError: If it cannot be written.
@@ -161,12 +175,13 @@ class Flight:
         return draw_pictures(self._tape.story(ending), folder, self._cfg.formats)
 
     def _goal(self) -> Goal | None:
-        """Where the flight should have ended; None if nobody flew."""
+        """Return the goal by which the flight is judged; None if nobody flew."""
         if self.companion is None:
             return None
         area = self.area or self.companion.area
         if self.words is not None:
-            # Any area of the place will do: the flight is judged by the one where it ended.
+            # Landing on any area of the place counts: the flight is judged by the one on which it
+            # ended.
             area = nearest_area(self.log.positions_enu_m()[-1], self.words.areas)
         elif self.pilot is not None:
             area = self.pilot.mission.area

@@ -1,8 +1,8 @@
-"""What one process keeps between flights: opened scenes and renderers.
+"""Resources that one process keeps between flights: opened scenes and renderers.
 
-Everything else that takes long is kept where it is made: distance fields, parts of objects, solved
-winds, compiled kernels and the planner's programs. A world is built anew for each flight, since it
-holds the start; that takes 15 ms.
+Other slow things are kept where they are made: distance fields, parts of objects, solved winds,
+compiled kernels and the planner's programs. A world is built anew for each flight, because it holds
+the start; that takes 15 ms.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ from flightsim.vehicles import Airframe
 from flightsim.world import World
 
 _View = tuple[Scene, Airframe, tuple[int, int]]
-"""What a renderer draws: scene, vehicle, size of the images."""
+"""Key of a renderer: scene, vehicle, size of the images."""
 _KEPT = 2
-"""Scenes, and renderers, that are kept: whoever flies a campaign goes from scene to scene."""
+"""Number of scenes, and of renderers, that are kept: a campaign flies scene by scene."""
 
 
 class Hangar:
-    """Keeps what flights in the same scene share.
+    """Keeps resources that flights in the same scene share.
 
     A flight is the same, bit for bit, from a hangar that has served others and from an empty one.
     """
@@ -40,7 +40,7 @@ class Hangar:
         self._renderers: OrderedDict[_View, CameraRenderer] = OrderedDict()
 
     def scene(self, name: str) -> Scene:
-        """Scene of a name, see `load_scene`; a file is not read again.
+        """Return the scene of a name, see `load_scene`; a file is not read again.
 
         Raises:
             SceneError: If there is no such scene.
@@ -52,15 +52,16 @@ class Hangar:
         return scene
 
     def cameras(self, vehicle: Vehicle) -> Cameras:
-        """Cameras of a vehicle in a testbench.
+        """Return the cameras of a vehicle in a testbench.
 
-        Worlds that differ only by the start have one renderer, which stays open, and the hangar's.
-        Where something moves, the cameras have a renderer of their own.
+        Worlds that differ only by the start share one renderer, which stays open and belongs to the
+        hangar. If anything else moves, the cameras have a renderer of their own.
         """
         plant, cfg = vehicle.plant, vehicle.cfg
         number, scene_id = plant.world.number, vehicle.scene.scene_id
         name = f"{scene_id}, vehicle {number + 1}" if number else scene_id
         noise = depth_noise(cfg.depth_camera, cfg.seed, name)
+        # Only then does a picture depend on nothing but scene, airframe and pose.
         is_alone = plant.world.n_vehicles == 1 and not plant.world.obstacles
         size_px = width_px, height_px = cfg.camera_size_px
         renderer = self._renderer(plant.world, size_px) if is_alone else None
@@ -75,6 +76,7 @@ class Hangar:
 
     def _renderer(self, world: World, size_px: tuple[int, int]) -> CameraRenderer:
         scene = world.scene
+        # The start is no part of the picture: one key for all starts of a scene.
         corner = replace(scene, start_position_enu_m=scene.extent_min_enu_m, start_yaw_rad=0.0)
         key = (corner, world.airframe, size_px)
         renderer = self._renderers.pop(key, None)

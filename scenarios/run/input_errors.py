@@ -1,4 +1,4 @@
-"""Errors of what a run was asked for, which are the user's to mend."""
+"""Errors in a run's input, which the user can mend."""
 
 from __future__ import annotations
 

@@ -1,4 +1,9 @@
-"""Compiles every kernel by using it once, so that nothing compiles in a flight."""
+"""Compiles every kernel by using it once, so that nothing compiles in a flight.
+
+A cold kernel takes seconds. In a flight with real clients that is a pause in which they time out.
+Calling the real code compiles for exactly the types that a flight uses, without a list of
+signatures to maintain.
+"""
 
 from __future__ import annotations
 
@@ -76,13 +81,13 @@ class _Frame:
 def announce_pilot_kernels(
     map_source: MapSource = "truth", *, expects_traffic: bool = False
 ) -> None:
-    """Say so if our pilot's first flight is going to compile.
+    """Announce it if our pilot's first flight is going to compile.
 
-    What exploring and following movers need is done at once.
+    Kernels for exploring and for following movers are compiled at once.
 
     Args:
-        map_source: Whether the map of the flight is given or grows.
-        expects_traffic: Whether the pilot follows what moves.
+        map_source: "truth" for a given map, "onboard" for one that grows.
+        expects_traffic: True if the pilot follows movers.
     """
     announce_if_cold(PILOT_MODULES, "planning and perception kernels", 12.0)
     if map_source == "onboard":
@@ -100,13 +105,14 @@ def follow_once() -> None:
     wall_m = np.full((240, 320), 6.0, dtype=np.float32)
     shown_m = wall_m.copy()
     shown_m[80:160, 140:180] = 3.0
+    # Twice to confirm and predict it, then the empty wall, which ends the track.
     for number, depth_m in enumerate((shown_m, shown_m, wall_m)):
         image = posed_image(_Frame(depth_m=depth_m), mount, telemetry)
         tracker.update(0.2 * number, image, lambda points: np.where(points[:, 0] < 4.0, 3.0, 0.0))
 
 
 def explore_once() -> None:
-    """Look about in a small place, so that nothing compiles where a map grows in flight."""
+    """Look about in a small place, so that nothing compiles while a map grows in flight."""
     airframe = airframe_by_name(VEHICLE)
     seen = SeenMap((-4.0, -4.0, 0.0), (12.0, 4.0, 8.0))
     seen.assume_free_column((0.0, 0.0, 0.0))
@@ -122,7 +128,7 @@ def explore_once() -> None:
     seen.distance_to_seen_m(np.array([telemetry.position_enu_m]))
     cfg = PlannerCfg(vehicle_radius_m=airframe.collision_radius_m)
     agenda = Agenda()
-    # Ahead is free; above nothing was seen, so there it looks for a place to look from.
+    # Ahead is free; above nothing was seen, so the planner seeks a viewpoint there.
     for height_m, goal_enu_m in ((2.0, (3.0, 0.0, 2.0)), (2.7, (0.0, 0.0, 6.5))):
         start = FlatReference(position_enu_m=(0.0, 0.0, height_m))
         craft = Craft(FlightLimits(), airframe.quadrotor, cfg)
@@ -130,7 +136,7 @@ def explore_once() -> None:
 
 
 def measure_once() -> None:
-    """Do what only some runs ask for: see without OpenGL or with errors, seek openings, scan."""
+    """Use kernels that only some runs need: ray-cast images, depth errors, openings, lidar."""
     flat_m = np.full((240, 320), 6.0, dtype=np.float32)
     measured_depth(flat_m, _Frame.fx, DEPTH_CAMERAS["d435"], np.random.default_rng(0))
     narrow_cells(np.ones((3, 3, 3), dtype=np.bool_), 0.2)
@@ -141,11 +147,11 @@ def measure_once() -> None:
 
 
 def arrange_once() -> None:
-    """Part two boxes in every way that generated scenes are, and flood free space.
+    """Part two boxes in every way that generated scenes use, and flood free space.
 
     Nothing compiles then when a scene is made.
     """
-    # A flight imports this module, and makes no scene.
+    # Imported here: a flight imports this module, and makes no scene.
     from aeroscene.feasibility.least_change import least_change
     from aeroscene.feasibility.place_search import BLOCK, first_free, nearest_free
     from aeroscene.solids.flood import flooded
@@ -159,10 +165,10 @@ def arrange_once() -> None:
 
 
 def compile_everything(progress: Callable[[str, float], None]) -> None:
-    """Compile what is not in the cache yet, and keep it there.
+    """Compile everything that is not in the cache yet, and keep it there.
 
     Args:
-        progress: Told what is under way and the share that is done, 0 to 1.
+        progress: Called with the present part and the share that is done, 0 to 1.
     """
     progress("flight kernels", 0.0)
     compile_kernels()

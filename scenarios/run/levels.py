@@ -5,4 +5,4 @@ from __future__ import annotations
 from typing import Literal
 
 RecordLevel = Literal["summary", "state", "interaction", "full"]
-"""What a recording holds, from little to all; docs/recording.md has the table."""
+"""Contents of a recording, from little to all; docs/recording.md has the table."""

@@ -1,4 +1,8 @@
-"""Missions of our own pilots: one for each vehicle of a world, to areas apart."""
+"""Missions of our own pilots: one for each vehicle of a world, to areas apart.
+
+Two vehicles at one area would meet there. Areas are therefore given out in order: each vehicle
+draws among those that are far from the areas and starts of the others.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +22,7 @@ if TYPE_CHECKING:
     from scenarios.words.drawing import WordGoal
 
 _APART_M = 4.0
-"""Least distance between the areas of two vehicles, and from where another one starts."""
+"""Least distance between the areas of two vehicles, and from the start of another one."""
 
 
 def plan_missions(
@@ -34,7 +38,7 @@ def plan_missions(
     Raises:
         TestbenchError: If there is none for one of them.
     """
-    # casadi and the kernels of planning and perception: only where our pilot flies.
+    # casadi and the kernels of planning and perception: only if our pilot flies.
     from scenarios.mission.mission import plan_mission
     from scenarios.mission.surroundings import MissionError
     from scenarios.pilot.pace import AMONG_MOVERS
@@ -45,6 +49,7 @@ def plan_missions(
     missions: list[Mission] = []
     for number, vehicle in enumerate(vehicles):
         others = [other for other in vehicles if other is not vehicle]
+        # Starts of all others, and areas of those before: later ones do not exist yet.
         taken = [other.scene.start_position_enu_m for other in others]
         taken += [mission.area.centroid for mission in missions]
         try:
@@ -64,6 +69,7 @@ def plan_missions(
             raise TestbenchError(f"{who}{error}") from error
         missions.append(mission)
     return [
+        # Alternates are filtered at the end, when all areas are known.
         replace(mission, alternates=_left_to(mission, [m for m in missions if m is not mission]))
         for mission in missions
     ]
@@ -72,8 +78,8 @@ def plan_missions(
 def plan_to_words(cfg: SitlCfg, vehicle: Vehicle, goal: WordGoal) -> Mission:
     """Plan our pilot's mission to a goal in words.
 
-    Our pilot stands for perfect perception and perfect reading: it evaluates what the text means
-    on the scene's own objects. So its failures are those of flying alone.
+    Our pilot stands for perfect perception and perfect reading: it evaluates the text on the
+    scene's own objects. So its failures are failures of flying alone.
 
     Args:
         cfg: Configuration of the run.
@@ -91,6 +97,7 @@ def plan_to_words(cfg: SitlCfg, vehicle: Vehicle, goal: WordGoal) -> Mission:
         try:
             (mission,) = plan_missions(cfg, [vehicle], area)
         except TestbenchError as error:
+            # The first failure is the one that is reported.
             fault = fault or error
         else:
             return replace(mission, alternates=tuple(each for each in areas if each != area))
@@ -98,7 +105,7 @@ def plan_to_words(cfg: SitlCfg, vehicle: Vehicle, goal: WordGoal) -> Mission:
 
 
 def new_pilot(vehicle: Vehicle, mission: Mission, frames: Frames) -> Pilot:
-    """Our pilot for a vehicle, which looks out where anything else moves."""
+    """Return our pilot for a vehicle; it looks out if anything else moves."""
     from scenarios.pilot import Pilot, PilotCfg
 
     brief = PilotCfg(expects_traffic=_meets_movers(vehicle))
@@ -111,7 +118,7 @@ def _meets_movers(vehicle: Vehicle) -> bool:
 
 
 def _left_to(mission: Mission, others: Sequence[Mission]) -> tuple[InteractionArea, ...]:
-    """Alternates of a mission that lie apart from the areas of others."""
+    """Return the alternates of a mission that lie apart from the areas of others."""
     is_free = _apart_from([other.area.centroid for other in others])
     return tuple(area for area in mission.alternates if is_free(area))
 

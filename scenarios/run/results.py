@@ -14,18 +14,19 @@ class RunResult:
     """Results of all vehicles of a run, the first one first."""
 
     first_system: int
-    """MAVLink system id of the first vehicle; those of the others follow."""
+    """MAVLink system id of the first vehicle; the ids of the others follow."""
     vehicles: tuple[TrialResult, ...]
 
     @property
     def success(self) -> bool | None:
-        """Whether all flights are done; None where nobody flew."""
+        """True if all flights are done; None if nobody flew."""
+        # A vehicle without a pilot leaves the run without a verdict.
         said = [result.success for result in self.vehicles]
         return None if None in said else all(said)
 
     @property
     def reason(self) -> str:
-        """How each flight ended, in words."""
+        """End of each flight, in words."""
         return "; ".join(f"vehicle {i + 1}: {r.reason}" for i, r in enumerate(self.vehicles))
 
     @property
@@ -39,6 +40,7 @@ class RunResult:
         first = self.vehicles[0].to_plain()
         if len(self.vehicles) == 1:
             return first
+        # Fields that are the same for all vehicles stand once, beside the list of vehicles.
         of_run = ("scene", "seed", "sim_seconds", "wall_seconds", "cpu_seconds")
         return {
             "success": self.success,

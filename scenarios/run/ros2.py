@@ -42,7 +42,7 @@ def _guest(flight: Flight) -> Guest:
     is_free = flight.companion is None
     return Guest(
         vehicle=flight.vehicle,
-        # Opens the cameras only where somebody looks.
+        # Opens the cameras only if a node subscribes.
         render=lambda camera: flight.cameras.render(camera),  # noqa: PLW0108
         connect=flight.vehicle.connect if is_free else None,
     )

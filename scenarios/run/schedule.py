@@ -1,4 +1,9 @@
-"""When a run is over: its pilot is done, all has come to rest, or the time is up."""
+"""End of a run: its pilot is done, all has come to rest, or the time is up.
+
+The verdict needs more than the moment at which the pilot is done: whether the vehicle slides,
+whether the rotors stop, or where a vehicle that was left in the air comes down. A flight therefore
+has parts, each with a time limit and a condition that ends it earlier.
+"""
 
 from __future__ import annotations
 
@@ -15,6 +20,7 @@ from scenarios.trials.limits import LIMITS
 if TYPE_CHECKING:
     from scenarios.run.companion import Companion
 
+# Longest time of a part in s, and the condition that ends it earlier.
 _Part = tuple[float, Callable[[], bool]]
 
 
@@ -35,9 +41,9 @@ class Schedule:
         Args:
             plant: The vehicle.
             log: Its flight.
-            companion: Who flies; a run for clients alone has one part, which has no end.
-            longest_s: Simulated time after which it is over anyway; None for never.
-            is_to_land: Whether it has to land even if the companion names no area.
+            companion: The pilot; a run for clients alone has one part, which has no end.
+            longest_s: Simulated time after which it is over in any case; None for never.
+            is_to_land: True if it has to land even if the companion names no area.
         """
         self._plant, self._log, self._companion = plant, log, companion
         self._is_to_land = is_to_land
@@ -48,9 +54,10 @@ class Schedule:
         self._next()
 
     def is_over(self) -> bool:
-        """Whether the run is over; whoever has heard so needs not ask again."""
+        """Return whether the run is over; after True it needs no further call."""
         now_us = self._plant.time_us
-        # A time limit is the pilot's. What becomes of the vehicle that it left is still seen.
+        # The time limit is the pilot's. The fate of a vehicle that it left in the air is still
+        # watched.
         if now_us >= self._end_us and not (self._watches_descent or self._is_left_in_the_air()):
             return True
         if self._is_endless:
@@ -63,13 +70,14 @@ class Schedule:
         return True
 
     def _flown(self, companion: Companion, log: FlightLog) -> Iterator[_Part]:
-        """Parts of a flight: each begins when the one before is over."""
+        """Yield the parts of a flight; each begins when the one before is over."""
         yield LIMITS.trial_s, lambda: companion.is_done
         if self._is_left_in_the_air():
             self._watches_descent = True
             yield LIMITS.longest_fall_s, lambda: not log.is_in_the_air()
             yield LIMITS.longest_settle_s, log.is_still
             return
+        # The first second always passes: nothing ends this part earlier.
         yield LIMITS.settle_s, lambda: False
         rest_s = LIMITS.longest_settle_s - LIMITS.settle_s
         yield rest_s, lambda: not self._wants_landing(companion) or log.is_still()
@@ -78,7 +86,7 @@ class Schedule:
         return self._is_to_land or companion.area is not None
 
     def _is_left_in_the_air(self) -> bool:
-        """Whether a pilot that was to land has ended its flight in the air."""
+        """Return whether a pilot that was to land has ended its flight in the air."""
         companion = self._companion
         if companion is None or not self._wants_landing(companion) or not companion.is_done:
             return False
@@ -91,13 +99,13 @@ class Schedule:
 
 
 class RunClock:
-    """Wall time and CPU time of a run, from when it is made."""
+    """Wall time and CPU time of a run, from its creation on."""
 
     def __init__(self) -> None:
         self._wall_s, self._cpu_s = time.perf_counter(), time.process_time()
 
     def spent_s(self) -> tuple[float, float]:
-        """Wall time and CPU time so far."""
+        """Return wall time and CPU time so far, s."""
         return time.perf_counter() - self._wall_s, time.process_time() - self._cpu_s
 
 
@@ -108,18 +116,19 @@ def run_until_over(
 
     Args:
         simulator: The loop.
-        schedules: What is to come for each vehicle.
-        should_stop: Called every tick; the run ends when this is true or says by what.
+        schedules: Schedule of each vehicle.
+        should_stop: Called every tick; the run ends when it returns True or the name of a cause.
 
     Returns:
-        What stopped the run before it was over, if anything did.
+        The cause that stopped the run before it was over, if any.
     """
     word: bool | str = False
 
     def is_over() -> bool:
         nonlocal word
         word = word or should_stop()
-        # Each is asked at every tick: its parts follow each other in its own time.
+        # Every schedule is asked at every tick, because its parts follow each other in its own
+        # time.
         n_over = sum(schedule.is_over() for schedule in schedules)
         return bool(word) or n_over == len(schedules)
 

@@ -1,4 +1,9 @@
-"""One run of the testbench: simulate, let pilots fly if there are any, and judge the flights."""
+"""One run of the testbench: simulate, let pilots fly if there are any, and judge the flights.
+
+Everything that `aeroscene sitl`, `fly` and a campaign's trial have in common is here: one object
+that opens world, pilots and recorder, runs the loop, and writes the result. Libraries that only
+some runs need are imported when they are needed.
+"""
 
 from __future__ import annotations
 
@@ -42,12 +47,12 @@ class Sitl:
     Attributes:
         bench: The simulated world with its vehicles and their autopilots.
         flights: Flight of each vehicle, with its pilot, its log and its cameras.
-        words: Goal in words of the flight; None where it is an area.
+        words: Goal in words of the flight; None if it is an area.
         recorder: Recorder of the run, if it is recorded or watched.
         viewer: Viewer that shows the run live, if it is watched.
         result: Results of all vehicles, once `run` has ended.
         pictures: Files that were drawn when the run ended.
-        missing: A line for each file that was asked for and could not be written whole.
+        missing: A line for each requested file that could not be written whole.
     """
 
     def __init__(
@@ -67,12 +72,12 @@ class Sitl:
         Args:
             cfg: Configuration of the run; an assigned area is the first vehicle's.
             scene: Scene to fly in, instead of the one that the configuration names.
-            airframes: Vehicles of one's own, instead of those that the configuration names.
-            pilot: Makes a pilot of one's own for each vehicle, which flies instead of ours.
-            has_network: Whether clients outside this process can connect.
-            links: MAVLink links of one's own besides, for the first vehicle, the second and so on.
-            hangar: Keeps what runs of this process share; None keeps it for this run alone.
-            movers: Traffic on paths of one's own instead of the configured one.
+            airframes: Vehicles of your own, instead of those that the configuration names.
+            pilot: Makes a pilot of your own for each vehicle, which flies instead of ours.
+            has_network: True if clients outside this process can connect.
+            links: Further MAVLink links of your own, for the first vehicle, the second and so on.
+            hangar: Resources that runs of this process share; None keeps them for this run alone.
+            movers: Traffic on paths of your own instead of the configured one.
 
         Raises:
             INPUT_ERRORS: If the run cannot be opened; one line says why, and what would be valid.
@@ -84,6 +89,7 @@ class Sitl:
         self.pictures: list[Path] = []
         self.missing: list[str] = []
         self._stack = stack = ExitStack()
+        # If any part fails to open, those opened before are closed again.
         with ExitStack() as opening:
             opening.push(stack)
             hangar = stack.enter_context(Hangar()) if hangar is None else hangar
@@ -132,6 +138,8 @@ class Sitl:
             missions = plan_missions(cfg, vehicles, area)
         flights: list[Flight] = []
         for vehicle, mission in zip(vehicles, missions, strict=True):
+            # With a goal in words the pilot must not learn the area, and other vehicles have none
+            # assigned.
             own_area = None if flights or self.words is not None else area
             flights.append(
                 Flight(
@@ -147,13 +155,14 @@ class Sitl:
                 )
             )
         for flight in flights:
+            # After all flights are open: each log needs those of all others.
             flight.log.fly_with([mate.log for mate in flights if mate is not flight])
         return tuple(flights)
 
     def _words(
         self, scene: Scene, airframe: Airframe, area: InteractionArea | None
     ) -> WordGoal | None:
-        """Goal in words, if the run has one.
+        """Return the goal in words, if the run has one.
 
         Raises:
             WordsError: If no text fits one place alone.
@@ -171,11 +180,11 @@ class Sitl:
         return self.flights[0].pilot
 
     def run(self, should_stop: Callable[[], bool | str] = lambda: False) -> TrialResult:
-        """Simulate, judge what was flown, and write the verdict into and beside the recording.
+        """Simulate, judge the flights, and write the verdict into and beside the recording.
 
         Args:
-            should_stop: Called every tick; the run ends when every flight is over, the time is up,
-                or this is true or says by what the run is stopped, such as SIGTERM.
+            should_stop: Called every tick. The run ends when every flight is over, the time is up,
+                or this returns True or the cause that stops the run, such as SIGTERM.
 
         Returns:
             The verdict and the figures of the first vehicle; `result` has those of all. Without a
@@ -185,10 +194,12 @@ class Sitl:
         stopped_by = run_until_over(
             self.bench.simulator,
             [flight.schedule() for flight in self.flights],
+            # A fault of an external flight stack ends the run like a signal.
             lambda: should_stop() or self.bench.fault,
         )
         spent_s = clock.spent_s()
         names = [None if self.cfg.record is None else str(self.cfg.record)]
+        # One recording holds all vehicles; it is listed with the first.
         names += [None] * len(self.bench.plant.mates)
         first, *mates = (
             flight.conclude(stopped_by, spent_s, name)
@@ -203,6 +214,7 @@ class Sitl:
     def _write(self, first: TrialResult, mates: Sequence[TrialResult]) -> None:
         """Write all files; one that cannot be written costs neither the verdict nor the others."""
         if self.recorder is not None:
+            # The recording first, then the summary beside it, then the pictures.
             self.recorder.conclude(first.to_plain(), [mate.to_plain() for mate in mates])
             if (fault := self.recorder.fault) is not None:
                 self.recorder.discard()
@@ -229,7 +241,7 @@ class Sitl:
         _LOG.warning("%s", line)
 
     def close(self) -> None:
-        """Finish the recording, end the viewer, give the ports back."""
+        """Finish the recording, end the viewer, release the ports."""
         self._stack.close()
 
     def __enter__(self) -> Self:

@@ -23,13 +23,13 @@ def write_summary(
     pilot: Pilot | None,
     mates: Sequence[TrialResult] = (),
 ) -> str | None:
-    """Write what a run was and how it ended, whole or not at all.
+    """Write the configuration and the end of a run, whole or not at all.
 
     Args:
         recording: File of the recording, whose name the summary takes.
         cfg: Configuration of the run.
         result: Verdict and figures.
-        pilot: Our own pilot, in a demo: its decisions are told too.
+        pilot: Our own pilot, in a demo: its decisions are included.
         mates: Verdict and figures of other vehicles in the same world.
 
     Returns:
@@ -44,6 +44,7 @@ def write_summary(
         summary["mates"] = [mate.to_plain() for mate in mates]
     if pilot is not None:
         summary |= decisions(pilot)
+    # Beside the recording, under its name.
     path = recording.with_suffix(".json")
     try:
         with replacing(path) as file:

@@ -1,6 +1,6 @@
-"""What is kept and shown of a run while it goes on: a recording, a viewer, cameras.
+"""Recording and display of a run while it goes on: a recording, a viewer, cameras.
 
-rerun takes half a second to import: only runs that are recorded or watched import this module.
+rerun takes half a second to import, so only runs that are recorded or watched import this module.
 """
 
 from __future__ import annotations
@@ -34,8 +34,9 @@ def watch(
         stack: Closes recorder and viewer.
 
     Raises:
-        TestbenchError: If the file or the viewer cannot be had.
+        TestbenchError: If the file or the viewer cannot be opened.
     """
+    # The recorder serves the viewer's data, so it is opened first.
     viewer = None
     try:
         recorder = stack.enter_context(_recorder(cfg, flights))
@@ -68,7 +69,7 @@ def _follow(cfg: SitlCfg, bench: Testbench, flight: Flight, recorder: VehicleRec
 
 
 def _watch_cameras(cfg: SitlCfg, flight: Flight, recorder: VehicleRecorder) -> Callable[[], None]:
-    """Record what the cameras see: all the way, or depth alone from the area on."""
+    """Return an observer that records the cameras: all the time, or only depth from the area on."""
     look = shutter(flight.vehicle, flight.cameras, cfg.camera_hz)
     if cfg.record_level == "full":
         flight.cameras.listen(recorder.log_frame)
@@ -78,6 +79,7 @@ def _watch_cameras(cfg: SitlCfg, flight: Flight, recorder: VehicleRecorder) -> C
     def look_when_there() -> None:
         nonlocal is_there
         area = flight.companion.area if flight.companion is not None else None
+        # Once above the area, the images go on, even if the vehicle leaves it again.
         is_there = is_there or reached_s(plant.history, flight.area or area) is not None
         if is_there:
             look()
@@ -117,11 +119,12 @@ def _recorder(cfg: SitlCfg, flights: Sequence[Flight]) -> Recorder:
 
 
 def shutter(vehicle: Vehicle, cameras: Cameras, rate_hz: float) -> Callable[[], None]:
-    """Renders every camera of the vehicle at a rate; call it after each tick."""
+    """Return an observer that renders every camera at a rate; call it after each tick."""
     names = [mount.name for mount in vehicle.airframe.rgbd_cameras]
     period_us = round(1e6 / rate_hz)
 
     def on_tick() -> None:
+        # True for one tick in each period, whatever the rate.
         if vehicle.plant.time_us % period_us < TICK_US:
             for name in names:
                 cameras.render(name)

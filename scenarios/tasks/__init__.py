@@ -1,1 +1,1 @@
-"""Tasks of trials: what a flight is asked to do, drawn from a recipe by number."""
+"""Tasks of trials: goals and conditions of flights, drawn from a recipe by number."""

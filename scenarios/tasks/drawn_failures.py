@@ -1,8 +1,9 @@
 """Failures of a recipe, which leave open when they strike and which motor they take.
 
-A recipe says `gnss+vio=off@2:8` or `motor=off@3:10`: parts that fail together, how, and the seconds
-after lift-off between which the moment is drawn. A task has one moment and one motor, in the words
-of `flightsim.plant.timed_failures`.
+A failure at a fixed time would always find the vehicle at the same place. A recipe says
+`gnss+vio=off@2:8` or `motor=off@3:10`: parts that fail together, how, and the seconds after
+lift-off between which the moment is drawn. A task has one moment and one motor, in the words of
+`flightsim.plant.timed_failures`.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ def require_failures(word: str) -> None:
         TestbenchError: If it is none; one line says what would be valid.
     """
     try:
+        # Try it with the most rotors: a vehicle with fewer is checked when its task is drawn.
         parse_failures(_drawn(word, np.random.default_rng(0), MAX_ROTORS), MAX_ROTORS)
     except (TimedFailureError, ValueError) as error:
         raise TestbenchError(
@@ -33,11 +35,12 @@ def require_failures(word: str) -> None:
 
 
 def draw_failures(word: str, rng: np.random.Generator, n_rotors: int) -> str:
-    """Failures of one task.
+    """Draw the failures of one task.
 
     Args:
-        word: A word of the recipe that `require_failures` has let pass.
-        rng: Draws moment and motor; it is asked as often for every word.
+        word: A word of the recipe that `require_failures` has accepted.
+        rng: Generator for moment and motor. Every word uses the same number of draws, so that later
+            draws of the task do not depend on it.
         n_rotors: Motors of the vehicle.
     """
     return _drawn(word, rng, n_rotors)

@@ -1,9 +1,9 @@
-"""What a vehicle can reach in a scene, whoever flies it.
+"""Reachable places of a vehicle in a scene, whoever flies it.
 
-A task has to be possible, but whether it is must not be decided by the planner that later flies it:
-a benchmark that only asks what its own pilot can plan measures nothing beyond that pilot. So the
-vehicle is a sphere here, and a place can be reached if free cells join it to the start in which the
-sphere fits. No margin, no hovering height and no dynamics are asked for.
+A task must be possible, but the planner that later flies it must not decide that: a benchmark that
+only asks what its own pilot can plan measures nothing beyond that pilot. So the vehicle is a sphere
+here, and a place can be reached if free cells in which the sphere fits join it to the start. No
+margin, no hovering height and no dynamics are asked for.
 """
 
 from __future__ import annotations
@@ -33,10 +33,10 @@ from scenarios.mission.surroundings import FIELD_RESOLUTION_M, sphere_radius_m
 _MOST_ABOVE_M = 3.0
 """Height above a surface up to which the sphere must fit somewhere."""
 _RISE_M = 2.2
-"""Height above a surface, less the sphere's, at which a way begins and ends where there is room."""
+"""Height above a surface, less the sphere's, at which a path begins and ends if there is room."""
 _COMFORTABLE_M = 2.0
-"""Room beside the sphere from which on a way is no longer drawn to the open: as much as pilots that
-are not forced keep from walls and from the ground."""
+"""Room beside the sphere from which on a path is no longer drawn to the open: as much as pilots
+usually keep from walls and from the ground."""
 
 
 class NoTaskError(ValueError):
@@ -52,11 +52,20 @@ class Reach:
     radius_m: float
     """Radius of the sphere that contains rotors and soles."""
     wide: WideMap | None = None
-    """What computes the cells of a large scene, which `field` has only where a way was sought."""
+    """Map that computes the cells of a large scene on demand; `field` has them only along searched
+    paths."""
 
     @classmethod
     def of(cls, scene: Scene, airframe: Airframe) -> Reach:
-        """Free space of a vehicle in a scene; the distances are kept for the next vehicle."""
+        """The free space of a vehicle in a scene; the distances are kept for the next vehicle.
+
+        Args:
+            scene: The scene.
+            airframe: Vehicle whose sphere must fit.
+
+        Raises:
+            NoTaskError: If the vehicle cannot leave the start of a large scene.
+        """
         if is_wide(scene, FIELD_RESOLUTION_M):
             return cls._of_wide(scene, sphere_radius_m(airframe))
         primitives = scene_primitives(scene)
@@ -78,14 +87,14 @@ class Reach:
 
     @property
     def whole_field(self) -> DistanceField:
-        """Distances in the whole scene: in coarse cells where it is a large one."""
+        """Distances in the whole scene; in coarse cells if it is a large one."""
         return self.field if self.wide is None else self.wide.coarse
 
     def place_above(self, surface_enu_m: Vector3) -> Vector3 | None:
-        """Centre of the sphere straight above a point of a surface; None if it fits nowhere.
+        """The centre of the sphere straight above a point of a surface; None if it fits nowhere.
 
-        It is the lowest one and what can be climbed from there, up to a height from which a surface
-        no longer counts as a narrow place: whoever takes off or lands passes through it.
+        It is the lowest free place and the climb from there, up to a height at which the surface no
+        longer counts as a narrow place, because every take-off and landing passes through it.
 
         Args:
             surface_enu_m: Point that the vehicle stands on.
@@ -94,22 +103,25 @@ class Reach:
         step_m = self.field.resolution_m
         rises_m = np.arange(self.radius_m, _MOST_ABOVE_M + step_m, step_m)
         column = np.stack([np.full_like(rises_m, x), np.full_like(rises_m, y), z + rises_m], axis=1)
+        # A surface near the top of the flight volume has no cells above it.
         column = column[self.field.contains(column)]
         if self.wide is not None:
+            # Cells of a large scene are computed before they are read.
             self.wide.build(column, 0.0)
         fits = self.field.distance_m[tuple(self.field.cells(column).T)] >= self.radius_m
         if not fits.any():
             return None
         lowest = int(np.argmax(fits))
+        # Cells above the lowest free one, up to the first that is blocked.
         n_joined = int(np.argmin(np.append(fits[lowest:], False)))
         highest = min(lowest + n_joined - 1, max(lowest, int(_RISE_M / step_m)))
         first = column[highest].tolist()
         return (first[0], first[1], first[2])
 
     def way(self, start_enu_m: Vector3, goal_enu_m: Vector3) -> Float[np.ndarray, "n 3"] | None:
-        """Corners of the shortest way between two places of the sphere; None if there is none.
+        """The corners of the shortest path between two places of the sphere; None without any.
 
-        Closeness costs a little, so that the way keeps to the middle of what it passes.
+        Closeness costs a little, so that the path keeps to the middle of narrow places.
         """
         ends = np.array([start_enu_m, goal_enu_m])
         if self.wide is not None:
@@ -126,5 +138,6 @@ class Reach:
             )
         except PlanningError:
             return None
+        # Start and goal themselves instead of the centres of their cells.
         points = np.concatenate([ends[:1], self.field.centres(cells)[1:-1], ends[1:]])
         return straighten(points, self.obstacles, enough_m=self.radius_m + _COMFORTABLE_M)

@@ -1,4 +1,8 @@
-"""Recipe by which tasks are drawn: a dataclass, and the TOML file that a user writes."""
+"""Recipe by which tasks are drawn: a dataclass, and the TOML file that a user writes.
+
+A recipe gives distributions, not tasks. With its seed it determines every task of every scene and
+vehicle, so that a campaign can be repeated and extended from a file of a few lines.
+"""
 
 from __future__ import annotations
 
@@ -21,14 +25,14 @@ from scenarios.tasks.way import GRADES, Grade
 from scenarios.trials.limits import LIMITS
 
 _MOST_DRAWS = 100
-"""Each draw searches a way through the scene, which takes a tenth of a second."""
+"""Limit of draws. Each draw searches a path through the scene, which takes a tenth of a second."""
 _MOST_WORDS = 100
 Ends = Literal["any", "indoor", "outdoor", "through"]
 Aiding = Literal["gnss", "vio", "mocap", "auto"]
 Goal = Literal["area", "naming", "relation", "chain"]
 """Kinds of goals: an area, or a text of one of three grades."""
 Range = tuple[float, float]
-"""Bounds between which a number is drawn, every one with equal chance."""
+"""Bounds between which a number is drawn uniformly."""
 
 
 class RecipeError(TestbenchError):
@@ -37,28 +41,27 @@ class RecipeError(TestbenchError):
 
 @dataclass(frozen=True, kw_only=True)
 class Recipe:
-    """What the tasks of a campaign are drawn from.
+    """Distributions from which the tasks of a campaign are drawn.
 
-    Where several words are allowed, each trial draws one of them with equal chance; a word that is
+    If several words are allowed, each trial draws one of them with equal chance; a word that is
     named twice is drawn twice as often.
     """
 
     seed: int = 0
     """Seed of all draws; another one gives other tasks."""
     start: tuple[Literal["own", "area"], ...] = ("own", "area")
-    """Where a flight begins: at the scene's own start, or on one of its areas."""
+    """Start of a flight: the scene's own, or on one of its areas."""
     ends: Ends = "any"
-    """Where start and target lie: both indoors, both outdoors, one of each (`through`), or any."""
+    """Sides of start and target: both indoors, both outdoors, one of each (`through`), or any."""
     target: Target = "landing"
-    """What it is to land on."""
+    """Kind of area to land on."""
     goals: tuple[Goal, ...] = ("area",)
-    """How the pilot learns where to land: by its area, or by a text of a grade, see
-    docs/goals.md."""
+    """How the pilot learns its goal: by its area, or by a text of a grade, see docs/goals.md."""
     difficulty: tuple[Grade, ...] = GRADES[::-1]
-    """Grades of the ways, which the trials take in turn as far as the scene has them; hard ones
-    come first, so that a few trials a scene tell pilots apart."""
+    """Grades of the paths, which the trials take in turn as far as the scene has them; hard ones
+    come first, so that a few trials a scene separate pilots."""
     draws: int = 6
-    """Ways that are measured at most until one is of the grade whose turn it is."""
+    """Most paths that are measured until one is of the grade whose turn it is."""
     time_limit_s: float = LIMITS.trial_s
     """Simulated time of a trial, up to that of every verdict."""
     wind_mps: Range = (0.0, 5.0)
@@ -73,12 +76,12 @@ class Recipe:
     depth_camera: tuple[Literal["exact", "d435", "d455"], ...] = ("exact",)
     map: tuple[MapSource, ...] = ("truth",)
     aiding: tuple[Aiding, ...] = ("auto",)
-    """What measures the position, as `aeroscene sitl --aiding` has it; vio denies satellites."""
+    """Source of the position, as `aeroscene sitl --aiding` has it; vio denies satellites."""
     failures: tuple[str, ...] = ("none",)
     """Parts that fail in flight, and when, such as gnss+vio=off@2:8 or motor=off@3:10: seconds
     after lift-off between which the moment is drawn."""
     navigation_within: float | None = None
-    """Most time of the way, in multiples of the least possible one; None for any."""
+    """Most time of the path, in multiples of the least possible one; None for any."""
 
     def __post_init__(self) -> None:
         """Refuse values from which nothing can be drawn.
@@ -108,10 +111,12 @@ class Recipe:
                 f"recipe: time_limit_s {self.time_limit_s} is out of range; "
                 f"valid: above 0, at most {LIMITS.trial_s:g}"
             )
+        # Texts are drawn for landing areas only.
         if set(self.goals) != {"area"} and self.target != "landing":
             raise RecipeError(
                 f"recipe: target {self.target!r} has no texts; valid: landing, or goals area"
             )
+        # "Not at least" instead of "below", so that NaN is refused too.
         if self.navigation_within is not None and not self.navigation_within >= 1.0:
             raise RecipeError(
                 f"recipe: navigation_within {self.navigation_within} is out of range; "
@@ -120,9 +125,10 @@ class Recipe:
         self._try_words()
 
     def _try_words(self) -> None:
-        """Refuse what the testbench would refuse."""
+        """Refuse words that the testbench would refuse, before any trial is flown."""
         words: list[dict[str, Any]] = [{"turbulence": word} for word in self.turbulence]
         words += [{"traffic": word} for word in self.traffic]
+        # The largest values: if the testbench takes these, it takes all below.
         words.append({"wind": self.wind_mps[1], "gust": self.gust_mps[1]})
         for word in self.failures:
             try:
@@ -136,15 +142,15 @@ class Recipe:
                 raise RecipeError(f"recipe: {error}") from None
 
     def to_plain(self) -> dict[str, Any]:
-        """The recipe as plain data."""
+        """Return the recipe as plain data, which `recipe_from` reads."""
         return asdict(self)
 
 
 def read_recipe(path: Path) -> Recipe:
-    """Read the recipe in a TOML file; what it does not name keeps its default.
+    """Read the recipe in a TOML file; fields that it does not name keep their defaults.
 
     Raises:
-        RecipeError: If it cannot be read, or is none.
+        RecipeError: If the file cannot be read or is no recipe.
     """
     try:
         plain = read_toml(path)
@@ -154,7 +160,7 @@ def read_recipe(path: Path) -> Recipe:
 
 
 def recipe_from(plain: dict[str, Any]) -> Recipe:
-    """Recipe of plain data, as `Recipe.to_plain` writes it.
+    """Return the recipe of plain data, as `Recipe.to_plain` writes it.
 
     Raises:
         RecipeError: If a name is unknown, or a value is of the wrong kind.
@@ -165,6 +171,7 @@ def recipe_from(plain: dict[str, Any]) -> Recipe:
     try:
         return msgspec.convert(plain, Recipe)
     except msgspec.ValidationError as error:
+        # A check of our own, wrapped by msgspec: its message is the better one.
         if isinstance(error.__cause__, RecipeError):
             raise error.__cause__ from None
         what, _, where = str(error).partition(" - at ")

@@ -1,4 +1,8 @@
-"""Draws tasks from a recipe: trial N of a scene and a vehicle is always the same."""
+"""Draws tasks from a recipe: trial N of a scene and a vehicle is always the same.
+
+Every kind of draw has its own random stream, named by scene, vehicle and trial. So a trial does not
+depend on those drawn before it, and a new field of the recipe leaves all other draws as they were.
+"""
 
 from __future__ import annotations
 
@@ -38,14 +42,14 @@ from scenarios.words.drawing import WordGoal, draw_goal
 from scenarios.words.goal import Grade as GoalGrade
 
 _MOST_DRAWS = 60
-"""Draws of a start and an area for one trial, with those that no free space joins."""
+"""Draws of a start and an area for one trial, including pairs that no free space joins."""
 _SEEDS = 2**31
 MOST_SHARE = 0.05
-"""Share of the areas that fit the vehicle which may be of the place that a text means: whoever
+"""Greatest share of the fitting areas that may belong to the place that a text means: a pilot that
 lands anywhere must not be right more often."""
 _MOST_WAYS = 4
-"""Nearest areas of such a place to which ways are measured."""
-_KEPT_SCENES = 2
+"""Number of nearest areas of such a place to which paths are measured."""
+_KEPT_SCENES = 2  # of openings, which take seconds to find
 _T = TypeVar("_T")
 
 
@@ -53,7 +57,7 @@ Side = Literal["indoor", "outdoor"]
 
 
 class _Start(NamedTuple):
-    """Where a flight begins."""
+    """Start of a flight."""
 
     position_enu_m: Vector3
     yaw_rad: float
@@ -61,14 +65,14 @@ class _Start(NamedTuple):
 
 
 class _Asked(NamedTuple):
-    """What text a trial asks for."""
+    """Text that a trial asks for."""
 
     grade: GoalGrade
     seed: int
 
 
 class Sampler:
-    """Draws the tasks of one vehicle in one scene, and keeps what it measured for the next ones."""
+    """Draws the tasks of one vehicle in one scene, and keeps its measurements for the next ones."""
 
     def __init__(
         self, name: str, scene: Scene, airframe: Airframe, recipe: Recipe, family: str = ""
@@ -79,7 +83,7 @@ class Sampler:
             name: Name by which the scene is opened.
             scene: The scene.
             airframe: Vehicle that flies.
-            recipe: What is drawn from.
+            recipe: Distributions of the tasks.
             family: Name of the recipe among those of a suite.
         """
         self._family = family
@@ -89,12 +93,16 @@ class Sampler:
         self._recipe = recipe
         self._reach = Reach.of(scene, airframe)
         self._places: dict[Vector3, Vector3 | None] = {}
-        """Where the vehicle begins above each start; None if it cannot stand there, or not rise."""
+        """Place of the vehicle's sphere above each start; None if it cannot stand there, or not
+        rise."""
         self._goals: dict[tuple[int, _Asked], WordGoal | None] = {}
         self._ways: dict[tuple[Vector3, int], WayFigures | None] = {}
 
     def task(self, trial: int) -> Task:
-        """Task of a trial by its number.
+        """Return the task of a trial by its number.
+
+        Args:
+            trial: Number of the trial, from 0.
 
         Raises:
             NoTaskError: If free space joins none of the drawn starts and areas.
@@ -108,6 +116,8 @@ class Sampler:
         ways = generator(recipe.seed, scene_id, "way", *stream)
         start, area, way = self._draw_way(trial, ways, asked)
         goal = None if asked is None else self._goal(area, asked)
+        # Fields that draw from `rng` do so in this order: a new one must come last, or tasks
+        # change.
         return Task(
             family=self._family,
             scene=self._name,
@@ -136,7 +146,7 @@ class Sampler:
         )
 
     def _draw_failures(self, rng: np.random.Generator) -> str:
-        """Failures of a task.
+        """Draw the failures of a task.
 
         Raises:
             NoTaskError: If the vehicle lacks the part.
@@ -158,7 +168,8 @@ class Sampler:
     def _draw_way(
         self, trial: int, rng: np.random.Generator, asked: _Asked | None
     ) -> tuple[_Start, InteractionArea, WayFigures]:
-        """Start, area and way: of the grade whose turn it is, else the nearest to it."""
+        """Draw start, area and path: of the grade whose turn it is, else the nearest to it."""
+        # Grades by turns, so that any first trials of a scene have all of them.
         wanted = self._recipe.difficulty[trial % len(self._recipe.difficulty)]
         found: list[tuple[_Start, InteractionArea, WayFigures]] = []
         for _ in range(_MOST_DRAWS):
@@ -182,13 +193,14 @@ class Sampler:
         return min(found, key=lambda each: _steps_between(each[2].grade, wanted))
 
     def _draw_start(self, rng: np.random.Generator) -> _Start | None:
-        """A start that the recipe allows; None if the draw falls on none."""
+        """Draw a start that the recipe allows; None if the draw falls on none."""
         kind = _one(rng, self._recipe.start)
         areas = [
             area
             for area in fitting_areas(self._scene, self._airframe)
             if self._recipe.ends in {"any", "through", self._side(area)}
         ]
+        # Drawn in any case, so that both kinds of start use the same number of draws.
         place, yaw_rad = int(rng.integers(_SEEDS)), float(rng.uniform(-math.pi, math.pi))
         own: Side = "indoor" if self._scene.domain == "indoor" else "outdoor"
         if (kind == "own" or not areas) and self._recipe.ends in {"any", "through", own}:
@@ -200,16 +212,18 @@ class Sampler:
         return _Start(area.centroid, round(yaw_rad, 3), self._side(area))
 
     def _draw_area(self, start: _Start, seed: int, asked: _Asked | None) -> InteractionArea | None:
-        """The first area that a seed draws for a start and the recipe allows; None without any."""
+        """Return the first area that a seed draws for a start and the recipe allows, else None."""
+        # From the drawn start, because the area under it is left out.
         scene = self._from(start.position_enu_m)
         drawn = draw_goals(scene, self._airframe, seed, self._recipe.target)
         goals = [goal for goal in drawn if self._may_end(start, goal)]
         if asked is not None:
+            # A generator: texts are made only until one fits.
             goals = (goal for goal in goals if self._has_text(start, goal, asked))
         return next(iter(goals), None)
 
     def _has_text(self, start: _Start, area: InteractionArea, asked: _Asked) -> bool:
-        """Whether a text names the place of an area alone, and luck does not find it."""
+        """Return whether a text names only the place of an area, and chance hardly finds it."""
         goal = self._goal(area, asked)
         if goal is None:
             return False
@@ -218,7 +232,7 @@ class Sampler:
         return len(goal.areas) <= MOST_SHARE * n_areas and not stands_there
 
     def _goal(self, area: InteractionArea, asked: _Asked) -> WordGoal | None:
-        """Goal in words for the place of an area, as the run of the task draws it too."""
+        """The goal in words for the place of an area, as the run of the task draws it too."""
         key = (area.id, asked)
         if key not in self._goals:
             goal = draw_goal(self._scene, area, asked.grade, asked.seed)
@@ -228,9 +242,10 @@ class Sampler:
     def _nearest_way(
         self, start: _Start, area: InteractionArea, asked: _Asked | None
     ) -> tuple[InteractionArea, WayFigures] | None:
-        """The area with the shortest way among those on which a landing is a success."""
+        """Return the area with the shortest path among those on which a landing is a success."""
         goal = None if asked is None else self._goal(area, asked)
         areas = [area] if goal is None else goal.areas
+        # Only a few paths are searched; the straight distance selects them.
         near = sorted(areas, key=lambda each: math.dist(each.centroid, start.position_enu_m))
         ways = [(each, self._way(start.position_enu_m, each)) for each in near[:_MOST_WAYS]]
         found = [(each, way) for each, way in ways if way is not None]
@@ -244,7 +259,7 @@ class Sampler:
         return "indoor" if is_indoor(self._scene, area) else "outdoor"
 
     def _way(self, start: Vector3, area: InteractionArea) -> WayFigures | None:
-        """Figures of the way from a start to an area; None if there is none."""
+        """Return the figures of the path from a start to an area; None if there is none."""
         key = (start, area.id)
         if key not in self._ways:
             self._ways[key] = self._measured(start, area)
@@ -260,23 +275,24 @@ class Sampler:
         return measure_way(self._reach, corners, lambda _: _openings(self._scene))
 
     def _place(self, start: Vector3) -> Vector3 | None:
-        """Where the vehicle begins above a start; None if it cannot stand there, or not rise."""
+        """The place of the sphere above a start; None if it cannot stand there, or not rise."""
         if start not in self._places:
             self._places[start] = self._reach.place_above(start)
             try:
+                # The world refuses a start on which the vehicle cannot stand.
                 build_world(self._from(start), self._airframe)
             except WorldError:
                 self._places[start] = None
         return self._places[start]
 
     def _from(self, start: Vector3) -> Scene:
-        """The scene with another start."""
+        """Return the scene with another start."""
         return replace(self._scene, start_position_enu_m=start)
 
 
 @functools.lru_cache(maxsize=_KEPT_SCENES)
 def _openings(scene: Scene) -> Sequence[Opening]:
-    """Openings of a scene: seconds of work, and the same for every vehicle and start."""
+    """Return the openings of a scene; kept, because they take seconds and serve all vehicles."""
     primitives = scene_primitives(scene)
     voxels = kept_distance_field(scene, FIELD_RESOLUTION_M, primitives)
     return find_openings(distance_field(voxels), scene_obstacles(scene, primitives))

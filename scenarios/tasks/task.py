@@ -1,4 +1,8 @@
-"""Task of one trial: everything that its flight follows from, besides the pilot and the code."""
+"""Task of one trial: everything that determines its flight, besides the pilot and the code.
+
+A task is plain numbers and words. Two campaigns are comparable trial by trial if their tasks are
+equal, and a row of results can be flown again.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +23,7 @@ class Task:
     """A flight from a start to an area, and the conditions under which it is flown."""
 
     family: str
-    """Family whose recipe the task is drawn from; empty where a campaign has one recipe."""
+    """Family whose recipe the task is drawn from; empty if a campaign has one recipe."""
     scene: str
     """Name of the scene, as `load_scene` takes it."""
     vehicle: str
@@ -31,9 +35,9 @@ class Task:
     """Point to stand on at first, ENU, m."""
     start_yaw_rad: float
     area: int
-    """Area to land on; of a goal in words, the area of its place with the shortest way."""
+    """Area to land on; for a goal in words, the area of its place with the shortest path."""
     goal: Literal["area", "naming", "relation", "chain"]
-    """How the pilot learns where to land."""
+    """How the pilot learns its goal."""
     text: str | None
     """Goal in words."""
     goal_areas: tuple[int, ...]
@@ -48,23 +52,23 @@ class Task:
     gnss: Literal["rtk", "standard"]
     depth_camera: Literal["exact", "d435", "d455"]
     map: MapSource
-    """Whether the pilot is given the map, or has to make it."""
+    """"truth" if the map is given to the pilot, "onboard" if it must make its own."""
     aiding: Literal["gnss", "vio", "mocap", "auto"]
-    """What measures the position."""
+    """Source of the position."""
     failures: str
     """Parts that fail in flight and when, as `aeroscene sitl --fail` has them."""
     navigation_limit_s: float | None
     """Time after lift-off in which it must have come above its area; None for any."""
     way: WayFigures
-    """Figures of the shortest way, and the grade that follows from them."""
+    """Figures of the shortest path, and the grade that follows from them."""
 
     @property
     def trial_id(self) -> str:
-        """Name of the trial, one of a kind within a campaign: scene/vehicle/number."""
+        """Name of the trial, unique within a campaign: scene/vehicle/number."""
         return trial_id(self.scene, self.vehicle, self.trial, self.family)
 
     def cfg(self) -> SitlCfg:
-        """Configuration of the run that flies the task."""
+        """Return the configuration of the run that flies the task."""
         return SitlCfg(
             scene=self.scene,
             area=self.area,
@@ -84,22 +88,26 @@ class Task:
                 depth_camera=self.depth_camera,
                 aiding=self.aiding,
                 fail=self.failures,
+                # As fast as possible: no client outside of the process waits for real time.
                 speed="max",
             ),
         )
 
     def place(self, scene: Scene) -> Scene:
-        """The scene with the start of the task.
+        """Return the scene with the start of the task.
 
         Args:
             scene: The scene that the task names.
         """
+        # The areas stay: the goal's number must mean the same area from every start.
         return replace(scene, start_position_enu_m=self.start, start_yaw_rad=self.start_yaw_rad)
 
     def to_plain(self) -> dict[str, Any]:
-        """The task as plain data, flat: the figures of the way stand beside the rest."""
+        """Return the task as plain data, flat: the figures of the path stand beside the rest."""
+        # A column of a table holds a number or a word, so the path's figures move up a level.
         plain = asdict(self)
         way = plain.pop("way")
+        # It follows from path and vehicle, so the task need not hold it.
         least_s = least_navigation_s(self.way.way_m, airframe_by_name(self.vehicle))
         return {
             "trial_id": self.trial_id,
@@ -111,5 +119,5 @@ class Task:
 
 
 def trial_id(scene: str, vehicle: str, trial: int, family: str = "") -> str:
-    """Name of a trial, which begins with its family where it has one."""
+    """Return the name of a trial, which begins with its family if it has one."""
     return "/".join([*([family] if family else []), scene, vehicle, str(trial)])

@@ -1,9 +1,9 @@
-"""How difficult the way of a task is, measured before anybody flies it.
+"""Difficulty of a task's path, measured before anybody flies it.
 
-The way is the shortest one through the cells in which the vehicle's sphere fits, straightened, but
-neither smoothed nor timed, and the same for every pilot. Each of four figures earns
-points: none in the easiest third of ways between drawn starts and areas of the shipped scenes, one
-in the middle third, two in the hardest. The sum decides between easy, medium and hard.
+The path is the shortest one through the cells in which the vehicle's sphere fits, straightened, but
+neither smoothed nor timed, and the same for every pilot. Each of four figures earns points: none in
+the easiest third of paths between drawn starts and areas of the shipped scenes, one in the middle
+third, two in the hardest. The sum decides between easy, medium and hard.
 """
 
 from __future__ import annotations
@@ -27,21 +27,21 @@ from scenarios.tasks.reach import Reach
 Grade = Literal["easy", "medium", "hard"]
 GRADES: tuple[Grade, ...] = ("easy", "medium", "hard")
 
-_STEP_M = 0.25
+_STEP_M = 0.25  # between the points at which room is measured
 _NEAR_M, _ABOUT_M = 1.5, 5.0
-"""Distance within which something is near, and width of the space about a way that counts."""
+"""Distance within which an obstacle is near, and width of the space about a path that counts."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class WayFigures:
-    """Figures of the shortest way from above the start to above the area."""
+    """Figures of the shortest path from above the start to above the area."""
 
     way_m: float
     """Length."""
     corridor_m: float
-    """Least width of free space about it, twice the least distance to what stands."""
+    """Least width of free space about it, twice the least distance to obstacles."""
     clutter: float
-    """Share of the space about it that is within 1.5 m of something, 5 m and less to the side."""
+    """Share of the space about it that is within 1.5 m of an obstacle, 5 m and less to the side."""
     openings: int
     """Doors, windows and other openings that it passes."""
 
@@ -54,7 +54,7 @@ class WayFigures:
 
     @property
     def grade(self) -> Grade:
-        """Class of the way."""
+        """Class of the path."""
         return next(grade for grade in GRADES if self.points <= MOST_POINTS[grade])
 
 
@@ -65,9 +65,9 @@ THIRDS: Mapping[str, tuple[float, float]] = {
     "clutter": (0.27, 0.43),
     "openings": (0.0, 1.0),
 }
-"""Where the middle third begins and ends, from easy to hard."""
+"""Bounds of the middle third of each figure, from easy to hard."""
 MOST_POINTS: Mapping[Grade, int] = {"easy": 2, "medium": 4, "hard": 8}
-"""Most points of a class; of the same ways 42, 29 and 29% are easy, medium and hard."""
+"""Most points of a class; 42, 29 and 29% of the same paths are easy, medium and hard."""
 
 
 def measure_way(
@@ -75,18 +75,18 @@ def measure_way(
     corners: Float[np.ndarray, "n 3"],
     find_openings: Callable[[Float[np.ndarray, "n 3"]], Sequence[Opening]],
 ) -> WayFigures:
-    """Measure a way through free space.
+    """Measure a path through free space.
 
     Args:
-        reach: Free space that the way leads through.
-        corners: The way, as `Reach.way` finds it, ENU.
+        reach: Free space that the path leads through.
+        corners: The path, as `Reach.way` finds it, ENU.
         find_openings: Returns the openings of the scene, those about some points at least; called
-            only where the way is narrow.
+            only if the path is narrow.
     """
     points = _along(corners)
     room_m = reach.obstacles.signed_distance(points)[0]
     corridor_m = 2.0 * float(room_m.min())
-    # Finding the openings takes seconds; a way with room to both sides passes none.
+    # Finding the openings takes seconds; a path with room on both sides passes none.
     is_narrow = 2.0 * room_m < MAX_WIDTH_M
     openings = find_openings(points[is_narrow]) if is_narrow.any() else ()
     return WayFigures(
@@ -98,14 +98,14 @@ def measure_way(
 
 
 def least_navigation_s(way_m: float, airframe: Airframe) -> float:
-    """Least time of a way: from rest to rest on a straight and level line of its length.
+    """Return the least time of a path: from rest to rest on a straight, level line of its length.
 
-    The time-optimal flight of a point with the vehicle's mass and greatest thrust, which turns at
-    once and meets no air: full tilt forwards for the first half, full tilt backwards for the
-    second. No pilot of the vehicle is as fast on a level way in still air.
+    It is the time-optimal flight of a point with the vehicle's mass and greatest thrust, which
+    turns at once and meets no air: full tilt forwards for the first half, full tilt backwards for
+    the second. No pilot of the vehicle is as fast on a level path in still air.
 
     Args:
-        way_m: Length of the way.
+        way_m: Length of the path.
         airframe: Vehicle.
     """
     craft = airframe.quadrotor
@@ -114,7 +114,7 @@ def least_navigation_s(way_m: float, airframe: Airframe) -> float:
 
 
 def _along(corners: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "m 3"]:
-    """Points on a polyline, close to each other."""
+    """Return points on a polyline, close to each other."""
     parts = [corners[:1]]
     for a, b in itertools.pairwise(corners):
         n_steps = max(1, math.ceil(float(np.linalg.norm(b - a)) / _STEP_M))
@@ -123,7 +123,7 @@ def _along(corners: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "m 3"]:
 
 
 def _clutter(points: Float[np.ndarray, "n 3"], field: DistanceField) -> float:
-    """Share of the cells about a way, in the box that holds it, that are near something."""
+    """Return the share of the cells about a path, in the box that holds it, near an obstacle."""
     about = np.array([_ABOUT_M, _ABOUT_M, 0.0])
     low, high = field.cells(np.array([points.min(axis=0) - about, points.max(axis=0) + about]))
     (i, j, k), (u, v, w) = np.maximum(low, 0).tolist(), (high + 1).tolist()
@@ -131,10 +131,12 @@ def _clutter(points: Float[np.ndarray, "n 3"], field: DistanceField) -> float:
 
 
 def _passed(points: Float[np.ndarray, "n 3"], openings: Sequence[Opening]) -> int:
-    """Number of openings that a way leads through."""
+    """Return the number of openings that a path leads through."""
     if not openings:
         return 0
     centres = np.array([opening.center_enu_m for opening in openings])
     reach_m = np.array([max(opening.width_m, opening.height_m) / 2 for opening in openings])
+    # Near the middle of an opening, by half its larger extent, counts as through it.
+    # Points are a quarter of a metre apart, close enough to meet any opening.
     away_m = np.linalg.norm(points[:, None] - centres, axis=2).min(axis=0)
     return int(np.count_nonzero(away_m <= reach_m))

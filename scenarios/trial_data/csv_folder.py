@@ -23,7 +23,10 @@ def write_csv(trial: RecordedTrial, out: Path) -> Path:
 
     Args:
         trial: The trial.
-        out: Folder that is made.
+        out: Folder to create.
+
+    Returns:
+        The folder.
 
     Raises:
         OSError: If it cannot be written; nothing is left.
@@ -32,6 +35,7 @@ def write_csv(trial: RecordedTrial, out: Path) -> Path:
     with building(out) as folder:
         for name, table in trial.tables.items():
             csv.write_csv(table, folder / f"{name}.csv")
+        # Types, units and frames, which a CSV file cannot hold.
         (folder / SCHEMA_FILE).write_bytes(schema_json(TABLES))
         (folder / "README.txt").write_text(_README, encoding="utf-8")
         for name, files in ((IMAGES, trial.pictures), (SCANS, trial.scans)):

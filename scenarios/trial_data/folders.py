@@ -13,7 +13,10 @@ from scenarios.trial_data.reading import TrialDataError
 
 @contextmanager
 def building(out: Path) -> Iterator[Path]:
-    """A temporary neighbour to fill, which takes its name when nothing went wrong.
+    """Yield a temporary neighbour to fill, which takes the wanted name if nothing goes wrong.
+
+    Args:
+        out: Wanted folder.
 
     Raises:
         TrialDataError: If something of that name is there.
@@ -22,6 +25,7 @@ def building(out: Path) -> Iterator[Path]:
     if out.exists():
         raise TrialDataError(f"out {str(out)!r} is there already; valid: a name that is free")
     out.parent.mkdir(parents=True, exist_ok=True)
+    # In the same folder, because a rename is atomic only within a file system.
     parent = Path(tempfile.mkdtemp(dir=out.parent, prefix=f".{out.name}."))
     try:
         folder = parent / out.name

@@ -1,4 +1,4 @@
-"""What a format leaves out of a recording, in words, so that nothing vanishes untold."""
+"""Parts of a recording that a format leaves out, in words, so that nothing vanishes unnoticed."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _WORDS: Mapping[str, str] = {
     "movers": "movers",
     "contacts": "contacts",
 }
-"""Tables in words."""
+"""Names of tables in messages."""
 _NOT_TABLES: Mapping[str, str] = {
     layout.camera(""): "images of cameras whose place was not recorded",
     "world/landing_map/": "the pilot's landing map",
@@ -33,12 +33,12 @@ _DERIVED = (
     layout.TOUCHED,
     layout.CONTACTS,
 )
-"""Parts that other tables have in another form: errors and paths from states, old plans, contacts;
-the chase camera is none of the vehicle's."""
+"""Parts that other tables have in another form: errors and paths follow from states, old plans from
+plans, contacts from contacts. The chase camera is no part of the vehicle."""
 
 
 def left_out(trial: RecordedTrial, tables: Iterable[str] = TABLES) -> list[str]:
-    """What a recording holds and a format does not, in words.
+    """Return the parts of a recording that a format does not hold, in words.
 
     Args:
         trial: The recording.
@@ -51,7 +51,9 @@ def left_out(trial: RecordedTrial, tables: Iterable[str] = TABLES) -> list[str]:
         if name not in kept and len(table)
     ]
     for entity in sorted(trial.others):
+        # Parts that follow from other tables are not lost.
         if not entity.startswith(_DERIVED):
             words = (said for start, said in _NOT_TABLES.items() if entity.startswith(start))
             found.append(next(words, entity))
+    # Each once, in the order of their first mention.
     return list(dict.fromkeys(found))

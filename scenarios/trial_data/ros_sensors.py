@@ -1,4 +1,8 @@
-"""Topics of a bag for lidar, optical flow, gauges, labels of segments, movers and contacts."""
+"""Topics of a bag for lidar, optical flow, gauges, labels of segments, movers and contacts.
+
+Each table of a trial becomes messages of the standard type that ROS tools already display, if there
+is one, else plain numbers or JSON.
+"""
 
 from __future__ import annotations
 
@@ -22,20 +26,20 @@ from scenarios.trial_data.tables import QUATERNION
 _INFRARED, _RANGE_M = 1, (0.0, 100.0)
 _LABELS = {image: f"/labels/{image}" for image in ("classes", "instances")}
 LATCHED = frozenset({"/tf_static", *_LABELS.values()})
-"""Topics whose last message late subscribers still get."""
+"""Topics whose last message is also sent to late subscribers."""
 Message = tuple[int, str, Any]
-"""Time, us; topic; message."""
+"""A message with its time in us and its topic."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class SensorTopics:
-    """What a vehicle carries besides IMU and cameras, and what it meets."""
+    """Sensors of a vehicle besides IMU and cameras, and its encounters."""
 
     trial: RecordedTrial
     ros: RosMessages
 
     def streams(self) -> tuple[Iterator[Message], ...]:
-        """Messages of each topic, in order of time; none where nothing was recorded."""
+        """Return the messages of each topic, in order of time; none if nothing was recorded."""
         return (
             self._labels(),
             self._scans(),
@@ -50,6 +54,7 @@ class SensorTopics:
         for image, topic in _LABELS.items():
             names = {row["number"]: row["name"] for row in rows if row["image"] == image}
             if names:
+                # vision_msgs has one message for the meaning of all numbers of an image.
                 classes = [
                     self.ros.new("vision_msgs/VisionClass", class_id=number, class_name=name)
                     for number, name in names.items()
@@ -59,7 +64,7 @@ class SensorTopics:
                 yield 0, topic, self.ros.new("vision_msgs/LabelInfo", **info)
 
     def _scans(self) -> Iterator[Message]:
-        """Points on the vehicle, as the recording has them."""
+        """Yield points on the vehicle, as the recording has them."""
         points = {each.file: each.data for each in self.trial.scans}
         for row in self.trial.tables["scans"].to_pylist():
             scan = np.load(io.BytesIO(points[row["points_file"]]))
@@ -67,7 +72,7 @@ class SensorTopics:
             yield row["time_us"], "/lidar/points", cloud(self.ros, header, scan)
 
     def _flow(self) -> Iterator[Message]:
-        """Angles in FRD, as MAVLink and mavros have them."""
+        """Yield angles in FRD, as MAVLink and mavros have them."""
         for row in self.trial.tables["optical_flow"].to_pylist():
             yield (
                 row["time_us"],
@@ -89,10 +94,11 @@ class SensorTopics:
             )
 
     def _gauges(self) -> Iterator[Message]:
-        """Battery, rangefinder, and the others as plain numbers."""
+        """Yield battery, rangefinder, and the others as plain numbers."""
         for row in self.trial.tables["gauges"].to_pylist():
             time_us = row["time_us"]
             yield time_us, "/battery", self._battery(row)
+            # NaN means that the vehicle lacks the sensor or that nothing was met.
             if not math.isnan(row["range_m"]):
                 yield time_us, "/rangefinder", self._range(row)
             for topic, column in (
@@ -109,6 +115,7 @@ class SensorTopics:
             self.ros.header(row["time_us"], BASE),
             row["battery_voltage_v"],
             row["battery_current_a"],
+            # ROS has a share.
             row["battery_remaining_percent"] / 100.0,
         )
 
@@ -124,6 +131,7 @@ class SensorTopics:
         )
 
     def _movers(self) -> Iterator[Message]:
+        # The table has one mover after the other, a bag's streams are in order of time.
         rows = sorted(self.trial.tables["movers"].to_pylist(), key=lambda row: row["time_us"])
         for row in rows:
             pose = self.ros.pose(
@@ -135,7 +143,7 @@ class SensorTopics:
             yield row["time_us"], f"/movers/{row['mover']}", message
 
     def _contacts(self) -> Iterator[Message]:
-        """Each contact as JSON, when it began."""
+        """Yield each contact as JSON, at its beginning."""
         for row in self.trial.tables["contacts"].sort_by("since_us").to_pylist():
             del row["trial"]
             message = self.ros.new("std_msgs/String", data=json.dumps(row))

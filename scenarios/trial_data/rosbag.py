@@ -35,7 +35,10 @@ def write_bag(trial: RecordedTrial, out: Path) -> Path:
 
     Args:
         trial: The trial.
-        out: Folder that is made.
+        out: Folder to create.
+
+    Returns:
+        The folder.
 
     Raises:
         TrialDataError: If the library for bags is not installed, the recording holds no states, or
@@ -57,6 +60,7 @@ def write_bag(trial: RecordedTrial, out: Path) -> Path:
     with building(out) as folder:
         folder.rmdir()  # The writer makes it.
         bag = Writer(folder, version=8, storage_plugin=StoragePlugin.MCAP)
+        # Chunks of the file are compressed, not single messages.
         bag.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
         with bag:
             connections: dict[str, Any] = {}
@@ -66,6 +70,7 @@ def write_bag(trial: RecordedTrial, out: Path) -> Path:
                     connections[topic] = bag.add_connection(
                         topic, kind, typestore=ros.store, offered_qos_profiles=_qos(topic)
                     )
+                # Stamps of a bag are in nanoseconds.
                 data = ros.store.serialize_cdr(message, kind)
                 bag.write(connections[topic], 1000 * time_us, data)
     return out
@@ -79,7 +84,10 @@ class _Topics:
         self._ros = ros
 
     def messages(self) -> Iterator[Message]:
-        """All messages in order of time."""
+        """Yield all messages in order of time.
+
+        Each stream is sorted, so merging them needs no list of all messages.
+        """
         streams = (
             self._static_transforms(),
             self._odometry("true", MAP, TRUE_BASE),
@@ -95,12 +103,13 @@ class _Topics:
         return heapq.merge(*streams, key=lambda message: message[0])
 
     def _odometry(self, whose: str, world: str, frame: str) -> Iterator[Message]:
-        """Pose in the world and velocity in the body, and the pose as a transform."""
+        """Yield the pose in the world and the velocity in the body, and the pose as a transform."""
         trial = self._trial
         position = trial.array("states", f"position_{whose}", "m", AXES)
         wxyz = trial.array("states", f"attitude_{whose}", "", QUATERNION)
         velocity = trial.array("states", f"velocity_{whose}", "mps", AXES)
         rate = trial.array("states", f"angular_rate_{whose}", "radps", BODY_AXES)
+        # The estimate is NaN before the filter is aligned, which no message can hold usefully.
         is_known = np.isfinite(wxyz).all(axis=1) & np.isfinite(position).all(axis=1)
         for row in np.flatnonzero(is_known).tolist():
             time_us = trial.tables["states"]["time_us"][row].as_py()
@@ -113,6 +122,7 @@ class _Topics:
 
     def _static_transforms(self) -> Iterator[Message]:
         header = self._ros.header(0, BASE)
+        # `map` and `odom` coincide: the estimate is in the scene's frame already.
         same = (self._ros.header(0, MAP), ODOM, (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0))
         placed = [
             (header, optical(name), mount.position_flu_m, mount.quat_flu_from_optical_wxyz)
@@ -130,7 +140,7 @@ class _Topics:
             yield time, "/imu", message
 
     def _motors(self, prefix: str) -> Iterator[Message]:
-        """Rotor speeds in rad/s."""
+        """Yield rotor speeds in rad/s."""
         nothing = np.zeros(0)
         time_us = self._trial.tables["motors"]["time_us"].to_pylist()
         speeds = self._trial.array("motors", prefix, "radps", self._trial.rotors)
@@ -145,7 +155,7 @@ class _Topics:
             yield time, f"/motors/{prefix}", message
 
     def _plans(self) -> Iterator[Message]:
-        """Each plan when it is taken up; its points are stamped with their times."""
+        """Yield each plan when it takes over; its points are stamped with their times."""
         table = self._trial.tables["plans"]
         number, since_us = table["plan"].to_numpy(), table["since_us"].to_numpy()
         time_us = table["time_us"].to_numpy()
@@ -168,7 +178,7 @@ class _Topics:
             )
 
     def _frames(self) -> Iterator[Message]:
-        """Images as they are, decoded, and the lens beside each."""
+        """Yield images decoded, and the lens beside each."""
         encoded = {picture.file: picture.data for picture in self._trial.pictures}
         where = f"recording {self._trial.name!r}"
         for frame in self._trial.tables["frames"].to_pylist():
@@ -189,18 +199,19 @@ class _Topics:
         yield time_us, f"{topic}/camera_info", info
 
     def _events(self) -> Iterator[Message]:
-        """Changes and texts, and the verdict at the end."""
+        """Yield changes and texts, and the verdict at the end."""
         for event in self._trial.tables["events"].to_pylist():
             line = self._ros.new("std_msgs/String", data=event["value"])
             yield event["time_us"], f"/{event['what']}", line
         about = self._trial.tables["trials"].to_pylist()[0]
+        # The verdict has no time of its own.
         end_us = self._trial.tables["states"]["time_us"][-1].as_py()
         words = {name: about[name] for name in ("scene", "vehicle", "success", "code", "reason")}
         yield end_us, "/verdict", self._ros.new("std_msgs/String", data=json.dumps(words))
 
 
 def _qos(topic: str) -> tuple[Any, ...]:
-    """Quality of service: who subscribes late still gets what never changes."""
+    """Return the quality of service: late subscribers still get messages that never change."""
     from rosbags.interfaces import (
         Qos,
         QosDurability,

@@ -1,7 +1,7 @@
 """Tables of a recorded trial: their columns, with type, unit and frame.
 
 The same tables are written as CSV and as Parquet. A vector has a column for each component, so that
-every program reads them; a quaternion is that of FLU to ENU, or of the optical frame to ENU.
+every program can read them. A quaternion leads from FLU to ENU, or from the optical frame to ENU.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ _UNITS = {
 
 
 class Column(NamedTuple):
-    """A column of a table."""
+    """A column of a table; `says` is its meaning in the schema."""
 
     name: str
     type: pa.DataType
@@ -41,12 +41,12 @@ class Column(NamedTuple):
 
     @property
     def unit(self) -> str:
-        """Unit of its values; empty where they have none."""
+        """Unit of its values; empty if they have none."""
         return _UNITS.get(self.name.rpartition("_")[2], "")
 
 
 def names(prefix: str, parts: Iterable[str], unit: str = "") -> list[str]:
-    """Names of the columns of a vector."""
+    """Return the names of the columns of a vector."""
     suffix = f"_{unit}" if unit else ""
     return [f"{prefix}_{part}{suffix}" for part in parts]
 
@@ -57,16 +57,17 @@ def _vector(prefix: str, parts: Iterable[str], unit: str, says: str) -> list[Col
 
 _TRIAL = Column("trial", pa.string(), "name of the recording's file, without .rrd")
 _TIME = Column("time_us", pa.int64(), "simulated time")
+# Estimates and references begin after the flight's first ticks.
 _KNOWN = "NaN until there is one"
 
 
 def rotor_numbers(n_rotors: int) -> tuple[str, ...]:
-    """Numbers of so many rotors, as they stand in the names of columns."""
+    """Return the numbers of so many rotors, as they stand in the names of columns."""
     return tuple(str(number) for number in range(1, n_rotors + 1))
 
 
 def motor_columns(n_rotors: int) -> tuple[Column, ...]:
-    """Columns of the table of motors of a vehicle with so many rotors."""
+    """Return the columns of the table of motors of a vehicle with so many rotors."""
     parts = rotor_numbers(n_rotors)
     return (
         _TRIAL,
@@ -86,8 +87,9 @@ GAUGES: Mapping[str, tuple[str, str]] = {
     "range_m": (layout.sensor("rangefinder"), "to what lies below; NaN where nothing is met"),
     "flow_radps": (layout.sensor("optical_flow"), "size of the optical flow; NaN without"),
 }
-"""Entity and meaning of what is sampled at 10 Hz, by the name of its column."""
+"""Entity and meaning of each value that is sampled at 10 Hz, by the name of its column."""
 
+# `trials` must be the first: a dataset writes it last, as the sign that a trial is complete.
 TABLES: Mapping[str, tuple[Column, ...]] = {
     "trials": (
         _TRIAL,
@@ -123,6 +125,7 @@ TABLES: Mapping[str, tuple[Column, ...]] = {
         *_vector("acceleration", BODY_AXES, "mps2", "specific force as measured, FLU, 250 Hz"),
         *_vector("angular_rate", BODY_AXES, "radps", "as measured, FLU"),
     ),
+    # The usual number; a trial's own table has as many columns as its vehicle has rotors.
     "motors": motor_columns(4),
     "plans": (
         _TRIAL,
@@ -199,11 +202,11 @@ TABLES: Mapping[str, tuple[Column, ...]] = {
         Column("value", pa.string(), "the new state, or the line"),
     ),
 }
-"""Columns of each table; that of motors has those of a quadrotor, and more where there are more."""
+"""Columns of each table; the table of motors has those of a quadrotor, or more for more rotors."""
 
 
 def arrow_schema(columns: Iterable[Column]) -> pa.Schema:
-    """Types of some columns, with unit and meaning as metadata of each field."""
+    """Return the types of some columns, with unit and meaning as metadata of each field."""
     return pa.schema(
         [
             pa.field(each.name, each.type, metadata={"unit": each.unit, "description": each.says})
@@ -213,7 +216,7 @@ def arrow_schema(columns: Iterable[Column]) -> pa.Schema:
 
 
 def schema_json(tables: Mapping[str, Iterable[Column]]) -> bytes:
-    """Description of tables for people and programs."""
+    """Return the description of tables for people and programs, as JSON."""
     described: dict[str, Any] = {
         table: [
             {"name": c.name, "type": str(c.type), "unit": c.unit, "description": c.says}
@@ -226,5 +229,6 @@ def schema_json(tables: Mapping[str, Iterable[Column]]) -> bytes:
         "FLU": "vehicle: x forward, y left, z up",
         "optical": "camera: x right, y down, z forward",
     }
+    # Beside the tables, because CSV files cannot hold units.
     document = {"tables": described, "frames": frames, "quaternions": "w, x, y, z; unit"}
     return json.dumps(document, indent=2).encode() + b"\n"

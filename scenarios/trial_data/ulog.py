@@ -1,4 +1,8 @@
-"""A trial as a ULog file: the estimate, the truth and the measurements as PX4's topics."""
+"""A trial as a ULog file: the estimate, the truth and the measurements as PX4's topics.
+
+PlotJuggler, Flight Review's tools and pyulog then read a simulated flight like a real one. Frames
+are PX4's, NED and FRD, so this module converts from ENU and FLU.
+"""
 
 from __future__ import annotations
 
@@ -42,7 +46,7 @@ _GAUGES = (
     (Topic("airspeed", "float indicated_airspeed_m_s"), ("airspeed_mps",)),
     (Topic("distance_sensor", "float current_distance"), ("range_m",)),
 )
-"""Topics of the table of gauges, and its columns that they have."""
+"""Topics of the table of gauges, with the columns that each one has."""
 ULOG_TABLES = frozenset({"trials", "states", "imu", "motors", "optical_flow", "gauges", "events"})
 """Tables that a ULog holds."""
 
@@ -62,9 +66,12 @@ def write_ulog(trial: RecordedTrial, out: Path) -> Path:
         trial: The trial.
         out: File, which is replaced.
 
+    Returns:
+        The file.
+
     Raises:
         TrialDataError: If the recording holds no states.
-        OSError: If it cannot be written; nothing is left, and what was there before is untouched.
+        OSError: If it cannot be written; nothing is left, and an earlier file is untouched.
     """
     trial.require("states", "imu", "motors", what="ULog")
     samples = list(_samples(trial))
@@ -74,6 +81,7 @@ def write_ulog(trial: RecordedTrial, out: Path) -> Path:
         "ver_hw": "AEROSCENE_SITL",
         **{f"aeroscene_{name}": str(about[name]) for name in ("scene", "vehicle", "code")},
     }
+    # Readers expect messages in order of time, and topics come one after the other.
     messages = sorted(_messages(samples, trial), key=lambda message: message[0])
     out.parent.mkdir(parents=True, exist_ok=True)
     with replacing(out) as file:
@@ -83,7 +91,7 @@ def write_ulog(trial: RecordedTrial, out: Path) -> Path:
 
 
 def _messages(samples: Sequence[_Samples], trial: RecordedTrial) -> Iterator[tuple[int, bytes]]:
-    """Time and bytes of every message."""
+    """Yield time and bytes of every message."""
     for number, (topic, time_us, values) in enumerate(samples):
         for time, row in zip(time_us.tolist(), values.tolist(), strict=True):
             yield time, topic.pack(number, time, *row)
@@ -120,7 +128,7 @@ def _samples(trial: RecordedTrial) -> Iterator[_Samples]:
 
 
 def _sensors(trial: RecordedTrial) -> Iterator[_Samples]:
-    """Optical flow and gauges, as far as the vehicle has the sensors."""
+    """Yield optical flow and gauges, as far as the vehicle has the sensors."""
     flow = trial.tables["optical_flow"]
     if len(flow):
         parts = [flow[name].to_numpy().astype(object) for name in flow.column_names[2:]]
@@ -128,6 +136,7 @@ def _sensors(trial: RecordedTrial) -> Iterator[_Samples]:
     gauges = trial.tables["gauges"]
     for topic, columns in _GAUGES:
         values = np.column_stack([gauges[name].to_numpy() for name in columns])
+        # PX4 has a share where the table has percent.
         if columns[-1] == "battery_remaining_percent":
             values[:, -1] /= 100.0
         samples = _known(topic, gauges["time_us"].to_numpy(), values)
@@ -136,7 +145,7 @@ def _sensors(trial: RecordedTrial) -> Iterator[_Samples]:
 
 
 def _motion(trial: RecordedTrial, whose: str, suffix: str) -> Iterator[_Samples]:
-    """Position, attitude and rates, from when they are known."""
+    """Yield position, attitude and rates, from when they are known."""
     time_us = trial.tables["states"]["time_us"].to_numpy()
     quats = trial.array("states", f"attitude_{whose}", "", QUATERNION)
     ned = np.array([swap_quat_enu_flu_ned_frd(tuple(quat)) for quat in quats.tolist()])
@@ -158,6 +167,7 @@ def _known(topic: Topic, time_us: np.ndarray, values: np.ndarray) -> _Samples:
 
 def _ned(trial: RecordedTrial, prefix: str) -> Float[np.ndarray, "n 3"]:
     unit = "m" if prefix.startswith("position") else "mps"
+    # ENU to NED: swap the first two, negate the third.
     return trial.array("states", prefix, unit, AXES)[:, [1, 0, 2]] * (1.0, 1.0, -1.0)
 
 

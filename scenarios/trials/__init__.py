@@ -1,1 +1,1 @@
-"""Trials: what a flight was like by the truth, and whether that counts as done."""
+"""Trials: figures of a flight by the truth, and the verdict on it."""

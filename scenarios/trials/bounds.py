@@ -1,8 +1,9 @@
-"""Where a flight begins and ends: lift-off, touchdown, and the contacts between the two.
+"""Bounds of a flight: lift-off, touchdown, and the contacts between the two.
 
-A touchdown is a contact with a surface to land on: the ground and what people walk on, the place of
-an area, or the place where the vehicle stood at the start. Any other contact is a collision. It
-counts as a contact before the touchdown even if no free flight follows it.
+A touchdown is a contact with a surface to land on: the ground and the floors that people walk on,
+the place of an area, or the place where the vehicle stood at the start. Any other contact is a
+collision. It counts as a contact before the touchdown even if no free flight follows it, because
+the fall of a vehicle that hit a wall is no landing.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from scenarios.trials.contacts import Contact
 from scenarios.trials.limits import LIMITS
 
 GROUNDS = (GROUND | PADS | DECKS | BRIDGES | FLOORS | ROOMS | ROOFS) - WATER
-"""Categories that people walk on: whoever comes down there has landed, if not on an area."""
+"""Categories that people walk on: a vehicle that comes down there has landed, if not on an area."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -39,21 +40,21 @@ class Bounds:
     n_contacts: int
     """Number of contacts before the touchdown."""
     before: tuple[Contact, ...] = ()
-    """Those contacts, if it is known what was touched."""
+    """The contacts before the touchdown; empty if it is unknown what was touched."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Touched:
-    """What a flight touched from lift-off on."""
+    """Contacts of a flight from lift-off on."""
 
     contacts: Sequence[Contact]
     """In the order of time."""
     home_id: int | None = None
-    """Object that bore the vehicle at the start; None for the bare ground."""
+    """Object under the vehicle at the start; None for the bare ground."""
 
 
 def lift_off_row(history: np.ndarray) -> int:
-    """First row of the first free flight; the number of rows if there was none."""
+    """Return the first row of the first free flight; the number of rows if there was none."""
     flights = _free_flights(history)
     return flights[0][0] if flights else len(history)
 
@@ -72,14 +73,15 @@ def bounds_of(
         airframe: Vehicle that flew.
         assigned: Assigned area, if there is one.
         others: Other areas that the flight may have ended on.
-        touched: What it touched. None if that is unknown: then whatever ends the last free flight
-            counts as a surface to land on.
+        touched: Contacts of the flight. None if they are unknown: then any surface that ends the
+            last free flight counts as a surface to land on.
     """
     flights, n_rows = _free_flights(history), len(history)
     if not flights:
         return Bounds(lift_off=n_rows, touchdown=n_rows, n_contacts=0)
     (lift_off, _), (_, touchdown) = flights[0], flights[-1]
     landing = _Landing(history, airframe, assigned, others, touched)
+    # Otherwise the flight ended in the air.
     if touchdown < n_rows:
         on_area = landing.first_on_assigned(lift_off)
         touchdown = landing.on_something_else(touchdown) if on_area is None else on_area
@@ -116,7 +118,7 @@ class _Landing:
         return self._history["position_true_enu_m"] - self._leg_m
 
     def first_on_assigned(self, lift_off: int) -> int | None:
-        """First row on the assigned area's own surface; None if there is none."""
+        """Return the first row on the assigned area's own surface; None if there is none."""
         area = self._assigned
         if area is None:
             return None
@@ -128,23 +130,25 @@ class _Landing:
         return lift_off + int(rows[0]) if rows.size else None
 
     def on_something_else(self, ended: int) -> int:
-        """Row at which it came down elsewhere, from the row that ended the last free flight on.
+        """The row at which it came down elsewhere, at or after the end of the last free flight.
 
-        After a collision that is the first row on a surface to land on. If it never reached one,
-        as in the branches of a tree, it is the row of the collision.
+        After a collision that is the first row on a surface to land on. If it never reached one, as
+        in the branches of a tree, it is the row of the collision.
         """
         if self._touched is None:
             return ended
         for contact in self._touched.contacts:
             if contact.until_s < self._time_s[ended]:
                 continue
+            # A nanosecond of tolerance: times are rounded from microseconds.
+            # A contact that began before the last flight ended counts from that end on.
             row = max(ended, int(np.searchsorted(self._time_s, contact.time_s - 1e-9)))
             if self._bears(contact, row):
                 return row
         return ended
 
     def n_brushes(self, lift_off: int, touchdown: int) -> int:
-        """Stretches of contact between two rows, whatever was touched."""
+        """Return the number of stretches of contact between two rows, whatever was touched."""
         ticks = np.flatnonzero(self._is_touching[lift_off:touchdown])
         if not ticks.size:
             return 0
@@ -153,7 +157,7 @@ class _Landing:
         return 1 + int(np.count_nonzero(np.diff(ticks) > n_gap))
 
     def contacts_before(self, touchdown: int, contacts: Sequence[Contact]) -> tuple[Contact, ...]:
-        """Contacts up to the touchdown, but for the one with the surface that it came down on."""
+        """Return the contacts up to the touchdown, without the touchdown itself."""
         if touchdown == len(self._time_s):
             return tuple(contacts)
         landed_s = float(self._time_s[touchdown])
@@ -166,10 +170,11 @@ class _Landing:
         return tuple(contact for contact in until_now if not is_touchdown(contact))
 
     def _bears(self, contact: Contact, row: int) -> bool:
-        """Whether a contact is one with a surface to land on."""
+        """Return whether a contact is one with a surface to land on."""
         touched, soles_enu_m = self._touched, self._soles_enu_m[row]
         assert touched is not None
         is_home = contact.object_id is not None and contact.object_id == touched.home_id
+        # A roof above the soles is a ceiling, not a surface to stand on.
         is_below = contact.position_enu_m[2] <= soles_enu_m[2] + LIMITS.surface_tolerance_m
         if contact.is_with_ground or (is_below and (is_home or contact.category in GROUNDS)):
             return True
@@ -181,7 +186,7 @@ class _Landing:
 
 
 def _is_surface(contact: Contact, area: InteractionArea) -> bool:
-    """Whether a contact is one with what bears an area."""
+    """Return whether a contact is one with the object under an area."""
     if area.object_id is None:
         return contact.is_with_ground
     return contact.object_id == area.object_id
@@ -190,15 +195,16 @@ def _is_surface(contact: Contact, area: InteractionArea) -> bool:
 def is_over_area(
     soles_enu_m: Float[np.ndarray, "n 3"], area: InteractionArea
 ) -> Bool[np.ndarray, " n"]:
-    """Whether each point lies over (or under) an area's polygon and close to its plane."""
+    """Return whether each point lies over (or under) an area's polygon and close to its plane."""
     height_m = np.abs(soles_enu_m[:, 2] - area.centroid[2])
     reach_m = np.linalg.norm(soles_enu_m[:, :2] - np.array(area.centroid[:2]), axis=1)
+    # A sloped area's plane is farther from the centroid's height the farther out a sole stands.
     is_level = height_m <= LIMITS.surface_tolerance_m + reach_m * math.tan(area.slope_rad)
     return is_in_footprint(area, soles_enu_m[:, 0], soles_enu_m[:, 1]) & is_level
 
 
 def is_in_footprint(area: InteractionArea, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
-    """Whether each point lies over (or under) an area's polygon."""
+    """Return whether each point lies over (or under) an area's polygon."""
     import shapely
 
     return shapely.contains_xy(_footprint(tuple(area.polygon)), x_m, y_m)
@@ -206,19 +212,20 @@ def is_in_footprint(area: InteractionArea, x_m: np.ndarray, y_m: np.ndarray) -> 
 
 @functools.lru_cache(maxsize=256)
 def _footprint(corners_enu_m: tuple[Vector3, ...]) -> Any:
-    """Polygon of an area on the ground plane; a flight asks for the same ones again and again."""
+    """The polygon of an area on the ground plane; cached, because flights repeat the same ones."""
     import shapely
 
     return shapely.Polygon([corner[:2] for corner in corners_enu_m])
 
 
 def n_ticks(time_s: np.ndarray, seconds: float) -> int:
-    """Number of rows in a time, from the times of the rows."""
+    """Return the number of rows in a time, from the times of the rows."""
+    # Rows are evenly spaced, so two of them give the rate.
     return round(seconds / (time_s[1] - time_s[0]))
 
 
 def _free_flights(history: np.ndarray) -> list[tuple[int, int]]:
-    """Begin and end (the row after) of each stretch without contact that is long enough."""
+    """Return begin and end (the row after) of each stretch without contact that is long enough."""
     is_free = history["is_touching"] == 0
     changes = np.flatnonzero(is_free[1:] != is_free[:-1]) + 1
     stretches = pairwise([0, *changes.tolist(), len(is_free)])

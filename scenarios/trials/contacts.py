@@ -1,8 +1,9 @@
-"""What the vehicle touched in a flight, and when.
+"""Contacts of a flight: the objects that the vehicle touched, and when.
 
-The plant logs at each control tick whether it touched something. What it was follows from the
-pose of that tick in a copy of the world, whose vehicle feels a centimetre beyond its hull: a
-contact may begin and end within a tick.
+The plant logs at each control tick whether the vehicle touched something, but not which object,
+because that would slow every flight. The object follows afterwards from the pose of that tick in a
+copy of the world. Its vehicle feels a centimetre beyond its hull, because a contact may begin and
+end within a tick.
 """
 
 from __future__ import annotations
@@ -22,19 +23,19 @@ from flightsim.vehicles.builder import vehicle_name
 from flightsim.world import GROUND_NAME, World
 from scenarios.trials.limits import LIMITS
 
-_FELT_M = 0.01
+_FELT_M = 0.01  # beyond the hull, in the copy of the world
 _IMPACT_S = 0.02
-"""Time before a contact in which its speed is measured: solids are a little soft."""
+"""Time before a contact in which its speed is measured, because solids are a little soft."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Contact:
-    """Touch of one thing, from its first to its last moment."""
+    """Touch of one object, from its first to its last moment."""
 
     time_s: float
     until_s: float
     what: str
-    """Object with its number and category, the ground, or the mover."""
+    """The object with its number and category, the ground, or the mover."""
     object_id: int | None
     """Number of the object in the scene; None for the ground and for movers."""
     position_enu_m: Vector3
@@ -46,15 +47,15 @@ class Contact:
 
     @property
     def is_with_ground(self) -> bool:
-        """Whether it is a contact with the bare ground."""
+        """True if it is a contact with the bare ground."""
         return self.object_id is None and self.what == GROUND_NAME
 
     def spans(self, time_s: float) -> bool:
-        """Whether the thing is touched at a time."""
+        """Return whether the object is touched at a time."""
         return self.time_s <= time_s <= self.until_s
 
     def to_plain(self) -> dict[str, Any]:
-        """The contact as plain data, rounded to a millimetre and a millisecond."""
+        """Return the contact as plain data, rounded to a millimetre and a millisecond."""
         x, y, z = (round(c, 3) for c in self.position_enu_m)
         times = {"time_s": round(self.time_s, 3), "until_s": round(self.until_s, 3)}
         speed = {"speed_mps": round(self.speed_mps, 3)}
@@ -70,7 +71,10 @@ class MoverPoses:
 
 
 class ContactFinder:
-    """Finds what a vehicle touched in a world."""
+    """Finds the objects that a vehicle touched in a world.
+
+    The world is copied once, so that one finder can serve many flights.
+    """
 
     def __init__(self, world: World) -> None:
         """Copy the world, with a vehicle that feels somewhat beyond its hull."""
@@ -79,6 +83,7 @@ class ContactFinder:
         self._model = model = copy.copy(world.model)
         model.geom_margin[_hull(world)] = _FELT_M
         is_mover = model.body_mocapid >= 0
+        # The vehicle must feel movers in this copy.
         model.geom_conaffinity[is_mover[model.geom_bodyid]] = MOVER_CONTACT_BIT
         bodies = [model.body(vehicle_name(k)).id for k in range(world.n_vehicles)]
         self._poses = [model.jnt_qposadr[model.body_jntadr[body]] for body in bodies]
@@ -96,15 +101,16 @@ class ContactFinder:
         counts: Bool[np.ndarray, " n"],
         mates: Sequence[np.ndarray] = (),
     ) -> tuple[Contact, ...]:
-        """Contacts of a flight in the order of time.
+        """Return the contacts of a flight in the order of time.
 
         Args:
             history: Rows of control ticks (`flightsim.plant.record`), n of them.
             movers: Poses of the movers at the same rows.
-            counts: Rows at which contacts count.
+            counts: True for rows at which contacts count.
             mates: The same rows of the other vehicles, in their order.
         """
         flights = list(mates)
+        # MuJoCo has the vehicles in the order of their numbers.
         flights.insert(self._world.number, history)
         poses = [
             (self._data.qpos[at : at + 7], flight["position_true_enu_m"], flight["quat_true_wxyz"])
@@ -119,6 +125,7 @@ class ContactFinder:
             for qpos, positions_enu_m, quats_wxyz in poses:
                 qpos[:3], qpos[3:] = positions_enu_m[row], quats_wxyz[row]
             for thing, point_enu_m in self._touched().items():
+                # One object may be touched again and again; gaps below the limit join contacts.
                 last = latest.get(thing)
                 if last is not None and time_s - found[last].until_s <= LIMITS.contact_gap_s:
                     found[last] = replace(found[last], until_s=time_s)
@@ -137,7 +144,7 @@ class ContactFinder:
         return tuple(found)
 
     def _touched(self) -> dict[int, Vector3]:
-        """Points of contact by the id of what is touched; the nearest thing if none quite is."""
+        """Points of contact by the id of the object; the nearest object if none quite touches."""
         mujoco.mj_kinematics(self._model, self._data)
         mujoco.mj_collision(self._model, self._data)
         # Plain numbers: there are a few contacts, for which an array takes longer than the physics,
@@ -152,8 +159,9 @@ class ContactFinder:
                 own.append((dist_m, self._thing_of[a], row))
         if not own:
             return {}
+        # Beyond the hull only if nothing touches the hull itself.
         reach_m = max(min(own)[0], 0.0)
-        # The deepest contact of each thing comes last.
+        # The deepest contact of each object comes last, so it is the one that the dictionary keeps.
         own.sort(key=lambda each: -each[0])
         points_enu_m = contact.pos
         return {
@@ -162,7 +170,7 @@ class ContactFinder:
 
 
 def impact_mps(history: np.ndarray, row: int) -> float:
-    """Greatest speed just before a row of a history, at which a contact begins."""
+    """Return the greatest speed just before a row of a history, at which a contact begins, m/s."""
     times_us = history["time_us"]
     first = np.searchsorted(times_us, times_us[row] - round(1e6 * _IMPACT_S))
     before = history[first:row]
@@ -170,6 +178,6 @@ def impact_mps(history: np.ndarray, row: int) -> float:
 
 
 def _hull(world: World) -> Bool[np.ndarray, " ngeom"]:
-    """Geoms of the vehicle that can touch something."""
+    """Return the geoms of the vehicle that can touch something."""
     model = world.model
     return (model.geom_bodyid == world.vehicle_body_id) & (model.geom_contype > 0)

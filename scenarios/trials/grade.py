@@ -1,12 +1,12 @@
-"""One number for a trial, so that stacks differ even where all of them succeed or all fail.
+"""One number for a trial, so that stacks differ even if all of them succeed or all fail.
 
-A rate of success tells two stacks apart only where one lands and the other does not. The grade adds
-what lies below and above: how near a failed flight came and whether the vehicle survived it, and
-how fast a success was. A success is always worth more than any failure:
+A rate of success separates two stacks only by trials that one lands and the other does not. The
+grade adds how near a failed flight came and whether the vehicle survived it, and how fast a success
+was. A success is always worth more than any failure:
 
-    success   0.7 + 0.3 pace       pace: least possible time of the way over the time it took
-    failure   0.3 progress + 0.2   progress: share of the way by which it came nearer, 1 above the
-                                   area; the 0.2 only if it ended safely down
+    success   0.7 + 0.3 pace       pace: least possible time of the path over the time it took
+    failure   0.3 progress + 0.2   progress: share of the distance that it came nearer, 1 above
+                                   the area; the 0.2 only if it ended safely down
 """
 
 from __future__ import annotations
@@ -24,18 +24,20 @@ PROGRESS, SAFE = 0.3, 0.2
 
 
 def grade(row: Mapping[str, Any]) -> float | None:
-    """Grade of a trial, 0 to 1; None where nothing was to be judged.
+    """Return the grade of a trial, 0 to 1; None if nothing was to be judged.
 
     Args:
-        row: Its `success`, and where there are any `progress`, `fate`, `navigation_s` and
+        row: Its `success`, and as far as they exist `progress`, `fate`, `navigation_s` and
             `least_navigation_s`.
     """
     if row.get("success") is None:
         return None
     if row["success"]:
         took_s, least_s = row.get("navigation_s"), row.get("least_navigation_s")
+        # Without both times a success has no pace.
         pace = min(1.0, least_s / took_s) if took_s and least_s else 0.0
         return round(SUCCESS + PACE * pace, 4)
+    # Rows come from tables, where the fate is a word.
     is_safe = row.get("fate") == Fate.SAFE_DOWN.value
     return round(PROGRESS * (row.get("progress") or 0.0) + SAFE * is_safe, 4)
 
@@ -43,12 +45,12 @@ def grade(row: Mapping[str, Any]) -> float | None:
 def progress(
     flown_enu_m: Float[np.ndarray, "n 3"], area_enu_m: Float[np.ndarray, " 3"], *, has_reached: bool
 ) -> float:
-    """Share of the distance to the area that the nearest point of a flight has made up, 0 to 1.
+    """Return the share of the distance to the area that a flight's nearest point made up, 0 to 1.
 
     Args:
-        flown_enu_m: True way, its first point the start; without points nothing was made up.
+        flown_enu_m: True path, its first point the start; without points nothing was made up.
         area_enu_m: Centroid of the area.
-        has_reached: Whether it came above the area, which is all of the way.
+        has_reached: True if it came above the area, which counts as the whole distance.
     """
     if has_reached:
         return 1.0

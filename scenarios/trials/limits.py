@@ -1,4 +1,7 @@
-"""Every threshold of the verdict, in this one place; docs/verdict.md says where each comes from."""
+"""Every threshold of the verdict, in this one place; docs/verdict.md gives the reason for each.
+
+A recording keeps the limits that it was judged by.
+"""
 
 from __future__ import annotations
 
@@ -12,16 +15,16 @@ class Limits:
     trial_s: float = 240.0
     """Simulated time after which a trial is over."""
     settle_s: float = 1.0
-    """Time that is watched after the pilot is done, at least."""
+    """Least time that is watched after the pilot is done."""
     longest_settle_s: float = 5.0
     """Time within which vehicle and rotors must have come to rest after that."""
     longest_fall_s: float = 120.0
-    """Time that is watched, at most, until a vehicle is down that its pilot left in the air."""
+    """Longest time that is watched until a vehicle is down that its pilot left in the air."""
 
     lift_off_s: float = 0.5
     """A vehicle without contact for this long has left the ground."""
     contact_gap_s: float = 0.2
-    """Contacts of one thing that are closer in time count as one."""
+    """Contacts with one object that are closer in time count as one."""
     above_m: float = 5.0
     """Height over an area within which a flight has come to it."""
     surface_tolerance_m: float = 0.15
@@ -36,7 +39,7 @@ class Limits:
     tilt_deg: float = 20.0
     """Greatest tilt at rest."""
     mover_m: float = 0.3
-    """Least distance between the hulls of the vehicle and of anything that moves."""
+    """Least distance between the hulls of the vehicle and of any mover."""
 
     rest_s: float = 0.5
     """Last part of the flight, in which the vehicle must be at rest."""
@@ -52,7 +55,7 @@ class Limits:
     """Share of the weight above which rotors that no longer carried it have spun up again."""
 
     def to_plain(self) -> dict[str, float]:
-        """The thresholds as plain data."""
+        """Return the thresholds as plain data."""
         return asdict(self)
 
 

@@ -35,10 +35,10 @@ class TrialResult:
     text: str | None
     """Goal in words."""
     area: int | None
-    """Assigned area; of a goal in words, the area of its place where the flight ended, or nearest
-    to that."""
+    """Assigned area. For a goal in words, the area of its place on which the flight ended, or the
+    nearest one to that."""
     navigated: bool | None
-    """Whether it came above the assigned area, without a contact on the way."""
+    """True if it came above the assigned area, without a contact on the way."""
     landed_area: int | None
     """Area that all soles ended on."""
     sim_seconds: float
@@ -52,7 +52,7 @@ class TrialResult:
     slide_m: float | None
     """Greatest horizontal distance, after the first contact with the area, from that place."""
     soles_inside: bool | None
-    """Whether all soles ended on the assigned area."""
+    """True if all soles ended on the assigned area."""
     tilt_at_rest_deg: float | None
     stopped_after_s: float | None
     """Time from touchdown until the rotors stood still for good."""
@@ -66,28 +66,29 @@ class TrialResult:
     """Electrical energy from lift-off to touchdown, or to the end."""
     jerk_rms_mps3: float | None
     replans: int | None
-    """Plans that the pilot made anew; None where it does not say."""
+    """Number of plans that the pilot made anew; None if it does not count them."""
     least_clearance_m: float | None
     nearest_mover_m: float | None
     navigation_error_m: float | None = None
-    """Distance from where the flight ended to the place that the text means."""
+    """Distance from the end of the flight to the place that the text means."""
     oracle_error_m: float | None = None
     """Least distance to that place at any time of the flight."""
     path_m: float | None = None
-    """Length of the flown way to a goal in words."""
+    """Length of the flown path to a goal in words."""
     position_rmse_m: float | None
     attitude_rmse_deg: float | None
     contacts: tuple[dict[str, Any], ...]
-    """All that was touched after lift-off: what, when, where and how fast."""
+    """All contacts after lift-off: object, time, place and speed."""
     state_hash: str
     """Hash of every state of the flight: the same seed gives the same one on the same machine."""
     recording: str | None
     lockstep: dict[str, int] | None = None
-    """Where a flight stack that is not ours flew: how many steps it has answered, see
-    docs/flight_stacks.md."""
+    """Number of steps that a flight stack of another project has answered, see
+    docs/flight_stacks.md; None if ours flew."""
 
     def to_plain(self) -> dict[str, Any]:
-        """The result as plain data."""
+        """Return the result as plain data."""
+        # Enumerations become their words.
         fate = None if self.fate is None else self.fate.value
         return asdict(self) | {"code": self.code.value, "fate": fate}
 
@@ -95,13 +96,14 @@ class TrialResult:
 def figures(
     score: FlightScore, area: InteractionArea | None, pilot: object = None
 ) -> dict[str, Any]:
-    """Fields of a `TrialResult` that a score has, and those that a pilot may say.
+    """Return the fields of a `TrialResult` that a score has, and those that a pilot may report.
 
     Args:
         score: Score of the flight.
         area: Assigned area; None if there was none.
-        pilot: Who flew, with its `replans` if it counts them; None if nobody did.
+        pilot: The pilot, with its `replans` if it counts them; None if nobody flew.
     """
+    # A pilot of a user's need not count its plans.
     replans: Sized | None = getattr(pilot, "replans", None)
     return {
         "area": None if area is None else area.id,
@@ -111,6 +113,7 @@ def figures(
         "touchdown_error_m": rounded(score.touchdown_error_m),
         "touchdown_speed_mps": rounded(score.touchdown_speed_mps),
         "slide_m": rounded(score.slide_m),
+        # Without an assigned area there is nothing for soles to be inside of.
         "soles_inside": None if area is None else score.n_soles_inside == score.n_soles,
         "tilt_at_rest_deg": rounded(score.tilt_at_rest_deg) if score.is_down else None,
         "stopped_after_s": rounded(score.stopped_after_s),
@@ -127,16 +130,18 @@ def figures(
 
 def _has_navigated(score: FlightScore) -> bool:
     reached_s = score.reached_s
+    # A contact on the way there is no clean navigation, even if the area was reached.
     return reached_s is not None and all(each.time_s >= reached_s for each in score.contacts)
 
 
 def rounded(figure: float | None) -> float | None:
-    """Round to a millimetre or a thousandth of a degree; None where there is no figure."""
+    """Round to a millimetre or a thousandth of a degree; None if there is no figure."""
+    # JSON has no NaN, so that both become null.
     return None if figure is None or math.isnan(figure) else round(figure, 3)
 
 
 def decisions(pilot: Pilot) -> dict[str, list[dict[str, Any]]]:
-    """Every change of phase and every plan made anew, with its time and reason, as plain data."""
+    """Return every change of phase and every new plan, with time and reason, as plain data."""
     transitions = [
         {
             "time_s": round(change.time_us * 1e-6, 2),

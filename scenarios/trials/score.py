@@ -1,4 +1,7 @@
-"""Figures of a flight by the truth: errors, contacts, touchdown, resting place, rotors."""
+"""Figures of a flight by the truth: errors, contacts, touchdown, resting place, rotors.
+
+This is the complete set for a result or a row of a table; `figures` measures single ones on demand.
+"""
 
 from __future__ import annotations
 
@@ -28,14 +31,14 @@ class FlightScore:
     reached_s: float | None = None
     """Time at which it was first in flight above the assigned area; None if it never was."""
     touchdown_s: float | None = None
-    """Time of the first contact with the assigned area, else of the last time on the ground;
-    None if it ended in the air."""
+    """Time of the first contact with the assigned area, else of the last time on the ground; None
+    if it ended in the air."""
     contacts_before_touchdown: int = 0
     """Separate contacts between lift-off and touchdown."""
     touched_before: tuple[Contact, ...] = ()
-    """Those contacts."""
+    """The contacts between lift-off and touchdown."""
     contacts: tuple[Contact, ...] = ()
-    """All that was touched after lift-off."""
+    """All contacts after lift-off."""
     landed_area: int | None = None
     """Area that all soles ended on, the assigned one or another; None if there is none."""
     n_soles: int = 4
@@ -54,26 +57,28 @@ class FlightScore:
     rotor_spin_ups: int = 0
     """Times that the rotors took the weight again after the touchdown had taken it from them."""
     least_clearance_m: float | None = None
-    """Least distance of the vehicle's sphere from what stands, away from both ends of the way."""
+    """Least distance of the vehicle's sphere from static obstacles, away from both ends of the
+    path."""
     nearest_mover_m: float | None = None
-    """Least distance in flight between the hulls of the vehicle and of what moves."""
+    """Least distance in flight between the hulls of the vehicle and of movers."""
     effort: Effort = field(default_factory=Effort)
     """Time, energy and jerk from lift-off on."""
 
     @property
     def has_flown(self) -> bool:
-        """Whether the vehicle left the ground."""
+        """True if the vehicle left the ground."""
         return self.lift_off_s is not None
 
     @property
     def is_down(self) -> bool:
-        """Whether the flight ended on the ground, or on something else."""
+        """True if the flight ended on the ground, or on something else."""
         return self.touchdown_s is not None
 
 
 AnyScore = FlightScore | Figures
 """Figures of a flight, measured already or when asked for."""
 
+# Names that `Figures` and `FlightScore` share.
 _MEASURED = (
     *("lift_off_s", "reached_s", "touchdown_s", "contacts_before_touchdown", "touched_before"),
     *("contacts", "landed_area", "n_soles", "n_soles_inside", "touchdown_error_m"),
@@ -90,9 +95,10 @@ def score_flight(
     Args:
         history: Row for each control tick (`flightsim.plant.record`).
         airframe: Vehicle that flew.
-        goal: Where it should have ended.
-        touched: What it touched; None if only is known when it touched something.
+        goal: Place where it should have ended.
+        touched: Contacts of the flight; None if only their times are known.
     """
+    # All figures at once: a result lists them all, while a verdict alone asks for few.
     figures = Figures(history, airframe, goal, touched)
     errors = EstimationErrors()
     errors.add(history)

@@ -1,6 +1,8 @@
 """The verdict on a flight: a code of a fixed set, by the truth alone.
 
-A pilot's own word counts only where it wanted no landing, and explains why one did not come about.
+A pilot's own word decides only if it wanted no landing; otherwise it only explains why there was
+none. Objections are ordered from causes to consequences, because the first one gives the code: a
+vehicle that hit a wall and fell over has touched the wall.
 """
 
 from __future__ import annotations
@@ -23,9 +25,9 @@ class Code(StrEnum):
     """Outcome of a run, for programs; docs/verdict.md explains each."""
 
     LANDED = "landed"
-    """On the assigned area, as every limit wants it."""
+    """On the assigned area, within every limit."""
     DONE = "done"
-    """A pilot that wanted no landing says that it is done."""
+    """A pilot that wanted no landing reports that it is done."""
     ENDED = "ended"
     """Nobody flew: nothing is to be judged."""
 
@@ -35,12 +37,12 @@ class Code(StrEnum):
     CONTACT = "contact"
     """The vehicle touched something before touchdown."""
     NEAR_MISS = "near_miss"
-    """Something that moves came too near in flight."""
+    """A mover came too near in flight."""
     FELL_OVER = "fell_over"
     TIME_UP = "time_up"
     """The time was up before it had landed."""
     GAVE_UP = "gave_up"
-    """The pilot ended the flight elsewhere, or in the air, and says why."""
+    """The pilot ended the flight elsewhere, or in the air, and gave a reason."""
     ALTERNATE = "alternate"
     """On another area than the assigned one."""
     OUTSIDE_AREA = "outside_area"
@@ -60,7 +62,7 @@ class Code(StrEnum):
 
 
 class Fate(StrEnum):
-    """State in which a flight left the vehicle, whatever it was to do."""
+    """State in which a flight left the vehicle, whatever its task was."""
 
     SAFE_DOWN = "safe_down"
     """At rest and upright, after a soft touchdown and no contact before it."""
@@ -75,36 +77,36 @@ SUCCESSES = frozenset({Code.LANDED, Code.DONE})
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """What a pilot says of its own flight."""
+    """A pilot's own statement on its flight."""
 
     success: bool
     reason: str
 
 
 class Word(Protocol):
-    """What any pilot says of its flight."""
+    """Interface of any pilot's statement on its flight."""
 
     @property
     def success(self) -> bool:
-        """Whether it did what it wanted."""
+        """True if the pilot did what it wanted."""
         ...
 
     @property
     def reason(self) -> str:
-        """Why, or why not."""
+        """Reason for success or failure, in words."""
         ...
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Ending:
-    """How a run ended, besides what the truth says."""
+    """End of a run, besides what the truth shows."""
 
     word: Word
-    """What the pilot says."""
+    """The pilot's own statement."""
     is_done: bool
-    """Whether the pilot was done."""
+    """True if the pilot was done."""
     stopped_by: str | None = None
-    """What ended the run before that, such as SIGTERM."""
+    """Cause that ended the run before that, such as SIGTERM."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -118,7 +120,7 @@ class Judgement:
 
     @property
     def success(self) -> bool | None:
-        """Whether the flight counts as done; None where nothing was to be judged."""
+        """True if the flight counts as done; None if nothing was to be judged."""
         return None if self.code is Code.ENDED else self.code in SUCCESSES
 
 
@@ -126,7 +128,13 @@ _Objection = tuple[bool, Code, str]
 
 
 def judge(score: AnyScore, goal: Goal, ending: Ending) -> Judgement:
-    """Judge a flight: the first objection decides, and nothing is measured for those after it."""
+    """Judge a flight: the first objection decides, and nothing is measured for those after it.
+
+    Args:
+        score: Figures of the flight, measured already or on demand.
+        goal: Place where it should have ended; without an area the pilot's own statement decides.
+        ending: End of the run.
+    """
     if goal.area is None:
         objections = chain(
             _to_any_flight(score, ending),
@@ -152,16 +160,18 @@ def judge(score: AnyScore, goal: Goal, ending: Ending) -> Judgement:
     found = ((code, reason) for applies, code, reason in objections if applies)
     code, reason = next(found, (code, reason))
     word = ending.word
+    # Only a reason that is not quoted already is appended.
     if code not in SUCCESSES and ending.is_done and not word.success and word.reason not in reason:
         reason = f"{reason}; the pilot gave up: {word.reason}"
     return Judgement(code=code, reason=reason, fate=fate_of(score, goal))
 
 
 def fate_of(score: AnyScore, goal: Goal) -> Fate | None:
-    """State in which a flight left the vehicle; None if it never left the ground."""
+    """Return the state in which a flight left the vehicle; None if it never left the ground."""
     if not score.has_flown:
         return None
     # A flight without an area may touch things on purpose.
+    # The fate is about the vehicle, so a collision counts before a soft landing after it.
     has_hit = goal.area is not None and score.contacts_before_touchdown > 0
     if has_hit:
         return Fate.COLLIDED
@@ -183,6 +193,7 @@ def _to_any_flight(score: AnyScore, ending: Ending) -> Iterator[_Objection]:
 
 
 def _to_the_rest(score: AnyScore) -> Iterator[_Objection]:
+    # At rest on its side, whatever the reason.
     has_fallen = score.is_down and score.tilt_at_rest_deg > LIMITS.tilt_deg
     yield has_fallen, Code.FELL_OVER, f"fell over: {score.tilt_at_rest_deg:.0f} degrees at rest"
 
@@ -194,7 +205,7 @@ def _to_contacts(score: AnyScore, goal: Goal) -> Iterator[_Objection]:
 
 
 def _to_a_word(ending: Ending) -> Iterator[_Objection]:
-    """Objections to a pilot that wanted no landing: its own."""
+    """Objections of a pilot that wanted no landing: its own."""
     yield not ending.is_done, Code.TIME_UP, f"the time was up: {ending.word.reason}"
     yield not ending.word.success, Code.GAVE_UP, ending.word.reason
 
@@ -211,14 +222,16 @@ def _to_movers(score: AnyScore) -> Iterator[_Objection]:
 
 
 def _in_words(contact: Contact) -> str:
-    """What was touched, when and how fast."""
+    """Describe a contact: object, time and speed."""
     return f"{contact.what} at {contact.time_s:.1f} s and {contact.speed_mps:.1f} m/s"
 
 
 def _to_the_place(score: AnyScore, area: InteractionArea, ending: Ending) -> Iterator[_Objection]:
     word, n = ending.word.reason, score.n_soles_inside
     is_there = score.landed_area == area.id
+    # The order matters: time, then the pilot's reason, then where the soles stand.
     yield not is_there and not ending.is_done, Code.TIME_UP, f"the time was up: {word}"
+    # A pilot that is done in the air has given up, whatever it reports.
     gave_up = not score.is_down or not ending.word.success
     yield not is_there and gave_up, Code.GAVE_UP, word
     is_elsewhere = not is_there and score.landed_area is not None
@@ -232,7 +245,7 @@ def _to_the_place(score: AnyScore, area: InteractionArea, ending: Ending) -> Ite
 
 
 def _to_the_pace(score: AnyScore, goal: Goal) -> Iterator[_Objection]:
-    """Objection to a way that took too long; the last one, since all else is worse."""
+    """Objection to a path that took too long; the last one, because all others are worse."""
     most_s, reached_s, lift_off_s = goal.navigation_limit_s, score.reached_s, score.lift_off_s
     if most_s is None or reached_s is None or lift_off_s is None:
         return
@@ -261,5 +274,6 @@ def _to_the_touchdown(score: AnyScore) -> Iterator[_Objection]:
             "came to rest {:.2f} m from the chosen point",
         ),
     ):
+        # A figure that was not measured breaks no limit.
         value = figure or 0.0
         yield value > most, code, f"{says.format(value)}; at most {most} are allowed"

@@ -1,10 +1,10 @@
-"""Scores of a flight to a goal in words, as the field of language navigation has them.
+"""Scores of a flight to a goal in words, as usual in vision-and-language navigation.
 
 | score | meaning |
 |---|---|
-| navigation error | distance from where the flight ended to the nearest point of the place |
+| navigation error | distance from the end of the flight to the nearest point of the place |
 | oracle error | least distance to it at any time of the flight |
-| SPL | success, weighted by the shortest way over the longer one of that and the flown way |
+| SPL | success, weighted by the shortest path over the longer one of that and the flown path |
 
 Sources: Anderson et al. 2018, "On Evaluation of Embodied Navigation Agents" (SPL); Anderson et al.
 2018, "Vision-and-Language Navigation" (navigation error, oracle success).
@@ -24,12 +24,12 @@ from aeroscene.scene import InteractionArea
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class WordScores:
-    """Scores of one flight; all are None where nothing was flown."""
+    """Scores of one flight; all are None if nothing was flown."""
 
     navigation_error_m: float | None = None
     oracle_error_m: float | None = None
     path_m: float | None = None
-    """Length of the flown way, with climb and descent."""
+    """Length of the flown path, with climb and descent."""
 
 
 def score_words(
@@ -43,6 +43,7 @@ def score_words(
     """
     if not len(flown_enu_m) or not areas:
         return WordScores()
+    # The nearest point of the nearest area, at each time.
     away_m = np.min([_away_m(flown_enu_m, area) for area in areas], axis=0)
     path_m = np.linalg.norm(np.diff(flown_enu_m, axis=0), axis=1).sum()
     return WordScores(
@@ -55,24 +56,25 @@ def score_words(
 def nearest_area(
     position_enu_m: Float[np.ndarray, " 3"], areas: Sequence[InteractionArea]
 ) -> InteractionArea:
-    """Area that is nearest to a position."""
+    """Return the area that is nearest to a position."""
     away_m = [float(_away_m(position_enu_m[None], area)[0]) for area in areas]
     return areas[int(np.argmin(away_m))]
 
 
 def spl(*, success: bool, way_m: float, path_m: float) -> float:
-    """Success weighted by path length, 0 to 1.
+    """Return the success weighted by path length, 0 to 1.
 
     Args:
-        success: Whether the flight ended as it should.
-        way_m: Length of the shortest way.
-        path_m: Length of the flown way.
+        success: True if the flight ended as it should.
+        way_m: Length of the shortest path.
+        path_m: Length of the flown path.
     """
+    # The longer of both lengths: a flown path may be a little shorter than the cells' one.
     return float(success) * way_m / max(way_m, path_m, 1e-9)
 
 
 def _away_m(points_enu_m: Float[np.ndarray, "n 3"], area: InteractionArea) -> np.ndarray:
-    """Distance of points from an area, whose height is that of its centroid."""
+    """Return the distance of points from an area, whose height is that of its centroid."""
     outline = shapely.Polygon([(x, y) for x, y, _ in area.polygon])
     shapely.prepare(outline)
     aside_m = shapely.distance(outline, shapely.points(points_enu_m[:, :2]))

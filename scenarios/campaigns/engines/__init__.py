@@ -1,1 +1,1 @@
-"""What flies the trials of a campaign: who flies which, and in which processes."""
+"""Engines that fly the trials of a campaign: processes, their order of work, and its forecast."""

@@ -1,6 +1,7 @@
-"""Workers that are actors of Ray: on this machine, or on all of a cluster.
+"""Workers that are actors of Ray: on this machine, or on all machines of a cluster.
 
-Ray comes with the extra `cluster`, and is imported when a campaign asks for it.
+Ray comes with the extra `cluster`, and is imported only when a campaign asks for it, because it is
+large.
 """
 
 from __future__ import annotations
@@ -22,11 +23,11 @@ _SETTINGS = {
     "RAY_USAGE_STATS_ENABLED": "0",
     # A program that flies, and what it has started, ends with its worker.
     "RAY_kill_child_processes_on_worker_exit_with_raylet_subreaper": "true",
-    # What its worker sees of accelerators is left as it is.
+    # The accelerators that its worker sees are left as they are.
     "RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO": "0",
 }
 _LOOPBACK = {"RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER": "0"}
-"""Has Ray listen on loopback alone, on every system: nobody from outside is to join it."""
+"""Ray then listens on loopback alone, on every system, so that nobody from outside can join it."""
 _OBJECT_STORE_BYTES = 100 << 20
 """Memory for results under way: a row has two kilobytes."""
 
@@ -41,10 +42,11 @@ class _Station:
         self._flyer: Flyer | None = None
 
     def begin(self) -> str | None:
-        """Get ready, or say in a line why this machine cannot fly."""
+        """Get ready; return None, or one line that says why this machine cannot fly."""
         if self._version != __version__:
             return f"a machine of the cluster has version {__version__}; valid: {self._version}"
         begin_work(self._suite.pilot)
+        # Ray's worker ignores children, so a program's exit status would be lost.
         _heed_children()
         try:
             self._flyer = Flyer(self._suite, patience_s=self._patience_s)
@@ -53,7 +55,7 @@ class _Station:
         return None
 
     def fly(self, trial: Trial) -> Row | str:
-        """Row of a trial, or a line on why this machine cannot fly."""
+        """Return the row of a trial, or a line that says why this machine cannot fly."""
         assert self._flyer is not None
         try:
             return self._flyer.fly(trial)
@@ -62,7 +64,7 @@ class _Station:
 
 
 class _Actor:
-    """A worker of Ray, seen from the campaign."""
+    """A worker of Ray, as the campaign sees it."""
 
     def __init__(self, ray: Any, station: Any) -> None:
         self._ray = ray
@@ -93,21 +95,23 @@ class RayEngine:
     """Actors of Ray, one core each."""
 
     def __init__(self, ray: Any, suite: Suite, patience_s: float) -> None:
-        """Start nothing yet; see `ray_engine`."""
+        """Prepare, without starting anything; see `ray_engine`."""
         self._ray = ray
+        # The crew replaces a dead worker itself, so that Ray must not.
         self._make = ray.remote(num_cpus=1, max_restarts=0)(_Station)
         self._job = (suite, patience_s, __version__)
         self._hired: list[_Actor] = []
 
     def hire(self) -> _Actor:
-        """Start a worker, where a core is free."""
+        """Start a worker on a free core."""
         actor = _Actor(self._ray, self._make.remote(*self._job))
         self._hired.append(actor)
         return actor
 
     def wait(self, timeout_s: float) -> Sequence[_Actor]:
-        """Workers that have something to say; waits for the first at most that long."""
+        """Return the workers that have an answer; wait for the first at most that long."""
         self._hired = [actor for actor in self._hired if not actor.has_ended]
+        # Ray waits on answers, not on actors.
         by_answer = {actor.answer: actor for actor in self._hired}
         answers = list(by_answer)
         self._ray.wait(answers, num_returns=1, timeout=timeout_s)
@@ -140,7 +144,7 @@ def ray_engine(
     """Connect to Ray, or start it on this machine and end it afterwards.
 
     Args:
-        suite: What the workers fly.
+        suite: Suite that the workers fly.
         patience_s: Wall time for one trial.
         n_workers: Number of workers, for which a Ray of our own has room.
         address: Address of a cluster, as Ray has it; None starts one that listens on loopback.
@@ -169,7 +173,7 @@ def ray_engine(
 
 
 def _heed_children() -> None:
-    """Learn again how processes end that this one starts: Ray has the system forget it."""
+    """Restore the default handling of child processes, because Ray discards their exit status."""
     signal.signal(signal.SIGCHLD, signal.SIG_DFL)
 
 

@@ -1,6 +1,9 @@
 """Workers that fly trials: each stays warm, and one that dies or hangs costs only its trial.
 
-Where the workers are is the engine's: processes of this machine, a cluster, or a model of either.
+A user's pilot may crash, hang or take all memory, and a campaign of thousands of trials must
+survive that. The engine decides where the workers are: processes of this machine, a cluster, or a
+simulation of either. The crew gives out trials, takes rows and replaces workers, and is the same
+for all of them.
 """
 
 from __future__ import annotations
@@ -15,13 +18,13 @@ from scenarios.campaigns.engines.schedule import Schedule
 from scenarios.campaigns.flyer import Mishap, Row, Trial, blank_row, failure
 
 _GRACE_S = 3.0
-"""Time beyond the patience, in which a worker ends a trial of a program by itself."""
+"""Time beyond the patience, in which a worker can end a trial of a program by itself."""
 _READY_S = 600.0
 """Time in which the first worker must be ready to fly."""
 _MOST_STILLBORN = 3
-"""Workers that end before they fly, one after the other, until the campaign does."""
+"""Number of workers that end before they fly, one after the other, until the campaign ends."""
 _LOOK_S = 1.0
-"""Time after which the crew looks for workers that hang."""
+"""Time between two checks for workers that hang."""
 
 
 class WorkerError(RuntimeError):
@@ -36,11 +39,11 @@ class Worker(Protocol):
     """Process that flies one trial after another, somewhere."""
 
     def give(self, trial: Trial) -> None:
-        """Have it fly a trial; what has become of the worker is found out when it is heard."""
+        """Have it fly a trial; a dead worker is noticed when it is heard."""
         ...
 
     def hear(self) -> Row | None:
-        """Take what it says: first None, when it is ready, then the row of each trial.
+        """Take its next answer: first None, when it is ready, then the row of each trial.
 
         Raises:
             GoneError: If it has ended.
@@ -49,7 +52,7 @@ class Worker(Protocol):
         ...
 
     def end(self) -> None:
-        """End it at once, with whatever it has started."""
+        """End it at once, with every process that it has started."""
         ...
 
 
@@ -61,25 +64,25 @@ class Engine(Protocol):
         ...
 
     def wait(self, timeout_s: float, /) -> Sequence[Worker]:
-        """Workers that have something to say; waits for the first at most that long."""
+        """Return the workers that have an answer; wait for the first at most that long."""
         ...
 
 
 @dataclass(eq=False)
 class _Post:
-    """What a worker is at."""
+    """State of a worker."""
 
     since_s: float
-    """When it began that."""
+    """Time at which the present state began."""
     is_ready: bool = False
     trial: Trial | None = None
-    """The trial in the air."""
+    """The trial that it flies."""
     last: Trial | None = None
-    """The trial before it."""
+    """The trial before that."""
 
 
 class Crew:
-    """Workers of an engine; leaving it ends them."""
+    """Workers of an engine; leaving the context ends them."""
 
     def __init__(
         self,
@@ -88,13 +91,13 @@ class Crew:
         patience_s: float,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        """Start nothing yet.
+        """Prepare a crew, without starting any worker.
 
         Args:
-            engine: Where the workers come from.
+            engine: Source of the workers.
             n_workers: Number of workers.
             patience_s: Time for one trial, after which its worker is ended.
-            clock: Time in s.
+            clock: Time in s; another one lets a test or a forecast run in simulated time.
         """
         self._engine = engine
         self._n_workers = n_workers
@@ -103,15 +106,15 @@ class Crew:
         self._posts: dict[Worker, _Post] = {}
         self._schedule = Schedule(())
         self._has_begun = False
-        """Whether any worker was ready to fly."""
+        """True once any worker was ready to fly."""
         self._n_stillborn = 0
-        """Workers that have ended before they flew, since one was heard last."""
+        """Number of workers that ended before they flew, since the last answer of any."""
 
     def fly(self, trials: Sequence[Trial]) -> Iterator[Row]:
-        """Rows of all trials, in the order in which they end.
+        """Yield the rows of all trials, in the order in which they end.
 
         Raises:
-            WorkerError: If a worker says that it cannot fly at all, or none gets ready.
+            WorkerError: If a worker reports that it cannot fly at all, or none gets ready.
         """
         self._schedule = Schedule(trials)
         looked_s = self._clock()
@@ -125,13 +128,14 @@ class Crew:
                 yield from self._give_up()
 
     def _employ(self) -> bool:
-        """Give everybody something to do, and let go whom nothing is left for.
+        """Give every worker a trial, and dismiss workers for which none is left.
 
         Returns:
-            Whether anybody is still at work.
+            True if any worker is still at work.
         """
         schedule, posts = self._schedule, self._posts
         n_idle = sum(post.trial is None for post in posts.values())
+        # Hire only as many as there are trials.
         while n_idle < schedule.n_left and len(posts) < self._n_workers:
             posts[self._engine.hire()] = _Post(self._clock())
             n_idle += 1
@@ -141,36 +145,39 @@ class Crew:
             if post.is_ready and (trial := schedule.next(post.last)) is not None:
                 post.trial, post.since_s = trial, self._clock()
                 worker.give(trial)
+            # A trial that is given back later gets a new worker.
             elif not schedule.n_left:
                 self._dismiss(worker)
         return bool(posts)
 
     def _hear(self, worker: Worker) -> Row | None:
-        """Take what a worker says: a row, or nothing for one that is ready or gone."""
+        """Take a worker's answer: return a row, or None if it is ready or gone."""
         post = self._posts[worker]
         try:
             row = worker.hear()
         except GoneError as error:
             return self._bury(worker, str(error))
+        # Any answer shows that workers can start at all.
         post.is_ready = self._has_begun = True
         self._n_stillborn = 0
         post.last, post.trial = post.trial, None
         return row
 
     def _bury(self, worker: Worker, how: str) -> Row | None:
-        """Have others fly what a dead worker has not; a trial that kills again has failed."""
+        """Give a dead worker's trial to others; a trial that kills again has failed."""
         trial = self._dismiss(worker).trial
         if trial is None:
             self._n_stillborn += 1
             if self._n_stillborn >= _MOST_STILLBORN:
                 raise WorkerError(f"{_MOST_STILLBORN} workers ended before they flew: {how}")
             return None
+        # The worker may have been the cause, so another one gets a try.
         if self._schedule.give_back(trial):
             return None
         return blank_row(trial) | failure(Mishap.DIED, f"{how}, twice")
 
     def _give_up(self) -> Iterator[Row]:
-        """Rows of the trials that take too long; their workers are ended.
+        """Yield the rows of the trials that take too long; their workers are ended.
 
         Raises:
             WorkerError: If no worker gets ready.
@@ -182,6 +189,7 @@ class Crew:
                 self._schedule.abandon(post.trial)
                 reason = f"no end in {self._patience_s:g} s"
                 yield blank_row(post.trial) | failure(Mishap.HUNG, reason)
+            # Once one was ready, later ones may take longer without ending the campaign.
             elif not self._has_begun and waited_s > _READY_S:
                 raise WorkerError(f"no worker was ready to fly within {_READY_S:g} s")
 
@@ -199,5 +207,6 @@ class Crew:
         trace: TracebackType | None,
     ) -> None:
         """End all workers."""
+        # One by one: ending a worker waits until its process is gone.
         while self._posts:
             self._dismiss(next(iter(self._posts)))

@@ -1,8 +1,9 @@
-"""How long a campaign would take: the real crew and schedule, over workers that only wait.
+"""Forecast of a campaign's duration: the real crew and schedule, over workers that only wait.
 
-Time is simulated. What a trial costs is drawn from trials that were flown: from the first ones of a
-scene and a vehicle, which open them, where a worker comes to another scene or vehicle, else from
-all others.
+The schedule decides how often scenes are opened, so a formula would have to repeat it. Instead time
+is simulated. The cost of a trial is drawn from trials that were flown: from the first ones of a
+scene and a vehicle, which open them, if a worker comes to another scene or vehicle, else from all
+others.
 """
 
 from __future__ import annotations
@@ -29,30 +30,30 @@ class Costs:
     """CPU seconds of trials that were flown."""
 
     first_s: Sequence[float]
-    """Of those that opened their scene or vehicle."""
+    """Costs of trials that opened their scene or vehicle."""
     others_s: Sequence[float]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Forecast:
-    """What a campaign would take, with a core for each worker."""
+    """Expected effort of a campaign, with a core for each worker."""
 
     wall_seconds: float
     cpu_seconds: float
     openings: int
-    """Times that a worker comes to a scene and a vehicle."""
+    """Number of times that a worker comes to a scene and a vehicle."""
     share_at_work: float
-    """Part of the workers' time in which they fly; the rest is spent waiting."""
+    """Share of the workers' time in which they fly; the rest is spent waiting."""
 
 
 def measured_costs(table: pa.Table) -> Costs | None:
-    """Costs of the trials of a campaign, in the order in which they ended.
+    """Return the costs of the trials of a campaign, in the order in which they ended.
 
     Args:
         table: Rows as `read_results` returns them.
 
     Returns:
-        The costs; None where too few trials were flown to tell.
+        The costs; None if too few trials were flown to measure both kinds.
     """
     seen: set[tuple[str, str]] = set()
     first_s: list[float] = []
@@ -61,6 +62,7 @@ def measured_costs(table: pa.Table) -> Costs | None:
     for scene, vehicle, cost_s in zip(*columns, strict=True):
         if cost_s is None:
             continue
+        # Only roughly: several workers may have opened the same scene.
         (others_s if (scene, vehicle) in seen else first_s).append(cost_s)
         seen.add((scene, vehicle))
     return Costs(first_s=first_s, others_s=others_s) if first_s and others_s else None
@@ -71,7 +73,7 @@ def forecast(trials: Sequence[Trial], costs: Costs, n_workers: int) -> Forecast:
 
     Args:
         trials: At least one.
-        costs: What trials have cost.
+        costs: Costs of trials that were flown.
         n_workers: Number of workers, each with a core of its own.
     """
     engine = _WaitingEngine(costs)
@@ -88,7 +90,7 @@ def forecast(trials: Sequence[Trial], costs: Costs, n_workers: int) -> Forecast:
 
 
 class _WaitingWorker:
-    """A worker for whom flying is to wait."""
+    """A worker whose flights consist of waiting."""
 
     def __init__(self, engine: _WaitingEngine) -> None:
         self._engine = engine
@@ -119,21 +121,23 @@ class _WaitingEngine:
         self.now_s = 0.0
         self.worked_s = 0.0
         self.n_openings = 0
+        # A fixed seed: the same campaign gets the same forecast.
         self.random = random.Random(0)
         self._due: list[tuple[float, int, _WaitingWorker]] = []
         self._n_due = 0
 
     def busy(self, worker: _WaitingWorker, seconds: float) -> None:
-        """Have a worker speak after some time."""
+        """Have a worker answer after some time."""
         self.worked_s += seconds
         self._n_due += 1
+        # The running number orders workers that are due at the same time, which cannot be compared.
         heapq.heappush(self._due, (self.now_s + seconds, self._n_due, worker))
 
     def hire(self) -> _WaitingWorker:
         return _WaitingWorker(self)
 
     def wait(self, _: float) -> Sequence[_WaitingWorker]:
-        """Whoever speaks next."""
+        """Return the worker that answers next, and advance the time to that moment."""
         due_s, _, worker = heapq.heappop(self._due)
         self.now_s = max(self.now_s, due_s)
         return (worker,)

@@ -1,4 +1,7 @@
-"""Workers that are processes of this machine."""
+"""Workers that are processes of this machine.
+
+Processes, not threads: a pilot that crashes, hangs or exhausts memory then takes down only itself.
+"""
 
 from __future__ import annotations
 
@@ -19,21 +22,21 @@ from scenarios.campaigns.engines.crew import GoneError, WorkerError
 from scenarios.campaigns.external.program import end_program
 from scenarios.campaigns.flyer import Flyer, Row, Suite, Trial
 
-_READY = "ready"
+_READY = "ready"  # first message of a process
 _FAREWELL_S = 5.0
-"""Time for a process to end its program in, before it is killed."""
+"""Time in which a process must end its program, before it is killed."""
 
 
 @dataclass(frozen=True)
 class _Job:
-    """What a process is told when it starts."""
+    """Parameters of a new process."""
 
     suite: Suite
     patience_s: float
     port: int | None
-    """Port on which its pilots call, where they come by themselves."""
+    """Port on which pilots that start by themselves connect."""
     instance: int
-    """Shifts the ports of a flight stack that is not ours."""
+    """Offset of the ports of a flight stack of another project."""
     environment: Mapping[str, str]
     """The parent's environment variables."""
 
@@ -46,13 +49,15 @@ class _LocalWorker:
         context = fresh_processes(__name__, "scipy.optimize")
         self.number = number
         self.link, theirs = context.Pipe()
+        # Otherwise Ctrl-C could reach the child before it ignores it.
         self._process = context.Process(target=_work, args=(theirs, job), daemon=True)
         with without_interrupts():
             self._process.start()
+        # Closed here, so that the end of the process is seen as the end of the link.
         theirs.close()
 
     def give(self, trial: Trial) -> None:
-        # If it has died, whoever reads from it finds that out.
+        # If it has died, the next read from it finds that out.
         with contextlib.suppress(OSError):
             self.link.send(trial)
 
@@ -67,6 +72,7 @@ class _LocalWorker:
         return None if said == _READY else said
 
     def end(self) -> None:
+        # SIGTERM first, so that the worker can end its program; SIGKILL if it does not.
         self._process.terminate()
         self._process.join(_FAREWELL_S)
         self._process.kill()
@@ -84,25 +90,26 @@ class LocalEngine:
         first_port: int | None = None,
         first_instance: int = 0,
     ) -> None:
-        """Start nothing yet.
+        """Prepare, without starting anything.
 
         Args:
-            suite: What the workers fly.
+            suite: Suite that the workers fly.
             patience_s: Wall time for one trial.
-            first_port: Port on which the first worker waits for pilots that come by themselves;
-                that of the next one is 10 higher.
-            first_instance: Instance of a flight stack that is not ours, at the first worker; that
-                of the next one is 1 higher.
+            first_port: Port on which the first worker waits for pilots that start by themselves;
+                each next worker's is 10 higher.
+            first_instance: Instance of a flight stack of another project at the first worker; each
+                next worker's is 1 higher.
         """
         self._suite = suite
         self._patience_s = patience_s
         self._first_port = first_port
         self._first_instance = first_instance
         self._hired: list[_LocalWorker] = []
-        """Those that have not been ended, and perhaps some that have."""
+        """Workers that have not been ended, and perhaps some that have."""
 
     def hire(self) -> _LocalWorker:
         """Start a worker, with the first number that is free."""
+        # Ports follow from the number, so the number of a dead worker is used again.
         taken = {worker.number for worker in self._present()}
         number = next(n for n in range(len(taken) + 1) if n not in taken)
         port = None if self._first_port is None else self._first_port + 10 * number
@@ -113,7 +120,7 @@ class LocalEngine:
         return worker
 
     def wait(self, timeout_s: float) -> Sequence[_LocalWorker]:
-        """Workers that have something to say; waits for the first at most that long."""
+        """Return the workers that have an answer; wait for the first at most that long."""
         present = self._present()
         ready = wait([worker.link for worker in present], timeout_s)
         return [worker for worker in present if worker.link in ready]
@@ -124,7 +131,7 @@ class LocalEngine:
 
 
 class _ToldToEnd(BaseException):
-    """SIGTERM has come, or the parent is gone."""
+    """SIGTERM has come, or the parent is gone. No `except Exception` of a pilot catches it."""
 
 
 def _work(link: Connection[Any, Any], job: _Job) -> None:
@@ -151,13 +158,14 @@ def _end_when_told() -> None:
     assert parent is not None
 
     def leave(*_: object) -> None:
+        # A second signal must not interrupt the clean-up of the first.
         signal.signal(signal.SIGTERM, signal.SIG_IGN)
         raise _ToldToEnd
 
     def watch() -> None:
         parent.join()
         os.kill(os.getpid(), signal.SIGTERM)
-        # A pilot may swallow whatever is raised.
+        # A pilot may swallow any exception, so end the process without one.
         time.sleep(_FAREWELL_S)
         end_program()
         os._exit(1)

@@ -1,8 +1,8 @@
-"""Which trial a worker flies next.
+"""Order in which workers fly trials.
 
 Opening a scene costs as much as several trials in it, so a worker stays with a scene and a vehicle
-as long as there are trials of them. Then it begins what nobody has begun, of its own scene if it
-can; and when all has been begun it helps where most is left for each who is there.
+as long as there are trials of them. Then it begins a pair that nobody has begun, of its own scene
+if it can. When all pairs have been begun, it helps where most trials are left per worker.
 """
 
 from __future__ import annotations
@@ -13,28 +13,28 @@ from collections.abc import Sequence
 from scenarios.campaigns.flyer import Trial
 
 _MOST_DEATHS = 2
-"""Times that a trial may end its process before it counts as failed."""
+"""Number of processes that a trial may end before it counts as failed."""
 
 _Place = tuple[str, str]
 """A scene and a vehicle."""
 
 
 class Schedule:
-    """Trials that nobody has begun."""
+    """Trials that no worker has begun."""
 
     def __init__(self, trials: Sequence[Trial]) -> None:
         self._piles: dict[_Place, deque[Trial]] = {}
         for trial in trials:
             self._piles.setdefault(_place(trial), deque()).append(trial)
         self._fresh = dict.fromkeys(self._piles)
-        """Places where nobody is, in their order."""
+        """Places without a worker, in their order."""
         self._n_workers_at: Counter[_Place] = Counter()
         self._deaths: Counter[Trial] = Counter()
         self.n_left = len(trials)
-        """Number of trials that nobody has begun."""
+        """Number of trials that no worker has begun."""
 
     def next(self, last: Trial | None) -> Trial | None:
-        """Take a trial for a worker.
+        """Take the next trial for a worker.
 
         Args:
             last: Trial that it flew before; None if it has just begun.
@@ -58,23 +58,24 @@ class Schedule:
         return trial
 
     def give_back(self, trial: Trial) -> bool:
-        """Take back a trial whose process died; another one flies it, and goes on from there.
+        """Take back a trial whose process died; another one flies it, and continues from there.
 
         Returns:
-            Whether it is flown again; False if it has ended too many processes.
+            True if it will be flown again; False if it has ended too many processes.
         """
         self.abandon(trial)
         self._deaths[trial] += 1
         if self._deaths[trial] >= _MOST_DEATHS:
             return False
         place = _place(trial)
+        # At the front: it is the next trial of its place.
         self._piles.setdefault(place, deque()).appendleft(trial)
         self.n_left += 1
         self._renew(place)
         return True
 
     def abandon(self, trial: Trial) -> None:
-        """Note that the worker of a trial is gone, so that another one goes on from there."""
+        """Note that the worker of a trial is gone, so that another one continues its place."""
         self._leave(_place(trial))
         self._renew(_place(trial))
 
@@ -84,13 +85,15 @@ class Schedule:
             del self._n_workers_at[place]
 
     def _renew(self, place: _Place) -> None:
-        """Have the next worker who looks for a place begin with one that was left."""
+        """Let the next worker that seeks a place begin with one that was abandoned."""
         if place in self._piles and not self._n_workers_at[place]:
+            # In front: it goes on before new places are begun.
             self._fresh = {place: None} | self._fresh
 
     def _choose(self, before: _Place | None) -> _Place:
-        """The place for a worker that was at another one."""
+        """Return the place for a worker that was at another one."""
         if self._fresh:
+            # Another vehicle in the same scene, which the worker has open.
             kindred = (place for place in self._fresh if before and place[0] == before[0])
             return next(kindred, next(iter(self._fresh)))
         return max(

@@ -1,1 +1,1 @@
-"""Pilots that are not ours: users' classes, and programs that fly over MAVLink."""
+"""Pilots of others: users' classes, and programs that fly over MAVLink."""

@@ -1,4 +1,8 @@
-"""Flies trials by programs: opens a port for each, tells them the task, starts and ends them."""
+"""Flies trials by programs: opens a port for each, sends the task, starts and ends them.
+
+Any MAVLink flight code can take part in a campaign, in any language. It gets the task as one line
+of JSON on its standard input, and keeps the time in lockstep.
+"""
 
 from __future__ import annotations
 
@@ -23,11 +27,11 @@ from scenarios.tasks.task import Task
 from scenarios.trials.result import TrialResult
 
 FIRST_PORT = 5760
-"""TCP port of instance 0; that of instance N is 10 N higher."""
+"""TCP port of instance 0; the port of instance N is 10 N higher."""
 
 
 class ExternalFlights:
-    """Flights of programs, or of clients that come by themselves."""
+    """Flights of programs, or of clients that connect by themselves."""
 
     def __init__(
         self, command: str | None, *, patience_s: float, port: int | None, is_shown: bool
@@ -35,11 +39,11 @@ class ExternalFlights:
         """Prepare flights.
 
         Args:
-            command: Program that flies each trial; None waits for a client instead, and writes its
+            command: Program that flies each trial. None waits for a client instead, and writes its
                 task to standard output.
             patience_s: Wall time for a trial.
             port: TCP port on loopback; None takes any that is free.
-            is_shown: Whether what the program says is shown.
+            is_shown: True to show the program's output.
 
         Raises:
             ProgramError: If there is no such program.
@@ -61,7 +65,7 @@ class ExternalFlights:
             task: The task.
             cfg: Configuration of its run.
             scene: The scene with the start of the task.
-            hangar: What flights share.
+            hangar: Resources that flights share.
 
         Returns:
             The run, which has ended, and its result.
@@ -72,6 +76,7 @@ class ExternalFlights:
             SilentError: If the pilot does not answer.
         """
         link = TcpServerLink(port=self._port, is_lockstep=True)
+        # Time stands still until the pilot grants a tick, so its speed does not matter.
         cfg = replace(cfg, demo=False, bench=replace(cfg.bench, lockstep=True))
         with Sitl(
             cfg, scene=scene, pilot=ExternalPilot, has_network=False, hangar=hangar, links=[[link]]
@@ -82,7 +87,7 @@ class ExternalFlights:
             with self._pilot(brief) as program:
                 pilot.begin(sitl.bench, program, self._patience_s)
                 result = sitl.run(pilot.look)
-                # Then whoever still waits for a word learns that there is none.
+                # Then a client that still waits for a message sees the connection end.
                 sitl.bench.close()
         return sitl, result
 
@@ -93,8 +98,9 @@ class ExternalFlights:
         return nullcontext()
 
     def _brief(self, task: Task, bench: Testbench, port: int) -> dict[str, Any]:
-        """What a pilot is told: what ours is told, and nothing of the wind."""
+        """Return the brief of a pilot: the same that ours gets, and nothing of the wind."""
         area = next(each for each in bench.scene.interaction_areas if each.id == task.area)
+        # A goal in words replaces the area; both would give the answer away.
         is_named = task.text is None
         keys = ("id", "kind", "centroid", "polygon", "radius", "surface")
         return {
@@ -111,7 +117,7 @@ class ExternalFlights:
         }
 
     def _scene_file(self, scene: Scene) -> Path:
-        """The scene as a file, written anew for the start of each trial."""
+        """Write the scene to a file, anew for the start of each trial, and return its path."""
         path = Path(self._folder.name) / f"{file_name(scene.scene_id)}.json"
         write_scene(scene, path)
         return path

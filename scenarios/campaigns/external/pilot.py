@@ -1,9 +1,9 @@
 """A pilot outside this process, which keeps the time over MAVLink; see docs/lockstep.md.
 
-The flight begins with the first tick that it grants, and is over when the vehicle was armed, has
-been disarmed for two seconds, and the granted ticks have passed. From then on, or once the pilot
-has left, time passes by itself and nobody is heard: so a flight follows from what the pilot sends
-and when, in ticks.
+The flight begins with the first tick that the pilot grants. It is over when the vehicle was armed,
+has been disarmed for two seconds, and the granted ticks have passed. From then on, or once the
+pilot has left, time passes by itself and no client is heard. A flight therefore depends only on
+what the pilot sends and when, in ticks, and not on the speed of the machine.
 """
 
 from __future__ import annotations
@@ -18,15 +18,15 @@ from scenarios.run.companion import Aboard
 from scenarios.trials.verdict import Verdict
 
 _HEARTBEAT_S = 60.0
-"""Wall time in which a program must have sent its first message."""
+"""Wall time within which a program must have sent its first message."""
 _DISARMED_US = 2_000_000
-"""Time for the pilot to see that the vehicle is disarmed: a heartbeat a second says so."""
+"""Time for the pilot to see that the vehicle is disarmed; heartbeats report it once a second."""
 _FAREWELL_S = 2.0
-"""Time for a program to end in after it has left: how it ends says whether it crashed."""
+"""Time for a program to end after it has left: its exit status shows whether it crashed."""
 
 
 class CrashedError(RuntimeError):
-    """The program ended with an error; the message is the last line that it said."""
+    """The program ended with an error; the message is its last line of output."""
 
 
 class SilentError(RuntimeError):
@@ -34,11 +34,11 @@ class SilentError(RuntimeError):
 
 
 class ExternalPilot:
-    """A `scenarios.Companion` for whoever keeps the time over MAVLink.
+    """A `scenarios.Companion` for a client that keeps the time over MAVLink.
 
     Attributes:
         area: The assigned area.
-        is_done: Whether the flight is over.
+        is_done: True if the flight is over.
     """
 
     def __init__(self, aboard: Aboard) -> None:
@@ -49,7 +49,7 @@ class ExternalPilot:
         self._patience_s = 0.0
         self._began_s = 0.0
         self._armed_us: int | None = None
-        """When the vehicle was armed last."""
+        """Time at which the vehicle was last armed."""
         self._has_left = False
 
     def begin(self, bench: Testbench, program: Program | None, patience_s: float) -> None:
@@ -65,13 +65,13 @@ class ExternalPilot:
 
     @property
     def verdict(self) -> Verdict:
-        """What is known of the flight besides the truth."""
+        """Statement on the flight besides the truth: whether the program disarmed or left."""
         reason = "the program has left" if self._has_left else "the program did not disarm"
         return Verdict(success=self.is_done, reason=reason)
 
     @property
     def touchdown_enu_m(self) -> Vector3 | None:
-        """Point that it chose to land on: that of its latest LANDING_TARGET."""
+        """Point that it chose to land on: the one of its latest LANDING_TARGET."""
         if self._bench is None or self._bench.external is not None:
             return None
         return self._bench.autopilot.landing_target.latest_enu_m
@@ -81,17 +81,19 @@ class ExternalPilot:
         assert self._bench is not None
         lockstep = self._bench.server.lockstep
         assert lockstep is not None
+        # A flight is over only after it was armed: a program may take its time before.
         if self._bench.autopilot.is_armed:
             self._armed_us = time_us
         elif self._has_left:
             self.is_done = True
         elif self._armed_us is not None and not lockstep.has_ticks:
+            # Only when no granted tick is left.
             self.is_done = time_us - self._armed_us >= _DISARMED_US
         if self.is_done:
             lockstep.release()
 
     def look(self) -> bool:
-        """See how the pilot is; called again and again, also while time stands still.
+        """Check the pilot; called again and again, even while time stands still.
 
         Returns:
             False: the run goes on.
@@ -103,6 +105,7 @@ class ExternalPilot:
         if self.is_done or self._has_left or self._bench is None:
             return False
         status = None if self._program is None else self._program.status
+        # The connection broke: wait a moment for the exit status, which says why.
         if self._bench.fault and self._program is not None and status is None:
             status = self._program.wait(_FAREWELL_S)
         if status:
@@ -124,11 +127,13 @@ class ExternalPilot:
         assert self._bench is not None
         waited_s = time.monotonic() - self._began_s
         is_heard = any(channel.is_heard for channel in self._bench.server.channels)
+        # A client that connects by itself may come at any time; a program has just been started.
         limit_s = min(_HEARTBEAT_S, self._patience_s)
         if self._program is not None and not is_heard and waited_s > limit_s:
             raise SilentError(f"no heartbeat within {limit_s:g} s")
         if waited_s > self._patience_s:
             lockstep = self._bench.server.lockstep
             has_begun = lockstep is not None and lockstep.has_keeper
+            # A pilot that grants no time never moves the vehicle.
             why = "" if has_begun else ": it grants no time, see docs/lockstep.md"
             raise SilentError(f"no end in {self._patience_s:g} s{why}")

@@ -1,4 +1,8 @@
-"""A program that flies a trial: started with the task, ended with the trial."""
+"""A program that flies a trial: started with the task, ended with the trial.
+
+Programs of others start further processes, never read, never end, or print without end. Each runs
+in a session of its own, so that one signal reaches everything that it has started.
+"""
 
 from __future__ import annotations
 
@@ -13,12 +17,12 @@ import threading
 from typing import IO, Self
 
 _LAST_BYTES = 4096
-"""Of what a program says on standard error the end is kept."""
+"""Bytes that are kept from the end of a program's standard error."""
 _FAREWELL_S = 2.0
-"""Time for a program to end in when its trial is over."""
+"""Time for a program to end when its trial is over."""
 
 _running: Program | None = None
-"""The program of this process; at most one trial is in the air."""
+"""The program of this process; at most one trial is flown at a time."""
 
 
 class ProgramError(ValueError):
@@ -26,10 +30,10 @@ class ProgramError(ValueError):
 
 
 def words_of(command: str) -> list[str]:
-    """Words of a command line; no shell reads it.
+    """Return the words of a command line; no shell reads it.
 
     Raises:
-        ProgramError: If it names no program that is there.
+        ProgramError: If it names no program that exists.
     """
     valid = "valid: a command such as 'python my_stack.py'"
     try:
@@ -42,7 +46,7 @@ def words_of(command: str) -> list[str]:
 
 
 class Program:
-    """A running program, in a session of its own; leaving it ends it and all that it started."""
+    """A running program, in a session of its own; leaving the context ends it and its children."""
 
     def __init__(self, command: str, brief: str, *, is_shown: bool) -> None:
         """Start it.
@@ -50,7 +54,7 @@ class Program:
         Args:
             command: Command line.
             brief: One line for its standard input.
-            is_shown: Whether what it says is shown; else only the end is kept, for a reason.
+            is_shown: True to show its output; else only the end is kept, for a reason.
 
         Raises:
             ProgramError: If there is no such program.
@@ -72,7 +76,7 @@ class Program:
         self._reader = threading.Thread(target=self._read, args=(self._process.stderr,))
         self._reader.daemon = True
         self._reader.start()
-        # It may have ended, or may never read.
+        # It may have ended, or may never read: neither must block or fail the trial.
         with contextlib.suppress(OSError):
             os.set_blocking(self._process.stdin.fileno(), False)
             os.write(self._process.stdin.fileno(), brief.encode() + b"\n")
@@ -83,28 +87,28 @@ class Program:
         return self._process.poll()
 
     def wait(self, seconds: float) -> int | None:
-        """Exit status, None if it still runs after some time."""
+        """Return the exit status; None if it still runs after some time."""
         with contextlib.suppress(subprocess.TimeoutExpired):
             return self._process.wait(seconds)
         return None
 
     def last_line(self) -> str:
-        """The last line that it said on standard error; empty if it said nothing."""
+        """Return the last line of its standard error; empty if there is none."""
         if self.status is not None:
             self._reader.join(_FAREWELL_S)
         lines = self._end.decode(errors="replace").split("\n")
         return next((" ".join(line.split()) for line in reversed(lines) if line.strip()), "")
 
     def end(self, farewell_s: float = _FAREWELL_S) -> None:
-        """End it and what it has started; ending it twice is fine.
+        """End it and all processes that it has started; a second call is harmless.
 
         Args:
-            farewell_s: Time for it to end by itself in, and again after SIGTERM.
+            farewell_s: Time for it to end by itself, and again after SIGTERM.
         """
         global _running  # noqa: PLW0603 - as above
         _running = None
         self.wait(farewell_s)
-        # The group may live on where its leader has ended.
+        # The process group may live on after its leader has ended.
         self._signal(signal.SIGTERM)
         if self.status is None:
             self.wait(farewell_s)
@@ -113,7 +117,7 @@ class Program:
         self._close_pipes()
 
     def _close_pipes(self) -> None:
-        """Close what joined it to this process, unless a process that has left it still speaks."""
+        """Close the pipes to it, unless a process that left its group still writes."""
         assert self._process.stdin is not None
         assert self._process.stderr is not None
         self._process.stdin.close()
@@ -126,7 +130,7 @@ class Program:
             os.killpg(self._process.pid, number)
 
     def _read(self, pipe: IO[bytes]) -> None:
-        """Keep the end of what it says, for as long as it speaks."""
+        """Keep the end of its output for as long as it writes."""
         while data := os.read(pipe.fileno(), 1 << 16):
             self._end = (self._end + data)[-_LAST_BYTES:]
             if self._is_shown:
@@ -136,7 +140,7 @@ class Program:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, *exception: object) -> None:
-        # A flight that broke off waits for nobody.
+        # After an error, nothing is worth waiting for.
         self.end(_FAREWELL_S if kind is None else 0.0)
 
 

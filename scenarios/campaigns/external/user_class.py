@@ -1,4 +1,7 @@
-"""A user's class as a pilot: what it raises is told apart from the testbench's own errors."""
+"""A user's class as a pilot: its errors are distinguished from the testbench's own.
+
+An error of the testbench ends a campaign, an error of a pilot only its trial.
+"""
 
 from __future__ import annotations
 
@@ -23,8 +26,8 @@ class PilotFaultError(Exception):
 class UserPilot:
     """A `scenarios.Companion` around another one.
 
-    What that one raises is the cause of a `PilotFaultError`, except a `CameraError`: then this
-    machine has no camera to look through.
+    Errors of the inner one become the cause of a `PilotFaultError`, except a `CameraError`: that
+    means that this machine has no camera to look through.
     """
 
     def __init__(self, make: MakePilot, aboard: Aboard) -> None:
@@ -37,22 +40,22 @@ class UserPilot:
 
     @property
     def is_done(self) -> bool:
-        """Whether it says that the flight is over."""
+        """True if it reports that the flight is over."""
         return _blaming(getattr, self._pilot, "is_done")
 
     @property
     def verdict(self) -> Word:
-        """What it says of the flight."""
+        """Its own statement on the flight."""
         return _blaming(getattr, self._pilot, "verdict")
 
     @property
     def planned_enu_m(self) -> ArrayLike | None:
-        """Way that it plans to fly, if it says so."""
+        """Path that it plans to fly, if it gives one."""
         return _blaming(getattr, self._pilot, "planned_enu_m", None)
 
     @property
     def touchdown_enu_m(self) -> Vector3 | None:
-        """Point that it chose to land on, if it says so."""
+        """Point that it chose to land on, if it gives one."""
         return _blaming(lambda: _point(getattr(self._pilot, "touchdown_enu_m", None)))
 
     def update(self, time_us: int) -> None:
@@ -61,7 +64,7 @@ class UserPilot:
 
 
 def _point(given: Any) -> Vector3 | None:
-    """A point as a pilot gives it.
+    """Return a point as a pilot gives it.
 
     Raises:
         ValueError: If it is not three finite numbers.
@@ -77,7 +80,9 @@ def _point(given: Any) -> Vector3 | None:
 def _blaming(function: Callable[..., Any], *arguments: Any) -> Any:
     try:
         return function(*arguments)
+    # The machine's fault, not the pilot's.
     except CameraError:
         raise
+    # A pilot that calls `sys.exit` must not end the campaign.
     except (Exception, SystemExit) as error:
         raise PilotFaultError from error

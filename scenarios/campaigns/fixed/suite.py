@@ -1,7 +1,7 @@
 """Fixed suites and families of tasks that ship, so that everybody's figures are of the same tasks.
 
-A family is a recipe with a name: it asks one thing of a flight stack. A suite names families, or a
-recipe of its own, with the scenes, vehicles and numbers of trials that are flown.
+A family is a recipe with a name: it tests one ability of a flight stack. A suite names families, or
+a recipe of its own, with the scenes, vehicles and numbers of trials that are flown.
 """
 
 from __future__ import annotations
@@ -34,11 +34,11 @@ class SuitePart:
     scenes: tuple[str, ...]
     vehicles: tuple[str, ...]
     trials: int
-    """Trials of each scene with each vehicle."""
+    """Number of trials of each scene with each vehicle."""
     recipe: Recipe
 
     def all_trials(self) -> Iterator[Trial]:
-        """Every trial, scene by scene."""
+        """Yield every trial, scene by scene."""
         for scene in self.scenes:
             for vehicle in self.vehicles:
                 for number in range(self.trials):
@@ -47,18 +47,18 @@ class SuitePart:
 
 @dataclass(frozen=True, kw_only=True)
 class FixedSuite:
-    """Trials by which flight stacks are compared."""
+    """Trials that compare flight stacks."""
 
     name: str
     version: int
-    """Another one has other tasks."""
+    """Version of the suite; another one has other tasks."""
     scenes_sha256: str
     """Digest of the shipped scenes that its numbers name."""
     parts: tuple[SuitePart, ...]
 
     @property
     def recipe(self) -> Recipe:
-        """The suite's own recipe; the default one where all its trials are of families."""
+        """The suite's own recipe; the default one if all its trials are of families."""
         return next((part.recipe for part in self.parts if not part.family), Recipe())
 
     @property
@@ -67,18 +67,18 @@ class FixedSuite:
         return {part.family: part.recipe for part in self.parts if part.family}
 
     def all_trials(self) -> list[Trial]:
-        """Every trial, part by part."""
+        """Return every trial, part by part."""
         return [trial for part in self.parts for trial in part.all_trials()]
 
 
 def families() -> dict[str, Recipe]:
-    """Recipes of the families that ship, by their names."""
+    """Return the recipes of the families that ship, by their names."""
     folder = resources.files("scenarios.campaigns.fixed") / "families"
     return {name: recipe_from(plain) for name, plain in _tables(folder).items()}
 
 
 def named_recipe(name: str) -> Recipe:
-    """The recipe of a family by its name, or of a TOML file.
+    """Return the recipe of a family by its name, or of a TOML file.
 
     Raises:
         RecipeError: If it is neither, or the file cannot be read.
@@ -87,6 +87,7 @@ def named_recipe(name: str) -> Recipe:
     if name in known:
         return known[name]
     path = Path(name)
+    # A misspelt family should be answered with the list of families, not with a missing file.
     if path.suffix != _SUFFIX and not path.exists():
         raise RecipeError(
             f"recipe {name!r} is no family; valid: {', '.join(known)}, or a file NAME.toml"
@@ -95,13 +96,13 @@ def named_recipe(name: str) -> Recipe:
 
 
 def fixed_suites() -> list[FixedSuite]:
-    """All that ship, by their names."""
+    """Return all suites that ship, by their names."""
     tables = _tables(resources.files("scenarios.campaigns.fixed"))
     return [_suite(name, plain) for name, plain in tables.items()]
 
 
 def fixed_suite(name: str) -> FixedSuite:
-    """The suite of a name, for the scenes that ship.
+    """Return the suite of a name, for the scenes that ship.
 
     Raises:
         FixedSuiteError: If there is none, or it was made for other scenes.
@@ -109,6 +110,7 @@ def fixed_suite(name: str) -> FixedSuite:
     suites = {suite.name: suite for suite in fixed_suites()}
     if name not in suites:
         raise FixedSuiteError(f"suite {name!r} is unknown; valid: {', '.join(suites)}")
+    # Numbers name other scenes in another release, so its figures could not be compared.
     if (here := shipped_digest()) != (wanted := suites[name].scenes_sha256):
         raise FixedSuiteError(
             f"suite {name!r} is for the shipped scenes {wanted[:12]}, and these are {here[:12]}; "
@@ -118,13 +120,14 @@ def fixed_suite(name: str) -> FixedSuite:
 
 
 def _tables(folder: Traversable) -> dict[str, dict[str, Any]]:
-    """The TOML files of a folder by their names, in the order of these."""
+    """Return the TOML files of a folder by their names, in the order of these."""
     files = (each for each in folder.iterdir() if each.name.endswith(_SUFFIX))
     ordered = sorted(files, key=lambda each: each.name)
     return {each.name.removesuffix(_SUFFIX): tomllib.loads(each.read_text()) for each in ordered}
 
 
 def _suite(name: str, plain: dict[str, Any]) -> FixedSuite:
+    # A suite has a recipe of its own, families, or both.
     own = [_part("", plain, recipe_from(plain["recipe"]))] if "recipe" in plain else []
     known = families()
     others = [_part(each, table, known[each]) for each, table in plain.get("families", {}).items()]

@@ -1,1 +1,1 @@
-"""Episodes: where they take place, how they begin, and by what verdict they end."""
+"""Episodes: their places, their beginnings, and the verdicts at their ends."""

@@ -1,4 +1,4 @@
-"""What differs from one episode to the next besides where it begins."""
+"""Random conditions of an episode besides its start and its target."""
 
 from __future__ import annotations
 
@@ -18,22 +18,27 @@ class Draws:
     plant_seed: int
     wind: WindCfg
     mass_share: float
-    """Mass over the one that the controller believes."""
+    """True mass over the mass that the controller believes."""
     rotor_shares: Float[np.ndarray, " r"]
-    """Thrust and torque of each rotor, likewise."""
+    """Thrust and torque of each rotor over those that the controller believes."""
     noise_level: float
     latency: int
-    """Steps by which actions act later."""
+    """Number of steps by which actions act later."""
 
 
 def draw_conditions(
     rng: np.random.Generator, cfg: RandomisationCfg, longest_latency: int, n_rotors: int
 ) -> Draws:
-    """Draw the conditions of an episode; as many numbers whatever is configured."""
+    """Draw the conditions of an episode.
+
+    The number of draws does not depend on the configuration, so that later draws stay the same if
+    one source of variation is switched on or off.
+    """
     plant_seed = int(rng.integers(2**31))
     speed_mps, from_deg = uniform(rng, 0.0, cfg.wind_mps), uniform(rng, 0.0, 360.0)
     wind = CALM
     if speed_mps > 0.0:
+        # Natural turbulence grows with the wind.
         sigma_mps = SIGMA_OVER_W20 * speed_mps
         wind = WindCfg(speed_mps=speed_mps, from_deg=from_deg, turbulence_mps=sigma_mps)
     return Draws(
@@ -47,5 +52,5 @@ def draw_conditions(
 
 
 def uniform(rng: np.random.Generator, low: float, high: float) -> float:
-    """What `rng.uniform(low, high)` draws, in half the time."""
+    """Return what `rng.uniform(low, high)` draws, in half the time."""
     return low + (high - low) * rng.random()

@@ -1,4 +1,9 @@
-"""Flights of episodes: what verdicts need of each vehicle's history."""
+"""Flights of episodes: the part of each vehicle's history that verdicts need.
+
+A verdict needs the history at every control tick, but thousands of vehicles fly for minutes. So
+only some fields are kept, and only from a second before the first contact on, in one ring that all
+vehicles share.
+"""
 
 from __future__ import annotations
 
@@ -17,16 +22,16 @@ _NAMES = (
     *("angular_rate_true_flu_radps", "quat_true_wxyz", "rotor_speed_radps"),
 )
 _WORD = np.dtype(np.uint64)
-"""Every number of a history is as long."""
+"""Number of bytes of every number in a history."""
 _FREE_S = 2.0 * LIMITS.lift_off_s
-"""Time that is kept of a flight without contact: it proves that the vehicle has flown."""
+"""Time without contact that is kept: it proves that the vehicle has flown."""
 
 
 class Flights:
     """Rows of control ticks of n vehicles since each one's start, by the names of a history.
 
-    A vehicle's rows begin a second before its first contact: the verdict on a flight does not
-    depend on what was before, but for the number of rows.
+    A vehicle's rows begin a second before its first contact. The verdict on a flight does not
+    depend on what was before, except for the number of rows.
     """
 
     def __init__(self, fleet: Fleet, step_s: float) -> None:
@@ -38,6 +43,7 @@ class Flights:
         """
         history = fleet.history
         n, self._n_ticks = history.shape
+        # As plain words, all wanted fields of all vehicles are copied in one call.
         self._words = history.view(_WORD).reshape(n, self._n_ticks, -1)
         self._dtype = np.dtype([(name, history.dtype[name]) for name in _NAMES])
         places: Any = history.dtype.fields
@@ -62,27 +68,28 @@ class Flights:
         self._has_touched[index] = False
 
     def take(self, is_flying: Bool[np.ndarray, " n"], is_touching: Bool[np.ndarray, " n"]) -> None:
-        """Take the last advance of all vehicles.
+        """Record the last advance of all vehicles.
 
         Args:
-            is_flying: Whose flights go on.
-            is_touching: Who has touched something in it.
+            is_flying: True for vehicles whose flights go on.
+            is_touching: True for vehicles that touched something in it.
         """
         place = self._ring[self._n_taken % len(self._ring)]
         np.take(self._words, self._columns, axis=2, out=place, mode="clip")
         self._n_taken += 1
         self._n_kept += is_flying
         self._has_touched |= is_touching
+        # Before the first contact, rows older than `_FREE_S` are forgotten.
         np.minimum(self._n_kept, self._n_free, out=self._n_kept, where=~self._has_touched)
         if self._n_kept.max() >= len(self._ring):
             self._enlarge()
 
     def of(self, index: int, rest: Sequence[np.ndarray] = ()) -> tuple[np.ndarray, int]:
-        """Rows of a vehicle's flight, and the number of rows before them that are not kept.
+        """Return the rows of a vehicle's flight, and the number of earlier rows that are not kept.
 
         Args:
             index: Number of the vehicle.
-            rest: What `last` returned of advances that followed those of all vehicles.
+            rest: Results of `last` for advances that followed those of all vehicles.
         """
         n_kept = int(self._n_kept[index])
         kept = np.arange(self._n_taken - n_kept, self._n_taken) % len(self._ring)
@@ -93,7 +100,7 @@ class Flights:
         return np.ndarray(len(words), self._dtype, words), n_dropped * self._n_ticks
 
     def last(self, index: int) -> np.ndarray:
-        """Rows of a vehicle's last advance without their names, for `of`."""
+        """Return the rows of a vehicle's last advance without their names, for `of`."""
         return self._words[index].take(self._columns, axis=1)
 
     def _enlarge(self) -> None:

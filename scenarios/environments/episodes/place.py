@@ -1,4 +1,4 @@
-"""Free air and areas of a world."""
+"""Free air and areas of a world, in which episodes begin and targets lie."""
 
 from __future__ import annotations
 
@@ -14,15 +14,18 @@ from scenarios.mission.goals import draw_goals
 from scenarios.trials.contacts import ContactFinder
 
 _ROOM_M = 0.3
-"""Distance from everything at which an episode may begin, and targets may lie."""
+"""Distance from all solids at which an episode may begin, and targets may lie."""
 
 
 class Place:
     """A world as episodes see it.
 
+    A copy of MuJoCo's model answers whether a position is free: the vehicle's hull has a margin
+    there, so that one collision check gives the room around it.
+
     Attributes:
         world: The world.
-        areas: Areas to land on that fit the vehicle and are not where it starts, by their number.
+        areas: Areas to land on that fit the vehicle and are not its start, by their number.
     """
 
     def __init__(self, world: World) -> None:
@@ -33,22 +36,27 @@ class Place:
         is_hull = self._model.geom_bodyid == world.vehicle_body_id
         self._model.geom_margin[is_hull] = _ROOM_M
         self._data = mujoco.MjData(self._model)
+        # Bounds and masks of bodies follow from those of their geoms.
         mujoco.mj_setConst(self._model, self._data)
+        # Tested level, whatever attitude an episode then begins with.
         self._data.qpos[3:7] = LEVEL
         self._position_enu_m = self._data.qpos[:3]
 
     @cached_property
     def contacts(self) -> ContactFinder:
-        """Finds what a vehicle touched in this world."""
+        """Finder of objects that a vehicle touched in this world, made on first use."""
         return ContactFinder(self.world)
 
     @property
     def start_enu_m(self) -> Vector3:
-        """Where the scene starts its vehicle."""
+        """Position of the scene's start, ENU, m."""
         return self.world.scene.start_position_enu_m
 
     def is_free(self, position_enu_m: Vector3) -> bool:
-        """Whether a vehicle has room around itself at a position within the flight volume."""
+        """Return whether a vehicle has room around itself at a position.
+
+        Positions outside of the flight volume are not free.
+        """
         (x, y, z), scene = position_enu_m, self.world.scene
         (x0, y0, z0), (x1, y1, z1) = scene.extent_min_enu_m, scene.extent_max_enu_m
         if not (x0 <= x <= x1 and y0 <= y <= y1 and z0 <= z <= z1):

@@ -1,1 +1,1 @@
-"""Between agent and vehicle: actions to setpoints, states and sensors to observations."""
+"""Between agent and vehicle: actions to set points, states and sensors to observations."""

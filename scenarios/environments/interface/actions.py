@@ -1,10 +1,13 @@
-"""Actions at four levels: four numbers of -1 to 1 for each vehicle, to setpoints.
+"""Actions at four levels: four numbers of -1 to 1 for each vehicle, to set points.
 
 level     numbers
 motors    thrust of each rotor: -1 none, 0 that of hover, 1 the most; in the airframe's order
 rates     collective thrust, likewise; body rates about FLU x, y, z over 6, 6 and 3 rad/s
 velocity  east, north, up over 5, 5 and 3 m/s; yaw rate over 1.5 rad/s
-position  displacement east, north, up over 2 m from where it is; yaw rate over 1.5 rad/s
+position  displacement east, north, up over 2 m from the vehicle; yaw rate over 1.5 rad/s
+
+Zero is the thrust of hover, no rotation, no velocity or no displacement, so that a policy begins
+near hover.
 """
 
 from __future__ import annotations
@@ -32,7 +35,7 @@ _LEVELS = {
 
 
 def checked_actions(actions: object, shape: tuple[int, ...]) -> Float[np.ndarray, "*n 4"]:
-    """Actions as an array, clipped to -1 to 1.
+    """Return actions as an array, clipped to -1 to 1.
 
     Raises:
         EnvironmentInputError: If the shape is another one, or a number is not finite.
@@ -53,14 +56,15 @@ def checked_actions(actions: object, shape: tuple[int, ...]) -> Float[np.ndarray
         raise EnvironmentInputError(
             f"action[{place}] = {array[where]}: finite numbers of -1 to 1 are valid"
         )
+    # Not `np.clip`, which takes longer for small arrays.
     return np.minimum(np.maximum(array, -1.0), 1.0)
 
 
 def check_motors(level: ActionLevel, airframe: Airframe) -> None:
-    """Refuse to command each motor of a vehicle that has more than an action has numbers.
+    """Refuse motor commands for a vehicle with more motors than an action has numbers.
 
     Raises:
-        EnvironmentInputError: If that is what the level is.
+        EnvironmentInputError: If the level is "motors" and the vehicle has not four motors.
     """
     n_motors = len(airframe.quadrotor.rotors)
     if level == "motors" and n_motors != N_ACTIONS:
@@ -71,7 +75,7 @@ def check_motors(level: ActionLevel, airframe: Airframe) -> None:
 
 
 class Actuation:
-    """Writes actions into the setpoints of a fleet."""
+    """Writes actions into the set points of a fleet."""
 
     def __init__(self, fleet: Fleet, level: ActionLevel) -> None:
         self._fleet, self._level = fleet, level
@@ -88,12 +92,13 @@ class Actuation:
 
         Args:
             actions: Checked actions.
-            position_enu_m: Where each vehicle is, as far as it knows.
+            position_enu_m: Position of each vehicle by its own knowledge.
         """
         setpoints = self._fleet.setpoints
         setpoints["level"] = _LEVELS[self._level]
         if self._level == "motors":
             share = self._thrust_share(actions)
+            # Thrust grows with the square of the speed.
             self._fleet.motor_speeds_radps[:] = self._most_speed_radps * np.sqrt(share)
         elif self._level == "rates":
             setpoints["thrust"] = self._thrust_share(actions[:, :1])[:, 0]
@@ -112,7 +117,7 @@ class Actuation:
         self._fleet.motor_speeds_radps[which] = 0.0
 
     def _thrust_share(self, number: Float[np.ndarray, "n k"]) -> Float[np.ndarray, "n k"]:
-        """Share of the greatest thrust: none at -1, that of hover at 0, all at 1."""
+        """Return the share of the greatest thrust: none at -1, hover's share at 0, all at 1."""
         hover = self._hover_share
         return np.where(number < 0.0, hover * (1.0 + number), hover + (1.0 - hover) * number)
 

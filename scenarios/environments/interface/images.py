@@ -1,4 +1,8 @@
-"""Depth and segments of what is in a world: the solids that the physics has."""
+"""Depth and segments of a world: images of the solids that the physics has.
+
+Images are cast by rays instead of rendered. Rays meet the same solids that the vehicle can touch,
+they need no graphics context, and several threads share the images of a step.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +26,7 @@ from flightsim.world import World
 from scenarios.environments.cfg import CameraName, Segment
 
 FAR_M = 20.0
-"""Depth of everything that is farther away, and of the sky."""
+"""Depth of everything that is farther away, including the sky."""
 _COMPILE_SECONDS = 5.0
 SEGMENT_DTYPES = {"classes": np.uint8, "objects": np.int32}
 """Type of the pixels of each segment."""
@@ -40,18 +44,19 @@ class CameraImages:
         n_threads: int | None = None,
         rays: np.ndarray | None = None,
     ) -> None:
-        """Prepare what stands in each scene.
+        """Prepare the static solids of each scene.
 
         Args:
             worlds: World of each vehicle.
             size_px: Width and height of the images.
             camera: Name of the camera.
-            segments: What to tell of each pixel besides its depth.
+            segments: Kinds of images besides the depth.
             n_threads: Threads that cast; None takes one for each core.
-            rays: `RAYS_DTYPE` (n,) of what moves around each vehicle; None sees nothing that moves.
+            rays: `RAYS_DTYPE` (n,) with the movers around each vehicle; None sees no movers.
         """
         n, (width, height) = len(worlds), size_px
         self._size, self._segments = (height, width), segments
+        # Worlds of one scene share their solids.
         builds = {id(world.rays): world for world in worlds}
         solids = {key: _Solids(world) for key, world in builds.items()}
         self._solids = [solids[id(world.rays)] for world in worlds]
@@ -64,10 +69,11 @@ class CameraImages:
         self._views["focal_px"] = [
             0.5 * height / np.tan(0.5 * mount.vertical_fov_rad) for mount in mounts
         ]
-        # What is beyond the depth has a segment.
+        # Objects beyond the greatest depth still have a segment.
         self._views["far_m"] = np.inf if segments else FAR_M
         self._views["scene_address"] = [each.rays.address for each in self._solids]
         self._views["own_body"] = [world.vehicle_body_id for world in worlds]
+        # The calling thread casts too.
         self._n_helpers = min(n_threads or os.cpu_count() or 1, n) - 1
         self._pool = ThreadPoolExecutor(self._n_helpers, "images") if self._n_helpers else None
         compile_ahead(cast_images, example_arguments(), "image kernels", _COMPILE_SECONDS)
@@ -78,7 +84,7 @@ class CameraImages:
         rotation_enu_from_flu: Float[np.ndarray, "n 3 3"],
         whose: Sequence[int] | None = None,
     ) -> dict[str, np.ndarray]:
-        """Images (k, h, w) by name: `depth` along the axis up to `FAR_M`, and the segments.
+        """Return images (k, h, w) by name: `depth` along the axis up to `FAR_M`, and the segments.
 
         Args:
             position_enu_m: True positions of all vehicles.
@@ -105,7 +111,8 @@ class CameraImages:
             self._pool.shutdown()
 
     def _cast(self, *task: np.ndarray) -> None:
-        """Cast the images of some cameras on all threads; `task` is that of `cast_images`."""
+        """Cast the images of some cameras on all threads; `task` has arguments of `cast_images`."""
+        # Threads take images from this counter, so that none waits for a slower one.
         counter = np.zeros(1, np.int64)
         query, pool = functions().intersect, self._pool
         n_helpers = min(self._n_helpers, len(task[0]) - 1)
@@ -116,6 +123,7 @@ class CameraImages:
         )
         cast_images(query, counter, *task)
         for helper in helpers:
+            # Raises what a helper has raised.
             helper.result()
 
 
@@ -124,7 +132,7 @@ def _mount(airframe: Airframe, camera: CameraName) -> CameraMount:
 
 
 class _Solids:
-    """All that stands in a world and can be touched.
+    """All static solids of a world that can be touched.
 
     Attributes:
         rays: Its triangles.
@@ -144,10 +152,10 @@ class _Solids:
 
 
 def _tables(worlds: list[World], solids: list[_Solids]) -> list[dict[str, np.ndarray]]:
-    """What each hit of `cast_images` is for each vehicle, by the names of the images."""
+    """The meaning of each hit of `cast_images` for each vehicle, by the names of the images."""
     known: dict[tuple[int, int], dict[str, np.ndarray]] = {}
     for world, standing in zip(worlds, solids, strict=True):
-        # Hits below zero, nothing and moving geoms, count from the end.
+        # Hits below zero, for nothing and for moving geoms, count from the end.
         ids = world.geom_object_id
         objects = np.concatenate([ids[standing.geoms], ids[::-1], [NO_OBJECT_ID]])
         objects = objects.astype(SEGMENT_DTYPES["objects"])

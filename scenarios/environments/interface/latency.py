@@ -1,4 +1,4 @@
-"""Actions on their way: each vehicle's act some steps after they were given."""
+"""Delayed actions: each vehicle's actions act some steps after they were given."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ class ActionQueue:
     """Actions of n vehicles, of the latest steps.
 
     Attributes:
-        latest: Those given last (n, 4), zero at first.
+        latest: The latest actions (n, 4), zero at first.
     """
 
     def __init__(self, n: int, longest: int) -> None:
-        """Expect latencies of up to `longest` steps."""
+        """Prepare for latencies of up to `longest` steps."""
         self.latest = np.zeros((n, N_ACTIONS))
         self._waiting = np.zeros((1 + longest, n, N_ACTIONS))
         self._latency = np.zeros(n, dtype=int)
@@ -28,8 +28,9 @@ class ActionQueue:
         self._latency[index] = latency
 
     def delayed(self, actions: Float[np.ndarray, "n 4"]) -> Float[np.ndarray, "n 4"]:
-        """Take the actions of a step, and give those that act in it."""
+        """Store the actions of a step, and return those that act in it."""
         n_kept = len(self._waiting)
+        # A ring of steps: each vehicle reads as many places back as its latency.
         self.latest[:] = self._waiting[self._n_steps % n_kept] = actions
         due = (self._n_steps - self._latency) % n_kept
         self._n_steps += 1

@@ -1,15 +1,18 @@
-"""Observations: what agents see, all vehicles of a fleet at once.
+"""Observations of agents, for all vehicles of a fleet at once.
 
 part         numbers                                                          frame, unit
-target       way to the target                                                ENU, m
+target       vector to the target                                             ENU, m
 state        velocity; rotation matrix body to world by rows; angular rate    ENU, m/s; FLU, rad/s
-last_action  the action before
+last_action  the previous action
 imu          specific force; angular rate                                     FLU, m/s^2; rad/s
 range        distance below, 30 for none                                      m
-mates        way to each other vehicle of the world; its relative velocity    ENU, m; m/s
+mates        vector to each other vehicle of the world; its relative velocity ENU, m; m/s
 depth        an image, up to 20 m                                             m
 classes      an image: class of each pixel
 objects      an image: object of each pixel
+
+The attitude is a rotation matrix, which has neither the jumps of angles nor the two signs of
+quaternions.
 """
 
 from __future__ import annotations
@@ -29,11 +32,11 @@ from scenarios.environments.interface.images import FAR_M, SEGMENT_DTYPES, Camer
 MOST_RANGE_M = 30.0
 N_NOISES = 12
 _NOISE_SIGMAS = np.repeat([0.02, 0.05, 0.01, 0.05], 3)
-"""Of position, velocity, attitude and angular rate at noise 1."""
+"""Standard deviations of position, velocity, attitude and angular rate at noise 1."""
 _STATE = ((3, 100.0), (9, 1.0), (3, 100.0))
 """Size and bound of velocity, rotation matrix and angular rate."""
 _MATE = ((3, 1000.0), (3, 100.0))
-"""Size and bound of the way to another vehicle and of its velocity relative to one's own."""
+"""Size and bound of the vector to another vehicle and of its velocity relative to one's own."""
 
 Observation = Any
 """An array (n, k), or with images a dictionary of `numbers`, `depth` and segments."""
@@ -51,10 +54,11 @@ class Observer:
 
         Args:
             fleet: Vehicles whose observations these are.
-            cfg: What is observed.
+            cfg: Parts of the observations.
             n_threads: Threads that cast images; None takes one for each core.
         """
         self._cfg, self._fleet = cfg, fleet
+        # Views into the fleet's arrays: they show every new step without a copy.
         self._truth = [
             fleet.history[name][:, -1]
             for name in (
@@ -66,6 +70,7 @@ class Observer:
         ]
         names = ("position_enu_m", "velocity_enu_mps", "quat_wxyz", "angular_rate_flu_radps")
         self._estimate = [fleet.records["filter"][name] for name in names]
+        # Without a state the vector to the target still needs a position: the true one.
         self._known = self._estimate if cfg.state == "estimated" else self._truth
         self._cameras = None
         if cfg.depth is not None:
@@ -84,7 +89,7 @@ class Observer:
 
     @property
     def position_enu_m(self) -> Float[np.ndarray, "n 3"]:
-        """Where each vehicle is, as far as it knows."""
+        """Position of each vehicle by its own knowledge: true or estimated, ENU, m."""
         return self._known[0]
 
     def observe(
@@ -94,19 +99,20 @@ class Observer:
         noise: Float[np.ndarray, "n 12"] | None = None,
         before: tuple[Observation, Sequence[int]] | None = None,
     ) -> Observation:
-        """Observations of all vehicles now, in arrays of their own.
+        """Return the observations of all vehicles now, in arrays of their own.
 
         Args:
             target_enu_m: Their targets.
-            last_action: Their actions before.
+            last_action: Their previous actions.
             noise: Standard normals times the level of noise of each; None for no noise.
-            before: Observations of this moment, and numbers of the vehicles that have been put
-                elsewhere since; None takes all images anew.
+            before: Observations of this moment, and numbers of the vehicles that have been moved
+                since; only those get new images. None takes all images anew.
         """
         numbers = None
         if self._has_numbers:
             parts = list(self._parts(target_enu_m, last_action, noise))
             numbers = np.concatenate(parts, axis=1, dtype=np.float32)
+            # A vehicle that flies off must not leave the declared space.
             np.clip(numbers, *self._bounds, out=numbers)
         if self._cameras is None:
             return numbers
@@ -136,7 +142,10 @@ class Observer:
         if noise is not None:
             error = _NOISE_SIGMAS * noise
             way_enu_m -= error[:, :3]
+            # New arrays: the known state belongs to the fleet and must not be changed.
             velocity_enu_mps = velocity_enu_mps + error[:, 3:6]
+            # A small rotation about the body's axes, to first order: no longer exactly a rotation
+            # matrix.
             rotation += rotation @ _cross_matrices(error[:, 6:9])
             rate_flu_radps = rate_flu_radps + error[:, 9:]
         if cfg.target:
@@ -152,6 +161,7 @@ class Observer:
             yield records["imu"]["gyro_flu_radps"]
         if cfg.range:
             range_m = records["range"]["range_m"][:, None]
+            # A network cannot use infinity.
             yield np.where(np.isfinite(range_m), range_m, MOST_RANGE_M)
         if self._fleet.n_together > 1:
             position_true_enu_m, velocity_true_enu_mps, *_ = self._truth
@@ -159,7 +169,7 @@ class Observer:
 
 
 def take(observation: Observation, index: int) -> Observation:
-    """Observation of one vehicle."""
+    """Return the observation of one vehicle."""
     if isinstance(observation, dict):
         return {name: values[index] for name, values in observation.items()}
     return observation[index]
@@ -171,13 +181,13 @@ _WX, _WY, _WZ, _XX, _XY, _XZ, _YY, _YZ, _ZZ = 1, 2, 3, 5, 6, 7, 10, 11, 15
 _FIRST_PRODUCT = np.array([_YY, _XY, _XZ, _XY, _XX, _YZ, _XZ, _YZ, _XX])
 _SECOND_PRODUCT = np.array([_ZZ, _WZ, _WY, _WZ, _ZZ, _WX, _WY, _WX, _YY])
 _SIGN = np.array([1.0, -1.0, 1.0, 1.0, 1.0, -1.0, -1.0, 1.0, 1.0])
-"""An entry of a rotation matrix is one of the identity and twice a sum of two products of the
-quaternion's numbers, less twice it on the diagonal."""
+"""Indices for `rotation_matrices`. An entry of a rotation matrix is the identity's entry plus twice
+a sum of two products of the quaternion's numbers, or minus twice it on the diagonal."""
 
 
 def rotation_matrices(quat_wxyz: Float[np.ndarray, "n 4"]) -> Float[np.ndarray, "n 3 3"]:
-    """Rotation matrices of unit quaternions."""
-    # Few calls of numpy for all entries: each costs more than its numbers.
+    """Return the rotation matrices of unit quaternions."""
+    # Few calls of numpy for all entries, because each call costs more than its numbers.
     products = (quat_wxyz[:, :, None] * quat_wxyz[:, None]).reshape(-1, 16)
     sums = products[:, _FIRST_PRODUCT] + _SIGN * products[:, _SECOND_PRODUCT]
     return (_IDENTITY + _FACTOR * sums).reshape(-1, 3, 3)
@@ -192,8 +202,9 @@ def _cross_matrices(vectors: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 3
 def _mates(
     position_enu_m: Float[np.ndarray, "n 3"], velocity_enu_mps: Float[np.ndarray, "n 3"], k: int
 ) -> Float[np.ndarray, "n m"]:
-    """Ways to the others of each k vehicles and their relative velocities, one after the other."""
+    """Vectors to the other vehicles of each k, and relative velocities, one after the other."""
     states = np.concatenate([position_enu_m, velocity_enu_mps], axis=1).reshape(-1, k, 6)
+    # The vehicle itself is left out by the mask of the diagonal.
     away = states[:, None] - states[:, :, None]
     return away[:, ~np.eye(k, dtype=bool)].reshape(-1, 6 * (k - 1))
 
@@ -214,7 +225,7 @@ def _space(cfg: ObservationCfg, bounds: tuple[np.ndarray, np.ndarray] | None) ->
 
 
 def _bounds(cfg: ObservationCfg, n_mates: int) -> tuple[np.ndarray, np.ndarray]:
-    """Least and greatest value of each number."""
+    """Return the least and the greatest value of each number."""
     parts = list(_parts_bounds(cfg, n_mates))
     low, high = (
         np.concatenate([np.zeros(0), *(np.full(part[0], part[k]) for part in parts)])
@@ -224,7 +235,7 @@ def _bounds(cfg: ObservationCfg, n_mates: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _parts_bounds(cfg: ObservationCfg, n_mates: int) -> Iterator[tuple[int, float, float]]:
-    """Size and bounds of each part."""
+    """Yield size and bounds of each part, in the order of the observation."""
     if cfg.target:
         yield 3, -1000.0, 1000.0
     if cfg.state != "none":

@@ -1,4 +1,4 @@
-"""Pictures of the vehicles in an environment, for people: what `render()` returns."""
+"""Pictures of the vehicles in an environment, for people: the result of `render()`."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from scenarios.environments.cfg import EnvironmentInputError
 from scenarios.recording.chase import FOV_RAD, ChaseEye
 
 RENDER_MODES: Final = ["rgb_array"]
-"""What Gymnasium and PettingZoo may be asked for; no window is ever opened."""
+"""Modes of Gymnasium and PettingZoo; no window is ever opened."""
 WIDTH_PX, HEIGHT_PX = 640, 480
 _ELEVATION_RAD = math.radians(25.0)
 _ROOM_M = 1.0
@@ -26,7 +26,7 @@ Picture = UInt8[np.ndarray, "height width 3"]
 
 
 def checked_render_mode(mode: str | None) -> str | None:
-    """The mode, if it is one.
+    """Return the mode if it is valid.
 
     Raises:
         EnvironmentInputError: If it is not.
@@ -40,11 +40,12 @@ def checked_render_mode(mode: str | None) -> str | None:
 class Photographer:
     """Takes pictures of the vehicles of a fleet; a renderer is opened with the first picture.
 
-    It reads where everything is and changes nothing: an episode is the same, seen or not.
+    It only reads the worlds and changes nothing, so an episode is the same with and without
+    pictures.
     """
 
     def __init__(self, fleet: Fleet, step_s: float) -> None:
-        """Take up position.
+        """Prepare for a fleet.
 
         Args:
             fleet: The vehicles.
@@ -56,12 +57,13 @@ class Photographer:
         self._eyes: dict[int, ChaseEye] = {}
 
     def begin(self, index: int) -> None:
-        """Stand behind a vehicle anew, whose next episode begins elsewhere."""
+        """Stand behind a vehicle anew, because its next episode begins elsewhere."""
         self._eyes.pop(index, None)
 
     def behind(self, index: int) -> Picture:
-        """A vehicle from behind and above, and never through a wall."""
+        """Return a view of a vehicle from behind and above, and never through a wall."""
         position_enu_m, quat_wxyz = self._pose(index)
+        # Each vehicle has its own eye, which follows smoothly from picture to picture.
         eye = self._eyes.get(index)
         if eye is None:
             eye = self._eyes[index] = ChaseEye(self._fleet.worlds[index], yaw_from_quat(quat_wxyz))
@@ -70,9 +72,10 @@ class Photographer:
         return self._view(index, place, position_enu_m.tolist())
 
     def together(self, vehicles: Sequence[int]) -> Picture:
-        """All vehicles of a world, from the south-west and above."""
+        """Return a view of all vehicles of a world, from the south-west and above."""
         eye, target = frame_points(
             _with_room(np.array([self._pose(i)[0] for i in vehicles])),
+            # From the south-west.
             azimuth_rad=math.radians(-135.0),
             elevation_rad=_ELEVATION_RAD,
             vertical_fov_rad=FOV_RAD,
@@ -87,9 +90,10 @@ class Photographer:
         self._renderers.clear()
 
     def _pose(self, index: int) -> tuple[np.ndarray, np.ndarray]:
-        """Position and attitude now; the history has those of the last step only."""
+        """Return position and attitude now; the history has those of the last step only."""
         first = self._fleet.worlds[index].qpos_address
         pose = self._fleet.data(index).qpos[first : first + 7]
+        # Copies: the arrays belong to MuJoCo and change with the next step.
         return pose[:3].copy(), pose[3:].copy()
 
     def _view(self, index: int, eye: Sequence[float], target: Sequence[float]) -> Picture:

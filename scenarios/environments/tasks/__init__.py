@@ -1,4 +1,4 @@
-"""Tasks: how an episode begins, what is rewarded, and when it is over."""
+"""Tasks: the beginning of an episode, its reward, and its end."""
 
 from collections.abc import Mapping
 from types import MappingProxyType
@@ -19,7 +19,7 @@ __all__ = ["TASKS", "Hover", "Landing", "Navigation", "Situation", "Start", "Tas
 
 
 def task_by_name(name: str) -> Task:
-    """Task of one vehicle.
+    """Return the task of one vehicle.
 
     Raises:
         EnvironmentInputError: If there is none of that name.

@@ -11,8 +11,10 @@ from scenarios.environments.tasks.task import Start, Task, draw_attitude, draw_f
 from scenarios.trials.figures import Goal
 from scenarios.trials.verdict import Ending, Verdict
 
+# Distance from the target that ends an episode; time at the target that counts as held.
 _FARTHEST_M = 5.0
 _HELD_S = 1.0
+# Distance at which the reward of closeness has fallen to 1/e.
 _CLOSENESS_M = 0.5
 _CRASH = -5.0
 
@@ -25,7 +27,8 @@ class Hover(Task):
     near_m = 0.25
 
     def draw(self, place: Place, rng: np.random.Generator) -> list[Start]:
-        """A target some two metres over the scene's start, and a start within a metre of it."""
+        """Draw a target about two metres over the scene's start, and a start within a metre."""
+        # The target first: the start is drawn relative to it.
         target = draw_free(
             place, rng, place.start_enu_m, (-1.0, -1.0, 1.5), (1.0, 1.0, 2.5), "a target to hover"
         )
@@ -46,7 +49,10 @@ class Hover(Task):
         before_m: Float[np.ndarray, " n"],  # noqa: ARG002 - of other tasks
         step_s: float,
     ) -> Float[np.ndarray, " n"]:
-        """A second at the target is worth 1, less 0.1 for each m/s and 0.05 for each rad/s."""
+        """A second at the target is worth 1, less 0.1 for each m/s and 0.05 for each rad/s.
+
+        The exponential gives a gradient from anywhere and is steep near the target.
+        """
         closeness = np.exp(-now.distance_m / _CLOSENESS_M)
         return step_s * (closeness - 0.1 * now.speed_mps - 0.05 * now.turning_radps)
 
@@ -59,7 +65,7 @@ class Hover(Task):
         return (now.touch_s > 0.0) | (now.distance_m > _FARTHEST_M)
 
     def ending(self, now: Situation, index: int, seconds: float, *, is_time_up: bool) -> Ending:
-        """Whether the target was held."""
+        """State whether the target was held."""
         away_m = now.distance_m[index]
         if not is_time_up:
             word = Verdict(False, f"was {away_m:.1f} m from the target after {seconds:.1f} s")

@@ -1,4 +1,4 @@
-"""Navigation: fly from the scene's start to a point over one of its areas, past all that stands."""
+"""Navigation: fly from the scene's start to a point over one of its areas, past all obstacles."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Navigation(Task):
     near_m = 1.0
 
     def draw(self, place: Place, rng: np.random.Generator) -> list[Start]:
-        """A start over the scene's own, and a target over an area at least three metres away."""
+        """Draw a start over the scene's own, and a target over an area three metres or more off."""
         position = draw_free(
             place, rng, place.start_enu_m, (-0.5, -0.5, 1.5), (0.5, 0.5, 2.5), "a start"
         )
@@ -49,7 +49,11 @@ class Navigation(Task):
     def reward(
         self, now: Situation, before_m: Float[np.ndarray, " n"], step_s: float
     ) -> Float[np.ndarray, " n"]:
-        """1 for each metre that it came nearer, less 0.05 for each second and each rad/s."""
+        """1 for each metre that it came nearer, less 0.05 for each second and each rad/s.
+
+        The reward of progress adds up to the distance covered, whatever the path, so that detours
+        around obstacles cost only time.
+        """
         return before_m - now.distance_m - step_s * (0.05 + 0.05 * now.turning_radps)
 
     def end_reward(self, *, is_success: bool, is_time_up: bool) -> float:
@@ -63,7 +67,7 @@ class Navigation(Task):
         return (now.near_s > 0.0) | (now.touch_s > 0.0)
 
     def ending(self, now: Situation, index: int, seconds: float, *, is_time_up: bool) -> Ending:
-        """Whether the target was reached."""
+        """State whether the target was reached."""
         if now.near_s[index] > 0.0:
             word = Verdict(True, f"reached the target after {seconds:.1f} s")
         else:
@@ -72,8 +76,10 @@ class Navigation(Task):
 
 
 def _draw_target(place: Place, rng: np.random.Generator, start_enu_m: Vector3) -> Vector3:
-    """A free point two metres over an area."""
+    """Draw a free point one to three metres over an area."""
+    # Near ones need no navigation.
     far = [area for area in place.areas if math.dist(area.centroid, start_enu_m) > _LEAST_WAY_M]
+    # Without a far area go straight to the error.
     for _ in range(MOST_DRAWS if far else 0):
         x, y, z = far[rng.integers(len(far))].centroid
         target = (x, y, z + uniform(rng, 1.0, 3.0))

@@ -1,4 +1,7 @@
-"""Where the vehicles of a batch are, and for how long they have been there."""
+"""Positions of a batch's vehicles, and how long they have been at their targets or in contact.
+
+All tasks reward and end episodes by the same few figures, so these are measured once a step.
+"""
 
 from __future__ import annotations
 
@@ -46,17 +49,18 @@ class Situation:
 
     @property
     def is_touching(self) -> Bool[np.ndarray, " n"]:
-        """Whether each vehicle has touched something in the last step."""
+        """True for each vehicle that has touched something in the last step."""
         return self.touch_s > 0.0
 
     def begin(self, index: int, target_enu_m: tuple[float, float, float]) -> None:
-        """Let a vehicle that has been put somewhere else have a new target."""
+        """Give a vehicle that has been moved a new target."""
         self.target_enu_m[index] = target_enu_m
         self.near_s[index] = self.touch_s[index] = 0.0
+        # The other figures follow with the next step; rewards need this one before it.
         self.distance_m[index] = math.dist(target_enu_m, self.position_enu_m[index])
 
     def look(self) -> None:
-        """Bring everything up to date after a step."""
+        """Update all figures after a step."""
         measure_situation(
             self.position_enu_m,
             *self._motion,
@@ -86,13 +90,15 @@ def measure_situation(
     near_s: np.ndarray,
     touch_s: np.ndarray,
 ) -> None:
-    """Measure the situation of n vehicles; numpy takes 30 us for as many calls, however small n is.
+    """Measure the situation of n vehicles in one call.
+
+    The same in numpy takes 30 us for its many calls, however small n is.
 
     Args:
         position_enu_m: True positions (n, 3).
         velocity_enu_mps: True velocities (n, 3).
         rate_flu_radps: True angular rates (n, 3).
-        is_touching: Whether it touched something (n, k), for each control tick of the step.
+        is_touching: Contact (n, k), for each control tick of the step.
         target_enu_m: Targets (n, 3).
         near_m: Distance from the target that counts as there.
         step_s: Time of a step.
@@ -106,6 +112,7 @@ def measure_situation(
         distance_m[i] = _length(target_enu_m[i] - position_enu_m[i])
         speed_mps[i] = _length(velocity_enu_mps[i])
         turning_radps[i] = _length(rate_flu_radps[i])
+        # Consecutive time: leaving the target starts it again.
         near_s[i] = near_s[i] + step_s if distance_m[i] <= near_m else 0.0
         touch_s[i] = touch_s[i] + step_s if is_touching[i].any() else 0.0
 

@@ -24,13 +24,13 @@ from scenarios.trials.verdict import Ending, Verdict
 
 _LOW_M, _HIGH_M = 1.5, 4.0
 """Heights over the scene's start between which starts and targets lie."""
-_LEAST_HALF_M = 2.0
+_LEAST_HALF_M = 2.0  # of the box of starts and targets, which grows with the swarm
 _APART_M = 1.5
 """Least distance between two starts, and between two targets."""
 _FARTHEST_M = 30.0
 _HELD_S = 1.0
 _CLOSENESS_M = 0.5
-_NEAR_MATE_M = 1.0
+_NEAR_MATE_M = 1.0  # distance of another vehicle's centre within which crowding costs
 _CRASH = -5.0
 
 
@@ -45,7 +45,7 @@ class Swarm(Task):
         self._n_vehicles = n_vehicles
 
     def draw(self, place: Place, rng: np.random.Generator) -> list[Start]:
-        """Starts and targets of all vehicles in one box over the scene's start, each apart.
+        """Draw starts and targets of all vehicles in one box over the scene's start, each apart.
 
         Raises:
             EnvironmentInputError: If a hundred draws of one find no free air for it.
@@ -66,7 +66,7 @@ class Swarm(Task):
     def reward(
         self, now: Situation, before_m: Float[np.ndarray, " n"], step_s: float
     ) -> Float[np.ndarray, " n"]:
-        """1 for each metre nearer, and a second at the target 1, less what is said below.
+        """1 for each metre nearer, and 1 for a second at the target, less the following costs.
 
         A second costs 0.05 for each rad/s, and up to 1 within a metre of another vehicle's centre.
         """
@@ -84,7 +84,7 @@ class Swarm(Task):
         return (now.touch_s > 0.0) | (now.distance_m > _FARTHEST_M)
 
     def ending(self, now: Situation, index: int, seconds: float, *, is_time_up: bool) -> Ending:
-        """Whether the target was held."""
+        """State whether the target was held."""
         away_m = now.distance_m[index]
         if not is_time_up:
             word = Verdict(False, f"was {away_m:.1f} m from the target after {seconds:.1f} s")
@@ -96,14 +96,16 @@ class Swarm(Task):
 
 
 def nearest_mate_m(position_enu_m: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, " n"]:
-    """Distance of each vehicle's centre from the nearest other one; infinite for one alone."""
+    """The distance of each vehicle's centre from the nearest other one; infinite if alone."""
     apart_m = np.linalg.norm(position_enu_m[:, None] - position_enu_m, axis=2)
+    # A vehicle is no neighbour of itself.
     np.fill_diagonal(apart_m, math.inf)
     return apart_m.min(axis=1)
 
 
 def _draw_apart(place: Place, rng: np.random.Generator, n: int, what: str) -> list[Vector3]:
-    """Free points apart from each other, in a box over the scene's start that n need."""
+    """Free points apart from each other, in a box over the scene's start that fits n of them."""
+    # The area grows with n, so the density of vehicles stays the same.
     half_m = max(_LEAST_HALF_M, _APART_M * math.sqrt(n))
     low, high = (-half_m, -half_m, _LOW_M), (half_m, half_m, _HIGH_M)
     drawn: list[Vector3] = []

@@ -1,4 +1,8 @@
-"""Frames of a dataset for torch, each with its pose, its lens and the IMU before it."""
+"""Frames of a dataset for torch, each with its pose, its lens and the IMU before it.
+
+Tables are held in memory, because they are small; images are read from their shard on demand, so
+that a dataset may be larger than memory.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +22,7 @@ from scenarios.trial_data.tables import QUATERNION, names
 if TYPE_CHECKING:
     import torch
 
-_MM_PER_M = 1000.0
+_MM_PER_M = 1000.0  # depth images hold millimetres
 _IMU = [*names("acceleration", BODY_AXES, "mps2"), *names("angular_rate", BODY_AXES, "radps")]
 _LENS = ("focal_x_px", "focal_y_px", "centre_x_px", "centre_y_px")
 
@@ -27,9 +31,9 @@ class Frame(NamedTuple):
     """A frame as torch tensors, which a `DataLoader` stacks."""
 
     rgb: torch.Tensor
-    """uint8 (3, height, width); zeros where no colours were recorded."""
+    """uint8 (3, height, width); zeros if no colours were recorded."""
     depth_m: torch.Tensor
-    """float32 (1, height, width), along the optical axis; 0 where nothing was seen."""
+    """float32 (1, height, width), along the optical axis; 0 if nothing was seen."""
     enu_from_optical: torch.Tensor
     """float32 (4, 4): true pose of the camera, x right, y down, z forward."""
     intrinsics_px: torch.Tensor
@@ -54,19 +58,20 @@ class FrameDataset:
     def __init__(
         self, folder: Path | str, *, camera: str | None = None, imu_rows: int = 50
     ) -> None:
-        """Read the tables; images are read when they are asked for.
+        """Read the tables; images are read on demand.
 
         Args:
             folder: Folder of the dataset.
-            camera: Only frames of this camera; None takes all.
-            imu_rows: Number of IMU samples up to each frame; 50 are 0.2 s. Frames before there are
-                as many are left out.
+            camera: Camera whose frames are wanted; None takes all.
+            imu_rows: Number of IMU samples up to each frame; 50 are 0.2 s. Frames with fewer
+                samples before them are left out.
 
         Raises:
             TrialDataError: If the folder holds no dataset, or none of its frames is wanted.
         """
         self._folder = Path(folder)
         self._imu_rows = imu_rows
+        # A trial is complete if its table of trials is there; others are unfinished.
         trials = sorted((self._folder / COMMITTED).glob("*.parquet"))
         if not trials:
             raise TrialDataError(
@@ -87,6 +92,7 @@ class FrameDataset:
 
         if not -len(self) <= index < len(self):
             raise IndexError(f"frame {index} is not among {len(self)}")
+        # The remainder handles negative indices as a list does.
         row = self.table.slice(index % len(self), 1).to_pylist()[0]
         fx, fy, cx, cy = (row[name] for name in _LENS)
         pose = np.eye(4)
@@ -106,12 +112,13 @@ class FrameDataset:
         )
 
     def _frames(self, trial: str, camera: str | None) -> pa.Table:
-        """Frames of a trial that are wanted; keeps its IMU."""
+        """Return the wanted frames of a trial, and keep its IMU."""
         frames = pq.read_table(self._folder / "frames" / f"{trial}.parquet")
         imu = pq.read_table(self._folder / "imu" / f"{trial}.parquet", columns=["time_us", *_IMU])
         values = np.column_stack([imu[name].to_numpy() for name in _IMU]).astype(np.float32)
         time_us = imu["time_us"].to_numpy()
         self._imu[trial] = time_us, values
+        # Enough IMU samples before the frame.
         is_wanted = np.searchsorted(time_us, frames["time_us"], side="right") >= self._imu_rows
         if camera is not None:
             is_wanted &= np.array(frames["camera"].to_pylist(), dtype=object) == camera
@@ -141,7 +148,7 @@ class FrameDataset:
         return image.astype(dtype)[None]
 
     def _image(self, row: dict[str, Any], kind: str) -> np.ndarray | None:
-        """An image of a frame, read from the shard; None where there is none.
+        """Return an image of a frame, read from the shard; None if there is none.
 
         Raises:
             TrialDataError: If the shard is damaged.
@@ -149,6 +156,7 @@ class FrameDataset:
         if row.get(f"{kind}_offset") is None:
             return None
         shard = self._folder / SHARDS / f"{row['trial']}.tar"
+        # Opened for each image: file objects cannot be shared by the processes of a `DataLoader`.
         with shard.open("rb") as file:
             file.seek(row[f"{kind}_offset"])
             return decoded(file.read(row[f"{kind}_bytes"]), f"shard {str(shard)!r}")

@@ -1,8 +1,9 @@
 """Writes trials into the folder of a dataset, each whole or not at all.
 
-A folder a table, a Parquet file a trial in it; the images and scans of a trial are one tar file in
-the naming of WebDataset. The tables of frames and scans say where in the tar each file is, so that
-one read gets it. The file in `trials/` is written last: a trial of which it is there is complete.
+Each table has a folder, with a Parquet file for each trial. The images and scans of a trial are one
+tar file in the naming of WebDataset. The tables of frames and scans hold the place of each file in
+the tar, so that one read gets it. The file in `trials/` is written last: if it is there, the trial
+is complete.
 """
 
 from __future__ import annotations
@@ -48,17 +49,18 @@ class _Place(NamedTuple):
 
 
 def has_trial(folder: Path, name: str) -> bool:
-    """Whether a trial is in a dataset, whole."""
+    """Return whether a trial is in a dataset, complete."""
     return (folder / COMMITTED / f"{name}.parquet").is_file()
 
 
 def add_trial(folder: Path, trial: RecordedTrial) -> None:
-    """Add a trial to a dataset, which is made where it is missing.
+    """Add a trial to a dataset, which is created if it is missing.
 
     Raises:
         OSError: If it cannot be written; nothing of the trial is left.
     """
     written = [folder / SHARDS / f"{trial.name}.tar"]
+    # Reversed, so that `trials`, the first of the tables, is written last.
     written += [folder / name / f"{trial.name}.parquet" for name in reversed(tuple(TABLES))]
     try:
         for path in written:
@@ -72,6 +74,7 @@ def add_trial(folder: Path, trial: RecordedTrial) -> None:
                 table = _with_places(table, path.parent.name, places)
             with replacing(path) as file:
                 pq.write_table(table, file, compression="zstd")
+    # On any exception, Ctrl-C included.
     except BaseException:
         for path in written:
             path.unlink(missing_ok=True)
@@ -81,7 +84,8 @@ def add_trial(folder: Path, trial: RecordedTrial) -> None:
 def _write_shard(path: Path, trial: RecordedTrial) -> dict[str, _Place]:
     """Write the images and scans of a trial, and each one's row of its table as JSON.
 
-    The names up to the first dot are the keys of WebDataset's samples.
+    The names up to the first dot are the keys of WebDataset's samples, so the trial's name may have
+    none.
     """
     places: dict[str, _Place] = {}
     encoded = {each.file: each.data for each in (*trial.pictures, *trial.scans)}
@@ -105,6 +109,7 @@ def _append(tar: tarfile.TarFile, file: BinaryIO, name: str, data: bytes) -> _Pl
     member = tarfile.TarInfo(name)
     member.size = len(data)
     tar.addfile(member, io.BytesIO(data))
+    # A tar file pads each member to whole blocks; the data begins that far before its end.
     padded = -(-member.size // tarfile.BLOCKSIZE) * tarfile.BLOCKSIZE
     return _Place(file.tell() - padded, member.size)
 

@@ -1,5 +1,5 @@
-"""What may be wrong with a recording that is to be data."""
+"""Error for recordings that cannot be used as data."""
 
 
 class TrialDataError(ValueError):
-    """A recording lacks what is asked of it, or data cannot be written; one line says which."""
+    """A recording lacks required data, or data cannot be written; one line says which."""

@@ -1,4 +1,7 @@
-"""Camera frames of a recording: encoded images, and where and with which lens they were taken."""
+"""Camera frames of a recording: encoded images with poses and lenses.
+
+Recordings hold the vehicle's pose and each camera's mount; a frame's pose follows from both.
+"""
 
 from __future__ import annotations
 
@@ -41,7 +44,7 @@ class Picture(NamedTuple):
 
 
 def read_mounts(rows: RecordedRows) -> dict[str, Mount]:
-    """Cameras of which there is a frame."""
+    """Return the cameras that have frames, by their names."""
     found: dict[str, Mount] = {}
     prefix = layout.camera("")
     for entity in rows.entities:
@@ -50,11 +53,12 @@ def read_mounts(rows: RecordedRows) -> dict[str, Mount]:
         if not entity.startswith(prefix) or not lens:
             continue
         if not turns:
-            # Recordings of earlier versions do not say where cameras sit that look for traffic.
+            # Recordings of earlier versions lack the mounts of the cameras that look for traffic.
             rows.others.add(entity)
             continue
         matrix = np.array(lens[-1][1][0])
         width, height = rows.rows(entity, "Pinhole:resolution")[-1][1][0]
+        # rerun keeps matrices column by column.
         turn = np.array(turns[-1][1][0]).reshape(3, 3).T
         found[entity.removeprefix(prefix)] = Mount(
             position_flu_m=np.array(rows.rows(entity, TRANSLATION)[-1][1][0]),
@@ -67,11 +71,12 @@ def read_mounts(rows: RecordedRows) -> dict[str, Mount]:
 
 
 def read_frames(rows: RecordedRows, mounts: Mapping[str, Mount]) -> tuple[Columns, list[Picture]]:
-    """Table of the frames, and their images."""
+    """Return the table of the frames, and their images."""
+    # Time and camera alone: the encoded images cannot be ordered.
     seen = sorted(_images(rows, mounts), key=lambda image: image[:2])
     time_us = np.array([image[0] for image in seen], dtype=np.int64)
     position_m, quat_wxyz = pose_at(rows, layout.VEHICLE, time_us)
-    # Where a run was killed, the poses of its last second are missing.
+    # If a run was killed, the poses of its last second are missing.
     is_known = np.isfinite(position_m[:, 0])
     seen = [image for image, known in zip(seen, is_known, strict=True) if known]
     pictures: list[Picture] = []
@@ -99,7 +104,7 @@ def read_frames(rows: RecordedRows, mounts: Mapping[str, Mount]) -> tuple[Column
 def _images(
     rows: RecordedRows, mounts: Mapping[str, Mount]
 ) -> Iterator[tuple[int, str, dict[str, bytes | None]]]:
-    """Time, camera and encoded images of each frame, by their kind; None where there is none."""
+    """Yield time, camera and encoded images of each frame by kind; None if a kind is missing."""
     for camera in mounts:
         found = {
             "rgb": dict(rows.blobs(layout.camera_rgb(camera), "EncodedImage:blob")),
@@ -112,11 +117,12 @@ def _images(
 
 
 def _segments(rows: RecordedRows, entity: str) -> Iterator[tuple[int, bytes]]:
-    """Time and PNG of each image of segments, which recordings keep as plain numbers."""
+    """Yield time and PNG of each image of segments, which recordings keep as plain numbers."""
     formats = rows.rows(entity, "SegmentationImage:format")
     blobs = rows.blobs(entity, "SegmentationImage:buffer")
     for (time_us, data), (_, (shape, *_)) in zip(blobs, formats, strict=True):
         size = (shape["height"], shape["width"])
+        # Classes have one byte a pixel, objects two.
         kind = np.uint8 if len(data) == size[0] * size[1] else np.uint16
         yield time_us, encode_png(np.frombuffer(data, kind).reshape(size))
 
@@ -124,7 +130,7 @@ def _segments(rows: RecordedRows, entity: str) -> Iterator[tuple[int, bytes]]:
 def _camera_poses(
     position_m: Float[np.ndarray, "n 3"], quat_wxyz: Float[np.ndarray, "n 4"], mounts: list[Mount]
 ) -> tuple[Float[np.ndarray, "n 3"], Float[np.ndarray, "n 4"]]:
-    """Positions and attitudes of cameras on a vehicle of these poses."""
+    """Return positions and attitudes of cameras on a vehicle of these poses."""
     if not mounts:
         return position_m, quat_wxyz
     enu_from_flu = Rotation.from_quat(quat_wxyz, scalar_first=True)

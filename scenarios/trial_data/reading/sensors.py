@@ -14,17 +14,17 @@ from scenarios.trial_data.reading.states import SCALARS, Columns, pose_at, sprea
 from scenarios.trial_data.tables import GAUGES, QUATERNION
 
 _POSE_US = 4_000
-"""Time between two poses; a lidar ends its scans whenever its rate says."""
+"""Time between two poses. A lidar ends its scans at its own rate, so a pose may be that old."""
 _CONTEXT = "AnnotationContext:context"
 _SEGMENTS = {"classes": layout.camera_classes, "instances": layout.camera_instances}
 
 
 def scans(rows: RecordedRows) -> tuple[Columns, list[Picture]]:
-    """Table of the lidar's scans, and their points as NumPy files."""
+    """Return the table of the lidar's scans, and their points as NumPy files."""
     found = sorted(rows.clouds(layout.LIDAR, "Points3D:positions"), key=lambda scan: scan[0])
     time_us = np.array([time for time, _ in found], dtype=np.int64)
     position_m, quat_wxyz = pose_at(rows, layout.VEHICLE, time_us, most_us=_POSE_US)
-    # Where a run was killed, the poses of its last second are missing.
+    # If a run was killed, the poses of its last second are missing.
     is_known = np.isfinite(position_m[:, 0])
     clouds = [points for (_, points), known in zip(found, is_known, strict=True) if known]
     files = [Picture(f"{number:06d}.points.npy", _npy(p)) for number, p in enumerate(clouds)]
@@ -46,7 +46,7 @@ def _npy(points_m: np.ndarray) -> bytes:
 
 
 def optical_flow(rows: RecordedRows) -> Columns:
-    """Samples of the sensor of optical flow."""
+    """Return the samples of the sensor of optical flow."""
     parts = layout.OPTICAL_FLOW_PARTS
     time_us, values = rows.vectors(layout.OPTICAL_FLOW, SCALARS, len(parts))
     columns = dict(zip(parts, values.T, strict=True))
@@ -55,9 +55,10 @@ def optical_flow(rows: RecordedRows) -> Columns:
 
 
 def gauges(rows: RecordedRows) -> Columns:
-    """What is sampled at 10 Hz, up to the last time at which all of it is known."""
+    """Values that are sampled at 10 Hz, up to the last time at which all of them are known."""
     found = {name: rows.vectors(entity, SCALARS, 1) for name, (entity, _) in GAUGES.items()}
     times = [time_us for time_us, _ in found.values() if len(time_us)]
+    # The shortest: a torn recording may lack the last rows of some.
     time_us = min(times, key=len) if times else np.zeros(0, dtype=np.int64)
     n = len(time_us)
     columns = {
@@ -68,7 +69,7 @@ def gauges(rows: RecordedRows) -> Columns:
 
 
 def labels(rows: RecordedRows, cameras: Iterable[str]) -> Columns:
-    """What the numbers in images of classes and of instances mean; all cameras agree."""
+    """The meaning of the numbers in images of classes and of instances; all cameras agree."""
     found: dict[tuple[str, int], str] = {}
     for camera in cameras:
         for image, entity in _SEGMENTS.items():

@@ -1,4 +1,8 @@
-"""Tables of states, measurements, plans, movers, contacts and events of a recording."""
+"""Tables of states, measurements, plans, movers, contacts and events of a recording.
+
+A recording may be torn, because its run was killed. Every table is therefore cut to the rows of
+which all columns are known.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +29,7 @@ _EVENTS = {
     "text": (layout.STATUSTEXT, "TextLog:text"),
 }
 _AXES, _BODY = layout.AXES, layout.BODY_AXES
-_OF_QUADROTOR = 4
+_OF_QUADROTOR = 4  # rotors of a vehicle whose motors were not recorded
 _Vector = tuple[str, str, tuple[str, ...], str]
 """A vector of a table: prefix of its columns, entity, parts and unit."""
 _FAST: Mapping[str, tuple[_Vector, ...]] = {
@@ -39,16 +43,16 @@ _VECTORS = (
     ("velocity", "mps", _AXES, layout.STATES),
     ("angular_rate", "radps", _BODY, layout.STATES[1:]),
 )
-"""Vectors of the state: unit, axes, and whose values the recording has of each axis."""
+"""Vectors of the state: unit, axes, and the kinds of values that the recording has of each axis."""
 
 
 def spread(prefix: str, parts: tuple[str, ...], unit: str, values: np.ndarray) -> Columns:
-    """Columns of a vector, of values (n, len(parts))."""
+    """Return the columns of a vector, from values (n, len(parts))."""
     return dict(zip(names(prefix, parts, unit), values.T.astype(float), strict=True))
 
 
 def states(rows: RecordedRows) -> Columns:
-    """States at every tick of the loop, up to the last one of which all is known."""
+    """Return the states at every tick of the loop, up to the last one that is wholly known."""
     columns: Columns = {}
     times: list[np.ndarray] = []
     for what, unit, axes, whose in _VECTORS:
@@ -75,9 +79,10 @@ def _at(
     time_us: Int[np.ndarray, " m"],
     most_us: int = 0,
 ) -> Float[np.ndarray, "m k"]:
-    """Last values at some times; NaN where the last row is more than `most_us` old."""
+    """Return the last values at some times; NaN if the last row is more than `most_us` old."""
     found = np.full((len(time_us), values.shape[1]), np.nan)
     if len(known_us):
+        # The last row at or before each time.
         row = np.searchsorted(known_us, time_us, side="right") - 1
         is_there = (row >= 0) & (time_us - known_us[row] <= most_us)
         found[is_there] = values[row[is_there]]
@@ -87,7 +92,7 @@ def _at(
 def pose_at(
     rows: RecordedRows, entity: str, time_us: Int[np.ndarray, " m"], *, most_us: int = 0
 ) -> tuple[Float[np.ndarray, "m 3"], Float[np.ndarray, "m 4"]]:
-    """Position and attitude wxyz of an entity at some times; NaN where unknown.
+    """Return position and attitude wxyz of an entity at some times; NaN if unknown.
 
     Args:
         rows: The recording.
@@ -96,23 +101,25 @@ def pose_at(
         most_us: Greatest age of a pose that still counts.
     """
     known_us, position_m = rows.vectors(entity, TRANSLATION)
+    # rerun keeps quaternions as xyzw.
     quat_wxyz = rows.vectors(entity, _QUATERNIONS, 4)[1][:, [3, 0, 1, 2]]
     both = _at(known_us, np.column_stack([position_m, quat_wxyz]), time_us, most_us)
     return both[:, :3], both[:, 3:]
 
 
 def measured(rows: RecordedRows, table: str) -> Columns:
-    """Vectors of the table imu or motors, which are kept at every control tick."""
+    """Return the vectors of the table imu or motors, which are kept at every control tick."""
     found: Columns = {}
     for prefix, entity, parts, unit in _FAST[table] if table in _FAST else _motors(rows):
         time_us, values = rows.vectors(entity, SCALARS, len(parts))
         found |= {"time_us": time_us, **spread(prefix, parts, unit, values)}
+    # Torn recordings may have more rows of one vector than of another.
     n = min(len(column) for column in found.values())
     return {name: column[:n] for name, column in found.items()}
 
 
 def n_rotors(rows: RecordedRows) -> int:
-    """Number of rotors of the vehicle, 4 where nothing is recorded of them."""
+    """Return the number of rotors of the vehicle, 4 if they were not recorded."""
     return rows.width(layout.MOTOR_SPEED, SCALARS) or _OF_QUADROTOR
 
 
@@ -125,12 +132,13 @@ def _motors(rows: RecordedRows) -> tuple[_Vector, ...]:
 
 
 def plans(rows: RecordedRows) -> Columns:
-    """Points of all plans; those of a plan without a duration have no times."""
+    """Return the points of all plans; a plan without a duration has no times."""
     durations_s = dict(rows.rows(layout.PLANNED, "duration_s"))
     parts: list[np.ndarray] = []
     points: list[np.ndarray] = [np.zeros((0, 3))]
     for plan, (since_us, strips) in enumerate(rows.rows(layout.PLANNED, "LineStrips3D:strips")):
         points.append(np.array(strips[0], dtype=float))
+        # Points of a plan are evenly spaced in time.
         lasts_us = 1e6 * durations_s.get(since_us, [0.0])[0]
         time_us = since_us + np.linspace(0.0, lasts_us, len(points[-1]))
         same = np.ones_like(time_us)
@@ -141,7 +149,7 @@ def plans(rows: RecordedRows) -> Columns:
 
 
 def movers(rows: RecordedRows) -> Columns:
-    """Poses of everything that moves besides the vehicle."""
+    """Return the poses of all movers besides the vehicle."""
     whose: list[str] = []
     times, positions, quats = [np.zeros(0, int)], [np.zeros((0, 3))], [np.zeros((0, 4))]
     for entity in rows.entities:
@@ -160,7 +168,7 @@ def movers(rows: RecordedRows) -> Columns:
 
 
 def contacts(listed: Sequence[Mapping[str, Any]]) -> Columns:
-    """Contacts as the verdict lists them."""
+    """Return the contacts as the verdict lists them."""
     places_m = np.array([each["position_enu_m"] for each in listed], dtype=float).reshape(-1, 3)
     return {
         "since_us": [round(1e6 * each["time_s"]) for each in listed],
@@ -171,7 +179,7 @@ def contacts(listed: Sequence[Mapping[str, Any]]) -> Columns:
 
 
 def events(rows: RecordedRows) -> Columns:
-    """Changes of states, and texts."""
+    """Return changes of states, and texts, in order of time."""
     found = [
         (time_us, what, value[0])
         for what, (entity, component) in _EVENTS.items()

@@ -1,4 +1,8 @@
-"""A recorded trial as arrays, read from its recording alone."""
+"""A recorded trial as arrays, read from its recording alone.
+
+Every export format starts from this one form, so that each of them needs to know neither rerun nor
+the layout of recordings.
+"""
 
 from __future__ import annotations
 
@@ -55,11 +59,11 @@ _WANTED = (
 
 @dataclass(frozen=True, kw_only=True)
 class RecordedTrial:
-    """Everything that a recording holds of a trial, but the scene."""
+    """Everything that a recording holds of a trial, except the scene."""
 
     name: str
     tables: Mapping[str, pa.Table]
-    """Tables by the names and with the columns of `tables.TABLES`; empty where nothing is known."""
+    """Tables by the names and with the columns of `tables.TABLES`; empty if nothing is known."""
     pictures: tuple[Picture, ...]
     """Images of the table of frames, in its order; colours before depth."""
     mounts: Mapping[str, Mount]
@@ -70,7 +74,14 @@ class RecordedTrial:
     """Entities of the recording that no table holds."""
 
     def array(self, table: str, prefix: str, unit: str, parts: tuple[str, ...]) -> np.ndarray:
-        """Columns of a vector in a table, (n, len(parts))."""
+        """Return the columns of a vector in a table as an array (n, len(parts)).
+
+        Args:
+            table: Name of the table.
+            prefix: First word of the columns' names.
+            unit: Last word of the columns' names; empty for none.
+            parts: Words between them, for example the axes.
+        """
         columns = self.tables[table].select(names(prefix, parts, unit))
         return np.column_stack([column.to_numpy() for column in columns.columns])
 
@@ -82,6 +93,10 @@ class RecordedTrial:
 
     def require(self, *tables: str, what: str) -> None:
         """Refuse a recording without some tables.
+
+        Args:
+            tables: Names of the tables.
+            what: Purpose of the tables, for the message.
 
         Raises:
             TrialDataError: If one of them is empty.
@@ -112,6 +127,7 @@ def read_trial(path: Path) -> RecordedTrial:
         UnreadableRecordingError: If the file is missing or no recording.
         TrialDataError: If it is a recording of something else.
     """
+    # Only the wanted entities are kept in memory.
     with readable(path) as source:
         rows = RecordedRows(source, _WANTED)
     run = rows.properties.get(layout.RUN_PROPERTY)
@@ -120,10 +136,12 @@ def read_trial(path: Path) -> RecordedTrial:
             f"recording {str(path)!r} holds no flight; valid: one of aeroscene fly, campaign or "
             "sitl --record"
         )
+    # Missing if the run was killed.
     verdict = rows.properties.get(layout.VERDICT_PROPERTY, {})
     figures = facts_of(verdict, "figures", path)
     try:
         return _trial_of(path, rows, run, verdict, figures)
+    # A recording of another program may have any contents under our names.
     except (KeyError, IndexError, TypeError, ValueError) as error:
         raise TrialDataError(
             f"recording {str(path)!r} holds other data than a flight's ({error}); valid: one of "
@@ -156,6 +174,7 @@ def _trial_of(
         "contacts": contacts(figures.get("contacts", ())),
         "events": events(rows),
     }
+    # A hexacopter has more columns of motors than a quadrotor.
     known = {**TABLES, "motors": motor_columns(n_rotors(rows))}
     tables = {name: _table(known[name], path.stem, found) for name, found in columns.items()}
     return RecordedTrial(
@@ -169,8 +188,9 @@ def _trial_of(
 
 
 def _table(known: tuple[Column, ...], trial: str, columns: Columns) -> pa.Table:
-    """Columns as a table; those that are not there are null."""
+    """Return columns as a table; missing columns are null."""
     schema = arrow_schema(known)
+    # All columns of a table have one length.
     n = len(next(iter(columns.values()), ()))
     arrays = [
         pa.array([trial] * n, pa.string())

@@ -1,4 +1,4 @@
-"""What a flight cost, by its history: time, electrical energy, jerk."""
+"""Effort of a flight by its history: time, electrical energy, jerk."""
 
 from __future__ import annotations
 
@@ -10,12 +10,13 @@ from flightsim.vehicles.airframe import Airframe
 from flightsim.vehicles.battery import watts_per_cubed_speed
 
 _BLOCK_S = 0.1
-"""Time over which the velocity is averaged before it is differentiated twice."""
+"""Time over which the velocity is averaged before it is differentiated twice. Without it the jerk
+would be mostly vibration."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Effort:
-    """Figures by which pilots are compared that fly the same task; None where there is none."""
+    """Figures that compare pilots on the same task; None if a figure does not apply."""
 
     navigation_s: float | None = None
     """Time from lift-off until it was first above the assigned area."""
@@ -57,7 +58,7 @@ def measure_effort(
 
 
 def _energy_j(flown: np.ndarray, airframe: Airframe, tick_s: float) -> float:
-    """Energy that the battery's model draws, without what its own resistance takes."""
+    """The energy that the battery's model draws, without the losses of its own resistance."""
     battery = airframe.battery
     cubes = float(np.sum(np.abs(flown["rotor_speed_radps"]) ** 3))
     power_w = battery.avionics_power_w * len(flown) + watts_per_cubed_speed(battery) * cubes
@@ -67,6 +68,7 @@ def _energy_j(flown: np.ndarray, airframe: Airframe, tick_s: float) -> float:
 def _jerk_rms_mps3(flown: np.ndarray, tick_s: float) -> float | None:
     n_rows = round(_BLOCK_S / tick_s)
     n_blocks = len(flown) // n_rows
+    # A second difference needs three values.
     if n_blocks < 3:
         return None
     velocity_mps = flown["velocity_true_enu_mps"][: n_blocks * n_rows]

@@ -11,7 +11,10 @@ from autonomy.types import ControlLevel
 
 
 class EstimationErrors:
-    """Sums of the estimator's errors from arming on, over a history that grows."""
+    """Sums of the estimator's errors from arming on, over a history that grows.
+
+    Sums instead of rows, so that a run without end takes no more memory.
+    """
 
     def __init__(self) -> None:
         self._n_rows = 0
@@ -20,6 +23,7 @@ class EstimationErrors:
 
     def add(self, history: np.ndarray) -> None:
         """Add rows, one for each control tick (`flightsim.plant.record`)."""
+        # On the ground before arming the filter may not even be aligned.
         armed = history[history["setpoint_level"] > ControlLevel.OFF]
         error_m = armed["position_est_enu_m"] - armed["position_true_enu_m"]
         angle_rad = rotation_angle_rad(armed["quat_est_wxyz"], armed["quat_true_wxyz"])
@@ -44,7 +48,7 @@ class EstimationErrors:
 def rotation_angle_rad(
     a_wxyz: Float[np.ndarray, "n 4"], b_wxyz: Float[np.ndarray, "n 4"]
 ) -> Float[np.ndarray, " n"]:
-    """Angle of the rotation between two attitudes."""
+    """Return the angle of the rotation between two attitudes, rad, 0 to pi."""
     # Both parts of conj(a) b, because the scalar part alone loses small angles to rounding.
     scalar = np.abs(np.sum(a_wxyz * b_wxyz, axis=1))
     vector = (

@@ -1,4 +1,8 @@
-"""Room between the hulls of a vehicle and of what moves."""
+"""Room between the hulls of a vehicle and of movers.
+
+Upright cylinders and boxes give a distance in closed form for every tick of every flight. They hold
+the true hulls, so a gap is never overstated.
+"""
 
 from __future__ import annotations
 
@@ -12,12 +16,15 @@ from flightsim.vehicles.airframe import Airframe
 def room_to_movers_m(
     vehicle_enu_m: Float[np.ndarray, 3], airframe: Airframe, movers: ObstacleStates
 ) -> float:
-    """Distance between an upright cylinder around the vehicle and the nearest mover's box.
+    """The distance between an upright cylinder around the vehicle and the nearest mover's box.
 
     Args:
         vehicle_enu_m: Centre of mass of the vehicle.
         airframe: Vehicle: its collision radius, its legs, and its fuselage above them.
         movers: At least one.
+
+    Returns:
+        The gap in m; 0 if they overlap.
     """
     away_m = vehicle_enu_m - movers.position_enu_m
     c, s = np.cos(movers.yaw_rad), np.sin(movers.yaw_rad)
@@ -27,6 +34,7 @@ def room_to_movers_m(
         np.maximum(np.abs(x_m) - half_m[:, 0], 0.0), np.maximum(np.abs(y_m) - half_m[:, 1], 0.0)
     )
     beside_m = np.maximum(beside_m - airframe.collision_radius_m, 0.0)
+    # Down to the legs' ends below the centre, but only half the fuselage above it.
     above_m = away_m[:, 2] - airframe.leg_length_m - half_m[:, 2]
     below_m = -away_m[:, 2] - airframe.body_size_m[2] / 2 - half_m[:, 2]
     gap_m = np.hypot(beside_m, np.maximum(np.maximum(above_m, below_m), 0.0))
@@ -39,7 +47,7 @@ def room_to_vehicle_m(
     other_enu_m: Float[np.ndarray, "n 3"],
     other: Airframe,
 ) -> Float[np.ndarray, " n"]:
-    """Distances between upright cylinders around two vehicles.
+    """Return the distances between upright cylinders around two vehicles, m.
 
     Args:
         own_enu_m: Centres of mass of one vehicle.

@@ -1,4 +1,8 @@
-"""Ways as a table of trials keeps them: few points, centimetres."""
+"""Paths as a table of trials keeps them: few points, centimetres.
+
+A flight has thousands of positions, a table thousands of flights. A simplified line is enough to
+draw the path and to measure its length.
+"""
 
 from __future__ import annotations
 
@@ -7,19 +11,19 @@ from jaxtyping import Float
 from numpy.typing import ArrayLike
 
 TRACK_STEP_S = 0.2
-"""Time between two points of a way before it is simplified."""
+"""Time between two points of a path before it is simplified."""
 _TOLERANCE_M = 0.05
 """Greatest distance of a dropped point from the line that takes its place."""
 
 Track = list[list[float]]
-"""Points of a way, ENU, m."""
+"""Points of a path, ENU, m."""
 
 
 def track_of(points_enu_m: ArrayLike) -> Track:
-    """A way as plain data: simplified to 5 cm, rounded to 1 cm.
+    """Return a path as plain data: simplified to 5 cm, rounded to 1 cm.
 
     Args:
-        points_enu_m: Points of the way, shape (n, 3).
+        points_enu_m: Points of the path, shape (n, 3).
 
     Raises:
         ValueError: If they are no points, or not finite.
@@ -31,11 +35,12 @@ def track_of(points_enu_m: ArrayLike) -> Track:
 
 
 def simplified(points: Float[np.ndarray, "n 3"], tolerance: float) -> Float[np.ndarray, "m 3"]:
-    """Fewest of some points between which no other one is farther than a tolerance from the line.
+    """Return few of some points, so that no dropped one is farther than a tolerance from the line.
 
-    Source: Douglas and Peucker 1973, "Algorithms for the reduction of the number of points
-    required to represent a digitized line or its caricature". The fewest that halving finds, that
-    is; both ends are kept.
+    Halving finds them; both ends are kept. The result is not the smallest possible set.
+
+    Source: Douglas and Peucker 1973, "Algorithms for the reduction of the number of points required
+    to represent a digitized line or its caricature".
     """
     keep = np.zeros(len(points), dtype=bool)
     keep[[0, -1] if len(points) else []] = True
@@ -56,8 +61,9 @@ def simplified(points: Float[np.ndarray, "n 3"], tolerance: float) -> Float[np.n
 def _from_segment(
     points: Float[np.ndarray, "n 3"], begin: Float[np.ndarray, 3], end: Float[np.ndarray, 3]
 ) -> Float[np.ndarray, " n"]:
-    """Distance of points from the line between two others, and not beyond them."""
+    """Return the distance of points from the segment between two others."""
     way = end - begin
+    # The tiny number only matters if both ends are the same point.
     share = (points - begin) @ way / max(float(way @ way), np.finfo(float).tiny)
     nearest = begin + np.clip(share, 0.0, 1.0)[:, None] * way
     return np.linalg.norm(points - nearest, axis=1)
