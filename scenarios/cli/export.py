@@ -39,7 +39,11 @@ class ExportCfg:
 
 
 def run(cfg: ExportCfg) -> int:
-    """Export; exit status 2 with one line where that is not possible."""
+    """Write the scene in the format that is asked for, and print the file's name and size.
+
+    Returns:
+        0. A scene that cannot be written ends the process with status 2 and one line.
+    """
     # Imported here because it is the whole simulator, which `--help` does not need.
     from aeroscene.sources import load_scene
     from flightsim.export.files import ExportError
@@ -49,6 +53,7 @@ def run(cfg: ExportCfg) -> int:
     began_s = time.perf_counter()
     airframes = [airframe_by_name(cfg.vehicle)] if cfg.vehicle != _NO_VEHICLE else []
     world = build_world(load_scene(cfg.scene), *airframes)
+    # By name, so that only the format that is asked for needs its library, such as usd-core.
     write = getattr(import_module(f"flightsim.export.{cfg.to}"), f"write_{cfg.to}")
     try:
         path = write(world, cfg.out)

@@ -1,4 +1,4 @@
-"""`aeroscene dataset stats`."""
+"""`aeroscene dataset stats`: counts of a dataset beside the figures of the paper."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class StatsCfg:
 
 
 def run(cfg: StatsCfg) -> int:
-    """Count the scenes and print the statistics."""
+    """Count the scenes and print the statistics as tables or as one JSON object."""
     dataset = open_scenes(cfg.data, cfg.scenes)
     beside = {_set_name(path): _read_layouts(path) for path in cfg.beside}
     found = statistics(dataset, beside, cfg.jobs, progress_bar)
@@ -136,6 +136,7 @@ def _figure(value: float | None, is_average: bool) -> str:
 
 
 def _deviation(row: Row) -> Text:
+    # Totals depend on the number of scenes; only averages can be held against the paper's.
     if row.deviation is None or not row.is_average:
         return styled()
     style = "green" if row.is_met else "bold red"
@@ -149,7 +150,7 @@ def _category_table(categories: Mapping[str, int]) -> Table:
         table.add_column(no_wrap=True)
         table.add_column(justify="right")
     cells = [(name, f"{count:,}") for name, count in categories.items()]
-    n_rows = -(-len(cells) // _CATEGORY_COLUMNS)
+    n_rows = -(-len(cells) // _CATEGORY_COLUMNS)  # rounded up
     for number in range(n_rows):
         table.add_row(*(text for cell in cells[number::n_rows] for text in cell))
     return table

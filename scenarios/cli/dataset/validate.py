@@ -1,4 +1,4 @@
-"""`aeroscene dataset validate`."""
+"""`aeroscene dataset validate`: every rule of a scene checked on every scene of a dataset."""
 
 from __future__ import annotations
 
@@ -53,7 +53,11 @@ class ValidateCfg:
 
 
 def run(cfg: ValidateCfg) -> int:
-    """Check everything and print what was found."""
+    """Check every scene, drop vehicles if asked to, and print the findings.
+
+    Returns:
+        0 if there are no findings and enough drops came to rest, else 1.
+    """
     dataset = open_scenes(cfg.data, cfg.scenes)
     with progress_bar("checking scenes", len(dataset.entries)) as advance:
         report = validate_all(dataset, cfg.jobs, advance, skip_invalid=cfg.skip_invalid)
@@ -68,6 +72,7 @@ def run(cfg: ValidateCfg) -> int:
 
 
 def _drop(cfg: ValidateCfg, dataset: SceneSet[Any]) -> DropReport:
+    # Each landing area is used at most once, so there may be fewer drops than asked for.
     n_drops = min(cfg.drops, sum(entry.n_landing for entry in dataset.entries))
     with progress_bar("dropping", n_drops, "drops") as advance:
         return drop_all(dataset, cfg.drops, cfg.seed, cfg.jobs, advance)
