@@ -51,11 +51,13 @@ def client_rows(scene: Scene, vehicle: str, seconds: float) -> Iterator[Row]:
                 UdpLink(local_port=0, remote_port=next(ports), profile=profile)
                 for profile in profiles
             ]
+            # Links are passed in, so that the benches need no ports of their own.
             cfg = TestbenchCfg(vehicle=vehicle, speed="max")
             bench = Testbench(scene, cfg, has_network=False, links=[links])
             benches[name] = stack.enter_context(bench)
             take_off(bench)
         for _ in range(max(1, round(seconds * 1e6 / TICK_US / _TICKS_IN_TURN))):
+            # Each turn has all benches one after the other, so that they can be compared pairwise.
             for name, bench in benches.items():
                 costs_us[name].append(_tick_us(bench))
     yield lower("CPU of MAVLink's tick without a client", median(costs_us[""]), "us")

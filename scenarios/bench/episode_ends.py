@@ -61,7 +61,7 @@ def end_rows(cfg: WorldsBenchCfg) -> Iterator[Row]:
     title = f"environments that fall, {n_ends.sum()} ends in {n} steps, two threads"
     yield higher(title, n / wall_s.sum(), "steps of 20 ms / wall s", LEAST_STEPS_WITH_ENDS)
     yield higher(title, n / cpu_s.sum(), "steps of 20 ms / CPU s")
-    # One thread, because CPU times of several include their waiting for each other.
+    # On one thread, so that a step's CPU time is all its own.
     for policy, target in (
         (_TIMED, MOST_END_MS),
         (_FALLING, None),

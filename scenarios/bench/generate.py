@@ -84,6 +84,7 @@ def rows(cfg: GenerateBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
             "checking that scenes are sound", 0.7 + 0.2 * next(checked) / cfg.n_generated
         ),
     )
+    # Only accepted scenes are compared after feasibility, since users never see the others.
     accepted = [draw.projected for draw in draws if not draw.is_rejected]
     groups = {RAW: [draw.raw for draw in draws], FEASIBLE: accepted}
     yield from comparison(
@@ -145,7 +146,7 @@ def _speed_rows(
     if is_gpu:
         yield from _gpu_rows(generator, cfg, stages.rest_s)
     on_progress("measuring the memory of a command by itself", 0.6)
-    # The libraries of a GPU take memory of their own, so the limit holds for a CPU.
+    # The limit is for a command on the CPU.
     most_gb = None if is_gpu else MOST_MEMORY_GB[cfg.preset]
     yield lower("peak memory", _peak_memory_gb(cfg), "GB", most_gb)
 

@@ -82,6 +82,7 @@ def rows(cfg: SimBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
     on_progress("cost of a client", 0.2)
     yield from client_rows(scene, cfg.vehicle, cfg.seconds)
     on_progress("plant alone", 0.25)
+    # The same world for the plant and for MuJoCo alone, so that their difference is the plant's.
     world = build_world(scene, airframe)
     yield _plant_alone(world, cfg.seconds)
     yield from scene_size_rows(scene, airframe, cfg.seconds)
@@ -184,6 +185,7 @@ def _physics_alone(world: World) -> Row:
 
 def _recorded(cfg: SimBenchCfg, scene: Scene, *, camera_hz: int) -> Row:
     """Return the speed of the whole stack with a recording, optionally with both cameras in it."""
+    # Per simulated second the figures stay comparable, although this flight is shorter.
     seconds = cfg.seconds * (_CAMERA_SHARE if camera_hz else 1.0)
     flight = _fly(cfg, scene, seconds, lambda bench, stack: _equip(bench, stack, camera_hz))
     suffix = f" and both cameras at {camera_hz} Hz" if camera_hz else ""

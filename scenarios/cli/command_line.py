@@ -33,7 +33,7 @@ EXIT_DONE = 0
 EXIT_NEGATIVE = 1  # The command worked and its answer is no: a failed flight, a missed target.
 EXIT_BAD_INPUT = 2
 
-# No `--no-FLAG` twins, `--speed` instead of `--bench.speed`, and no option that takes "None".
+# One flag for each switch without a twin, `--speed` for `--bench.speed`, and no value "None".
 _CONFIG = (tyro.conf.FlagCreatePairsOff, tyro.conf.OmitArgPrefixes, tyro.conf.DisallowNone)
 # tyro frames its errors with lines or, where the terminal knows none, with ASCII.
 _SIDES = " │|"

@@ -11,7 +11,7 @@ from scenarios.cli.progress import share_bar
 from scenarios.cli.terminal import styled, terminal
 from scenarios.doctor.diagnosis import Diagnosis, diagnose
 
-# "problem" alone keeps the machine from flying; a "note" is about an optional part.
+# Only a "problem" keeps the machine from flying; a "note" says that something works in part.
 _STYLES = {"ok": "green", "note": "yellow", "problem": "bold red"}
 
 

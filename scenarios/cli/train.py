@@ -46,7 +46,7 @@ def run(cfg: TrainCfg) -> int:
         from aeroscene.learning.training.state import read_state
         from aeroscene.learning.training.state_head import STATE
 
-        # From the state on, Ctrl-C means "save and leave": reading it may take a while as well.
+        # From here on a signal asks for an orderly stop, also while state and data are read.
         with _asked_to_stop() as stop:
             state = None if head is None else read_state(cfg.out / STATE)
             plan = training_plan(cfg, head)

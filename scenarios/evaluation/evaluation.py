@@ -289,7 +289,7 @@ class Evaluation:
         )
 
     def _drawer(self, entrant: Entrant) -> Drawer:
-        # The draws have the same share of each domain as the scenes they are compared with.
+        # The draws have the same share of each domain as the test split.
         domains: list[SceneDomain] = [scene.domain for scene in self._data.test]
         folder = self._place(entrant) / "scenes"
         return Drawer(folder, self._network, self.camera, domains)

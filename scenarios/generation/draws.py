@@ -183,6 +183,7 @@ class Tally:
                     f"the last of {judge.most_draws} draws has {missed}; "
                     "valid: wishes nearer to that, another seed, or no --strict"
                 )
+            # A scene that misses a wish of a prompt waits, since a later draw may meet all.
             if unfit is None and not (missed and self.prompt):
                 self.write(scene, wishes)
                 return True

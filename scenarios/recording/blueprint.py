@@ -123,6 +123,7 @@ def _scene_views(scene: Scene, shown: _Shown, goal_enu_m: Vector3 | None) -> rrb
 
 
 def _scene_view(name: str, shown: _Shown, eye: rrb.EyeControls3D) -> rrb.Spatial3DView:
+    # Without this range, only the newest row of an entity would be visible.
     until_now = rrb.VisibleTimeRanges(
         rrb.VisibleTimeRange(
             layout.TIMELINE,

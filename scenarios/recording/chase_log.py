@@ -38,6 +38,7 @@ class ChaseLog:
             world: World of the flight, in which the eye looks for walls.
             history: Rows of `Plant.history`, oldest first, that continue those of the last call.
         """
+        # Control ticks are 4 ms apart, so the period picks every tenth row.
         steps = np.flatnonzero(history["time_us"] % _PERIOD_US == 0)
         if not len(steps):
             return

@@ -88,7 +88,7 @@ class LandingLog:
             (layout.LANDING_ROUGHNESS, landing.roughness_m, _ROUGH_M),
             (layout.LANDING_CLEARANCE, landing.clearance_m, landing.enough_clearance_m),
         ):
-            # A cell without a value, such as a slope at the edge, counts as bad.
+            # A cell without a value gets the brightest colour.
             share = np.nan_to_num(values[shown].astype(float) / top, nan=1.0)
             self._log_points(entity, cells_enu_m, _mixed(share, _LOW_RGB, _HIGH_RGB), _THINNED)
         east_m, north_m = landing.axes_enu_m

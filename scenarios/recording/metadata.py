@@ -91,6 +91,7 @@ def log_verdict(stream: rr.RecordingStream, info: RunInfo, verdict: Mapping[str,
     _log_page(stream, info, verdict)
 
 
+# Written at the start and again with the verdict: the last one of a static entity counts.
 def _log_page(stream: rr.RecordingStream, info: RunInfo, verdict: Mapping[str, Any] | None) -> None:
     sections = [f"# {info.title}"]
     if verdict is not None:

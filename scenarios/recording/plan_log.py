@@ -46,6 +46,7 @@ class PlanLog:
         self._stream.log(
             layout.PLANNED,
             rr.LineStrips3D.from_fields(strips=[points], labels=[self._name(time_us)]),
+            # The strip has no times; its points are even in time, so the duration gives them.
             rr.AnyValues(duration_s=duration_s),
         )
         self._last = (time_us, points, duration_s)

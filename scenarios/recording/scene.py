@@ -113,6 +113,7 @@ def _boxes(batch: Sequence[Primitive], class_ids: Sequence[int]) -> rr.Boxes3D:
 
 def _cylinders(batch: Sequence[Primitive], class_ids: Sequence[int]) -> rr.Cylinders3D:
     size = _sizes(batch)
+    # rerun's cylinders are round, so an elliptic one takes its larger radius.
     return rr.Cylinders3D(
         radii=size[:, :2].max(axis=1) / 2, lengths=size[:, 2], **_placed(batch, class_ids)
     )
@@ -132,6 +133,7 @@ def _meshes(batch: Sequence[Primitive], class_ids: Sequence[int]) -> rr.Mesh3D:
         for p in batch
     ]
     rgba = [MATERIALS[p.material].rgba for p in batch]
+    # A hull has three corners for each of its triangles, and each triangle one colour.
     colours = np.repeat(np.round(255 * np.array(rgba)), [len(h) // 3 for h in hulls], axis=0)
     # The class of the first hull stands for all: rerun has no class for a part of a mesh.
     return flat_mesh(np.concatenate(hulls).reshape(-1, 3, 3), colours, class_ids=class_ids[:1])

@@ -203,6 +203,7 @@ def _is_readable(path: Path) -> bool:
 
 
 def _mend(path: Path, copy: Path) -> None:
+    # `optimize` rewrites the file, and leaves out a last chunk that is cut off.
     result = subprocess.run(  # noqa: S603 - arguments are ours
         [str(rerun_program()), "rrd", "optimize", str(path), "-o", str(copy)],
         capture_output=True,

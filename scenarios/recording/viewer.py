@@ -78,6 +78,7 @@ class Viewer:
         self._process.wait_for_port(port)
 
     def _serve_page(self, stack: ExitStack, source: str | Path) -> None:
+        # rerun serves its page on a port that nobody is told of; ours passes it on.
         upstream_port = free_port(0)
         arguments = ["--serve-web", "--bind", LOOPBACK, "--web-viewer-port", str(upstream_port)]
         if isinstance(source, str):
@@ -115,6 +116,7 @@ class _RerunProcess:
     """The `rerun` program in a process group of its own."""
 
     def __init__(self, arguments: Sequence[str]) -> None:
+        # A file, because a pipe that nobody reads would fill up and block the viewer.
         self._output = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the process
         self._process = subprocess.Popen(  # noqa: S603 - arguments are ours
             [str(rerun_program()), *arguments],

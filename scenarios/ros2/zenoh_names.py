@@ -68,6 +68,7 @@ def entity_token(
 
 def qos_words(qos: Qos) -> str:
     """Return a profile in the form of tokens, which leave rmw_zenoh's defaults out."""
+    # The colons part policies; the empty fields behind are deadline, lifespan and liveliness.
     reliability = "" if qos.is_reliable else _BEST_EFFORT
     durability = _TRANSIENT_LOCAL if qos.is_latched else ""
     depth = "" if qos.depth == _DEFAULT_DEPTH else str(qos.depth)

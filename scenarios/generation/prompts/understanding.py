@@ -100,6 +100,7 @@ def understood(
 def _options(wishes: Wishes) -> dict[str, Any]:
     found = {**msgspec.structs.asdict(wishes), "min_passage": wishes.min_passage_m}
     options = {name: found[name] for name in _OPTIONS if found[name] is not None}
+    # As texts, because these options are texts on the command line.
     if wishes.outline_m is not None:
         options["outline"] = ",".join(f"{side:g}" for side in wishes.outline_m)
     if "areas" in options:

@@ -181,6 +181,7 @@ def _is_known(name: str, table: Mapping[str, Thing]) -> bool:
     thing = table[name]
     if not thing.hearts:
         return name in by_name()
+    # A thing is known if everything that it is made of is known, down to the catalogue.
     others = (*thing.hearts, *(part.thing for part in thing.parts))
     return all(
         other in by_name() or (other in table and _is_known(other, table)) for other in others

@@ -83,6 +83,7 @@ class Clauses:
         elif kind == "and":
             self._read_and(lexeme)
         elif kind == "with":
+            # "with" ends the naming of the place: what follows is in it.
             self._drop_number()
             self._drop(self._tie)
             self._tie, self._is_in_head, self._is_after_place = None, False, False

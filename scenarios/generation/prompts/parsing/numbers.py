@@ -190,6 +190,7 @@ def _whole(tokens: Sequence[str], at: int) -> tuple[int, int] | None:
             n, taken = n + ones, 2
     else:
         return None
+    # "two dozen", "three hundred"
     after = tokens[at + taken : at + taken + 1]
     if after in (["dozen"], ["hundred"]):
         return n * (12 if after == ["dozen"] else 100), taken + 1
