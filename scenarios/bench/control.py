@@ -94,6 +94,7 @@ def _tracking(cfg: ControlBenchCfg, name: str, world: World) -> Iterator[Row]:
                 errors_m.append(_fly_eight(plant, wind).rmse_m(state))
             target = LARGEST_RMSE_M[state, air] if name == _TARGET_VEHICLE else None
             title = f"{name}, figure eight by {state}, {air}"
+            # Flights are of equal length, so their mean square is that of all samples.
             rmse_m = math.sqrt(np.mean(np.square(errors_m)))
             yield lower(title, rmse_m, "m RMSE", target)
             if n_flights > 1:

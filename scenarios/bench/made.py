@@ -54,6 +54,7 @@ def rows(cfg: GenerateBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
 def _read(cfg: GenerateBenchCfg, on_progress: OnProgress) -> list[Scene]:
     readers = _readers(cfg.scenes or SHIPPED)
     wanted = len(readers) if cfg.count is None else cfg.count
+    # The classifier needs a scene in each of its folds.
     if not N_FOLDS <= wanted <= len(readers):
         raise DatasetError(
             f"{wanted} scenes of {cfg.scenes!r} are asked for, which has {len(readers)}; "

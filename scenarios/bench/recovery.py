@@ -65,6 +65,7 @@ def recover(
         plant.advance()
         heights.append(plant.truth.position_enu_m[2])
         tilts.append(_tilt(plant))
+    # Upright from the tick after the last one that was tilted.
     tilted = [k for k, tilt in enumerate(tilts) if tilt > _UPRIGHT_RAD]
     return Recovery(
         is_recovered=_is_at_rest(plant),

@@ -72,6 +72,7 @@ def group_figures(
     on_group("what the corpus is like", 0.0)
     reference = Reference.of(real.train, real.test)
     count = min(max(map(len, groups.values())), len(real.train))
+    # Drawn by chance, because the first scenes of a corpus need not be like the others.
     chosen = rng.choice(len(real.train), count, replace=False).tolist()
     judged = {**groups, TEST: real.test, TRAIN: [real.train[i] for i in chosen]}
     sizes = {name: len(scenes) for name, scenes in judged.items() if len(scenes) >= N_FOLDS}

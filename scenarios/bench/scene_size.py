@@ -67,6 +67,7 @@ def _around(scene: Scene, n: int) -> list[Primitive]:
     east_m, north_m, _ = np.subtract(scene.extent_max_enu_m, scene.extent_min_enu_m).tolist()
     solids = scene_primitives(scene)
     copies = []
+    # The eight neighbours of the scene itself, each shifted by its extent.
     for east, north in itertools.product((1, -1, 0), repeat=2):
         for solid in solids if (east, north) != (0, 0) else ():
             x, y, z = solid.position_enu_m

@@ -100,6 +100,7 @@ def _plants_alone(cfg: VehiclesBenchCfg, scene: Scene, airframe: Airframe) -> It
         # One call aligns and advances all: the first plant stands for the world.
         first.align()
         for plant in plants:
+            # Each climbs above its own start, so that none gets near another.
             east, north, up = plant.truth.position_enu_m
             plant.apply(hold((east, north, up + _CLIMB_M)))
         cpu_s = time.process_time()

@@ -83,6 +83,7 @@ def _run_map(cfg: LayoutsCfg) -> int:
     """Report what a place on a map was turned into, and write its scene if asked to."""
     from aeroscene.maps import open_map
 
+    # Bounds are part of the name, as in `FILE.osm#W,S,E,N`.
     path, _, bounds = str(cfg.file).partition("#")
     scene, report = open_map(path, bounds or None)
     written: list[str] = []

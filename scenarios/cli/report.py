@@ -104,6 +104,7 @@ def _words_table(words: Mapping[str, Any]) -> Table:
     table = Table("goals in words", "trials", "", "95% interval")
     for name, score in words.items():
         is_rate = "success_rate" in score
+        # Shares are printed as percentages, means such as SPL and errors as numbers.
         value, form = (
             score["success_rate" if is_rate else "mean"],
             "{:.1%}" if is_rate else "{:.2f}",

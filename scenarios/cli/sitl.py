@@ -150,6 +150,7 @@ def run(command: SitlCommand) -> int:
         if sitl.viewer is not None and not should_stop():
             _keep_open(console, sitl.viewer)
         external = sitl.bench.external
+    # After the verdict and the summary, which a flight stack that died may still allow.
     if external is not None and external.fault:
         raise TestbenchError(f"the run was ended by {external.fault}")
     if sitl.missing:

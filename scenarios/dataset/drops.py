@@ -46,7 +46,10 @@ class Drop:
     """Faults of the final position, in words; empty if there are none."""
 
     def to_plain(self) -> dict[str, Any]:
-        """Return the drop as plain data."""
+        """Return the drop as plain data.
+
+        Keys are scene, area, drone_class and faults, the latter in words.
+        """
         return {
             "scene": self.scene_id,
             "area": self.area_id,

@@ -39,7 +39,10 @@ class Report:
         return {kind: counts[kind] for kind in KINDS}
 
     def to_plain(self) -> dict[str, Any]:
-        """Return the report as plain data, with every finding in full."""
+        """Return the report as plain data.
+
+        Keys are scenes, findings by kind, details with every finding in full, and invalid.
+        """
         return {
             "scenes": self.n_scenes,
             "findings": self.counts(),
@@ -69,6 +72,7 @@ def validate_all(
     with closing(run_all(check, dataset.entries, jobs)) as results:
         for entry, found in zip(dataset.entries, results, strict=True):
             on_scene()
+            # Results come in the order of the entries, whichever process was faster.
             if not isinstance(found, SceneError):
                 findings += found
                 readable.add(entry.index)

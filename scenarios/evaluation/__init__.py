@@ -2,5 +2,5 @@
 
 `entrants` lists the rows of each table, `evaluation` trains and draws what is missing in a folder,
 `rows` judges the draws, `table`, `gallery` and `curves` write the results. Everything is kept as
-soon as it is done, because a table takes about an hour of training for each method.
+soon as it is done, because by default each method of a table trains for an hour.
 """

@@ -1,7 +1,7 @@
 """Learning curves of all methods of a table, which show whether each was trained long enough.
 
-A comparison within one budget is only fair if no method was stopped while it still learned. The
-reader of a table can see that here.
+All methods of a table have the same budget. A method that was stopped while it still learned could
+do better with more time, and the reader of a table can see that here.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Rows of a table: every figure of a method with its interval, kept once it is measured.
 
-Some figures take minutes, so they are kept in a file with a key. The key covers the data, the
+Some figures take long, so they are kept in a file with a key. The key covers the data, the
 network, the protocol and the draws. A figure is read again only while all of these are the same.
 """
 

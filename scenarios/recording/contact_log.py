@@ -24,6 +24,7 @@ def log_contacts(stream: EntityStream, contacts: Iterable[Mapping[str, Any]]) ->
     """
     for contact in contacts:
         set_sim_time(stream, round(1e6 * contact["time_s"]))
+        # The time of the row is that of the first touch, so only the end is in words.
         words = f"{contact['what']}, until {contact['until_s']:.2f} s"
         stream.log(layout.TOUCHED, rr.TextLog(words))
         point = rr.Points3D(

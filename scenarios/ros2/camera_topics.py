@@ -76,6 +76,7 @@ class CameraTopics:
         lens = (float(frame.fx), float(frame.fy), float(frame.cx), float(frame.cy))
         height, width = frame.depth_m.shape
         for kind, publisher in self._images.items():
+            # Images are large: one that nobody hears is not even encoded.
             if publisher.is_heard:
                 publisher.send(image(ros, header, _pixels(frame, kind), _KINDS[kind]))
         for publisher in self._infos:

@@ -59,6 +59,7 @@ def _functions(topic: Any) -> ctypes.c_void_p:
     """Return the place in memory where the topic's type keeps the address of its functions."""
     from cyclonedds.internal import load_cyclonedds
 
+    # `ops` is the first member of the type, so the type's address is where it is kept.
     found = ctypes.c_void_p()
     library = load_cyclonedds()
     if library.dds_get_entity_sertype(ctypes.c_int32(topic._ref), ctypes.byref(found)) < 0:

@@ -45,6 +45,7 @@ def choose_goal(
     """
     grades: list[Grade] = [grade for grade in GRADES if asked in {"words", grade}]
     rng = generator(seed, scene.scene_id, "grade")
+    # A stream of its own for the order, so that areas and texts do not depend on it.
     order = [grades[i] for i in rng.permutation(len(grades))]
     # Areas outside, grades inside: the drawn area is kept if any grade has a text for it.
     for candidate in draw_goals(scene, airframe, seed) if area is None else [area]:

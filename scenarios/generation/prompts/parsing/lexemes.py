@@ -82,5 +82,6 @@ def _known(tokens: Sequence[str], at: int, own_themes: frozenset[str]) -> tuple[
 
 
 def _windows(tokens: Sequence[str], at: int) -> Iterator[tuple[str, ...]]:
+    # The longest window first, so that the first hit is the longest phrase.
     for size in range(min(_LONGEST, len(tokens) - at), 0, -1):
         yield tuple(tokens[at : at + size])
