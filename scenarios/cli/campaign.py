@@ -54,13 +54,13 @@ _MOST_INSTANCE = 99
 class CampaignCfg:
     """Fly trials of a pilot in many scenes and score them.
 
-    Trial N of a scene and a vehicle is always the same one. A campaign that was stopped, also by
-    kill -9, goes on where it was by the same command; more scenes, vehicles or trials are added by
-    naming more. Exit status 1 if every trial raised, hung or died, so that nothing is scored.
+    Trial N of a scene and a vehicle is always the same one. If a campaign was stopped, even by kill
+    -9, the same command continues it. To add scenes, vehicles or trials, name more of them. Exit
+    status 1 if every trial raised, hung or died, so that nothing is scored.
     """
 
     out: Annotated[Path, OutFolder()]
-    """Folder of the results; made where it is missing."""
+    """Folder of the results; it is made if it is missing."""
     scenes: str = "0:10"
     """Numbers of scenes of the dataset: A:B without B, single ones, and districts as district:SEED,
     joined by commas; or one place on a map as FILE.osm#W,S,E,N."""
@@ -75,8 +75,8 @@ class CampaignCfg:
     your own, mavlink a program of your own over MAVLink, see docs/campaigns.md."""
     program: Annotated[str | None, tyro.conf.arg(help_behavior_hint="")] = None
     """With --pilot mavlink: command that flies each trial, with its task as a line of JSON on
-    standard input. By default clients come by themselves, and each task is a line on standard
-    output."""
+    standard input. By default your clients connect by themselves, and each task is a line on
+    standard output."""
     endpoint: Annotated[str | None, tyro.conf.arg(help_behavior_hint="")] = None
     """With --pilot vlm: address of a vision-language model that answers chat/completions as
     OpenAI's does, such as http://127.0.0.1:8080/v1. OPENAI_API_KEY is sent if it is set, over https
@@ -95,11 +95,11 @@ class CampaignCfg:
     """Recipe from which tasks are drawn: a TOML file that names starts, wind, traffic, sensors and
     map; or one of the families that ship, such as crowd or storm, see docs/families.md."""
     suite: Annotated[str | None, default_hint("none")] = None
-    """Fixed suite, aeroscene-300 or aeroscene-hard: names scenes, trials, vehicles and recipes by
+    """Fixed suite, aeroscene-300 or aeroscene-hard, which sets scenes, trials, vehicles and recipes
     itself."""
     families: Annotated[str, default_hint("all")] = ""
-    """With a suite of families: the families to fly, joined by commas; the others can follow in the
-    same folder."""
+    """With a suite of families: the families to fly, joined by commas. You can fly the others later
+    in the same folder."""
     record: Literal["none"] | RecordLevel = "none"
     """Level of detail of each trial's recording, OUT/recordings/SCENE-VEHICLE-TRIAL.rrd, see
     docs/recording.md. Recording does not change the flights."""
@@ -115,7 +115,7 @@ class CampaignCfg:
     """local runs the processes on this machine, ray on a cluster of Ray (aeroscene[cluster])."""
     ray_address: Annotated[str | None, tyro.conf.arg(help_behavior_hint="")] = None
     """With --engine ray: address of the cluster, such as auto or ray://HOST:10001. By default Ray
-    is started on this machine, on loopback alone, and ended afterwards."""
+    is started on this machine, on loopback only, and ended afterwards."""
     patience: Annotated[float, Range(0.0, unit="s", is_above=True)] = 900.0
     """Wall time for one trial, after which its process is ended and the trial counts as failed."""
     dry_run: bool = False

@@ -32,9 +32,9 @@ class CompareCfg:
     first: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="DIR_A")]
     """Folder of a campaign."""
     second: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="DIR_B")]
-    """Folder of another one, of the same recipe and of another pilot or version."""
+    """Folder of another campaign, with the same recipe and another pilot or version."""
     html: Annotated[Path | None, OutFile(), default_hint("none")] = None
-    """File for a page of it."""
+    """File for a page of the comparison."""
     json: Annotated[bool, tyro.conf.arg(name="json")] = False
     """Print one JSON object instead: pairs, a, b, both, a_alone, b_alone, neither, difference,
     interval_95, p_value, groups, figures, differing."""

@@ -27,13 +27,13 @@ class ExportCfg:
     to: Literal["mjcf", "glb", "usd"]
     """Format of the file."""
     out: Annotated[Path, OutFolder()]
-    """Folder to write into; made where it is missing."""
+    """Folder to write into; it is made if it is missing."""
     scene: str = "42"
     """Scene of the dataset by number, corpus:N, gen:SEED, district:SEED, field, a scene file,
     one of a file of layouts, or a place on a map as FILE.osm#W,S,E,N."""
     vehicle: str = "iris"
-    """Airframe at the start: its name, a file FILE.toml that describes it, or none; an unknown name
-    is answered with the valid ones. A GLB has none."""
+    """Airframe at the start: its name, a file FILE.toml that describes it, or none. An unknown name
+    gets the valid ones as an answer. A GLB has no vehicle."""
     json: bool = False
     """Print one JSON object: file, format, scene, objects, areas, bytes, seconds."""
 

@@ -42,11 +42,11 @@ class FlyCfg:
     """
 
     out: Annotated[Path, OutFolder()]
-    """Folder of a campaign, whose recipe and pilot are taken; or any other one."""
+    """Folder of a campaign, whose recipe and pilot are used, or any other folder."""
     trial: Annotated[int, Range(0, MOST_TRIALS - 1)]
     """Number of the trial among those of the scene and the vehicle."""
     scene: str = "42"
-    """Scene as the campaign names it: by its number."""
+    """Scene as the campaign names it, by its number."""
     vehicle: str = "iris"
     """Airframe by its name, or a file FILE.toml as the campaign names it."""
     pilot: Annotated[str | None, default_hint("the campaign's, else demo")] = None

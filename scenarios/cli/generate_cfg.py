@@ -101,9 +101,9 @@ class GenerateCfg:
     """Give outdoor sites gentle land in their green and around them; otherwise they are flat.
     --complete and --redo keep the ground of their scene."""
     out: Annotated[Path, OutFolder()] = Path("scenes")
-    """Folder to write into; made where it is missing."""
+    """Folder to write into; it is made if it is missing."""
     checkpoint: Annotated[Path | None, default_hint("the one that ships")] = None
-    """File that `aeroscene train` has written."""
+    """Checkpoint that `aeroscene train` has written."""
     preset: Literal["default", "paper", "progressive"] = "default"
     """Checkpoint that ships with the package: ours, the paper's, or the paper's in two passes."""
     steps: Annotated[int | None, Range(1, _MOST_STEPS), default_hint("the preset's")] = None
@@ -112,7 +112,7 @@ class GenerateCfg:
     """Scenes that are denoised at once, which is faster on a GPU. Another number gives other
     scenes."""
     device: str = "auto"
-    """auto takes a GPU where there is one; or cpu, cuda, cuda:1, mps."""
+    """auto takes a GPU if there is one; or cpu, cuda, cuda:1, mps."""
     threads: Annotated[int | None, THREADS, default_hint("1, with --batch all cores")] = None
     """Number of CPU threads. For one scene at a time a second one brings little."""
     strict: bool = False

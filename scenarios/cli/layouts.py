@@ -41,7 +41,7 @@ class LayoutsCfg:
     file: tyro.conf.Positional[Path]
     """The file of layouts."""
     out: Annotated[Path | None, OutFolder(), tyro.conf.arg(help_behavior_hint="")] = None
-    """Write each layout as a scene of ours, SCENE_ID.json, into this folder."""
+    """Folder to write each layout into as a scene, SCENE_ID.json."""
     skip_invalid: bool = False
     """Leave out objects and scenes that break a rule, name and count them, and continue."""
     json: bool = False

@@ -41,7 +41,7 @@ class ReplayCfg:
     """
 
     recording: tyro.conf.Positional[Path]
-    """The .rrd file, or a folder with some."""
+    """The .rrd file, or a folder with .rrd files."""
     viewer: Literal["auto", "native", "web"] = "auto"
     """native opens a window, web serves a page on loopback; auto takes native if it can."""
     pictures: Annotated[Path | None, OutFolder(), tyro.conf.arg(help_behavior_hint="")] = None

@@ -17,9 +17,9 @@ _MOST_STEPS = 1_000_000_000
 class TrainCfg:
     """Train a model that generates scenes: a writer of their contents, then a denoiser of places.
 
-    Ctrl-C saves and leaves; the same command with --resume goes on from there. The folder then
-    holds checkpoint.safetensors for `aeroscene generate`, state.safetensors to go on from,
-    log.jsonl and curves.png.
+    Ctrl-C saves and ends the command; run it again with --resume to continue. The folder then holds
+    checkpoint.safetensors for `aeroscene generate`, state.safetensors to continue from, log.jsonl
+    and curves.png.
     """
 
     preset: Annotated[
@@ -29,7 +29,7 @@ class TrainCfg:
     config: Annotated[Path | None, default_hint("none")] = None
     """TOML file that changes fields of the preset; see docs/training.md."""
     data: Path = Path("corpus")
-    """Folder that `aeroscene dataset build` has made, or a file of neutral layouts."""
+    """Folder made by `aeroscene dataset build`, or a file of neutral layouts."""
     stream: bool = False
     """Continue beyond the folder's last scene: processes make new scenes while the network learns.
     The folder's training scenes fix vocabulary and statistics, its test scenes are held out."""
@@ -50,7 +50,7 @@ class TrainCfg:
     resume: bool = False
     """Continue the training in the folder."""
     device: str = "auto"
-    """auto takes a GPU where there is one; or cpu, cuda, cuda:1, mps."""
+    """auto takes a GPU if there is one; or cpu, cuda, cuda:1, mps."""
     threads: Annotated[int | None, THREADS, default_hint("all cores")] = None
     """Number of CPU threads."""
     parts: Annotated[

@@ -37,7 +37,7 @@ _RUN: Mapping[type, Callable[[Any], int]] = {
 class DatasetCfg:
     """Count, check, look at and unpack the 1,016 scenes that ship, or those of a folder.
 
-    The training corpus is built into one.
+    build makes such a folder, with the training corpus in it.
     """
 
     action: Action

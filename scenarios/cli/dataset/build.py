@@ -33,8 +33,8 @@ class BuildCfg:
     out: Annotated[Path, OutFolder()] = Path("corpus")
     """Folder to build in; it is made if it is missing."""
     scenes: str = f"0:{CORPUS_SIZE}"
-    """Numbers of scenes, from 0 up: A:B without B, single ones, joined by commas. Beyond the 1,016
-    of the corpus there is no last; every fifth is of the test split."""
+    """Numbers of scenes, from 0 up: A:B without B, single ones, joined by commas. You can go beyond
+    the 1,016 of the corpus as far as you like; every fifth scene is of the test split."""
     jobs: Annotated[int, JOBS] = field(default_factory=default_jobs)
     """Processes; the default is the number of cores."""
     json: bool = False

@@ -31,7 +31,7 @@ class ShowCfg:
 
     data: Data = ""
     """Folder of a corpus or of scene files, or "shipped" for the scenes that come with the package;
-    by default the folder corpus where there is one, and else shipped."""
+    by default the folder corpus if there is one, else shipped."""
     scenes: SceneNumbers = ""
     """Scenes to draw: A:B without B, single ones, joined by commas; by default twelve, spread."""
     out: Annotated[Path, OutFile((".png",))] = Path("sheet.png")
@@ -44,7 +44,7 @@ class ShowCfg:
     """Processes; the default is the number of cores."""
     viewer: Literal["off", "auto", "native", "web"] = "off"
     """Open the first of the scenes in rerun instead of drawing: native opens a window, web serves a
-    page on loopback, auto takes the window where there is a display."""
+    page on loopback, auto takes the window if there is a display."""
 
 
 def run(cfg: ShowCfg) -> int:

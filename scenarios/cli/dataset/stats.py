@@ -27,7 +27,7 @@ _CATEGORY_COLUMNS = 4
 
 @dataclass(frozen=True, kw_only=True)
 class StatsCfg:
-    """Count what a dataset holds, in the rows of the paper's table and beside its figures.
+    """Count the objects and areas of a dataset, and print them beside the paper's figures.
 
     Domains, categories and diversity follow. The unit of layout distance is the layout's radius:
     the root mean square distance of its objects from their mean, seen from above.
@@ -35,7 +35,7 @@ class StatsCfg:
 
     data: Data = ""
     """Folder of a corpus or of scene files, or "shipped" for the scenes that come with the package;
-    by default the folder corpus where there is one, and else shipped."""
+    by default the folder corpus if there is one, else shipped."""
     beside: Annotated[tuple[Path, ...], default_hint("none")] = ()
     """Neutral layout files (.jsonl or .jsonl.gz) whose diversity is shown beside the dataset's."""
     scenes: SceneNumbers = ""
